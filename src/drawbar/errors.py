@@ -1,0 +1,29 @@
+"""The errors drawbar raises at its edges; inside the control loop a status is returned instead."""
+
+
+class DrawbarError(Exception):
+    """Base of every error a user is meant to read: says what was given, what is allowed and what to do."""
+
+
+class ConfigurationError(DrawbarError):
+    """A configuration has an unknown, missing, duplicate or impossible value."""
+
+
+class ModelError(DrawbarError):
+    """A vehicle model is declared wrongly."""
+
+
+class PathError(DrawbarError):
+    """A path cannot be read, or cannot be driven by this vehicle."""
+
+
+class SolverError(DrawbarError):
+    """A solver was asked for something it cannot do, or failed outside the control loop."""
+
+
+class CompilerError(DrawbarError):
+    """No C compiler was found, or it refused the generated code."""
+
+
+class HardwareError(DrawbarError):
+    """A machine did not answer as its interface promises."""

@@ -1,0 +1,30 @@
+"""The base of every configuration section, and the kinds of numbers a configuration may hold."""
+
+import math
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+
+class Settings(BaseModel):
+    """A frozen section of a configuration: unknown keys, missing keys, NaN and infinity are refused."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+def _radians(value: float) -> float:
+    if abs(value) > math.pi:
+        raise ValueError(f"{value} is not an angle in radians within ±π; degrees? {value}° = {math.radians(value):.4f} rad")
+    return value
+
+
+Positive = Annotated[float, Field(gt=0.0)]
+NonNegative = Annotated[float, Field(ge=0.0)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Angle = Annotated[float, AfterValidator(_radians)]
+"""An angle or angular rate in rad or rad/s; a magnitude above π is taken for degrees and refused."""
+PositiveAngle = Annotated[float, Field(gt=0.0), AfterValidator(_radians)]
+NonNegativeAngle = Annotated[float, Field(ge=0.0), AfterValidator(_radians)]
+Count = Annotated[int, Field(ge=1)]

@@ -1,0 +1,1 @@
+"""The vehicle: its parameters and its models, each declared once."""

@@ -1,0 +1,38 @@
+"""Geometry and limits of the tractor-trailer system (figure 3 of the paper)."""
+
+import math
+from typing import Literal
+
+from pydantic import Field
+
+from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
+
+
+class VehicleParameters(Settings):
+    """Lengths, steering limits and actuator lag; the defaults are the paper's machine."""
+
+    wheelbase: Positive = 1.4
+    """L_t, front to rear axle of the tractor, m"""
+    hitch_length: Positive = 1.1
+    """l, tractor rear axle to the actuated joint RJ2 when straight, m"""
+    drawbar_length: Positive = 0.2
+    """d, free joint RJ1 to actuated joint RJ2, m"""
+    trailer_length: Positive = 1.3
+    """L_i, RJ2 to the trailer axle, m"""
+    trailer_antenna: NonNegative = 0.25
+    """c, trailer antenna ahead of the trailer axle, m"""
+    joint_sign: Literal[-1, 1] = 1
+    """+1: positive trailer steering is phi - psi; -1: the machine's actuator and sensor are reversed"""
+    tractor_steering_limit: PositiveAngle = math.radians(30.0)
+    """largest |delta_t| that may be commanded, rad"""
+    trailer_steering_limit: PositiveAngle = math.radians(20.0)
+    """largest |delta_i| that may be commanded, rad"""
+    steering_lag: Positive = 0.3
+    """tau, time constant of both steering actuators, s"""
+    curvature_limit: Positive = Field(default=0.3)
+    """tightest path curvature that the guidance may ask for, 1/m"""
+
+    @property
+    def free_joint_offset(self) -> float:
+        """Distance a = l - d from the tractor's rear axle back to the free joint RJ1, m."""
+        return self.hitch_length - self.drawbar_length
