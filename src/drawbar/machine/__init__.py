@@ -1,1 +1,1 @@
-"""machine."""
+"""The machines that drawbar can drive, behind one interface."""

@@ -1,0 +1,209 @@
+"""What the log of a run holds and how it is read back, as a whole or after a crash.
+
+A log is an MCAP file (https://mcap.dev/spec) without chunks: an attachment `run.json` with the RunHeader, one
+JSON message per StepRecord on the topic `/step`, and at the end, in most cases, the metadata `outcome`.
+JSON has neither NaN nor infinity: both are written as null and read back as NaN.
+"""
+
+import struct
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, fields
+from datetime import datetime
+from io import BytesIO
+from operator import attrgetter
+from pathlib import Path
+from typing import Any, Self, get_args
+
+import msgspec
+import numpy as np
+from mcap.exceptions import EndOfFile, McapError
+from mcap.records import Attachment, McapRecord, Message, Metadata
+from mcap.stream_reader import CRCValidationError, StreamReader
+from numpy.typing import NDArray
+from pydantic import BaseModel, ValidationError
+
+from drawbar.errors import DrawbarError
+from drawbar.geometry import Floats
+from drawbar.guidance.path import Path as DrivenPath
+from drawbar.signals import StepRecord
+from drawbar.vehicle.parameters import VehicleParameters
+
+HEADER_NAME = "run.json"
+OUTCOME_NAME = "outcome"
+STEP_TOPIC = "/step"
+_MAGIC = b"\x89MCAP0\r\n"
+_DAMAGE = (
+    McapError,
+    CRCValidationError,
+    msgspec.MsgspecError,
+    ValidationError,
+    ValueError,
+    KeyError,
+    struct.error,
+)
+_FRAME = struct.Struct("<BQ")  # operation code and length of the content that follows
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathTable:
+    """The path of a run by its n+1 nodes; the path itself can be made from it again, exactly."""
+
+    arc_length: Floats
+    """(n+1,): m"""
+    x: Floats
+    """(n+1,): east, m"""
+    y: Floats
+    """(n+1,): north, m"""
+    yaw: Floats
+    """(n+1,): continuous, rad"""
+    label_of_piece: NDArray[np.int8]
+    """(n,): index into label_names"""
+    label_names: tuple[str, ...]
+    """the classes that the metrics tell apart"""
+
+    @classmethod
+    def of(cls, path: DrivenPath) -> Self:
+        """Tabulate a path."""
+        nodes = path.anchors[1:]
+        x, y, yaw, _ = path.sample(nodes).T
+        labels = path.label_of_piece
+        return cls(arc_length=nodes, x=x, y=y, yaw=yaw, label_of_piece=labels, label_names=path.label_names)
+
+    def path(self) -> DrivenPath:
+        """Make the path again."""
+        return DrivenPath.through(**{field.name: getattr(self, field.name) for field in fields(self)})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunHeader:
+    """What is known before the first step; makes a log readable without the files it came from."""
+
+    configuration_name: str
+    configuration: str
+    """the complete resolved configuration, TOML"""
+    seed: int
+    started: datetime
+    vehicle: VehicleParameters
+    path_name: str
+    path: PathTable
+    estimate_bounds: Mapping[str, tuple[float, float]]
+    """lower and upper bound of the estimator by field name of Estimate, SI"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """How a run ended."""
+
+    finished: bool
+    reason: str
+
+
+_KILLED = Outcome(finished=False, reason="the log just stops: the program was killed or still runs")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunLog:
+    """A log read back: n steps."""
+
+    header: RunHeader
+    records: tuple[StepRecord, ...]
+    wall_time: Floats
+    """(n,): time of the computer's clock at which each step was written, s since 1970"""
+    outcome: Outcome
+
+    def column(self, name: str) -> Floats:
+        """Return one number of every step, (n,); NaN where the step has no truth.
+
+        The name is that of the field in StepRecord, as in `estimate.tractor.x`.
+        """
+        value = attrgetter(name)
+        of_truth = name.startswith("truth.")
+        return np.array(
+            [np.nan if of_truth and record.truth is None else value(record) for record in self.records],
+            dtype=float,
+        )
+
+
+def encode_special(value: Any) -> Any:
+    """Turn what msgspec does not know into what it knows: arrays, numpy scalars, configuration sections."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, BaseModel):
+        return value.model_dump()
+    raise TypeError(
+        f"a {type(value).__name__} cannot be written to a log; numbers, arrays and dataclasses can"
+    )
+
+
+def _decode_special(kind: Any, value: Any) -> Any:
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind.model_validate(value)
+    _, dtype = get_args(kind)  # of NDArray[...]: shape, dtype[...]
+    return np.array(value, dtype=get_args(dtype)[0])
+
+
+def _missing_to_nan(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _missing_to_nan(item) for key, item in value.items()}
+    return np.nan if value is None else value
+
+
+def _decode_step(data: bytes) -> StepRecord:
+    content = msgspec.json.decode(data)
+    # At the top level null is an absent section (truth), below it a missing number.
+    content = {key: None if value is None else _missing_to_nan(value) for key, value in content.items()}
+    return msgspec.convert(content, StepRecord, dec_hook=_decode_special)
+
+
+def _whole_records(data: bytes) -> bytes:
+    """Cut a record off that a crash left incomplete at the end."""
+    position = len(_MAGIC)
+    while position + _FRAME.size <= len(data):
+        _, length = _FRAME.unpack_from(data, position)
+        end = position + _FRAME.size + length
+        if end > len(data):
+            break
+        position = end
+    return data if data[position:] == _MAGIC else data[:position]
+
+
+def _records(data: bytes) -> list[McapRecord]:
+    records: list[McapRecord] = []
+    with suppress(EndOfFile):  # no footer: the run was killed, or still goes on
+        records.extend(StreamReader(BytesIO(_whole_records(data)), validate_crcs=True).records)
+    return records
+
+
+def _outcome(records: list[McapRecord]) -> Outcome:
+    for record in records:
+        if isinstance(record, Metadata) and record.name == OUTCOME_NAME:
+            return Outcome(finished=record.metadata["finished"] == "true", reason=record.metadata["reason"])
+    return _KILLED
+
+
+def _assemble(records: list[McapRecord]) -> RunLog:
+    header = next(r.data for r in records if isinstance(r, Attachment) and r.name == HEADER_NAME)
+    messages = [record for record in records if isinstance(record, Message)]
+    return RunLog(
+        header=msgspec.json.decode(header, type=RunHeader, dec_hook=_decode_special),
+        records=tuple(_decode_step(message.data) for message in messages),
+        wall_time=np.array([message.publish_time * 1e-9 for message in messages]),
+        outcome=_outcome(records),
+    )
+
+
+def read_log(file: Path) -> RunLog:
+    """Read the log of a run; a last record cut off by a crash is left out.
+
+    Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
+    """
+    advice = "give the log.mcap that drawbar run wrote"
+    try:
+        return _assemble(_records(file.read_bytes()))
+    except OSError as error:
+        raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
+    except StopIteration as error:
+        raise DrawbarError(f"{file}: holds no {HEADER_NAME}; {advice}") from error
+    except _DAMAGE as error:
+        raise DrawbarError(f"{file}: is damaged, or no log of drawbar ({error}); {advice}") from error

@@ -1,0 +1,76 @@
+"""Compile C once: shared libraries live in the user's cache folder under the hash of all that went into them."""
+
+import hashlib
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from drawbar.codegen.compiler import FLAGS, compiler_identity, find_compiler
+from drawbar.errors import CompilerError
+
+_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def cache_folder() -> Path:
+    """Return the folder that keeps compiled libraries: $DRAWBAR_CACHE, else the user's cache folder."""
+    chosen = os.environ.get("DRAWBAR_CACHE")
+    return Path(chosen) if chosen else user_cache_path("drawbar", appauthor=False)
+
+
+@cache
+def runtime_sources() -> dict[str, str]:
+    """Return the hand-written C99 runtime by file name."""
+    folder = resources.files("drawbar.codegen") / "runtime"
+    return {file.name: file.read_text("utf-8") for file in folder.iterdir() if file.name.endswith(".h")}
+
+
+@cache
+def _processor() -> str:
+    """Return what -march=native depends on: a cache folder may be shared between machines."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+        return next(line for line in lines if line.startswith(("flags", "Features")))
+    except (OSError, StopIteration):
+        return f"{platform.machine()} {platform.processor()}"
+
+
+def build(name: str, source: str, flags: tuple[str, ...] = FLAGS) -> Path:
+    """Compile one C source (it may include the runtime's headers) and return the shared library.
+
+    Args:
+        name: readable part of the file name.
+        source: C99 text.
+        flags: compiler flags.
+
+    Raises:
+        CompilerError: no compiler, or the compiler refused the source (its first lines are quoted).
+    """
+    parts = [source, *(f"{k}\n{v}" for k, v in sorted(runtime_sources().items())), *flags]
+    parts += [compiler_identity(), _processor(), platform.platform()]
+    digest = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
+    library = cache_folder() / f"{name}-{digest}{_SUFFIX}"
+    if not library.exists():
+        _compile(source, flags, library)
+    return library
+
+
+def _compile(source: str, flags: tuple[str, ...], library: Path) -> None:
+    library.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=library.parent) as text:
+        folder = Path(text)
+        for file, content in {**runtime_sources(), "unit.c": source}.items():
+            (folder / file).write_text(content, "utf-8")
+        built = folder / library.name
+        command = [*find_compiler(), *flags, "-o", str(built), str(folder / "unit.c"), "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            lines = "\n".join(done.stderr.splitlines()[:12])
+            raise CompilerError(f"{' '.join(command[:2])} … could not compile {library.stem}:\n{lines}")
+        os.replace(built, library)  # atomic: two processes may build the same library at once

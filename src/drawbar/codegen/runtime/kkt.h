@@ -1,0 +1,188 @@
+/* Residuals of the optimality conditions, computed from the problem's data alone: nothing here uses the factorisation.
+ *
+ * The interior point iterates on these residuals, and every solution, from whatever route, is judged by them.
+ */
+#ifndef DRAWBAR_KKT_H
+#define DRAWBAR_KKT_H
+
+#include "qp.h"
+
+#define CHECK_TOLERANCE 1e-8
+
+static inline double largest(double bound, double value)
+{
+    const double size = fabs(value);
+    return size > bound ? size : bound;    /* a NaN is caught by all_finite */
+}
+
+static inline int all_finite(const double *restrict values, size_t count)
+{
+    int bad = 0;
+    for (size_t i = 0; i < count; ++i)
+        bad |= !(fabs(values[i]) < INFINITY);
+    return !bad;
+}
+
+/* Gradient of the Lagrangian without the bounds' multipliers, and the defects of the dynamics.
+ * weight 0 leaves out the cost: what remains is the linear part of an infeasibility certificate. */
+static void kkt_residual(const struct qp *restrict s, const double *restrict z, const double *restrict pi, double weight,
+                         double *restrict gradient, double (*restrict defect)[NX])
+{
+    for (int k = 0; k <= N; ++k) {
+        const double *x = STATE(z, k), *own = STATE(pi, k);
+        double gx[NX], cost[NX];
+        for (int i = 0; i < NX; ++i) {
+            cost[i] = STATE(s->g, k)[i];
+            gx[i] = k > 0 || !FREE_INITIAL ? -own[i] : 0.0;
+        }
+        for (int j = 0; j < NX; ++j)
+            for (int i = 0; i < NX; ++i)
+                cost[i] += s->Q[k][j][i] * x[j];
+        if (k < N) {
+            const double *u = INPUT(z, k), *next = STATE(pi, k + 1);
+            double gu[NU], following[NX];
+            for (int a = 0; a < NU; ++a) {
+                gu[a] = INPUT(s->g, k)[a];
+                for (int b = 0; b < NU; ++b)
+                    gu[a] += s->R[k][a][b] * u[b];
+                for (int i = 0; i < NX; ++i) {
+                    gu[a] += s->S[k][a][i] * x[i];
+                    cost[i] += s->S[k][a][i] * u[a];
+                }
+                gu[a] *= weight;
+            }
+            for (int m = 0; m < ND; ++m)
+                for (int a = 0; a < NU; ++a)
+                    gu[a] += s->B[k][m][a] * next[m];
+            for (int i = ND; i < NX; ++i)
+                gx[i] += next[i];
+            for (int m = 0; m < ND; ++m)
+                for (int i = 0; i < NX; ++i)
+                    gx[i] += s->A[k][m][i] * next[m];
+            memcpy(INPUT(gradient, k), gu, sizeof gu);
+            transition(s, k, s->c[k], x, u, following);
+            for (int i = 0; i < NX; ++i)
+                defect[k][i] = following[i] - STATE(z, k + 1)[i];
+        }
+        for (int i = 0; i < NX; ++i)
+            gx[i] += weight * cost[i];
+        memcpy(STATE(gradient, k), gx, sizeof gx);
+    }
+    if (!FREE_INITIAL)                     /* pi_0 belongs to the given initial state and may take any value */
+        memset(STATE(gradient, 0), 0, NX * sizeof(double));
+}
+
+/* Distance of bounded variable i from its lower (side 0) or upper (side 1) bound; negative when violated. */
+static inline double bound_distance(const struct qp *s, const double *z, int side)
+{
+    const int i = side / 2;
+    const double value = z[s->bound[i]];
+    return side % 2 == 0 ? value - s->lower[i] : s->upper[i] - value;
+}
+
+/* Sizes against which residuals are judged, one for each state and input, since their units differ. */
+struct kkt_scale {
+    double primal[NX + NU], dual[NX + NU], objective;
+};
+
+static inline int kind_of(int i)
+{
+    return i < (N + 1) * NX ? i % NX : NX + (i - (N + 1) * NX) % NU;
+}
+
+static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scale *restrict scale)
+{
+    double primal[NX + NU] = {0.0}, dual[NX + NU] = {0.0}, size[NX + NU] = {0.0};
+    double least_primal = 1e-12, least_dual = 1e-12, objective = 1e-12;
+
+    for (int k = 0; k <= N; ++k)
+        for (int j = 0; j < NX; ++j) {
+            const double x = STATE(s->z, k)[j], q = STATE(s->g, k)[j];
+            primal[j] = largest(primal[j], x);
+            dual[j] = largest(largest(dual[j], q), k > 0 || !FREE_INITIAL ? STATE(s->pi, k)[j] : 0.0);
+            size[j] += fabs(q * x);
+        }
+    for (int k = 0; k < N; ++k)
+        for (int a = 0; a < NU; ++a) {
+            const double u = INPUT(s->z, k)[a], r = INPUT(s->g, k)[a];
+            double pull = 0.0;
+            for (int m = 0; m < ND; ++m)
+                pull += fabs(s->B[k][m][a] * STATE(s->pi, k + 1)[m]);
+            primal[NX + a] = largest(primal[NX + a], u);
+            dual[NX + a] = largest(largest(largest(dual[NX + a], r), s->R[k][a][a] * u), pull);
+            size[NX + a] += fabs(r * u);
+        }
+    for (int m = 0; bounded && m < NSIDES; ++m) {
+        const int kind = kind_of(s->bound[m / 2]);
+        dual[kind] = largest(dual[kind], s->multiplier[m]);
+        objective += s->multiplier[m] * fabs(s->z[s->bound[m / 2]]);
+    }
+    for (int j = 0; j < NX + NU; ++j) {
+        least_primal = largest(least_primal, 1e-8 * primal[j]);
+        least_dual = largest(least_dual, 1e-8 * dual[j]);
+        objective += size[j];
+    }
+    for (int j = 0; j < NX + NU; ++j) {    /* a variable that is zero throughout has no size of its own */
+        scale->primal[j] = largest(least_primal, primal[j]);
+        scale->dual[j] = largest(least_dual, dual[j]);
+    }
+    scale->objective = objective;
+}
+
+/* What the bounds add: their multipliers to the gradient; returns their own worst relative residual. */
+static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *restrict scale, double *restrict gradient)
+{
+    double worst = 0.0, gap = 0.0;
+
+    for (int m = 0; m < NSIDES; ++m) {
+        const int i = m / 2, kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < INFINITY;
+        const double lambda = s->multiplier[m], slack = s->violation[m], distance = bound_distance(s, s->z, m) + slack;
+        if (lambda == 0.0 && slack == 0.0 && distance >= 0.0)
+            continue;
+        gradient[s->bound[i]] -= m % 2 == 0 ? lambda : -lambda;
+        worst = largest(worst, distance < 0.0 ? distance / scale->primal[kind] : 0.0);
+        worst = largest(worst, slack < 0.0 || !soft ? slack / scale->primal[kind] : 0.0);
+        worst = largest(worst, lambda < 0.0 ? lambda / scale->dual[kind] : 0.0);
+        gap += fabs(lambda * distance);
+        if (soft) {                        /* the multiplier of slack >= 0 is what remains of its cost */
+            const double sigma = s->soft_linear[i] + s->soft_quadratic[i] * slack - lambda;
+            worst = largest(worst, sigma < 0.0 ? sigma / scale->dual[kind] : 0.0);
+            gap += fabs(sigma * slack);
+        }
+    }
+    return largest(worst, gap / scale->objective);
+}
+
+/* Judge z, pi and (bounded: also) the multipliers: sets s->kkt, the largest residual relative to the sizes above, and
+ * returns SOLVED, NOT_FINITE or CHECK_FAILED. Without `bounded` every bound must have been found respected. */
+static int kkt_check(struct qp *s, int bounded)
+{
+    double gradient[NZ], defect[N][NX], stationarity[NX + NU] = {0.0}, feasibility[NX] = {0.0}, worst = 0.0;
+    struct kkt_scale scale;
+
+    if (!all_finite(s->z, NZ) || !all_finite(s->pi, (N + 1) * NX) || (bounded && !all_finite(s->multiplier, NSIDES)))
+        return NOT_FINITE;
+    kkt_residual(s, s->z, s->pi, 1.0, gradient, defect);
+    kkt_scales(s, bounded, &scale);
+    if (bounded)
+        worst = kkt_bounds(s, &scale, gradient);
+    for (int k = 0; k <= N; ++k)
+        for (int j = 0; j < NX; ++j)
+            stationarity[j] = largest(stationarity[j], STATE(gradient, k)[j]);
+    for (int k = 0; k < N; ++k) {
+        for (int a = 0; a < NU; ++a)
+            stationarity[NX + a] = largest(stationarity[NX + a], INPUT(gradient, k)[a]);
+        for (int j = 0; j < NX; ++j)
+            feasibility[j] = largest(feasibility[j], defect[k][j]);
+    }
+    for (int j = 0; j < NX && !FREE_INITIAL; ++j)
+        feasibility[j] = largest(feasibility[j], s->z[j] - s->initial[j]);
+    for (int j = 0; j < NX + NU; ++j)
+        worst = largest(worst, stationarity[j] / scale.dual[j]);
+    for (int j = 0; j < NX; ++j)
+        worst = largest(worst, feasibility[j] / scale.primal[j]);
+    s->kkt = worst;
+    return worst <= CHECK_TOLERANCE ? SOLVED : CHECK_FAILED;
+}
+
+#endif

@@ -1,0 +1,1 @@
+"""Importers of recorded lines, one file format each."""

@@ -1,0 +1,82 @@
+"""GeoJSON (RFC 7946): LineStrings in WGS84 degrees, longitude first."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drawbar.errors import PathError
+from drawbar.geometry import east_north
+from drawbar.guidance.importers.line import RecordedLine, choose
+from drawbar.guidance.importers.text import read_text
+
+
+def read_geojson(path: Path, track: str | None) -> RecordedLine:
+    """Return a LineString of a geometry, Feature or FeatureCollection; None takes the only one.
+
+    Lines are called by their "name" property, else by the file's name and their index. Raises PathError with
+    the file and the place in it.
+    """
+    try:
+        document = json.loads(read_text(path))
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise PathError(f"{path}: is not valid JSON: {error}") from None
+    features = [document]
+    if _type(document) == "FeatureCollection":
+        features = _list(document, "features", str(path))
+    lines = [
+        (_name(feature, f"{path.stem} {index}" if index else path.stem), geometry, f"{path}, feature {index}")
+        for index, feature in enumerate(features)
+        if _type(geometry := _geometry(feature)) == "LineString"
+    ]
+    if not lines:
+        raise PathError(f"{path}: holds no LineString; give one as geometry, Feature or FeatureCollection")
+    return _line(*lines[choose(path, [name for name, _, _ in lines], track)])
+
+
+def _geometry(feature: Any) -> Any:
+    return feature.get("geometry") if _type(feature) == "Feature" else feature
+
+
+def _name(feature: dict[str, Any], otherwise: str) -> str:
+    properties = feature.get("properties")
+    name = properties.get("name") if isinstance(properties, dict) else None
+    return name if isinstance(name, str) and name else otherwise
+
+
+def _line(name: str, geometry: dict[str, Any], place: str) -> RecordedLine:
+    """Return the line of a LineString, its first point being the origin."""
+    positions = _list(geometry, "coordinates", place)
+    places = [f"{place}, position {index}" for index in range(len(positions))]
+    degrees = np.array([_position(*pair) for pair in zip(positions, places, strict=True)]).reshape(-1, 2)
+    longitude, latitude = degrees.T
+    origin = (float(latitude[0]), float(longitude[0])) if positions else (0.0, 0.0)
+    return RecordedLine.checked(
+        name, np.column_stack(east_north(latitude, longitude, origin)), places or [place]
+    )
+
+
+def _position(position: Any, place: str) -> list[float]:
+    """Return longitude and latitude of one position, in degrees."""
+    numbers = isinstance(position, list) and len(position) >= 2
+    if not numbers or not all(type(value) in (int, float) for value in position):
+        raise PathError(f"{place}: is {position!r}; [longitude, latitude] in degrees is needed")
+    longitude, latitude = position[:2]
+    if not (abs(longitude) <= 180.0 and abs(latitude) < 90.0):
+        raise PathError(
+            f"{place}: longitude {longitude}, latitude {latitude}; they must lie within ±180° and ±90°: "
+            f"GeoJSON is WGS84 in degrees, longitude first"
+        )
+    return [float(longitude), float(latitude)]
+
+
+def _type(value: Any) -> Any:
+    return value.get("type") if isinstance(value, dict) else None
+
+
+def _list(value: dict[str, Any], key: str, place: str) -> list[Any]:
+    member = value.get(key)
+    if not isinstance(member, list):
+        raise PathError(f"{place}: {key!r} is {member!r}; a list is needed")
+    return member

@@ -1,0 +1,81 @@
+"""A recorded line: what every importer returns, checked."""
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from drawbar.errors import PathError
+from drawbar.geometry import Floats
+
+_LOGGER = logging.getLogger(__name__)
+
+_LARGEST_COORDINATE = 1e7
+"""m; room for UTM northings, none for nonsense"""
+_LARGEST_GAP = 100.0
+"""a longer gap between neighbouring points, m, ..."""
+_JUMP = 50.0
+"""... that is also this many times the median one, is taken for a faulty point"""
+_SAME_POINT = 1e-6
+"""neighbouring points closer than this are one, m"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedLine:
+    """The points of a line in driving order; at least two, each apart from its neighbours."""
+
+    name: str
+    x: Floats
+    """(n,): east, m"""
+    y: Floats
+    """(n,): north, m"""
+    repeated: int
+    """points of the source that repeated their predecessor and were dropped"""
+
+    @classmethod
+    def checked(cls, name: str, points: Floats, places: list[str]) -> Self:
+        """Check points (n, 2) in m, found at the places of the source, and drop repeated ones.
+
+        places (n,), or the line's own place where it has no points. Raises PathError, which names the place, for a point that is not finite, too far out or too far from
+        its predecessor, and for a line that has fewer than two different points.
+        """
+        for bad in np.flatnonzero(~(np.abs(points) <= _LARGEST_COORDINATE).all(axis=1))[:1]:
+            raise PathError(
+                f"{places[bad]}: point {points[bad].tolist()} of line {name!r}; coordinates must be "
+                f"finite and within ±{_LARGEST_COORDINATE:g} m of the origin: choose an origin in the field"
+            )
+        step = np.hypot(*np.diff(points, axis=0).T)
+        longest = max(_LARGEST_GAP, _JUMP * float(np.median(step))) if len(step) else 0.0
+        for bad in np.flatnonzero(step > longest)[:1] + 1:
+            raise PathError(
+                f"{places[bad]}: line {name!r} jumps {step[bad - 1]:.0f} m to {points[bad].tolist()}; "
+                f"at most {longest:.0f} m are allowed between its neighbours: remove the faulty point"
+            )
+        apart = np.concatenate([np.ones(min(len(points), 1), dtype=bool), step > _SAME_POINT])
+        kept, repeated = points[apart], int((~apart).sum())
+        if len(kept) < 2:
+            raise PathError(
+                f"{places[0]}: line {name!r} has {len(kept)} point(s) "
+                f"that differ; a line needs at least two that are more than {_SAME_POINT:g} m apart"
+            )
+        if repeated:
+            _LOGGER.warning("line %r: dropped %d repeated point(s)", name, repeated)
+        return cls(name=name, x=kept[:, 0].copy(), y=kept[:, 1].copy(), repeated=repeated)
+
+
+def choose(source: Path, names: list[str], wanted: str | None) -> int:
+    """Return the index of the wanted line in a source; None wants the only one.
+
+    Raises PathError, which lists the names, when the name is missing, unknown or not unique.
+    """
+    listed = ", ".join(map(repr, names)) or "none"
+    found = [index for index, name in enumerate(names) if wanted in (None, name)]
+    if not found:
+        raise PathError(f"{source}: has no line {wanted or ''!r}; its lines: {listed}")
+    if len(found) > 1 and wanted is None:
+        raise PathError(f"{source}: holds {len(names)} lines: {listed}; choose one with --track NAME")
+    if len(found) > 1:
+        raise PathError(f"{source}: has {len(found)} lines named {wanted!r}; give them different names")
+    return found[0]

@@ -1,0 +1,29 @@
+"""One door for all formats: a file or folder and, where it holds several lines, the name of one."""
+
+from pathlib import Path
+
+from drawbar.errors import PathError
+from drawbar.guidance.importers.agopengps import read_agopengps
+from drawbar.guidance.importers.csv import read_csv
+from drawbar.guidance.importers.geojson import read_geojson
+from drawbar.guidance.importers.line import RecordedLine
+
+_READERS = {".csv": read_csv, ".geojson": read_geojson, ".json": read_geojson}
+
+
+def load_line(path: Path, track: str | None) -> RecordedLine:
+    """Return the line `track` of a field folder, CSV or GeoJSON file; None takes the only one.
+
+    Raises PathError when nothing readable is there, or when the name is missing, unknown or not unique.
+    """
+    if path.is_dir():
+        return read_agopengps(path, track)
+    if path.name == "TrackLines.txt":
+        return read_agopengps(path.parent, track)
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise PathError(
+            f"{path}: is neither an AgOpenGPS field folder nor a file of type {', '.join(_READERS)}; "
+            f"give one of these"
+        )
+    return reader(path, track)

@@ -1,0 +1,36 @@
+"""Reading text files with errors that name the file and the line."""
+
+from pathlib import Path
+
+from drawbar.errors import PathError
+
+
+def read_text(path: Path) -> str:
+    """Return a UTF-8 text file, a byte order mark removed.
+
+    Raises PathError for a file that is missing, unreadable, empty, or not text.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise PathError(f"{path}: cannot be read: {error.strerror}; give an existing file") from None
+    except UnicodeDecodeError as error:
+        raise PathError(f"{path}: byte {error.start} is not UTF-8 text; give a text file") from None
+    if "\0" in text:
+        raise PathError(f"{path}: is a binary file; give a text file")
+    if not text.strip():
+        raise PathError(f"{path}: is empty; a line needs at least two points")
+    return text
+
+
+def read_lines(path: Path) -> list[str]:
+    """Return the stripped lines of a text file, the file's line i at index i - 1. Errors as read_text."""
+    return [line.strip() for line in read_text(path).splitlines()]
+
+
+def number(text: str, place: str, what: str) -> float:
+    """Return a decimal number; raises PathError with the place for anything else."""
+    try:
+        return float(text)
+    except ValueError:
+        raise PathError(f"{place}: {what} is {text!r}; a number like -12.5 is needed") from None

@@ -1,0 +1,24 @@
+"""The guidance section of a configuration."""
+
+from typing import Literal
+
+from drawbar.settings import NonNegative, Positive, Settings
+
+
+class GuidanceSettings(Settings):
+    """How the path is turned into references for the controllers."""
+
+    mode: Literal["preview", "look_ahead"] = "preview"
+    """preview: stage j at the closest point plus j V dt; look_ahead: the paper's references"""
+    look_ahead: NonNegative = 1.6
+    """distance of the paper's references ahead of the closest point, m"""
+    window_behind: NonNegative = 1.0
+    """how far behind the last progress the closest point is searched, m"""
+    window_ahead: Positive = 3.0
+    """how far ahead of the last progress the closest point is searched, m"""
+    maximum_start_distance: Positive = 5.0
+    """largest distance of the tractor from the start of the path when a run begins, m"""
+    path_tolerance: Positive = 0.30
+    """largest deviation of a recorded point from the drivable path, m"""
+    curvature_rate_limit: Positive = 0.3
+    """largest change of a recorded line's curvature per metre, so that the steering can follow, 1/m²"""

@@ -1,0 +1,193 @@
+"""From a recorded line to a path the vehicle can drive: curvature-continuous and within its limits."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drawbar.errors import PathError
+from drawbar.geometry import Floats
+from drawbar.guidance import fairing
+from drawbar.guidance.importers.line import RecordedLine
+from drawbar.guidance.path import PIECE_LENGTH, Complexes, Path
+
+_DETAIL = 0.7
+"""details of a recorded line shorter than this are smoothed everywhere, m"""
+_KINK_DETAIL = 2.0
+"""first guess where the line is too tight, m"""
+_REACH = 12.0
+"""how far before and after a spot that is too tight the line may be changed, m"""
+_BEHIND = 4.0
+"""margin of a kink's label: the trailer is still in it when the tractor has left, m"""
+_NOTICEABLE = 0.05
+"""distance from the recorded line that makes a stretch part of a kink, m"""
+_STRAIGHT = 0.02
+"""curvature below which a stretch is called straight, 1/m"""
+_HELD = 4
+"""nodes at either end of a stretch that its first guess shares with the rest of the line"""
+_MARGIN = 0.995
+"""share of the curvature limit that is used, for what the nodes' differences leave out"""
+_FEWEST_PIECES = 8
+_PROJECTION_STEPS = 20
+_PROJECTED = 1e-4
+"""a recorded point is projected when it is no further than this ahead of its foot point, m"""
+_LABELS = ("straight", "curve", "kink")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivablePath:
+    """A recorded line made drivable, and how far it had to leave the recorded points."""
+
+    path: Path
+    deviations: Floats
+    """(n,): distance of each recorded point from the path, m"""
+
+
+def make_drivable(
+    line: RecordedLine, *, curvature_limit: float, curvature_rate_limit: float, tolerance: float
+) -> DrivablePath:
+    """Return the path closest to the line within the vehicle's curvature (1/m) and curvature rate (1/m²).
+
+    Classes are "straight", "curve", and "kink" where the line was tighter than the vehicle can turn. Raises
+    PathError when a recorded point is further than tolerance (m) from the path, or when no path was found.
+    """
+    recorded = line.x + 1j * line.y
+    points, vertices, step = _resample(recorded)
+    faired = fairing.smooth(points, _DETAIL, step=step)
+    allowed = _MARGIN * curvature_limit
+    tight = _tight(faired, step, allowed, curvature_rate_limit)
+    nodes = faired.copy()
+    for stretch in _stretches(tight, round(_REACH / step)):
+        nodes[stretch] = _limit_stretch(
+            points, faired, recorded, vertices, stretch, step, allowed, curvature_rate_limit
+        )
+    kink = _spread(tight | _aside(nodes, points), 0, round(_BEHIND / step))
+    path, arc_length = _path_along(nodes, kink)
+    deviations = _deviations(path, recorded, arc_length[vertices])
+    _require_drivable(line, path, deviations, curvature_limit, tolerance)
+    return DrivablePath(path=path, deviations=deviations)
+
+
+def _resample(recorded: Complexes) -> tuple[Complexes, NDArray[np.intp], float]:
+    """Return the line in equal steps, the index of the step next to each recorded point, and the step (m)."""
+    along = fairing.chord_length(recorded)
+    count = max(math.ceil(along[-1] / PIECE_LENGTH), _FEWEST_PIECES)
+    step = float(along[-1]) / count
+    points = np.interp(np.linspace(0.0, along[-1], count + 1), along, recorded)
+    return points, np.rint(along / step).astype(np.intp), step
+
+
+def _tight(nodes: Complexes, step: float, curvature: float, rate: float) -> NDArray[np.bool_]:
+    """Tell for each node whether the line bends or changes its curvature too fast there."""
+    kappa = fairing.curvatures(nodes)
+    tight = np.zeros(len(nodes), dtype=np.bool_)
+    tight[1:-1] = np.abs(kappa) > curvature
+    tight[2:-1] |= np.abs(np.diff(kappa)) > rate * step
+    return tight
+
+
+def _spread(flags: NDArray[np.bool_], before: int, after: int) -> NDArray[np.bool_]:
+    """Set also the `before` flags ahead of each flag and the `after` behind it."""
+    total = np.concatenate([[0], np.cumsum(flags)])
+    index = np.arange(len(flags))
+    spread: NDArray[np.bool_] = (
+        total[np.minimum(index + before + 1, len(flags))] > total[np.maximum(index - after, 0)]
+    )
+    return spread
+
+
+def _stretches(tight: NDArray[np.bool_], reach: int) -> list[slice]:
+    """Return the runs of nodes that are within `reach` nodes of a tight one."""
+    edges = np.flatnonzero(np.diff(_spread(tight, reach, reach), prepend=False, append=False))
+    return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def _limit_stretch(
+    points: Complexes,
+    faired: Complexes,
+    recorded: Complexes,
+    vertices: NDArray[np.intp],
+    stretch: slice,
+    step: float,
+    curvature: float,
+    rate: float,
+) -> Complexes:
+    """Return the nodes of one stretch within the limits, joined to the faired line at its ends."""
+    free = (stretch.start == 0, stretch.stop == len(points))
+    start = faired[stretch].copy()
+    movable = slice(0 if free[0] else _HELD, len(start) if free[1] else len(start) - _HELD)
+    start[movable] = points[stretch][movable]
+    guess = fairing.smooth(start, _KINK_DETAIL, step=step, movable=movable)
+    first, last = np.searchsorted(vertices, (stretch.start, stretch.stop)).tolist()
+    place = np.concatenate([vertices[first:last], np.arange(stretch.start, stretch.stop)])
+    order = np.argsort(place, kind="stable")
+    judged = np.concatenate([recorded[first:last], points[stretch]])[order]
+    return fairing.limit(guess, judged, curvature=curvature, rate=rate, free=free)
+
+
+def _aside(nodes: Complexes, points: Complexes) -> NDArray[np.bool_]:
+    """Tell where the path runs noticeably beside the recorded points."""
+    position, derivative = fairing.knots(nodes)
+    aside: NDArray[np.bool_] = (
+        np.abs(((points - position) / derivative).imag * np.abs(derivative)) > _NOTICEABLE
+    )
+    return aside
+
+
+def _path_along(nodes: Complexes, kink: NDArray[np.bool_]) -> tuple[Path, Floats]:
+    """Return the path along the nodes' B-spline, and the arc length at each of its knots (m)."""
+    position, derivative = fairing.knots(nodes)
+    yaw = np.unwrap(np.angle(derivative))
+    half_turn = 0.5 * np.diff(yaw)
+    # from chord to arc
+    lengths = np.abs(np.diff(position)) / np.sinc(half_turn / math.pi)
+    straight = np.abs(2.0 * half_turn) < _STRAIGHT * lengths
+    classes = np.where(kink[1:] | kink[:-1], 2, np.where(straight, 0, 1))
+    arc_length = np.concatenate([[0.0], np.cumsum(lengths)])
+    path = Path.through(
+        arc_length=arc_length,
+        x=position.real,
+        y=position.imag,
+        yaw=yaw,
+        label_of_piece=classes.astype(np.int8),
+        label_names=_LABELS,
+    )
+    return path, arc_length
+
+
+def _deviations(path: Path, recorded: Complexes, guess: Floats) -> Floats:
+    """Return the distance of each recorded point from the path near the guessed arc lengths, m."""
+    arc_length = guess
+    for _ in range(_PROJECTION_STEPS):
+        samples = path.sample(arc_length)
+        offset = recorded - samples[:, 0] - 1j * samples[:, 1]
+        ahead = np.clip((offset * np.exp(-1j * samples[:, 2])).real, -1.0, 1.0)
+        if np.abs(ahead).max() <= _PROJECTED:
+            break
+        arc_length = arc_length + ahead
+    distances: Floats = np.abs(offset)
+    return distances
+
+
+def _require_drivable(
+    line: RecordedLine, path: Path, deviations: Floats, curvature_limit: float, tolerance: float
+) -> None:
+    """Refuse a path that is too tight or too far from the line, saying where and by how much."""
+    nodes = path.anchors[1:]
+    samples = path.sample(np.concatenate([nodes[:-1], 0.5 * (nodes[:-1] + nodes[1:])]))
+    tightest = int(np.abs(samples[:, 3]).argmax())
+    if not abs(samples[tightest, 3]) <= curvature_limit:
+        raise PathError(
+            f"line {line.name!r} cannot be made drivable: near ({samples[tightest, 0]:.1f}, "
+            f"{samples[tightest, 1]:.1f}) m its curvature stays at {abs(samples[tightest, 3]):.2f} 1/m, "
+            f"the vehicle's limit is {curvature_limit:g} 1/m; draw the line without this turn"
+        )
+    worst = int(deviations.argmax())
+    if not deviations[worst] <= tolerance:
+        raise PathError(
+            f"line {line.name!r} is too tight for the vehicle: recorded point {worst} at "
+            f"({line.x[worst]:.2f}, {line.y[worst]:.2f}) m is {deviations[worst]:.3f} m from the closest "
+            f"path within {curvature_limit:g} 1/m, {tolerance:g} m is allowed; raise guidance.path_tolerance, "
+            f"or the vehicle's curvature_limit if it can steer tighter, or redraw the line there"
+        )

@@ -1,0 +1,31 @@
+"""Random processes in exact discrete time: their statistics do not depend on the step."""
+
+import numpy as np
+from scipy.signal import lfilter
+
+from drawbar.geometry import Floats
+
+
+class OrnsteinUhlenbeck:
+    """Independent zero-mean Ornstein-Uhlenbeck (Gauss-Markov) processes, stationary from the start.
+
+    x_k+1 = a x_k + s sqrt(1 - a²) w_k with a = exp(-step / time constant) and w white, of variance one.
+    """
+
+    def __init__(
+        self, *, deviations: Floats, time_constants: Floats, step: float, rng: np.random.Generator
+    ) -> None:
+        self._decays = np.exp(-step / time_constants)
+        self._gains = deviations * np.sqrt(-np.expm1(-2.0 * step / time_constants))
+        self._rng = rng
+        self._last = deviations * rng.standard_normal(len(deviations))
+
+    def sample(self, count: int) -> Floats:
+        """Return the next values (count, n) of the n processes."""
+        values = self._gains * self._rng.standard_normal((count, len(self._gains)))
+        for column, decay in enumerate(self._decays):
+            values[:, column], _ = lfilter(
+                [1.0], [1.0, -decay], values[:, column], zi=[decay * self._last[column]]
+            )
+        self._last = values[-1].copy()
+        return values

@@ -1,0 +1,137 @@
+"""Settings of the simulated machine; the defaults are those of theory.md section 8."""
+
+import math
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from drawbar.machine.events import Crab, Event, SlipFactor
+from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings
+from drawbar.vehicle.sensors import SensorNoise
+
+_NOISE = SensorNoise()
+
+
+class ActuatorSettings(Settings):
+    """The two PI-controlled steering cylinders; their lag is `VehicleParameters.steering_lag`."""
+
+    tractor_rate: PositiveAngle = math.radians(25.0)
+    """largest |delta_t'|, rad/s"""
+    trailer_rate: PositiveAngle = math.radians(20.0)
+    """largest |delta_i'|, rad/s"""
+    tractor_stop: PositiveAngle = math.radians(35.0)
+    """mechanical stop of the front wheels, rad"""
+    trailer_stop: PositiveAngle = math.radians(31.7)
+    """mechanical stop of the actuated joint, rad"""
+    dead_time: NonNegative = 0.0
+    """between a command and the first reaction of any actuator, a multiple of the integration step, s"""
+
+
+class PidGains(Settings):
+    """Gains of one PID loop; the derivative acts on the measured value only."""
+
+    proportional: Positive
+    """output per error"""
+    integral: NonNegative
+    """output per error and second"""
+    derivative: NonNegative
+    """output per rate of the measured value, s"""
+
+
+class HydrostatSettings(Settings):
+    """Hydrostatic drive: a motor moves the pedal, the pedal sets the wheel speed; a cascade of two PIDs."""
+
+    full_speed: Positive = 3.0
+    """wheel speed at full pedal, and the largest that may be commanded, m/s"""
+    speed_lag: Positive = 0.5
+    """wheel speed behind pedal, s"""
+    pedal_rate: Positive = 2.0
+    """largest speed of the pedal, full strokes per second"""
+    pedal_lag: Positive = 0.05
+    """pedal speed behind its command, s"""
+    speed_loop: PidGains = PidGains(proportional=1.0 / 3.0, integral=2.0 / 3.0, derivative=0.02)
+    """outer loop, m/s to pedal strokes"""
+    pedal_loop: PidGains = PidGains(proportional=8.0, integral=4.0, derivative=0.1)
+    """inner loop, pedal strokes to strokes per second"""
+
+
+class SlipProcess(Settings):
+    """A slip factor wandering as an Ornstein-Uhlenbeck process, reflected at 0 and 1: wheels only lose."""
+
+    mean: SlipFactor
+    deviation: Annotated[float, Field(ge=0.0, le=0.2)]
+    """stationary standard deviation, before the reflection"""
+    time_constant: Positive = 20.0
+    """s"""
+
+
+class CrabProcess(Settings):
+    """A side-slip angle that wanders as an Ornstein-Uhlenbeck process."""
+
+    mean: Crab = 0.0
+    """rad"""
+    deviation: Annotated[NonNegativeAngle, Field(lt=0.1)] = math.radians(0.4)
+    """stationary standard deviation, rad"""
+    time_constant: Positive = 5.0
+    """s"""
+
+
+class GroundSettings(Settings):
+    """How the wheels slip."""
+
+    longitudinal_slip: SlipProcess = SlipProcess(mean=0.95, deviation=0.02)
+    """mu, ground speed per wheel speed"""
+    tractor_slip: SlipProcess = SlipProcess(mean=0.92, deviation=0.03)
+    """kappa, effective per actual steering angle"""
+    steering_offset: Crab = 0.0
+    """b, constant error of the steering angle's zero, rad"""
+    tractor_crab: CrabProcess = CrabProcess()
+    """alpha_r, of the tractor's rear axle"""
+    trailer_crab: CrabProcess = CrabProcess()
+    """alpha_i, of the trailer's axle"""
+
+
+class SensorSettings(Settings):
+    """Errors of the sensors, standard deviations."""
+
+    position: NonNegative = _NOISE.position
+    """white part of each coordinate, m"""
+    position_drift: NonNegative = 0.0
+    """correlated part of each coordinate (first-order Gauss-Markov), m"""
+    drift_time: Positive = 60.0
+    """correlation time of the drift, s"""
+    hitch_angle: NonNegativeAngle = _NOISE.hitch_angle
+    """rad"""
+    speed: NonNegative = _NOISE.speed
+    """m/s"""
+    steering: NonNegativeAngle = 0.0
+    """of both steering angles, before they are rounded, rad"""
+    steering_resolution: PositiveAngle = math.radians(1.0)
+    """both steering angles are rounded to multiples of this, rad"""
+
+
+class SimulatedMachineSettings(Settings):
+    """Everything about the simulated machine that is not the vehicle's geometry."""
+
+    step: Positive = 0.01
+    """integration step of the world; the sample period must be a multiple, s"""
+    actuators: ActuatorSettings = ActuatorSettings()
+    hydrostat: HydrostatSettings = HydrostatSettings()
+    ground: GroundSettings = GroundSettings()
+    sensors: SensorSettings = SensorSettings()
+    events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
+
+    @model_validator(mode="after")
+    def _dead_time_on_grid(self) -> Self:
+        if whole_steps(self.actuators.dead_time, self.step) is None:
+            raise ValueError(
+                f"actuators.dead_time = {self.actuators.dead_time} s is not a multiple of "
+                f"step = {self.step} s; round it to one"
+            )
+        return self
+
+
+def whole_steps(duration: float, step: float) -> int | None:
+    """Return how many steps make up the duration, or None when it is not a multiple of the step."""
+    steps = round(duration / step)
+    return steps if math.isclose(steps * step, duration, rel_tol=1e-9, abs_tol=1e-12) else None

@@ -1,0 +1,167 @@
+"""The simulated machine: moves the true world from sample to sample, reports it through faulty sensors."""
+
+import math
+
+import numpy as np
+
+from drawbar.codegen import CompiledFunction
+from drawbar.errors import ConfigurationError, HardwareError
+from drawbar.machine.base import Machine
+from drawbar.machine.ground import Ground
+from drawbar.machine.plant import COMMANDS, EFFECTS, STATES, plant
+from drawbar.machine.sensing import Sensing
+from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
+from drawbar.signals import Command, Measurement, Pose, Truth
+from drawbar.vehicle.parameters import VehicleParameters
+
+_BLOCK = 64
+"""Samples whose randomness is drawn at once. Part of what a seed means: another value gives another run."""
+
+
+class SimulatedMachine(Machine):
+    """A tractor and trailer in a computer. Same settings and seed: the identical run.
+
+    It starts at rest with the trailer straight behind it. Raises ConfigurationError when the sample time is
+    not a multiple of the integration step, or the start is not finite.
+    """
+
+    def __init__(
+        self,
+        *,
+        vehicle: VehicleParameters,
+        settings: SimulatedMachineSettings,
+        sample_time: float,
+        start: Pose,
+        seed: int,
+    ) -> None:
+        self._vehicle, self._settings, self._sample_time = vehicle, settings, sample_time
+        self._steps = _steps_per_sample(sample_time, settings.step)
+        if not all(map(math.isfinite, (start.x, start.y, start.yaw))):
+            raise ConfigurationError(f"the simulated machine cannot start at {start}; give finite m and rad")
+        rng = np.random.default_rng(seed)
+        self._ground = Ground(settings.ground, settings.events, settings.step, rng)
+        self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
+        self._plant = CompiledFunction(plant(vehicle, settings, self._steps))
+        self._state = self._plant.inputs[0]
+        self._state[:4] = start.x, start.y, start.yaw, start.yaw
+        self._inputs = self._plant.inputs[1].reshape(self._steps, COMMANDS + EFFECTS)
+        self._states = self._plant.outputs[0].reshape(self._steps, STATES)
+        delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
+        self._commands = np.zeros((delay + self._steps, COMMANDS))
+        self._sample = 0
+        self._fix = [math.nan] * 4
+        self._measurement = self._sense()
+
+    def read(self) -> Measurement:
+        """Return what the sensors report at the current sample."""
+        return self._measurement
+
+    def write(self, command: Command) -> None:
+        """Let one sample period pass under the command.
+
+        Raises HardwareError when the command is not finite or beyond the limits; then nothing moves.
+        """
+        self._accept(command)
+        self._inputs[:, :COMMANDS] = self._commands[: self._steps]
+        self._inputs[:, COMMANDS:] = self._effects[self._sample % _BLOCK]
+        self._plant()
+        self._state[:] = self._states[-1]
+        self._sample += 1
+        self._measurement = self._sense()
+
+    def truth(self) -> Truth:
+        """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""
+        x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
+        mu, kappa, offset, tractor_crab, trailer_crab, *_ = self._effects[self._sample % _BLOCK, 0].tolist()
+        trailer_x, trailer_y = _trailer_antenna(self._vehicle, x, y, yaw, trailer_yaw, joint)
+        return Truth(
+            time=self._sample * self._sample_time,
+            tractor=Pose(x=x, y=y, yaw=yaw),
+            trailer=Pose(x=trailer_x, y=trailer_y, yaw=trailer_yaw),
+            speed=speed,
+            tractor_steering=steering,
+            trailer_steering=self._vehicle.joint_sign * joint,
+            longitudinal_slip=mu,
+            tractor_slip=kappa,
+            steering_offset=offset,
+            tractor_crab=tractor_crab,
+            trailer_crab=trailer_crab,
+        )
+
+    def _accept(self, command: Command) -> None:
+        """Check the command and queue it behind those that wait out the dead time."""
+        vehicle = self._vehicle
+        _within("tractor_steering", command.tractor_steering, vehicle.tractor_steering_limit, "rad")
+        _within("trailer_steering", command.trailer_steering, vehicle.trailer_steering_limit, "rad")
+        _within("speed", command.speed, self._settings.hydrostat.full_speed, "m/s")
+        self._commands[: -self._steps] = self._commands[self._steps :]
+        joint = vehicle.joint_sign * command.trailer_steering
+        self._commands[-self._steps :] = command.tractor_steering, joint, command.speed
+
+    def _sense(self) -> Measurement:
+        """Look at the world through the sensors."""
+        row = self._sample % _BLOCK
+        if row == 0:
+            self._draw()
+        x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
+        errors = self._errors[row].tolist()
+        antennas = (x, y, *_trailer_antenna(self._vehicle, x, y, yaw, trailer_yaw, joint))
+        self._fix = [
+            last if held else true + error
+            for last, held, true, error in zip(self._fix, self._held[row], antennas, errors, strict=False)
+        ]
+        resolution = self._settings.sensors.steering_resolution
+        return Measurement(
+            time=self._sample * self._sample_time,
+            tractor_x=self._fix[0],
+            tractor_y=self._fix[1],
+            trailer_x=self._fix[2],
+            trailer_y=self._fix[3],
+            hitch_angle=yaw - trailer_yaw - joint + errors[4],
+            speed=speed + errors[5],
+            tractor_steering=_rounded(steering + errors[6], resolution),
+            trailer_steering=_rounded(self._vehicle.joint_sign * joint + errors[7], resolution),
+        )
+
+    def _draw(self) -> None:
+        """Draw the randomness of the next block of samples, always as much and in the same order."""
+        samples = self._sample + np.arange(_BLOCK, dtype=np.float64)
+        steps = self._sample * self._steps + np.arange(_BLOCK * self._steps, dtype=np.float64)
+        effects = self._ground.block(self._settings.step * steps)
+        self._effects = effects.reshape(_BLOCK, self._steps, EFFECTS)
+        self._errors, self._held = self._sensing.block(self._sample_time * samples)
+
+
+def _steps_per_sample(sample_time: float, step: float) -> int:
+    steps = whole_steps(sample_time, step)
+    if not steps:
+        raise ConfigurationError(
+            f"the sample time {sample_time} s is not a positive multiple of the simulated machine's step of "
+            f"{step} s; change that step so that it divides the sample time"
+        )
+    return steps
+
+
+def _within(name: str, value: float, limit: float, unit: str) -> None:
+    """Refuse a command beyond ±limit, or not a number."""
+    if not (abs(value) <= limit):
+        raise HardwareError(
+            f"the simulated machine was commanded {name} = {value} {unit}; it accepts finite values within "
+            f"±{limit:.6g} {unit}. Pass commands through the command gate, or change the limits"
+        )
+
+
+def _trailer_antenna(
+    vehicle: VehicleParameters, x: float, y: float, theta: float, psi: float, joint: float
+) -> tuple[float, float]:
+    """Return the position of the trailer's antenna, m; joint = phi - psi."""
+    phi, length = psi + joint, vehicle.trailer_length - vehicle.trailer_antenna
+    a, d = vehicle.free_joint_offset, vehicle.drawbar_length
+    return (
+        x - a * math.cos(theta) - d * math.cos(phi) - length * math.cos(psi),
+        y - a * math.sin(theta) - d * math.sin(phi) - length * math.sin(psi),
+    )
+
+
+def _rounded(angle: float, resolution: float) -> float:
+    return resolution * round(angle / resolution)

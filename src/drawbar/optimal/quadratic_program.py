@@ -1,0 +1,61 @@
+"""The structured quadratic program under every solver of drawbar, on its own."""
+
+from dataclasses import dataclass
+
+from drawbar.codegen import Workspace, build
+from drawbar.signals import SolverStatus
+
+_UNIT = """
+#define N {stages}
+#define NX {states}
+#define NU {inputs}
+#define NB {bounds}
+#define NC 0
+#define FREE_INITIAL {free}
+#include "interior_point.h"
+#include "fields.h"
+int64_t drawbar_size = sizeof(struct qp);
+const struct drawbar_field drawbar_fields[] = {{QP_FIELDS(qp, ) {{NULL, 0, 0, {{0, 0, 0}}}}}};
+int solve(struct qp *s) {{ s->factored = 0; return s->status = qp_optimise(s); }}
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sizes:
+    """Dimensions of a stage-structured quadratic program, fixed at compile time."""
+
+    stages: int
+    """N, shooting intervals"""
+    states: int
+    """NX"""
+    inputs: int
+    """NU"""
+    bounds: int
+    """number of bounded variables"""
+    free_initial: bool
+    """the first state is a variable (estimation) instead of given (control)"""
+
+
+class QuadraticProgram:
+    """Fill `array(name)` for Q, S, R, A, B, c, g, initial, lower, upper, soft_*, bound; solve; read z, pi, multiplier.
+
+    The variables z are x_0 .. x_N, then u_0 .. u_{N-1}; `bound` holds the bounded ones' indices. An infinite
+    `soft_linear` makes a bound hard. See runtime/qp.h for the problem's formula.
+    """
+
+    def __init__(self, sizes: Sizes) -> None:
+        """Compile (or take from the cache) the solver for these sizes."""
+        source = _UNIT.format(
+            stages=sizes.stages,
+            states=sizes.states,
+            inputs=sizes.inputs,
+            bounds=sizes.bounds,
+            free=int(sizes.free_initial),
+        )
+        self.workspace = Workspace(build("qp", source))
+        self.array = self.workspace.array
+        self._solve = self.workspace.function("solve")
+
+    def solve(self) -> SolverStatus:
+        """Solve the problem that the arrays hold."""
+        return SolverStatus(self._solve())

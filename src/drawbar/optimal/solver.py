@@ -1,0 +1,109 @@
+"""The compiled real-time iteration: arrays to fill and read, phases to call."""
+
+import numpy as np
+
+from drawbar.codegen import Workspace, build
+from drawbar.geometry import Floats
+from drawbar.optimal.problem import ControlProblem, EstimationProblem
+from drawbar.optimal.transcription import Transcription, transcribe
+from drawbar.signals import SolverStatus
+
+
+class _RealTimeIteration:
+    """What control and estimation share: the workspace and the phases prepare, feedback and shift."""
+
+    def __init__(self, transcription: Transcription) -> None:
+        self.workspace = Workspace(build(transcription.name, transcription.source()))
+        self.workspace.function("reset")()
+        array = self.workspace.array
+        self.x: Floats = array("x")
+        """(N+1, nx) state trajectory"""
+        self.u: Floats = array("u")
+        """(N, nu) input trajectory"""
+        self.y: Floats = array("y")
+        """(N+1, ny) references or measurements"""
+        self.w: Floats = array("w")
+        """(N+1, ny) weights"""
+        self.prepare = self.workspace.function("prepare")
+        self.feedback = self.workspace.function("feedback")
+        self.shift = self.workspace.function("shift")
+        self._set_bounds(transcription)
+
+    def _set_bounds(self, transcription: Transcription) -> None:
+        array = self.workspace.array
+        for i, (index, bound) in enumerate(transcription.bounds):
+            array("qp.bound")[i] = index
+            array("lower")[i], array("upper")[i] = bound.lower, bound.upper
+            array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = bound.linear_penalty, bound.quadratic_penalty
+
+    @property
+    def status(self) -> SolverStatus:
+        """Outcome of the last phase."""
+        return SolverStatus(int(self.workspace.array("status")[0]))
+
+    @property
+    def iterations(self) -> int:
+        """Interior-point iterations of the last feedback; 0 when no bound was in the way."""
+        return int(self.workspace.array("qp.iterations")[0])
+
+    @property
+    def kkt(self) -> float:
+        """Relative KKT residual of the last quadratic program."""
+        return float(self.workspace.array("qp.kkt")[0])
+
+
+class ControlSolver(_RealTimeIteration):
+    """Real-time iteration for a ControlProblem.
+
+    Each sample: write `initial`, `p`, `y`; feedback(); apply u[0]; then shift() and prepare() for the next.
+    """
+
+    def __init__(self, problem: ControlProblem) -> None:
+        """Compile the problem's solver (or take it from the cache).
+
+        Raises:
+            SolverError: the problem contradicts itself.
+            CompilerError: no compiler, or it refused the code.
+        """
+        super().__init__(transcribe(problem))
+        self.p: Floats = self.workspace.array("p")
+        """(N+1, np) known parameters"""
+        self.initial: Floats = self.workspace.array("initial")
+        """(nx,) the current state"""
+        self.w[:-1] = problem.weights
+        self.w[-1] = problem.terminal_weights
+
+
+class EstimationSolver(_RealTimeIteration):
+    """Real-time iteration for an EstimationProblem.
+
+    Each sample: write the newest row of `y`; feedback(); read x; then absorb(), shift() and prepare(). Before the
+    window is full nothing is absorbed or shifted: later rows of `y` hold NaN.
+    """
+
+    def __init__(self, problem: EstimationProblem, prior: Floats) -> None:
+        """Compile the problem's solver (or take it from the cache) and start it at the prior.
+
+        Args:
+            problem: the problem.
+            prior: (nx + np,) first guess of states and parameters.
+
+        Raises:
+            SolverError: the problem contradicts itself.
+            CompilerError: no compiler, or it refused the code.
+        """
+        transcription = transcribe(problem)
+        super().__init__(transcription)
+        array = self.workspace.array
+        self.absorb = self.workspace.function("absorb")
+        self.root: Floats = array("root")
+        """(nx, nx) upper triangular R of the arrival cost ||R (x_0 - prior)||²"""
+        self.prior: Floats = array("prior")
+        """(nx,) what the window's first state should be"""
+        self.root[:] = np.diag(1.0 / np.asarray(problem.prior_deviation))
+        self.prior[:] = prior
+        self.x[:] = prior
+        self.y[:] = np.nan
+        self.w[:] = problem.weights
+        self.w[-1, list(transcription.input_outputs)] = 0.0
+        array("process")[:] = problem.process_deviation

@@ -1,0 +1,172 @@
+"""Multiple shooting: from a problem declaration to the C source of its solver."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.errors import SolverError
+from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
+from drawbar.vehicle.model import Variable, integrate
+
+LEVENBERG = 1e-9
+"""Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
+
+_WORK = "struct rti *work"
+_UNIT = """
+#define N {horizon}
+#define NX {states}
+#define NU {inputs}
+#define NP {parameters}
+#define NY {outputs}
+#define NB {bounds}
+#define NC {constants}
+#define FREE_INITIAL {free}
+#include "{header}"
+#include "fields.h"
+{functions}
+int64_t drawbar_size = sizeof(struct rti);
+#define RTI(name, kind, a, b, c) FIELD(rti, name, kind, a, b, c)
+const struct drawbar_field drawbar_fields[] = {{
+    {{"x", offsetof(struct rti, z), 0, {{N + 1, NX, 0}}}},
+    {{"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {{N, NU, 0}}}},
+    RTI(p, 0, N + 1, NP, 0) RTI(y, 0, N + 1, NY, 0) RTI(w, 0, N + 1, NY, 0)
+    RTI(initial, 0, NX, 0, 0) RTI(lower, 0, NB, 0, 0) RTI(upper, 0, NB, 0, 0) RTI(root, 0, NX, NX, 0)
+    RTI(prior, 0, NX, 0, 0) RTI(process, 0, NX, 0, 0) RTI(F, 0, N, NX, 0) RTI(status, 1, 1, 0, 0)
+    QP_FIELDS(rti, qp.) {{NULL, 0, 0, {{0, 0, 0}}}}
+}};
+int reset(struct rti *work) {{ memset(work, 0, sizeof *work); rti_constants(work); return SOLVED; }}
+int prepare(struct rti *work) {{ return rti_prepare(work); }}
+int feedback(struct rti *work) {{ return rti_feedback(work); }}
+int shift(struct rti *work) {{ rti_shift(work); return SOLVED; }}
+int linearise(struct rti *work) {{ dynamics(work, 0, N); return SOLVED; }}
+"""
+_ARRIVAL = "int absorb(struct rti *work) { return work->status = arrival_update(work); }\n"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transcription:
+    """A discretised problem: F(x, u, p), h(x, u, p), its sizes and its bounded variables."""
+
+    name: str
+    horizon: int
+    x: Any
+    u: Any
+    p: Any
+    next_state: Any
+    """(nx, 1) SX: F(x, u, p)"""
+    output: Any
+    """(ny, 1) SX: h(x, u, p)"""
+    constants: int
+    """trailing states that do not change"""
+    free_initial: bool
+    bounds: tuple[tuple[int, Bound], ...]
+    """(index into x_0 .. x_N, u_0 .. u_{N-1}; bound)"""
+
+    @property
+    def input_outputs(self) -> tuple[bool, ...]:
+        """Which outputs depend on an input, and so have no value at stage N."""
+        return tuple(ca.which_depends(self.output, self.u, 1, True))
+
+    def source(self) -> str:
+        """Return the C unit of this problem's solver."""
+        nx, nu = self.x.numel(), self.u.numel()
+        return _UNIT.format(
+            horizon=self.horizon,
+            states=nx,
+            inputs=nu,
+            parameters=self.p.numel(),
+            outputs=self.output.numel(),
+            bounds=len(self.bounds),
+            constants=self.constants,
+            free=int(self.free_initial),
+            header="arrival.h" if self.free_initial else "rti.h",
+            functions=self._functions(),
+        ) + (_ARRIVAL if self.free_initial else "")
+
+    def _functions(self) -> str:
+        nx = self.x.numel()
+        w, y = (ca.SX.sym(name, self.output.numel()) for name in ("w", "y"))
+        z = ca.vertcat(self.x, self.u)
+        slope = ca.jacobian(self.next_state, z)
+        jacobian = ca.jacobian(self.output, z)
+        curvature = ca.mtimes([jacobian.T, ca.diag(w), jacobian])
+        residual = ca.mtimes(jacobian.T, w * (self.output - y))
+        inputs = [
+            Input(place="STATE(work->z, {k})", rows="(N + 1)", symbol=self.x),
+            Input(place="INPUT(work->z, {k})", rows="N", symbol=self.u),
+            Input(place="work->p[{k}]", rows="(N + 1)", symbol=self.p),
+            Input(place="work->wm[{k}]", rows="(N + 1)", symbol=w),
+            Input(place="work->ym[{k}]", rows="(N + 1)", symbol=y),
+        ]
+        damping = LEVENBERG * ca.SX.eye(self.u.numel())
+        step, slope = ca.cse([self.next_state, slope])
+        functions = {
+            "dynamics": [
+                Output(place="work->F[k]", rows="N", value=step),
+                Output(place="work->qp.A[k][0]", rows="N", value=slope[:, :nx]),
+                Output(place="work->qp.B[k][0]", rows="N", value=slope[:, nx:]),
+            ],
+            "hessian": [
+                Output(place="work->qp.Q[k][0]", rows="(N + 1)", value=curvature[:nx, :nx]),
+                Output(place="work->qp.S[k][0]", rows="N", value=curvature[nx:, :nx]),
+                Output(place="work->qp.R[k][0]", rows="N", value=curvature[nx:, nx:] + damping),
+            ],
+            "gradient": [
+                Output(place="STATE(work->qp.g, k)", rows="(N + 1)", value=residual[:nx]),
+                Output(place="INPUT(work->qp.g, k)", rows="N", value=residual[nx:]),
+            ],
+        }
+        if self.free_initial:
+            functions["outputs"] = [
+                Output(place="work->h[k]", rows="1", value=self.output),
+                Output(place="work->J[k][0]", rows="1", value=jacobian),
+            ]
+        every = [output for outputs in functions.values() for output in outputs]
+        return emit_constants("rti_constants", every, _WORK) + "".join(
+            emit(name, inputs, outputs, _WORK) for name, outputs in functions.items()
+        )
+
+
+def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
+    """Return the problem discretised by Runge-Kutta 4 over each sample."""
+    model, estimation = problem.model, isinstance(problem, EstimationProblem)
+    step = integrate(model, problem.sample_time, problem.integration_steps)
+    names = [variable.name for variable in (*model.states, *(model.parameters if estimation else ()))]
+    constants = len(model.parameters) if estimation else 0
+    transcription = Transcription(
+        name=model.name,
+        horizon=problem.horizon,
+        x=ca.vertcat(model.x, model.p) if estimation else model.x,
+        u=model.u,
+        p=ca.SX(0, 1) if estimation else model.p,
+        next_state=ca.vertcat(step, model.p) if estimation else step,
+        output=model.output,
+        constants=constants,
+        free_initial=estimation,
+        bounds=tuple(_bounded(problem, names, model.inputs, constants)),
+    )
+    if isinstance(problem, ControlProblem):
+        for weight, depends in zip(problem.terminal_weights, transcription.input_outputs, strict=True):
+            if depends and weight != 0.0:
+                raise SolverError(f"An output of {model.name!r} depends on the input: its terminal weight must be 0, got {weight}.")
+    return transcription
+
+
+def _bounded(
+    problem: ControlProblem | EstimationProblem, states: list[str], inputs: tuple[Variable, ...], constants: int
+) -> list[tuple[int, Bound]]:
+    """Return the bounded scalars: constant states only once, a given first state not at all."""
+    horizon, nx, nu = problem.horizon, len(states), len(inputs)
+    first = 0 if isinstance(problem, EstimationProblem) else 1
+    found = []
+    for j, name in enumerate(states):
+        if name in problem.bounds:
+            stages = range(first, horizon + 1) if j < nx - constants else range(1)
+            found += [(k * nx + j, problem.bounds[name]) for k in stages]
+    for a, variable in enumerate(inputs):
+        if variable.name in problem.bounds:
+            start = (horizon + 1) * nx + a
+            found += [(start + k * nu, problem.bounds[variable.name]) for k in range(horizon)]
+    return found

@@ -1,0 +1,120 @@
+"""What `drawbar run` shows in a terminal: the run as it goes, and its figures at the end."""
+
+import time
+from collections.abc import Iterable
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console, Group, RenderableType
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from drawbar.report.metrics import Metrics
+from drawbar.report.tables import (
+    ERROR_COLUMNS,
+    TIME_COLUMNS,
+    Row,
+    body_rows,
+    error_rows,
+    number,
+    time_rows,
+)
+from drawbar.signals import StepRecord
+
+_REFRESH = 0.2
+"""s between two pictures of a terminal"""
+_PLAIN_REFRESH = 5.0
+"""s between two lines of a file or pipe"""
+
+
+class RunProgress:
+    """One line that follows the run; as a context, so that the terminal is left as it was found.
+
+    Cheap: a step costs one look at the clock, five pictures a second are drawn.
+    """
+
+    def __init__(self, console: Console, length: float) -> None:
+        """Show progress on the console along a path of the given length, m."""
+        self._console = console
+        self._length = length
+        self._live = (
+            Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
+        )
+        self._period = _REFRESH if self._live else _PLAIN_REFRESH
+        self._start = self._next = time.perf_counter()
+
+    def show(self, record: StepRecord) -> None:
+        """Draw the state of the run after a step, if it is time to."""
+        now = time.perf_counter()
+        if now < self._next:
+            return
+        self._next = now + self._period
+        text = progress_line(record, self._length, now - self._start)
+        if self._live:
+            self._live.update(text, refresh=True)
+        else:
+            self._console.print(text)
+
+    def __enter__(self) -> Self:
+        if self._live:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._live:
+            self._live.stop()
+
+
+def progress_line(record: StepRecord, length: float, elapsed: float) -> Text:
+    """Say how far the run is after `elapsed` s of wall-clock time, at most 80 columns wide."""
+    driven, now = record.reference.tractor.progress, record.measurement.time
+    share = min(max(driven / length, 0.0), 1.0)
+    factor = f"{now / elapsed:5.0f}×" if elapsed > 0.0 else "     –"
+    tractor, trailer = (
+        100.0 * record.reference.tractor.lateral_error,
+        100.0 * record.reference.trailer.lateral_error,
+    )
+    return Text.assemble(
+        (f"{share:4.0%} ", "bold"),
+        f"{driven:6.0f} of {length:.0f} m  {now:6.0f} s {factor}  ",
+        (f"tractor {tractor:+6.1f} ", "blue"),
+        (f"trailer {trailer:+6.1f}", "yellow"),
+        " cm",
+    )
+
+
+def _table(title: str, columns: Iterable[tuple[str, str]], rows: list[Row]) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 1), title_justify="left")
+    table.add_column(title, min_width=19, no_wrap=True)
+    for name, colour in columns:
+        table.add_column(name, justify="right", header_style=colour, min_width=8)
+    for name, cells in rows:
+        table.add_row(name, *cells)
+    return table
+
+
+def summary(metrics: Metrics) -> RenderableType:
+    """Return the figures of a run for the console, at most 80 columns wide."""
+    colours = {"tractor": "blue", "trailer": "yellow"}
+    error_columns = [
+        (f"{body}\n{name}", colour) for body, colour in colours.items() for name in ERROR_COLUMNS
+    ]
+    ending = (
+        Text("finished", "green") if metrics.finished else Text(f"stopped: {metrics.outcome}", "bold red")
+    )
+    distance, duration = number(metrics.length_m, 1, " m"), number(metrics.duration_s, 1, " s")
+    pace = number(metrics.real_time_factor, 0, "× real time")
+    return Group(
+        "",
+        Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
+        f"{distance} in {duration}, {pace}, solver failures: {metrics.solver_failures}",
+        "",
+        _table("error, cm", error_columns, error_rows(metrics)),
+        "",
+        _table("", colours.items(), body_rows(metrics)),
+        "",
+        _table("solver, µs", [(name, "") for name in TIME_COLUMNS], time_rows(metrics)),
+    )

@@ -1,0 +1,176 @@
+"""The pictures of a run along its arc length, and of its solve times: plotly figures as data."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drawbar.autopilot.log import RunLog
+from drawbar.geometry import Floats
+from drawbar.report import style
+from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.style import Figure, axis, layout, line
+
+_NAMES = {"tractor": "Tractor", "trailer": "Trailer"}
+_SOLVERS = {"estimator": style.ESTIMATOR, "tractor": style.TRACTOR, "trailer": style.TRAILER}
+_BINS_PER_DECADE = 30
+
+
+def along(log: RunLog, body: str) -> Floats:
+    """Return where a body is along the path, as the controller saw it, (n,) in m."""
+    return log.column(f"reference.{body}.progress")
+
+
+def _section_shades(log: RunLog) -> dict[str, list[dict[str, Any]]]:
+    """Return plotly shapes and labels for the stretches of the path that are not of its first class."""
+    path = log.header.path
+    classes = path.label_of_piece
+    changes = np.flatnonzero(np.diff(classes)) + 1
+    starts, ends = np.concatenate([[0], changes]), np.concatenate([changes, [len(classes)]])
+    shapes, labels = [], []
+    for start, end in zip(starts, ends, strict=True):
+        if classes[start] == 0:
+            continue
+        low, high = float(path.arc_length[start]), float(path.arc_length[end])
+        shapes.append(
+            {"type": "rect", "xref": "x", "yref": "paper", "x0": low, "x1": high, "y0": 0, "y1": 1}
+            | {"fillcolor": "#F1F3F6", "line": {"width": 0}, "layer": "below"}
+        )
+        labels.append(
+            {"text": path.label_names[classes[start]], "x": 0.5 * (low + high), "y": 1, "yref": "paper"}
+            | {"showarrow": False, "yanchor": "bottom", "font": {"size": 11, "color": style.REFERENCE}}
+        )
+    return {"shapes": shapes, "annotations": labels}
+
+
+def _along_figure(log: RunLog, traces: list[dict[str, Any]], title: str, **y_options: Any) -> Figure:
+    progress = along(log, "tractor")
+    span = [float(progress[0]), float(progress[-1])] if progress.size else [0.0, 1.0]
+    hover = {"text": "<b>%{x:.1f} m</b>"}
+    x = axis("Along the path, m", range=span, unifiedhovertitle=hover, zeroline=False)
+    sections = _section_shades(log)
+    return {"data": traces, "layout": layout(x, axis(title, **y_options), hovermode="x unified", **sections)}
+
+
+def _of_step(
+    log: RunLog, body: str, values: Floats, name: str, colour: str, unit: str, **options: Any
+) -> dict[str, Any]:
+    """Return a line over the steps of a run; `meta` tells the page to add times and to follow on the map."""
+    hover = "%{y:.2f}" + unit + ", at %{customdata:.1f} s"
+    return line(along(log, body), values, name, colour, meta="steps", hovertemplate=hover, **options)
+
+
+def _bound_lines(
+    log: RunLog, body: str, name: str, bounds: tuple[float, float], colour: str = style.REFERENCE
+) -> list[dict[str, Any]]:
+    """Return two dashed lines over the whole run with one entry in the legend."""
+    progress = along(log, body)
+    ends = progress[[0, -1]] if progress.size else np.zeros(2)
+    look: dict[str, Any] = {"dash": "dash", "width": 1.0, "hoverinfo": "skip", "legendgroup": name}
+    return [line(ends, np.full(2, b), name, colour, showlegend=b == bounds[0], **look) for b in bounds]
+
+
+def _span_of(traces: list[dict[str, Any]]) -> list[float] | None:
+    """Return a range that shows all values of the traces with some room, None when there are none."""
+    values = np.concatenate([trace["y"] for trace in traces]) if traces else np.empty(0)
+    values = values[~np.isnan(values)]
+    if not values.size:
+        return None
+    room = max(0.12 * float(np.ptp(values)), 1e-3)
+    return [float(values.min()) - room, float(values.max()) + room]
+
+
+def error_figure(log: RunLog, errors: Bodies[PathErrors]) -> Figure:
+    """Draw the lateral errors of both bodies along the path: the truth, and what the estimator believed."""
+    traces = []
+    for body, colour in style.BODY_COLOURS.items():
+        believed = log.column(f"reference.{body}.lateral_error") * 100
+        true = getattr(errors, body).error * 100
+        known = not np.isnan(true).all()
+        if known:
+            traces.append(_of_step(log, body, true, _NAMES[body], colour, " cm"))
+        shown = {"visible": "legendonly" if known else True, "dash": "dot", "width": 1.2}
+        name = f"{_NAMES[body]}, estimated"
+        traces.append(_of_step(log, body, believed, name, colour, " cm", **shown))
+    return _along_figure(log, traces, "Left of the path, cm")
+
+
+def steering_figure(log: RunLog, body: str) -> Figure:
+    """Draw the commanded and the actual steering of one body with its limits, degrees."""
+    limit = math.degrees(getattr(log.header.vehicle, f"{body}_steering_limit"))
+    measured = np.degrees(log.column(f"measurement.{body}_steering"))
+    true = np.degrees(log.column(f"truth.{body}_steering"))
+    actual = measured if np.isnan(true).all() else true
+    command = np.degrees(log.column(f"{body}_steering.command"))
+    colour = style.BODY_COLOURS[body]
+    traces = [
+        _of_step(log, body, command, "Commanded", style.INK, "°", width=1.0),
+        _of_step(log, body, actual, "Actual", colour, "°", width=2.0),
+        *_bound_lines(log, body, "Limit", (-limit, limit)),
+    ]
+    return _along_figure(log, traces, "Steering, ° (left positive)", range=[-1.12 * limit, 1.12 * limit])
+
+
+def estimate_figure(
+    log: RunLog, names: dict[str, tuple[str, str]], title: str, unit: str, scale: float
+) -> Figure:
+    """Draw estimated parameters with bounds and truth.
+
+    names: by field name of Estimate the symbol and the colour; values are multiplied by scale. A parameter
+    without bounds is one that the estimator's model does not have: it is left out.
+    """
+    curves, bounds = [], []
+    for field, (symbol, colour) in names.items():
+        if field not in log.header.estimate_bounds:
+            continue
+        low, high = log.header.estimate_bounds[field]
+        estimate = log.column(f"estimate.{field}") * scale
+        curves.append(_of_step(log, "tractor", estimate, symbol, colour, unit, width=2.0))
+        if field != "trailer_slip":  # the simulated machine has no such slip
+            true = log.column(f"truth.{field}") * scale
+            curves.append(
+                _of_step(log, "tractor", true, f"{symbol}, true", colour, unit, width=1.0, dash="dot")
+            )
+        bounds += _bound_lines(log, "tractor", f"{symbol}, bounds", (low * scale, high * scale), colour)
+    return _along_figure(log, curves + bounds, title, range=_span_of(curves))
+
+
+def ancillary_figure(log: RunLog) -> Figure:
+    """Draw the ancillary term of both bodies, degrees."""
+    traces = []
+    for body, colour in style.BODY_COLOURS.items():
+        term = np.degrees(log.column(f"{body}_steering.ancillary"))
+        traces.append(_of_step(log, body, term, _NAMES[body], colour, "°", width=1.2))
+    return _along_figure(log, traces, "Ancillary steering, °")
+
+
+def _histogram(time: Floats, edges: Floats) -> tuple[Floats, Floats]:
+    """Return the outline of a histogram over logarithmic bins: edges, and the share of steps in %."""
+    counts, _ = np.histogram(time, edges)
+    share = 100.0 * counts / max(len(time), 1)
+    return np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(share, 2), [0.0]])
+
+
+def solve_time_figure(log: RunLog) -> Figure:
+    """Draw how long the two phases of the three solvers took, µs, on a logarithmic axis."""
+    times = {
+        (solver, phase): log.column(f"{solver}_times.{phase}") * 1e6
+        for solver in _SOLVERS
+        for phase in ("prepare", "feedback")
+    }
+    taken = np.concatenate(list(times.values()))
+    taken = taken[taken > 0.0]
+    low, high = (np.log10(taken.min()), np.log10(taken.max())) if taken.size else (0.0, 1.0)
+    edges = 10.0 ** np.arange(low - 0.1, high + 0.1, 1.0 / _BINS_PER_DECADE)
+    traces = []
+    for (solver, phase), time in times.items():
+        x, y = _histogram(time, edges)
+        dash = "solid" if phase == "prepare" else "dot"
+        name = f"{solver.capitalize()}, {phase}"
+        hover = "%{y:.1f} % of steps near %{x:.2f} µs"
+        traces.append(
+            line(x, y, name, _SOLVERS[solver], dash=dash, width=1.8, hovertemplate=hover, fill="tozeroy")
+        )
+        traces[-1]["fillcolor"] = _SOLVERS[solver] + "1A"
+    x_axis = axis("Time of one call, µs", type="log", dtick="D2")
+    return {"data": traces, "layout": layout(x_axis, axis("Share of steps, %", rangemode="tozero"))}

@@ -1,0 +1,168 @@
+"""The figures of a run, computed from its log: the content of metrics.json.
+
+Without truth (a real machine) every figure that needs it is NaN, null in JSON.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+
+from drawbar.autopilot.log import RunLog
+from drawbar.geometry import Floats
+from drawbar.report.path_errors import Bodies, PathErrors
+
+ALL = "all"
+"""the class of every position of the path"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorStatistics:
+    """Of an absolute distance, m."""
+
+    mean: float
+    rms: float
+    max: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TimeStatistics:
+    """Of a wall-clock time, s."""
+
+    median: float
+    p99: float
+    max: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PhaseTimes:
+    """Of the two phases of one solver."""
+
+    prepare: TimeStatistics
+    feedback: TimeStatistics
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolverTimes:
+    """Of the three solvers of a control step."""
+
+    estimator: PhaseTimes
+    tractor: PhaseTimes
+    trailer: PhaseTimes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Metrics:
+    """Everything that metrics.json says."""
+
+    config: str
+    seed: int
+    finished: bool
+    outcome: str
+    """how the run ended, in words"""
+    duration_s: float
+    """by the clock of the measurements"""
+    length_m: float
+    """how far along the path the tractor got"""
+    real_time_factor: float
+    """duration over the wall-clock time it took"""
+    error_m: Bodies[Mapping[str, ErrorStatistics]]
+    """absolute distance of the true antenna position to the path, by class of the path"""
+    yaw_rmse_rad: Bodies[float]
+    """estimate against truth"""
+    ancillary_share: Bodies[float]
+    """sum of |ancillary term| over sum of |command|"""
+    saturated_share: Bodies[float]
+    """steps whose command was clipped, of all steps"""
+    solver_failures: int
+    solve_time_s: SolverTimes
+
+    def to_json(self) -> bytes:
+        """Return the content of metrics.json: sorted, indented, the same bytes for the same figures."""
+        return msgspec.json.format(msgspec.json.encode(self, order="sorted"), indent=2) + b"\n"
+
+
+def _present(values: Floats) -> Floats:
+    """Return the values that are not missing; one NaN when there are none, so that statistics are NaN."""
+    present = values[~np.isnan(values)]
+    return present if present.size else np.full(1, np.nan)
+
+
+def _share(part: float, whole: float) -> float:
+    return part / whole if whole > 0.0 else np.nan
+
+
+def _span(values: Floats) -> float:
+    return float(values[-1] - values[0]) if values.size else 0.0
+
+
+def error_statistics(error: Floats) -> ErrorStatistics:
+    """Summarise the magnitudes of (n,) errors; missing ones do not count, all NaN when there are none."""
+    size = np.abs(_present(error))
+    mean, rms, largest = size.mean(), np.sqrt(np.mean(size**2)), size.max()
+    return ErrorStatistics(mean=float(mean), rms=float(rms), max=float(largest))
+
+
+def _errors_by_class(errors: PathErrors, classes: tuple[str, ...]) -> dict[str, ErrorStatistics]:
+    by_class = {name: error_statistics(errors.error[errors.labels == name]) for name in classes}
+    return by_class | {ALL: error_statistics(errors.error)}
+
+
+def _yaw_rmse(log: RunLog, body: str) -> float:
+    difference = log.column(f"estimate.{body}.yaw") - log.column(f"truth.{body}.yaw")
+    return error_statistics(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi).rms
+
+
+def _ancillary_share(log: RunLog, body: str) -> float:
+    command = np.abs(log.column(f"{body}_steering.command")).sum()
+    ancillary = np.abs(log.column(f"{body}_steering.ancillary")).sum()
+    return _share(float(ancillary), float(command))
+
+
+def _saturated_share(log: RunLog, body: str) -> float:
+    return _share(float(log.column(f"{body}_steering.saturated").sum()), len(log.records))
+
+
+def _time_statistics(time: Floats) -> TimeStatistics:
+    median, p99, largest = np.percentile(_present(time), (50.0, 99.0, 100.0))
+    return TimeStatistics(median=float(median), p99=float(p99), max=float(largest))
+
+
+def _phase_times(log: RunLog, solver: str) -> PhaseTimes:
+    return PhaseTimes(
+        prepare=_time_statistics(log.column(f"{solver}_times.prepare")),
+        feedback=_time_statistics(log.column(f"{solver}_times.feedback")),
+    )
+
+
+def _of_both(figure: Callable[[RunLog, str], float], log: RunLog) -> Bodies[float]:
+    return Bodies(tractor=figure(log, "tractor"), trailer=figure(log, "trailer"))
+
+
+def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
+    """Compute the figures of a run from its log and the true errors of both bodies."""
+    classes = log.header.path.label_names
+    duration, wall_time = _span(log.column("measurement.time")), _span(log.wall_time)
+    return Metrics(
+        config=log.header.configuration_name,
+        seed=log.header.seed,
+        finished=log.outcome.finished,
+        outcome=log.outcome.reason,
+        duration_s=duration,
+        length_m=_span(log.column("reference.tractor.progress")),
+        real_time_factor=_share(duration, wall_time),
+        error_m=Bodies(
+            tractor=_errors_by_class(errors.tractor, classes),
+            trailer=_errors_by_class(errors.trailer, classes),
+        ),
+        yaw_rmse_rad=_of_both(_yaw_rmse, log),
+        ancillary_share=_of_both(_ancillary_share, log),
+        saturated_share=_of_both(_saturated_share, log),
+        solver_failures=sum(record.solver_failures for record in log.records),
+        solve_time_s=SolverTimes(
+            estimator=_phase_times(log, "estimator"),
+            tractor=_phase_times(log, "tractor"),
+            trailer=_phase_times(log, "trailer"),
+        ),
+    )

@@ -1,0 +1,94 @@
+"""report.html: one self-contained page about a run, drawn by plotly.js without any network."""
+
+from html import escape
+from importlib import resources
+from string import Template
+
+import msgspec
+from plotly.offline import get_plotlyjs  # type: ignore[import-untyped]
+
+from drawbar.autopilot.log import RunLog, encode_special
+from drawbar.report import style
+from drawbar.report.map import track
+from drawbar.report.metrics import Metrics
+from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.sections import Section, all_sections
+from drawbar.report.tables import (
+    ERROR_COLUMNS,
+    TIME_COLUMNS,
+    Row,
+    body_rows,
+    error_rows,
+    key_figures,
+    time_rows,
+)
+
+
+def _row(tag: str, name: str, cells: list[str]) -> str:
+    inner = "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in [name, *cells])
+    return f"<tr>{inner}</tr>"
+
+
+def _table(groups: str, head: str, rows: list[Row]) -> str:
+    body = "".join(_row("td", name, cells) for name, cells in rows)
+    return f'<div class="table"><table><thead>{groups}{head}</thead><tbody>{body}</tbody></table></div>'
+
+
+def _body_heads(span: int) -> str:
+    heads = [f'<th class="{body}" colspan="{span}">{body}</th>' for body in style.BODY_COLOURS]
+    return f"<tr><th></th>{''.join(heads)}</tr>"
+
+
+def _tables(metrics: Metrics) -> str:
+    errors = _row("th", "Error, cm", [*ERROR_COLUMNS, *ERROR_COLUMNS])
+    of_bodies = [
+        _table(_body_heads(len(ERROR_COLUMNS)), errors, error_rows(metrics)),
+        _table(_body_heads(1), "", body_rows(metrics)),
+    ]
+    of_solvers = _table("", _row("th", "Solver, µs", list(TIME_COLUMNS)), time_rows(metrics))
+    return f"<div>{''.join(of_bodies)}</div><div>{of_solvers}</div>"
+
+
+def _section_html(section: Section) -> str:
+    kind = "figure map" if section.name == "map" else "figure"
+    heading = f"<h2>{escape(section.title)}</h2><p>{escape(section.note)}</p>"
+    return f'<section>{heading}<div class="{kind}" id="{section.name}"></div></section>'
+
+
+def _page_data(log: RunLog, sections: list[Section]) -> str:
+    data = {
+        "figures": {section.name: section.figure for section in sections},
+        "along": [section.name for section in sections if section.along_path],
+        "time": log.column("measurement.time").round(3),
+        "tracks": {body: track(log, body).round(3) for body in style.BODY_COLOURS},
+    }
+    text = msgspec.json.encode(data, enc_hook=encode_special).decode()
+    return text.replace("</", "<\\/")  # a closing tag inside a string would end the script
+
+
+def render_page(log: RunLog, metrics: Metrics, errors: Bodies[PathErrors]) -> str:
+    """Return the whole page as HTML."""
+    sections = all_sections(log, errors)
+    started = f"{log.header.started:%d %B %Y, %H:%M %Z}"
+    template = Template(resources.files(__package__).joinpath("page.html").read_text(encoding="utf-8"))
+    tiles = [
+        f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in key_figures(metrics)
+    ]
+    ending = "Finished" if metrics.finished else "Stopped before the end"
+    return template.substitute(
+        title=escape(f"{log.header.path_name}, {metrics.config}"),
+        facts=escape(
+            f"{started} · configuration {metrics.config} · seed {metrics.seed} · {len(log.records)} steps"
+        ),
+        state="" if metrics.finished else "stopped",
+        outcome=escape(f"{ending}: {metrics.outcome}"),
+        tiles="".join(tiles),
+        tables=_tables(metrics),
+        sections="\n".join(_section_html(section) for section in sections),
+        configuration=escape(log.header.configuration),
+        plotly=get_plotlyjs(),
+        data=_page_data(log, sections),
+        font=style.FONT,
+        tractor=style.TRACTOR,
+        trailer=style.TRAILER,
+    )

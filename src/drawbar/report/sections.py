@@ -1,0 +1,114 @@
+"""The parts of the page about a run, in their order: a heading, what to look for, and a picture."""
+
+import math
+from dataclasses import dataclass
+
+from drawbar.autopilot.log import RunLog
+from drawbar.report import style
+from drawbar.report.figures import (
+    ancillary_figure,
+    error_figure,
+    estimate_figure,
+    solve_time_figure,
+    steering_figure,
+)
+from drawbar.report.map import map_figure
+from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.style import Figure
+
+_FACTORS = {
+    "longitudinal_slip": ("μ", style.ESTIMATOR),
+    "tractor_slip": ("κ", style.TRACTOR),
+    "trailer_slip": ("η", style.TRAILER),
+}
+_ANGLES = {
+    "steering_offset": ("b", style.ESTIMATOR),
+    "tractor_crab": ("αr", style.TRACTOR),
+    "trailer_crab": ("αi", style.TRAILER),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """One picture with its heading and what to look for in it."""
+
+    name: str
+    title: str
+    note: str
+    figure: Figure
+    along_path: bool = True
+
+
+def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
+    has_truth = any(record.truth is not None for record in log.records)
+    whose = "True positions." if has_truth else "A real machine: estimated positions, the truth is not known."
+    return [
+        Section(
+            name="map",
+            title="Map",
+            note=f"{whose} Scroll to zoom, drag to move; the outlines show the machine at a few moments, "
+            "dots follow the pointer in the figures below.",
+            figure=map_figure(log),
+            along_path=False,
+        ),
+        Section(
+            name="errors",
+            title="Distance from the path",
+            note="Of the antennas. Curves are shaded, with their curvature in 1/m or their class.",
+            figure=error_figure(log, errors),
+        ),
+    ]
+
+
+def _steering(log: RunLog) -> list[Section]:
+    return [
+        Section(
+            name="tractor-steering",
+            title="Steering of the tractor",
+            note="Front wheels.",
+            figure=steering_figure(log, "tractor"),
+        ),
+        Section(
+            name="trailer-steering",
+            title="Steering of the trailer",
+            note="Actuated joint between drawbar and trailer.",
+            figure=steering_figure(log, "trailer"),
+        ),
+        Section(
+            name="ancillary",
+            title="What the ancillary law adds",
+            note="The part of each command that answers the deviation from the nominal prediction.",
+            figure=ancillary_figure(log),
+        ),
+    ]
+
+
+def _estimates(log: RunLog) -> list[Section]:
+    zoom = "Dashed: bounds of the estimator, zoom out where they are not in sight."
+    return [
+        Section(
+            name="factors",
+            title="Slip",
+            note="Speed factor μ, steering factors κ and η. " + zoom,
+            figure=estimate_figure(log, _FACTORS, "Factor", "", 1.0),
+        ),
+        Section(
+            name="angles",
+            title="Steering offset and side-slip",
+            note="Offset b of the front wheels, side-slip of the rear axle (αr) and of the trailer's (αi). "
+            + zoom,
+            figure=estimate_figure(log, _ANGLES, "Angle, °", "°", math.degrees(1.0)),
+        ),
+    ]
+
+
+def all_sections(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
+    """Return everything the page shows of a run."""
+    solving = Section(
+        name="solve-times",
+        title="Solve times",
+        note="Preparation runs after the actuation, feedback between measurement and command.",
+        figure=solve_time_figure(log),
+        along_path=False,
+    )
+    return [*_driving(log, errors), *_steering(log), *_estimates(log), solving]

@@ -1,0 +1,80 @@
+"""The figures of a run as rows of text, the same for the console and the page; a missing figure is a dash."""
+
+import math
+
+from drawbar.report.metrics import ALL, Metrics, PhaseTimes
+
+ERROR_COLUMNS = ("mean", "rms", "max")
+TIME_COLUMNS = ("median", "p99", "max")
+
+Row = tuple[str, list[str]]
+"""a title and its cells"""
+
+
+def number(value: float, digits: int = 1, unit: str = "") -> str:
+    """Return the value with a fixed number of digits and its unit; NaN is a dash."""
+    return "–" if math.isnan(value) else f"{value:.{digits}f}{unit}"
+
+
+def class_title(label: str) -> str:
+    """Return a class of the path in words: a curvature gets its unit."""
+    return f"curve {label}/m" if label[:1].isdigit() else label
+
+
+def error_rows(metrics: Metrics) -> list[Row]:
+    """Return per class of the path mean, RMS and maximum of the tractor, then of the trailer, cm."""
+    error = metrics.error_m
+    return [
+        (
+            class_title(label),
+            [
+                number(100.0 * getattr(body[label], name), 1)
+                for body in (error.tractor, error.trailer)
+                for name in ERROR_COLUMNS
+            ],
+        )
+        for label in error.tractor
+    ]
+
+
+def time_rows(metrics: Metrics) -> list[Row]:
+    """Return per solver and phase median, 99th percentile and maximum of the time of one call, µs."""
+    times = metrics.solve_time_s
+    solvers: dict[str, PhaseTimes] = {
+        "estimator": times.estimator,
+        "tractor": times.tractor,
+        "trailer": times.trailer,
+    }
+    return [
+        (
+            f"{solver}, {phase}",
+            [number(1e6 * getattr(getattr(phases, phase), name), 1) for name in TIME_COLUMNS],
+        )
+        for solver, phases in solvers.items()
+        for phase in ("prepare", "feedback")
+    ]
+
+
+def body_rows(metrics: Metrics) -> list[Row]:
+    """Return what is one figure per body, of the tractor, then of the trailer, each with its unit."""
+    shares = {"ancillary share": metrics.ancillary_share, "clipped commands": metrics.saturated_share}
+    yaw = metrics.yaw_rmse_rad
+    rows: list[Row] = [
+        ("yaw error, RMS", [number(math.degrees(value), 2, "°") for value in (yaw.tractor, yaw.trailer)])
+    ]
+    for title, share in shares.items():
+        rows.append((title, [number(100.0 * value, 1, " %") for value in (share.tractor, share.trailer)]))
+    return rows
+
+
+def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
+    """Return the figures one looks for first: title and value with unit."""
+    error = metrics.error_m
+    return [
+        ("distance driven", number(metrics.length_m, 1, " m")),
+        ("driving time", number(metrics.duration_s, 1, " s")),
+        ("real-time factor", number(metrics.real_time_factor, 0, "×")),
+        ("mean error, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
+        ("mean error, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
+        ("solver failures", f"{metrics.solver_failures}"),
+    ]

@@ -1,0 +1,188 @@
+"""The exact nonholonomic chain of tractor, drawbar and trailer with slip, and its two subsystems.
+
+Geometry (theory.md sections 2 and 3.2): the free joint RJ1 sits a behind the tractor's rear axle, the drawbar d
+leads to the actuated joint RJ2, the trailer axle is L_i behind it. J is the actuated angle in its geometric sign.
+"""
+
+from typing import Any
+
+import casadi as ca
+
+from drawbar.vehicle.model import Model, symbols, variables
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+def trailer_yaw_rate(
+    vehicle: VehicleParameters, speed: Any, omega: Any, gamma: Any, joint: Any, joint_rate: Any, crab: Any, trailer_crab: Any
+) -> Any:
+    """Return psi', rad/s, such that the trailer axle's side-slip angle is trailer_crab.
+
+    Args:
+        vehicle: lengths.
+        speed: V, longitudinal speed of the rear axle, m/s.
+        omega: tractor yaw rate, rad/s.
+        gamma: tractor yaw minus trailer yaw, rad.
+        joint: J, rad.
+        joint_rate: J', rad/s.
+        crab: alpha_r, rad.
+        trailer_crab: alpha_i, rad.
+    """
+    d, slope = vehicle.drawbar_length, ca.tan(trailer_crab)
+    lateral = speed * ca.tan(crab) - vehicle.free_joint_offset * omega
+    push = speed * ca.sin(gamma) + lateral * ca.cos(gamma) - d * joint_rate * ca.cos(joint)
+    drag = speed * ca.cos(gamma) - lateral * ca.sin(gamma) + d * joint_rate * ca.sin(joint)
+    lever = vehicle.trailer_length + d * ca.cos(joint) + slope * d * ca.sin(joint)
+    return (push - slope * drag) / lever
+
+
+def trailer_antenna(vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi: Any, joint: Any) -> tuple[Any, Any]:
+    """Return the trailer antenna's position (m) behind a tractor whose rear axle is at x, y (m); angles in rad."""
+    a, d = vehicle.free_joint_offset, vehicle.drawbar_length
+    back = vehicle.trailer_length - vehicle.trailer_antenna
+    phi = psi + joint
+    return (
+        x - a * ca.cos(theta) - d * ca.cos(phi) - back * ca.cos(psi),
+        y - a * ca.sin(theta) - d * ca.sin(phi) - back * ca.sin(psi),
+    )
+
+
+def articulated(vehicle: VehicleParameters) -> Model:
+    """Return the whole chain with the measured quantities, then both steering rates, as outputs.
+
+    States x_t, y_t, theta, psi, delta_t, delta_i; inputs the steering rates; parameters mu, kappa, b, alpha_i, v,
+    alpha_r. The hitch angle is an output: beta = theta - psi - J.
+    """
+    states = variables(
+        tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_yaw="rad", tractor_steering="rad", trailer_steering="rad"
+    )
+    inputs = variables(tractor_steering_rate="rad/s", trailer_steering_rate="rad/s")
+    parameters = variables(
+        longitudinal_slip="1", tractor_slip="1", steering_offset="rad", trailer_crab="rad", speed="m/s", tractor_crab="rad"
+    )
+    outputs = variables(
+        tractor_x="m",
+        tractor_y="m",
+        trailer_x="m",
+        trailer_y="m",
+        hitch_angle="rad",
+        speed="m/s",
+        tractor_steering="rad",
+        trailer_steering="rad",
+        tractor_steering_rate="rad/s",
+        trailer_steering_rate="rad/s",
+    )
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    x_t, y_t, theta, psi, delta_t, delta_i = ca.vertsplit(x)
+    mu, kappa, offset, trailer_crab, v, crab = ca.vertsplit(p)
+    speed = mu * v
+    joint, joint_rate = vehicle.joint_sign * delta_i, vehicle.joint_sign * u[1]
+    omega = speed * (ca.tan(kappa * delta_t + offset) - ca.tan(crab)) / vehicle.wheelbase
+    slide = speed * ca.tan(crab)
+    derivative = ca.vertcat(
+        speed * ca.cos(theta) - slide * ca.sin(theta),
+        speed * ca.sin(theta) + slide * ca.cos(theta),
+        omega,
+        trailer_yaw_rate(vehicle, speed, omega, theta - psi, joint, joint_rate, crab, trailer_crab),
+        u,
+    )
+    x_i, y_i = trailer_antenna(vehicle, x_t, y_t, theta, psi, joint)
+    return Model(
+        name="articulated",
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=outputs,
+        x=x,
+        u=u,
+        p=p,
+        derivative=derivative,
+        output=ca.vertcat(x_t, y_t, x_i, y_i, theta - psi - joint, v, delta_t, delta_i, u),
+    )
+
+
+def articulated_tractor(vehicle: VehicleParameters) -> Model:
+    """Return the tractor subsystem in path coordinates' outputs.
+
+    States x, y, theta, delta_t; input the commanded steering; parameters mu, kappa, b, alpha_r, v and the reference
+    pose x, y, yaw. Outputs: lateral error (m), heading error of the direction of motion (rad), command, and command
+    minus steering (rad), which is the steering rate times the lag.
+    """
+    states = variables(x="m", y="m", yaw="rad", steering="rad")
+    inputs = variables(command="rad")
+    parameters = variables(
+        longitudinal_slip="1",
+        tractor_slip="1",
+        steering_offset="rad",
+        tractor_crab="rad",
+        speed="m/s",
+        reference_x="m",
+        reference_y="m",
+        reference_yaw="rad",
+    )
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    px, py, theta, delta = ca.vertsplit(x)
+    mu, kappa, offset, crab, v, rx, ry, yaw = ca.vertsplit(p)
+    speed, slide = mu * v, mu * v * ca.tan(crab)
+    return Model(
+        name="articulated_tractor",
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=variables(lateral_error="m", heading_error="rad", command="rad", command_lead="rad"),
+        x=x,
+        u=u,
+        p=p,
+        derivative=ca.vertcat(
+            speed * ca.cos(theta) - slide * ca.sin(theta),
+            speed * ca.sin(theta) + slide * ca.cos(theta),
+            speed * (ca.tan(kappa * delta + offset) - ca.tan(crab)) / vehicle.wheelbase,
+            (u - delta) / vehicle.steering_lag,
+        ),
+        output=ca.vertcat(
+            ca.cos(yaw) * (py - ry) - ca.sin(yaw) * (px - rx), theta + crab - yaw, u, u - delta
+        ),
+    )
+
+
+def articulated_trailer(vehicle: VehicleParameters) -> Model:
+    """Return the trailer subsystem on the chain, with the tractor's motion as a known signal.
+
+    States gamma = theta - psi and delta_i; input the commanded steering; parameters mu, alpha_r, alpha_i, v, the
+    tractor's yaw rate (the coupling), its pose at the stage, and the reference pose. Outputs: lateral error of the
+    trailer antenna (m), command, and command minus steering (rad).
+    """
+    states = variables(articulation="rad", steering="rad")
+    inputs = variables(command="rad")
+    parameters = variables(
+        longitudinal_slip="1",
+        tractor_crab="rad",
+        trailer_crab="rad",
+        speed="m/s",
+        tractor_yaw_rate="rad/s",
+        tractor_x="m",
+        tractor_y="m",
+        tractor_yaw="rad",
+        reference_x="m",
+        reference_y="m",
+        reference_yaw="rad",
+    )
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    gamma, delta = ca.vertsplit(x)
+    mu, crab, trailer_crab, v, omega, tx, ty, theta, rx, ry, yaw = ca.vertsplit(p)
+    joint, sign = vehicle.joint_sign * delta, vehicle.joint_sign
+    rate = (u - delta) / vehicle.steering_lag
+    px, py = trailer_antenna(vehicle, tx, ty, theta, theta - gamma, joint)
+    return Model(
+        name="articulated_trailer",
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=variables(lateral_error="m", command="rad", command_lead="rad"),
+        x=x,
+        u=u,
+        p=p,
+        derivative=ca.vertcat(
+            omega - trailer_yaw_rate(vehicle, mu * v, omega, gamma, joint, sign * rate, crab, trailer_crab), rate
+        ),
+        output=ca.vertcat(ca.cos(yaw) * (py - ry) - ca.sin(yaw) * (px - rx), u, u - delta),
+    )

@@ -1,0 +1,103 @@
+"""A model declared once, symbolically: from this the solvers, filters and simulations are derived."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from drawbar.errors import ModelError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """A named scalar with its unit."""
+
+    name: str
+    unit: str
+
+
+def variables(**units: str) -> tuple[Variable, ...]:
+    """Return variables from name=unit pairs, in order."""
+    return tuple(Variable(name=name, unit=unit) for name, unit in units.items())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """x' = derivative(x, u, p) and outputs h(x, u, p), as CasADi SX expressions of the symbols x, u, p.
+
+    Raises ModelError when shapes or names do not fit each other.
+    """
+
+    name: str
+    states: tuple[Variable, ...]
+    inputs: tuple[Variable, ...]
+    parameters: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    x: Any
+    """(nx, 1) SX symbols"""
+    u: Any
+    """(nu, 1) SX symbols"""
+    p: Any
+    """(np, 1) SX symbols, known at every stage"""
+    derivative: Any
+    """(nx, 1) SX, per second"""
+    output: Any
+    """(ny, 1) SX"""
+
+    def __post_init__(self) -> None:
+        pairs = (
+            ("states", self.states, self.x),
+            ("states", self.states, self.derivative),
+            ("inputs", self.inputs, self.u),
+            ("parameters", self.parameters, self.p),
+            ("outputs", self.outputs, self.output),
+        )
+        for what, declared, expression in pairs:
+            if expression.shape != (len(declared), 1):
+                raise ModelError(
+                    f"Model {self.name!r} declares {len(declared)} {what} but the expression has shape "
+                    f"{expression.shape}; declare one variable for each row of a column vector."
+                )
+        if not self.states or not self.inputs:
+            raise ModelError(f"Model {self.name!r} needs at least one state and one input.")
+        free = set(ca.symvar(ca.vertcat(self.derivative, self.output)))
+        known = set(ca.symvar(ca.vertcat(self.x, self.u, self.p)))
+        names = {str(s) for s in free} - {str(s) for s in known}
+        if names:
+            raise ModelError(f"Model {self.name!r} uses symbols that are neither state, input nor parameter: {sorted(names)}.")
+
+    def index(self, name: str) -> int:
+        """Return the position of a state by name.
+
+        Raises:
+            ModelError: no such state; lists those there are.
+        """
+        names = [state.name for state in self.states]
+        if name not in names:
+            raise ModelError(f"Model {self.name!r} has no state {name!r}; it has {', '.join(names)}.")
+        return names.index(name)
+
+
+def symbols(declared: tuple[Variable, ...]) -> Any:
+    """Return a column of SX symbols, one for each variable, under their names."""
+    return ca.vertcat(*(ca.SX.sym(v.name) for v in declared)) if declared else ca.SX(0, 1)
+
+
+def integrate(model: Model, sample_time: float, steps: int = 1) -> Any:
+    """Return x after one sample by the classical Runge-Kutta method of order 4, as an SX expression of x, u, p.
+
+    Args:
+        model: the model.
+        sample_time: s, during which u and p are constant.
+        steps: Runge-Kutta steps within the sample.
+    """
+    f = ca.Function("f", [model.x, model.u, model.p], [model.derivative])
+    h = sample_time / steps
+    x = model.x
+    for _ in range(steps):
+        k1 = f(x, model.u, model.p)
+        k2 = f(x + h / 2 * k1, model.u, model.p)
+        k3 = f(x + h / 2 * k2, model.u, model.p)
+        k4 = f(x + h * k3, model.u, model.p)
+        x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return x

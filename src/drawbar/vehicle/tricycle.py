@@ -1,0 +1,113 @@
+"""The paper's adaptive kinematic tricycle (equations kinematicmodel and kinematicmodelDe), and its two subsystems.
+
+Positions are those of the two antennas as the paper takes them; see docs/theory.md for what this model gets wrong.
+"""
+
+import casadi as ca
+
+from drawbar.vehicle.model import Model, symbols, variables
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+def tricycle(vehicle: VehicleParameters) -> Model:
+    """Return the whole paper model with the measured quantities as outputs.
+
+    States x_t, y_t, theta, x_i, y_i, psi; inputs delta_t, delta_i; parameters mu, kappa, eta, beta, v.
+    """
+    states = variables(
+        tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_x="m", trailer_y="m", trailer_yaw="rad"
+    )
+    inputs = variables(tractor_steering="rad", trailer_steering="rad")
+    parameters = variables(
+        longitudinal_slip="1", tractor_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s"
+    )
+    outputs = variables(
+        tractor_x="m",
+        tractor_y="m",
+        trailer_x="m",
+        trailer_y="m",
+        hitch_angle="rad",
+        speed="m/s",
+        tractor_steering="rad",
+        trailer_steering="rad",
+    )
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    x_t, y_t, theta, x_i, y_i, psi = ca.vertsplit(x)
+    delta_t, delta_i = ca.vertsplit(u)
+    mu, kappa, eta, beta, v = ca.vertsplit(p)
+    pull = vehicle.hitch_length / vehicle.wheelbase * ca.tan(kappa * delta_t)
+    derivative = ca.vertcat(
+        mu * v * ca.cos(theta),
+        mu * v * ca.sin(theta),
+        mu * v * ca.tan(kappa * delta_t) / vehicle.wheelbase,
+        mu * v * ca.cos(psi),
+        mu * v * ca.sin(psi),
+        mu * v / vehicle.trailer_length * (ca.sin(eta * delta_i + beta) - pull * ca.cos(eta * delta_i + beta)),
+    )
+    return Model(
+        name="tricycle",
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=outputs,
+        x=x,
+        u=u,
+        p=p,
+        derivative=derivative,
+        output=ca.vertcat(x_t, y_t, x_i, y_i, beta, v, delta_t, delta_i),
+    )
+
+
+def tricycle_tractor(vehicle: VehicleParameters) -> Model:
+    """Return the tractor subsystem f_1: states x, y, theta; input delta_t; parameters mu, kappa, v.
+
+    The outputs are those the paper weighs: position and steering (its weight on yaw is zero).
+    """
+    states = variables(x="m", y="m", yaw="rad")
+    inputs = variables(steering="rad")
+    parameters = variables(longitudinal_slip="1", tractor_slip="1", speed="m/s")
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    mu, kappa, v = ca.vertsplit(p)
+    return Model(
+        name="tricycle_tractor",
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=variables(x="m", y="m", steering="rad"),
+        x=x,
+        u=u,
+        p=p,
+        derivative=ca.vertcat(
+            mu * v * ca.cos(x[2]), mu * v * ca.sin(x[2]), mu * v * ca.tan(kappa * u[0]) / vehicle.wheelbase
+        ),
+        output=ca.vertcat(x[0], x[1], u[0]),
+    )
+
+
+def tricycle_trailer(vehicle: VehicleParameters) -> Model:
+    """Return the trailer subsystem f_2: states x, y, psi; input delta_i; parameters mu, eta, beta, v and the coupling.
+
+    The coupling is l/L_t tan(kappa delta_t) of g_2: zero where it is neglected, as in the paper.
+    """
+    states = variables(x="m", y="m", yaw="rad")
+    inputs = variables(steering="rad")
+    parameters = variables(longitudinal_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s", coupling="1")
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    mu, eta, beta, v, coupling = ca.vertsplit(p)
+    angle = eta * u[0] + beta
+    return Model(
+        name="tricycle_trailer",
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=variables(x="m", y="m", steering="rad"),
+        x=x,
+        u=u,
+        p=p,
+        derivative=ca.vertcat(
+            mu * v * ca.cos(x[2]),
+            mu * v * ca.sin(x[2]),
+            mu * v / vehicle.trailer_length * (ca.sin(angle) - coupling * ca.cos(angle)),
+        ),
+        output=ca.vertcat(x[0], x[1], u[0]),
+    )

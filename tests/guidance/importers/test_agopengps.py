@@ -1,0 +1,113 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drawbar.errors import PathError
+from drawbar.guidance.importers.agopengps import origin
+from drawbar.guidance.importers.load import load_line
+
+FIELD = Path(__file__).parents[4] / "shared" / "data" / "agopengps-field"
+needs_field = pytest.mark.skipif(not FIELD.exists(), reason="the recorded field is not beside the repository")
+
+CURVE = ["Curve", "1.57", "0,0", "2,0", "0", "4", "True", "3", "0,0,1.57", "1,0.5,1.57", "2,0,1.57"]
+AB = ["AB 90°", "1.57", "1,2", "11,2", "0", "2", "True", "0"]
+
+
+def field(folder: Path, *rows: str, end: str = "\n", mark: str = "") -> Path:
+    text = mark + end.join(["$TrackLines", *rows]) + end
+    (folder / "TrackLines.txt").write_bytes(text.encode())
+    return folder
+
+
+@needs_field
+@pytest.mark.parametrize(
+    ("track", "count", "last"),
+    [
+        ("Cu 275.4°", 660, (-250.825, 67.647)),
+        ("Cu 49.9°", 501, (134.705, 119.743)),
+        ("Cu 183.7°", 445, (-137.806, -253.521)),
+    ],
+)
+def test_the_recorded_field(track: str, count: int, last: tuple[float, float]) -> None:
+    line = load_line(FIELD, track)
+    assert (line.name, len(line.x), line.repeated) == (track, count, 0)
+    assert (line.x[-1], line.y[-1]) == last
+    same = load_line(FIELD / "TrackLines.txt", track)
+    np.testing.assert_array_equal(line.x, same.x)
+
+
+@needs_field
+def test_the_recorded_fields_origin() -> None:
+    assert origin(FIELD) == (32.5919752709808, -87.1777821879624)
+
+
+@needs_field
+@pytest.mark.parametrize("track", [None, "Cu 1°"])
+def test_missing_and_unknown_names_list_the_lines(track: str | None) -> None:
+    with pytest.raises(PathError, match=r"'Cu 275\.4°', 'Cu 49\.9°', 'Cu 183\.7°'"):
+        load_line(FIELD, track)
+
+
+def test_windows_line_ends_and_byte_order_mark(tmp_path: Path) -> None:
+    line = load_line(field(tmp_path, *CURVE, "", *AB, end="\r\n", mark="\ufeff"), "Curve")
+    np.testing.assert_array_equal(line.y, [0.0, 0.5, 0.0])
+
+
+def test_an_ab_line_is_continued_beyond_b(tmp_path: Path) -> None:
+    line = load_line(field(tmp_path, *AB), None)
+    np.testing.assert_allclose(line.x, [1.0, 111.0])
+    np.testing.assert_allclose(line.y, [2.0, 2.0])
+
+
+def test_repeated_points_are_dropped_and_counted(tmp_path: Path) -> None:
+    rows = [*CURVE[:7], "4", *CURVE[8:], CURVE[-1]]
+    line = load_line(field(tmp_path, *rows), None)
+    assert (len(line.x), line.repeated) == (3, 1)
+
+
+def changed(index: int, text: str) -> list[str]:
+    return [*CURVE[:index], text, *CURVE[index + 1 :]]
+
+
+@pytest.mark.parametrize(
+    ("rows", "place", "reason"),
+    [
+        (changed(9, "1;0.5;1.57"), 11, "3 numbers"),
+        (changed(9, "1,5,0,5,1,57"), 11, "3 numbers"),
+        (changed(9, "1,north,1.57"), 11, "'north'"),
+        (changed(9, "nan,0.5,1.57"), 11, "finite"),
+        (changed(9, "1,inf,1.57"), 11, "finite"),
+        ([*CURVE[:7], "5", *CURVE[8:], "3,0,0", "3,900,0"], 14, "jumps 900 m"),
+        (changed(7, "4"), 9, "announces 4 points; 3 rows"),
+        (changed(7, "-1"), 9, "announces -1"),
+        (changed(7, "nan"), 9, "announces nan"),
+        (changed(7, "many"), 9, "'many'"),
+        (changed(4, "0.5"), 6, "nudged by 0.5 m"),
+        (CURVE[:5], 6, "is it complete"),
+        ([*CURVE[:7], "1", CURVE[8]], 10, r"1 point\(s\) that differ"),
+        ([*CURVE[:7], "2", CURVE[8], CURVE[8]], 10, r"1 point\(s\) that differ"),
+        ([*CURVE[:7], "0"], 9, r"0 point\(s\) that differ"),
+    ],
+)
+def test_malformed_lines_are_refused_with_their_place(
+    tmp_path: Path, rows: list[str], place: int, reason: str
+) -> None:
+    with pytest.raises(PathError, match=rf"TrackLines\.txt:{place}: .*{reason}"):
+        load_line(field(tmp_path, *rows), None)
+
+
+def test_a_file_without_header_lines_or_origin_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PathError, match="cannot be read"):
+        load_line(tmp_path, None)
+    with pytest.raises(PathError, match="has no line"):
+        load_line(field(tmp_path), None)
+    (tmp_path / "TrackLines.txt").write_text("$CurveLines\n")
+    with pytest.raises(PathError, match=r"starts with \$TrackLines"):
+        load_line(tmp_path, None)
+    (tmp_path / "Field.txt").write_text("$Offsets\n0,0\n")
+    with pytest.raises(PathError, match="no row 'StartFix'"):
+        origin(tmp_path)
+    (tmp_path / "Field.txt").write_text("StartFix\n132.5,-87.1\n")
+    with pytest.raises(PathError, match=r"Field\.txt:2"):
+        origin(tmp_path)

@@ -1,0 +1,144 @@
+import math
+
+import numpy as np
+import pytest
+
+from drawbar.errors import PathError
+from drawbar.guidance.figure_eight import figure_eights
+from drawbar.guidance.guidance import Guidance
+from drawbar.guidance.look_ahead import LookAhead
+from drawbar.guidance.path import Path
+from drawbar.guidance.preview import Preview
+from drawbar.guidance.settings import GuidanceSettings
+from drawbar.signals import Estimate, Pose, SolverStatus
+
+SETTINGS = GuidanceSettings()
+EIGHT = figure_eights((8.0,), 20.0)
+TRAILER_BEHIND = 2.2
+
+
+def preview(path: Path = EIGHT, x: float = 0.0) -> Preview:
+    return Preview(
+        path, SETTINGS, stages=15, interval=0.2, tractor=(x, 0.0), trailer=(x - TRAILER_BEHIND, 0.0)
+    )
+
+
+def look_ahead(path: Path = EIGHT) -> LookAhead:
+    start = {"tractor": (0.0, 0.0), "trailer": (-TRAILER_BEHIND, 0.0)}
+    return LookAhead(path, SETTINGS, stages=15, interval=0.2, speed=1.0, **start)
+
+
+def beside(path: Path, s: float, left: float, turns: int = 0) -> Pose:
+    x, y, yaw, _ = path.sample(np.array([s]))[0].tolist()
+    return Pose(x=x - left * math.sin(yaw), y=y + left * math.cos(yaw), yaw=yaw + 2.0 * math.pi * turns)
+
+
+def estimate(tractor: Pose, trailer: Pose, speed: float = 1.0) -> Estimate:
+    return Estimate(
+        time=3.0,
+        tractor=tractor,
+        trailer=trailer,
+        hitch_angle=0.0,
+        speed=speed,
+        tractor_steering=0.0,
+        trailer_steering=0.0,
+        longitudinal_slip=0.9,
+        tractor_slip=1.0,
+        trailer_slip=1.0,
+        steering_offset=0.0,
+        tractor_crab=0.0,
+        trailer_crab=0.0,
+        status=SolverStatus.SOLVED,
+    )
+
+
+def along(s: float, left: float = 0.0, turns: int = 0) -> Estimate:
+    return estimate(beside(EIGHT, s, left, turns), beside(EIGHT, s - TRAILER_BEHIND, -left, turns))
+
+
+@pytest.mark.parametrize("guidance", [preview(), look_ahead()], ids=["preview", "look-ahead"])
+def test_both_bodies_are_followed_through_the_crossing(guidance: Guidance) -> None:
+    rng = np.random.default_rng(11)  # seed 11
+    for s in np.arange(0.0, EIGHT.length, 0.2):
+        assert not guidance.finished
+        left = float(rng.uniform(-0.4, 0.4))
+        reference = guidance.reference(along(float(s), left))
+        assert reference.tractor.progress == pytest.approx(s, abs=1e-6)
+        assert reference.trailer.progress == pytest.approx(s - TRAILER_BEHIND, abs=1e-6)
+        assert reference.tractor.lateral_error == pytest.approx(left, abs=1e-6)
+        assert reference.trailer.lateral_error == pytest.approx(-left, abs=1e-6)
+    guidance.reference(along(EIGHT.length + 0.1))
+    assert guidance.finished
+
+
+def test_preview_advances_at_the_speed_over_ground_from_each_bodys_closest_point() -> None:
+    guidance = preview()
+    for s in np.arange(0.0, 12.0, 0.5):
+        reference = guidance.reference(along(float(s)))
+    expected = 11.5 + 0.9 * 0.2 * np.arange(16)
+    np.testing.assert_allclose(reference.tractor.samples, EIGHT.sample(expected), atol=1e-6)
+    np.testing.assert_allclose(reference.trailer.samples, EIGHT.sample(expected - TRAILER_BEHIND), atol=1e-6)
+    assert reference.time == 3.0
+
+
+def test_preview_never_moves_its_reference_back() -> None:
+    guidance = preview()
+    for s in (0.5, 1.0, 0.7):
+        reference = guidance.reference(along(s))
+    assert reference.tractor.progress == pytest.approx(0.7)
+    assert reference.tractor.samples[0, 0] == pytest.approx(1.0)
+
+
+def test_look_ahead_is_the_papers() -> None:
+    guidance = look_ahead()
+    for s in np.arange(0.0, 12.0, 0.5):
+        reference = guidance.reference(along(float(s)))
+    ahead = 11.5 + 1.6 + 0.2 * np.arange(16)
+    np.testing.assert_allclose(reference.tractor.samples, EIGHT.sample(ahead), atol=1e-6)
+    constant = EIGHT.sample(np.full(16, 11.5 - TRAILER_BEHIND + 1.6))
+    np.testing.assert_allclose(reference.trailer.samples, constant, atol=1e-6)
+
+
+@pytest.mark.parametrize("turns", [-2, -1, 0, 1])
+def test_yaw_is_on_the_branch_of_the_estimate(turns: int) -> None:
+    straight, turned = preview().reference(along(1.0)), preview().reference(along(1.0, turns=turns))
+    difference = turned.tractor.samples - straight.tractor.samples
+    np.testing.assert_allclose(difference[:, 2], 2.0 * math.pi * turns, atol=1e-12)
+    np.testing.assert_array_equal(difference[:, [0, 1, 3]], 0.0)
+
+
+def test_the_search_does_not_reach_beyond_its_window() -> None:
+    guidance = preview()
+    assert guidance.reference(along(20.0)).tractor.progress <= SETTINGS.window_ahead
+
+
+def test_a_start_behind_the_path_is_seen_on_its_straight_continuation() -> None:
+    reference = preview(x=-2.0).reference(along(-2.0))
+    assert reference.tractor.progress == pytest.approx(-2.0)
+    assert reference.trailer.progress == pytest.approx(-2.0 - TRAILER_BEHIND)
+
+
+def test_a_start_far_from_the_path_is_refused_with_both_positions() -> None:
+    with pytest.raises(
+        PathError, match=r"\(-1000\.00, 0\.00\) m is 1000\.00 m .* \(0\.00, 0\.00\).*5 m is allowed"
+    ):
+        preview(x=-1000.0)
+    with pytest.raises(PathError, match="nan"):
+        preview(x=math.nan)
+
+
+@pytest.mark.parametrize("field", ["x", "y", "yaw"])
+def test_a_pose_that_is_not_finite_is_refused_and_leaves_the_progress(field: str) -> None:
+    guidance = preview()
+    good = beside(EIGHT, 0.5, 0.0)
+    bad = Pose(**{"x": good.x, "y": good.y, "yaw": good.yaw} | {field: math.nan})
+    for pair in ((bad, good), (good, bad)):
+        with pytest.raises(PathError, match="not finite"):
+            guidance.reference(estimate(*pair))
+    assert guidance.reference(along(0.6)).tractor.progress == pytest.approx(0.6)
+
+
+def test_a_speed_that_is_not_finite_is_refused() -> None:
+    pose = beside(EIGHT, 0.5, 0.0)
+    with pytest.raises(PathError, match="speed over ground is nan"):
+        preview().reference(estimate(pose, pose, speed=math.nan))

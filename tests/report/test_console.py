@@ -1,0 +1,83 @@
+import dataclasses
+import io
+
+import pytest
+from rich.cells import cell_len
+from rich.console import Console
+
+from drawbar.autopilot.log import Outcome
+from drawbar.report import console as module
+from drawbar.report.console import RunProgress, progress_line, summary
+from drawbar.report.metrics import compute_metrics
+from drawbar.report.path_errors import true_path_errors
+
+
+def printed(renderable):
+    console = Console(file=io.StringIO(), width=80)
+    console.print(renderable)
+    return console.file.getvalue()
+
+
+def metrics_of(log):
+    return compute_metrics(log, true_path_errors(log))
+
+
+def test_the_summary_fits_80_columns_and_is_not_cut(run):
+    text = printed(summary(metrics_of(run)))
+    assert max(cell_len(row.rstrip()) for row in text.splitlines()) <= 80
+    assert "…" not in text
+    assert "\x1b" not in text
+
+
+def test_the_summary_shows_the_figures_in_their_units(run):
+    metrics = metrics_of(run)
+    rows = {row.split("  ")[0]: row.split() for row in printed(summary(metrics)).splitlines() if row}
+    curve, body = metrics.error_m.tractor["0.15"], metrics.error_m.trailer["0.15"]
+    figures = [
+        f"{100 * value:.1f}" for value in (curve.mean, curve.rms, curve.max, body.mean, body.rms, body.max)
+    ]
+    assert rows["curve 0.15/m"][-6:] == figures
+    assert rows["tractor, feedback"][-3] == f"{1e6 * metrics.solve_time_s.tractor.feedback.median:.1f}"
+
+
+def test_a_long_run_with_a_reason_still_fits(make_run):
+    log = make_run(steps=10, outcome=Outcome(finished=False, reason="SolverError: " + "very " * 40 + "bad"))
+    text = printed(summary(metrics_of(log)))
+    assert max(cell_len(row.rstrip()) for row in text.splitlines()) <= 80
+    assert "stopped: SolverError" in text
+
+
+@pytest.mark.parametrize("length", [1.0, 343.5, 99_999.0])
+def test_the_progress_line_fits_80_columns(run, length):
+    record = run.records[-1]
+    reference = dataclasses.replace(
+        record.reference, tractor=dataclasses.replace(record.reference.tractor, progress=length)
+    )
+    line = progress_line(dataclasses.replace(record, reference=reference), length, 0.5).plain
+    assert cell_len(line) <= 80
+    assert "100%" in line
+
+
+def test_without_a_terminal_there_are_plain_lines_and_few(run, monkeypatch):
+    clock = iter(0.01 * k for k in range(10**6))
+    monkeypatch.setattr(module.time, "perf_counter", lambda: next(clock))
+    console = Console(file=io.StringIO(), width=80)
+    with RunProgress(console, 343.5) as progress:
+        for record in run.records:  # 18 s of wall-clock time
+            progress.show(record)
+    text = console.file.getvalue()
+    assert len(text.splitlines()) == 4
+    assert "\x1b" not in text
+    assert "\r" not in text
+
+
+def test_a_terminal_is_drawn_at_most_five_times_a_second(run, monkeypatch):
+    clock = iter(0.01 * k for k in range(10**6))
+    drawn = []
+    monkeypatch.setattr(module.time, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(module, "progress_line", lambda *_: drawn.append(1) or "")
+    console = Console(file=io.StringIO(), width=80, force_terminal=True)
+    with RunProgress(console, 343.5) as progress:
+        for record in run.records[:500]:  # 5 s
+            progress.show(record)
+    assert 20 <= len(drawn) <= 26

@@ -1,0 +1,39 @@
+import json
+
+import pytest
+
+from drawbar.autopilot.recorder import Recorder
+from drawbar.errors import DrawbarError
+from drawbar.report.folder import LOG_NAME, write_report
+
+
+def record(folder, log):
+    with Recorder(folder / LOG_NAME, log.header) as recorder:
+        for step in log.records:
+            recorder.write(step)
+
+
+def test_the_report_of_a_recorded_run_is_that_of_the_run(tmp_path, run):
+    record(tmp_path, run)
+    metrics = write_report(tmp_path)
+    assert (tmp_path / "metrics.json").read_bytes() == metrics.to_json()
+    assert json.loads(metrics.to_json())["finished"] is True
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert (tmp_path / "map.svg").read_text(encoding="utf-8").startswith("<svg")
+
+
+def test_a_log_cut_short_still_gives_a_report(tmp_path, make_run):
+    record(tmp_path, make_run(steps=20))
+    whole = (tmp_path / LOG_NAME).read_bytes()
+    (tmp_path / LOG_NAME).write_bytes(whole[: whole.rindex(b'{"step":12')])
+    metrics = write_report(tmp_path)
+    assert not metrics.finished
+    assert metrics.duration_s == pytest.approx(11 * 0.2, rel=1e-12)
+    assert "Stopped before the end" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_report_that_cannot_be_written_is_named(tmp_path, make_run):
+    record(tmp_path, make_run(steps=2))
+    (tmp_path / "report.html").mkdir()
+    with pytest.raises(DrawbarError, match="the report cannot be written"):
+        write_report(tmp_path)

@@ -1,0 +1,142 @@
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+
+from drawbar.report.metrics import compute_metrics, error_statistics
+from drawbar.report.path_errors import Bodies, PathErrors, project_track, true_path_errors
+
+
+def paths_errors(error, labels):
+    return PathErrors(progress=np.arange(len(error)), error=np.array(error), labels=np.array(labels))
+
+
+def nested_replace(record, path, value):
+    name, _, rest = path.partition(".")
+    return dataclasses.replace(
+        record, **{name: nested_replace(getattr(record, name), rest, value) if rest else value}
+    )
+
+
+def with_column(log, path, values):
+    records = [nested_replace(r, path, v) for r, v in zip(log.records, values, strict=True)]
+    return dataclasses.replace(log, records=tuple(records))
+
+
+def small(make_run, count=4):
+    return make_run(steps=count)
+
+
+def test_error_statistics_by_hand():
+    statistics = error_statistics(np.array([3.0, -4.0, np.nan]))
+    assert statistics.mean == 3.5
+    assert statistics.rms == pytest.approx(math.sqrt(12.5), rel=1e-15)
+    assert statistics.max == 4.0
+
+
+def test_errors_are_told_apart_by_class(make_run):
+    log = small(make_run)
+    labels = ["straight", "0.1", "0.1", "straight"]
+    errors = Bodies(
+        tractor=paths_errors([0.01, -0.02, 0.04, 0.03], labels),
+        trailer=paths_errors([0.0, 0.1, 0.1, np.nan], labels),
+    )
+    error = compute_metrics(log, errors).error_m
+    assert error.tractor["straight"].mean == pytest.approx(0.02, rel=1e-12)
+    assert error.tractor["0.1"].mean == pytest.approx(0.03, rel=1e-12)
+    assert error.tractor["0.1"].max == 0.04
+    assert error.tractor["all"].mean == pytest.approx(0.025, rel=1e-12)
+    assert error.trailer["straight"].max == 0.0
+    assert math.isnan(error.trailer["0.125"].mean)
+
+
+def test_shares_by_hand(make_run):
+    log = small(make_run)
+    log = with_column(log, "tractor_steering.command", [0.2, -0.2, 0.1, 0.0])
+    log = with_column(log, "tractor_steering.ancillary", [0.05, -0.05, 0.0, 0.0])
+    log = with_column(log, "trailer_steering.command", [0.0] * 4)
+    log = with_column(log, "trailer_steering.saturated", [True, False, False, False])
+    metrics = compute_metrics(log, true_path_errors(log))
+    assert metrics.ancillary_share.tractor == pytest.approx(0.2, rel=1e-12)
+    assert math.isnan(metrics.ancillary_share.trailer)  # nothing was commanded: no share
+    assert metrics.saturated_share == Bodies(tractor=0.0, trailer=0.25)
+
+
+def test_yaw_error_does_not_see_whole_turns(make_run):
+    log = small(make_run)
+    log = with_column(log, "truth.tractor.yaw", [0.0, 0.0, 0.0, 0.0])
+    log = with_column(log, "estimate.tractor.yaw", [0.1, 2 * math.pi - 0.1, 0.1, -0.1 - 4 * math.pi])
+    assert compute_metrics(log, true_path_errors(log)).yaw_rmse_rad.tractor == pytest.approx(0.1, rel=1e-12)
+
+
+def test_times_and_totals_by_hand(make_run):
+    log = small(make_run, 101)
+    log = with_column(log, "estimator_times.feedback", [k * 1e-6 for k in range(101)])
+    log = with_column(log, "solver_failures", [2] + [0] * 99 + [1])
+    log = dataclasses.replace(log, wall_time=1e9 + np.linspace(0.0, 0.5, 101))
+    metrics = compute_metrics(log, true_path_errors(log))
+    times = metrics.solve_time_s.estimator.feedback
+    assert (times.median, times.p99, times.max) == pytest.approx((50e-6, 99e-6, 100e-6), rel=1e-12)
+    assert metrics.solver_failures == 3
+    assert metrics.duration_s == pytest.approx(20.0, rel=1e-12)
+    assert metrics.real_time_factor == pytest.approx(40.0, rel=1e-6)  # the clock resolves 1e9 s to 1e-7 s
+    assert metrics.length_m == pytest.approx(19.0, rel=1e-12)
+
+
+def test_without_truth_there_are_nulls_and_nothing_invented(make_run):
+    log = make_run(truth=False, steps=30)
+    written = json.loads(compute_metrics(log, true_path_errors(log)).to_json())
+    assert written["yaw_rmse_rad"] == {"tractor": None, "trailer": None}
+    for body in ("tractor", "trailer"):
+        for statistics in written["error_m"][body].values():
+            assert statistics == {"mean": None, "rms": None, "max": None}
+    assert written["saturated_share"]["tractor"] == 0.0
+
+
+def test_a_run_that_died_before_its_first_step_has_figures(make_run):
+    log = make_run(steps=0)
+    metrics = compute_metrics(log, true_path_errors(log))
+    assert (metrics.length_m, metrics.duration_s, metrics.solver_failures) == (0.0, 0.0, 0)
+    assert math.isnan(metrics.real_time_factor)
+
+
+def test_the_json_holds_every_promised_key(run):
+    written = json.loads(compute_metrics(run, true_path_errors(run)).to_json())
+    promised = {
+        *("config", "seed", "finished", "duration_s", "length_m", "real_time_factor", "error_m"),
+        *("yaw_rmse_rad", "ancillary_share", "saturated_share", "solver_failures", "solve_time_s"),
+    }
+    assert promised <= written.keys()
+    assert written["error_m"]["trailer"].keys() == {"straight", "0.1", "0.125", "0.15", "all"}
+    assert written["solve_time_s"]["trailer"]["feedback"].keys() == {"median", "p99", "max"}
+
+
+def test_the_same_seed_gives_the_same_bytes_apart_from_times(make_run):
+    def without_times(log):
+        metrics = compute_metrics(log, true_path_errors(log))
+        fixed = compute_metrics(make_run(steps=2), true_path_errors(make_run(steps=2))).solve_time_s
+        return dataclasses.replace(metrics, solve_time_s=fixed, real_time_factor=1.0).to_json()
+
+    slower = dataclasses.replace(make_run(seed=4), wall_time=np.arange(1e4))
+    assert without_times(make_run(seed=4)) == without_times(slower)
+    assert without_times(make_run(seed=4)) != without_times(make_run(seed=5))
+
+
+def test_a_track_beside_the_path_is_found_through_the_crossing(run):
+    path = run.header.path.path()
+    progress = np.arange(0.0, path.length, 0.3)
+    samples = path.sample(progress)
+    left = 0.2 * np.column_stack([-np.sin(samples[:, 2]), np.cos(samples[:, 2])])
+    found = project_track(path, *(samples[:, :2] + left).T, start=0.0)
+    np.testing.assert_allclose(found.error, 0.2, atol=1e-6)
+    np.testing.assert_allclose(found.progress, progress, atol=1e-5)
+    assert list(found.labels) == path.labels(found.progress)
+
+
+def test_a_gap_in_the_truth_stays_a_gap(run):
+    path = run.header.path.path()
+    x = np.array([1.0, np.nan, 1.4])
+    found = project_track(path, x, np.full(3, 0.1), start=1.0)
+    np.testing.assert_array_equal(np.isnan(found.error), [False, True, False])

@@ -1,0 +1,126 @@
+import dataclasses
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from drawbar.autopilot.log import Outcome
+from drawbar.report.metrics import compute_metrics
+from drawbar.report.page import render_page
+from drawbar.report.path_errors import true_path_errors
+
+SECTIONS = [
+    *("map", "errors", "tractor-steering", "trailer-steering"),
+    *("ancillary", "factors", "angles", "solve-times"),
+]
+
+
+class Elements(HTMLParser):
+    """Every element of a page, and the text of its scripts and styles."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.elements, self.texts, self.visible = [], [], []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        if self.lasttag in ("script", "style"):
+            self.texts.append(data)
+        else:
+            self.visible.append(data)
+
+
+def render(log):
+    errors = true_path_errors(log)
+    return render_page(log, compute_metrics(log, errors), errors)
+
+
+def data_of(page):
+    return json.loads(re.search(r'<script type="application/json" id="page">(.*?)</script>', page).group(1))
+
+
+@pytest.fixture(scope="module")
+def page(run):
+    return render(run)
+
+
+def test_every_section_has_its_place_and_its_figure(page):
+    places = {attributes.get("id") for _, attributes in Elements(page).elements}
+    data = data_of(page)
+    assert list(data["figures"]) == SECTIONS
+    assert set(SECTIONS) <= places
+    assert all(figure["data"] for figure in data["figures"].values())
+
+
+def test_nothing_is_loaded_from_anywhere(page):
+    parsed = Elements(page)
+    loading = {"src", "href", "action", "data", "poster", "srcset", "background"}
+    assert not [(tag, names) for tag, names in parsed.elements if loading & names.keys()]
+    assert not {"link", "iframe", "img", "base", "object"} & {tag for tag, _ in parsed.elements}
+    own = [text for text in parsed.texts if "plotly.js v" not in text[:200]]
+    assert len(own) == len(parsed.texts) - 1  # plotly.js itself is on the page
+    assert not re.search(r"url\(|@import|fetch\(|XMLHttpRequest|import\(|https?://", "".join(own))
+
+
+def test_every_axis_of_a_quantity_names_its_unit(page):
+    for name, figure in data_of(page)["figures"].items():
+        for axis in ("xaxis", "yaxis"):
+            title = figure["layout"][axis]["title"]["text"]
+            assert re.search(r", (m|cm|°.*|µs|%)$", title) or (name, title) == ("factors", "Factor")
+
+
+def test_what_the_estimator_does_not_have_is_not_shown(page):
+    names = [trace["name"] for trace in data_of(page)["figures"]["factors"]["data"]]
+    assert "μ" in names
+    assert "η" not in names  # no bounds: not a parameter of this run's model
+
+
+def test_missing_fixes_are_gaps(page):
+    fixes = next(t for t in data_of(page)["figures"]["map"]["data"] if t.get("name", "").startswith("GPS"))
+    assert fixes["x"][305] is None
+    assert fixes["x"][299] is not None
+
+
+def test_a_crashed_run_says_so_and_markup_in_its_reason_is_text(make_run):
+    reason = "SolverError: </script><b>x</b> & more"
+    page = render(make_run(steps=50, outcome=Outcome(finished=False, reason=reason)))
+    assert f"Stopped before the end: {reason}" in "".join(Elements(page).visible)
+    assert "<b>x</b>" not in page
+
+
+def test_a_closing_tag_in_the_data_cannot_end_the_script(make_run):
+    log = make_run(steps=5)
+    path = dataclasses.replace(
+        log.header.path, label_names=("straight", "</script>", *log.header.path.label_names[2:])
+    )
+    header = dataclasses.replace(log.header, path=path)
+    page = render(dataclasses.replace(log, header=header))
+    labels = [note["text"] for note in data_of(page)["figures"]["errors"]["layout"]["annotations"]]
+    assert labels[0] == "</script>"
+
+
+def test_a_real_machine_shows_what_was_believed(make_run):
+    page = render(make_run(truth=False, steps=50))
+    assert "the truth is not known" in page
+    shown = {t["name"]: t.get("visible", True) for t in data_of(page)["figures"]["errors"]["data"]}
+    assert shown == {"Tractor, estimated": True, "Trailer, estimated": True}
+
+
+def test_a_run_that_died_before_its_first_step_still_renders(make_run):
+    page = render(make_run(steps=0))
+    assert list(data_of(page)["figures"]) == SECTIONS
+    assert "nan" not in "".join(Elements(page).visible).lower()
+
+
+def test_the_shades_cover_the_curves(run, page):
+    path = run.header.path.path()
+    shades = data_of(page)["figures"]["errors"]["layout"]["shapes"]
+    middles = np.array([0.5 * (shade["x0"] + shade["x1"]) for shade in shades])
+    assert path.labels(middles) == ["0.1", "0.1", "0.125", "0.125", "0.15", "0.15"]
+    assert path.labels(np.array([shade["x1"] + 0.1 for shade in shades])) == ["straight"] * 6
