@@ -16,7 +16,9 @@ class Settings(BaseModel):
 
 def _radians(value: float) -> float:
     if abs(value) > math.pi:
-        raise ValueError(f"{value} is not an angle in radians within ±π; degrees? {value}° = {math.radians(value):.4f} rad")
+        raise ValueError(
+            f"{value} is not an angle in radians within ±π; degrees? {value}° = {math.radians(value):.4f} rad"
+        )
     return value
 
 

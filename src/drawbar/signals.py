@@ -156,7 +156,7 @@ class Truth:
     tractor_steering: float
     """rad"""
     trailer_steering: float
-    """rad, in the sign the machine reports it (see joint_sign)"""
+    """rad"""
     longitudinal_slip: float
     """mu"""
     tractor_slip: float

@@ -99,6 +99,19 @@ def test_a_line_that_turns_back_on_itself_is_refused() -> None:
         drivable(corner(180.0))
 
 
+def zigzag(corners: int) -> RecordedLine:
+    """Corners of 60°, 10 m apart."""
+    heading = np.where(np.arange(corners) % 2, 1.0, -1.0) * math.radians(30.0)
+    points = np.concatenate([[0.0], np.cumsum(10.0 * np.exp(1j * heading))])
+    return line(points.real, points.imag)
+
+
+def test_kinks_in_a_row_are_smoothed_together_but_not_without_end() -> None:
+    assert_continuous_and_within(drivable(zigzag(20)), LIMIT)
+    with pytest.raises(PathError, match="2000 m of kinks in a row"):
+        drivable(zigzag(220))
+
+
 def test_mirroring_and_turning_the_line_mirrors_and_turns_the_path() -> None:
     recorded = corner(60.0)
     points = (recorded.x + 1j * recorded.y).conj() * np.exp(1j) + (20.0 - 7.0j)
@@ -140,6 +153,24 @@ def test_a_line_that_crosses_itself_keeps_both_branches() -> None:
     recorded = line(30.0 * np.sin(angle), 20.0 * np.sin(2.0 * angle))
     result = drivable(recorded, tolerance=0.05)
     assert_continuous_and_within(result, LIMIT)
+
+
+def test_a_crossing_between_kinks_does_not_mix_up_the_branches() -> None:
+    corners = np.array([-20.0, 8.0, 8.0 + 8.0j, 8.0j, -20.0j])
+    along = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)))])
+    points = np.interp(np.arange(0.0, along[-1], 0.5), along, corners)
+    result = drivable(line(points.real, points.imag), tolerance=0.65)
+    assert_continuous_and_within(result, LIMIT)
+    assert result.path.length == pytest.approx(along[-1], abs=5.0)
+
+
+def test_a_kinks_label_reaches_a_vehicle_length_behind_it() -> None:
+    path = drivable(corner(60.0)).path
+    s = np.arange(0.0, path.length, 0.1)
+    samples = path.sample(s)
+    left = (samples[:, 0] + 1j * samples[:, 1]) * np.exp(-1j * math.radians(60.0))
+    disturbed = s[(np.abs(left.imag) > 0.06) & (left.real > 0.0)].max()
+    assert path.labels(np.array([disturbed + 3.5, disturbed + 6.0])) == ["kink", "straight"]
 
 
 def test_a_line_of_a_hundred_thousand_points_keeps_constant_look_ups() -> None:

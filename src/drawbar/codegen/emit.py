@@ -11,7 +11,7 @@ import casadi as ca
 
 from drawbar.errors import ModelError
 
-_BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
+_BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/", ca.OP_LT: "<", ca.OP_LE: "<="}
 _UNARY = {
     ca.OP_ASSIGN: "{0}",
     ca.OP_NEG: "-{0}",
@@ -23,6 +23,7 @@ _UNARY = {
     ca.OP_TAN: "lane_tan({0})",
     ca.OP_SQRT: "sqrt({0})",
     ca.OP_FABS: "fabs({0})",
+    ca.OP_SIGN: "({0} > 0.0) - ({0} < 0.0)",
     ca.OP_EXP: "exp({0})",
     ca.OP_LOG: "log({0})",
     ca.OP_ATAN: "atan({0})",
@@ -30,7 +31,13 @@ _UNARY = {
     ca.OP_ACOS: "acos({0})",
     ca.OP_TANH: "tanh({0})",
 }
-_CALLS = {ca.OP_ATAN2: "atan2", ca.OP_POW: "pow", ca.OP_CONSTPOW: "pow", ca.OP_FMIN: "fmin", ca.OP_FMAX: "fmax"}
+_CALLS = {
+    ca.OP_ATAN2: "atan2",
+    ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow",
+    ca.OP_FMIN: "fmin",
+    ca.OP_FMAX: "fmax",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,7 +77,9 @@ def emit_constants(name: str, outputs: list[Output], arguments: str) -> str:
         fixed = [(offset, float(value)) for offset, value in output.entries() if value.is_constant()]
         lines = [f"({output.place})[{offset}] = {value!r};" for offset, value in fixed]
         if lines:
-            loops.append(f"    for (int k = 0; k < {output.rows}; ++k) {{\n        {_join(lines, 8)}\n    }}\n")
+            loops.append(
+                f"    for (int k = 0; k < {output.rows}; ++k) {{\n        {_join(lines, 8)}\n    }}\n"
+            )
     return f"static void {name}({arguments})\n{{\n    (void)work;\n{''.join(loops)}}}\n"
 
 
@@ -80,8 +89,12 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
     Raises:
         ModelError: the expressions use an operation that the runtime does not have.
     """
-    varying = [(out, offset, value) for out in outputs for offset, value in out.entries() if not value.is_constant()]
-    function = ca.Function(name, [i.symbol for i in inputs], [ca.vertcat(*(value for _, _, value in varying))])
+    varying = [
+        (out, offset, value) for out in outputs for offset, value in out.entries() if not value.is_constant()
+    ]
+    function = ca.Function(
+        name, [i.symbol for i in inputs], [ca.vertcat(*(value for _, _, value in varying))]
+    )
     body, used = _statements(function)
     gather = []
     for index, (argument, element) in enumerate(used):

@@ -1,1 +1,1 @@
-"""estimation."""
+"""State and slip estimation: from noisy, incomplete measurements to what the controllers need."""

@@ -1,1 +1,1 @@
-"""guidance."""
+"""Guidance: paths, their importers, and the references that the controllers follow."""

@@ -12,6 +12,7 @@ import scipy.sparse as sparse
 from scipy.interpolate import CubicSpline
 from scipy.linalg import solveh_banded
 from scipy.optimize import linprog
+from scipy.spatial import KDTree
 
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Complexes
@@ -24,8 +25,6 @@ _TRUST = 0.5
 """largest move of a node per linear program, m"""
 _CONVERGED = 1e-3
 """largest last move, m"""
-_BAND = 6.0
-"""how far along the line a recorded point may lie from its share of the line, m"""
 _ITERATIONS = 25
 _LARGEST, _MEAN, _FAIR = 1e3, 1.0, 0.2
 """costs of the largest deviation (1/m), the mean one (1/m²) and the variation of curvature"""
@@ -47,8 +46,7 @@ def smooth(points: Complexes, length: float, *, step: float, movable: slice | No
         for k, second in enumerate(_THIRD[i:]):
             bands[3 - k, i + k : i + k + n - 3] += first * second * (length / step) ** 6
     bands[3] += weight
-    right = np.column_stack([points.real, points.imag]) * weight[:, None]
-    solved = solveh_banded(bands, right)
+    solved = solveh_banded(bands, _columns(points) * weight[:, None])
     smoothed: Complexes = solved[:, 0] + 1j * solved[:, 1]
     return smoothed
 
@@ -74,6 +72,10 @@ def chord_length(points: Complexes) -> Floats:
     """Return (n,) the length along the polyline up to each point, m."""
     lengths: Floats = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(points)))])
     return lengths
+
+
+def _columns(points: Complexes) -> Floats:
+    return np.column_stack([points.real, points.imag])
 
 
 def _unit(vectors: Complexes) -> Complexes:
@@ -160,11 +162,7 @@ def _deviation_of_moves(
     """Return how much the moves shift the line beside each recorded point (m, n), and the deviations (m,)."""
     n, m = len(nodes), len(recorded)
     position, derivative = knots(nodes)
-    distance = np.abs(recorded[:, None] - position[None, :])
-    # where a line crosses itself the nearest node may belong to the other branch
-    along = chord_length(recorded) * (n - 1) / chord_length(recorded)[-1]
-    distance[np.abs(along[:, None] - np.arange(n)) * step > _BAND] = np.inf
-    nearest = distance.argmin(axis=1)
+    nearest = KDTree(_columns(position)).query(_columns(recorded))[1]
     seen = (recorded - position[nearest]) * _unit(derivative[nearest]).conj()
     place = np.clip(nearest + seen.real / step, 0.0, n - 1.0)
     before = np.minimum(place.astype(np.intp), n - 2)

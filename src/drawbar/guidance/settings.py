@@ -18,7 +18,7 @@ class GuidanceSettings(Settings):
     """how far ahead of the last progress the closest point is searched, m"""
     maximum_start_distance: Positive = 5.0
     """largest distance of the tractor from the start of the path when a run begins, m"""
-    path_tolerance: Positive = 0.30
+    path_tolerance: Positive = 0.50
     """largest deviation of a recorded point from the drivable path, m"""
     curvature_rate_limit: Positive = 0.3
     """largest change of a recorded line's curvature per metre, so that the steering can follow, 1/m²"""

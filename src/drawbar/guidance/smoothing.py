@@ -28,6 +28,10 @@ _HELD = 4
 """nodes at either end of a stretch that its first guess shares with the rest of the line"""
 _MARGIN = 0.995
 """share of the curvature limit that is used, for what the nodes' differences leave out"""
+_RATE_MARGIN = 1.1
+"""the linear programs hold the rate at the nodes to within this factor"""
+_LONGEST_STRETCH = 2000.0
+"""longest stretch that is worked on at once, m"""
 _FEWEST_PIECES = 8
 _PROJECTION_STEPS = 20
 _PROJECTED = 1e-4
@@ -44,6 +48,20 @@ class DrivablePath:
     """(n,): distance of each recorded point from the path, m"""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Steps:
+    """A recorded line resampled in equal steps."""
+
+    recorded: Complexes
+    """(n,): the recorded points, m"""
+    points: Complexes
+    """(m,): points in equal steps along the polyline, m"""
+    vertices: NDArray[np.intp]
+    """(n,): index of the step next to each recorded point"""
+    step: float
+    """m"""
+
+
 def make_drivable(
     line: RecordedLine, *, curvature_limit: float, curvature_rate_limit: float, tolerance: float
 ) -> DrivablePath:
@@ -52,30 +70,37 @@ def make_drivable(
     Classes are "straight", "curve", and "kink" where the line was tighter than the vehicle can turn. Raises
     PathError when a recorded point is further than tolerance (m) from the path, or when no path was found.
     """
-    recorded = line.x + 1j * line.y
-    points, vertices, step = _resample(recorded)
+    line_in_steps = _resample(line.x + 1j * line.y)
+    points, step = line_in_steps.points, line_in_steps.step
     faired = fairing.smooth(points, _DETAIL, step=step)
     allowed = _MARGIN * curvature_limit
     tight = _tight(faired, step, allowed, curvature_rate_limit)
     nodes = faired.copy()
     for stretch in _stretches(tight, round(_REACH / step)):
-        nodes[stretch] = _limit_stretch(
-            points, faired, recorded, vertices, stretch, step, allowed, curvature_rate_limit
+        _require_short(line, points[stretch], step)
+        guess = _first_guess(line_in_steps, faired, stretch)
+        nodes[stretch] = fairing.limit(
+            guess,
+            _judged(line_in_steps, stretch),
+            curvature=allowed,
+            rate=curvature_rate_limit,
+            free=(stretch.start == 0, stretch.stop == len(points)),
         )
     kink = _spread(tight | _aside(nodes, points), 0, round(_BEHIND / step))
     path, arc_length = _path_along(nodes, kink)
-    deviations = _deviations(path, recorded, arc_length[vertices])
-    _require_drivable(line, path, deviations, curvature_limit, tolerance)
+    deviations = _deviations(path, line_in_steps.recorded, arc_length[line_in_steps.vertices])
+    _require_drivable(path, line.name, curvature_limit, curvature_rate_limit)
+    _require_close(line, deviations, curvature_limit, tolerance)
     return DrivablePath(path=path, deviations=deviations)
 
 
-def _resample(recorded: Complexes) -> tuple[Complexes, NDArray[np.intp], float]:
-    """Return the line in equal steps, the index of the step next to each recorded point, and the step (m)."""
+def _resample(recorded: Complexes) -> _Steps:
+    """Return the line in equal steps of at most PIECE_LENGTH."""
     along = fairing.chord_length(recorded)
     count = max(math.ceil(along[-1] / PIECE_LENGTH), _FEWEST_PIECES)
     step = float(along[-1]) / count
     points = np.interp(np.linspace(0.0, along[-1], count + 1), along, recorded)
-    return points, np.rint(along / step).astype(np.intp), step
+    return _Steps(recorded=recorded, points=points, vertices=np.rint(along / step).astype(np.intp), step=step)
 
 
 def _tight(nodes: Complexes, step: float, curvature: float, rate: float) -> NDArray[np.bool_]:
@@ -103,35 +128,27 @@ def _stretches(tight: NDArray[np.bool_], reach: int) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
-def _limit_stretch(
-    points: Complexes,
-    faired: Complexes,
-    recorded: Complexes,
-    vertices: NDArray[np.intp],
-    stretch: slice,
-    step: float,
-    curvature: float,
-    rate: float,
-) -> Complexes:
-    """Return the nodes of one stretch within the limits, joined to the faired line at its ends."""
-    free = (stretch.start == 0, stretch.stop == len(points))
-    start = faired[stretch].copy()
-    movable = slice(0 if free[0] else _HELD, len(start) if free[1] else len(start) - _HELD)
-    start[movable] = points[stretch][movable]
-    guess = fairing.smooth(start, _KINK_DETAIL, step=step, movable=movable)
-    first, last = np.searchsorted(vertices, (stretch.start, stretch.stop)).tolist()
-    place = np.concatenate([vertices[first:last], np.arange(stretch.start, stretch.stop)])
-    order = np.argsort(place, kind="stable")
-    judged = np.concatenate([recorded[first:last], points[stretch]])[order]
-    return fairing.limit(guess, judged, curvature=curvature, rate=rate, free=free)
+def _first_guess(line: _Steps, faired: Complexes, stretch: slice) -> Complexes:
+    """Return the stretch smoothed more strongly, joined to the faired line at its ends."""
+    guess = faired[stretch].copy()
+    first = 0 if stretch.start == 0 else _HELD
+    last = len(guess) if stretch.stop == len(faired) else len(guess) - _HELD
+    guess[first:last] = line.points[stretch][first:last]
+    return fairing.smooth(guess, _KINK_DETAIL, step=line.step, movable=slice(first, last))
+
+
+def _judged(line: _Steps, stretch: slice) -> Complexes:
+    """Return the points whose deviation counts on a stretch: the recorded ones and the steps between."""
+    first, last = np.searchsorted(line.vertices, (stretch.start, stretch.stop)).tolist()
+    judged: Complexes = np.concatenate([line.recorded[first:last], line.points[stretch]])
+    return judged
 
 
 def _aside(nodes: Complexes, points: Complexes) -> NDArray[np.bool_]:
     """Tell where the path runs noticeably beside the recorded points."""
     position, derivative = fairing.knots(nodes)
-    aside: NDArray[np.bool_] = (
-        np.abs(((points - position) / derivative).imag * np.abs(derivative)) > _NOTICEABLE
-    )
+    offset = ((points - position) / derivative).imag * np.abs(derivative)
+    aside: NDArray[np.bool_] = np.abs(offset) > _NOTICEABLE
     return aside
 
 
@@ -170,24 +187,44 @@ def _deviations(path: Path, recorded: Complexes, guess: Floats) -> Floats:
     return distances
 
 
-def _require_drivable(
-    line: RecordedLine, path: Path, deviations: Floats, curvature_limit: float, tolerance: float
-) -> None:
-    """Refuse a path that is too tight or too far from the line, saying where and by how much."""
-    nodes = path.anchors[1:]
-    samples = path.sample(np.concatenate([nodes[:-1], 0.5 * (nodes[:-1] + nodes[1:])]))
-    tightest = int(np.abs(samples[:, 3]).argmax())
-    if not abs(samples[tightest, 3]) <= curvature_limit:
+def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
+    """Refuse a stretch that is too long to be worked on: it is noise, or no line for a vehicle."""
+    if len(points) * step > _LONGEST_STRETCH:
         raise PathError(
-            f"line {line.name!r} cannot be made drivable: near ({samples[tightest, 0]:.1f}, "
-            f"{samples[tightest, 1]:.1f}) m its curvature stays at {abs(samples[tightest, 3]):.2f} 1/m, "
-            f"the vehicle's limit is {curvature_limit:g} 1/m; draw the line without this turn"
+            f"line {line.name!r} is too tight for the vehicle over and over for {len(points) * step:.0f} m "
+            f"from ({points[0].real:.1f}, {points[0].imag:.1f}) m; {_LONGEST_STRETCH:g} m of kinks in a row "
+            f"are allowed: smooth or redraw it there"
         )
+
+
+def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_rate_limit: float) -> None:
+    """Refuse a path whose curvature, or its rate from node to node, is out of the limits, saying where."""
+    nodes = path.anchors[1:-1]
+    samples = path.sample(nodes)
+    middle = path.sample(nodes + 0.5 * np.diff(path.anchors[1:]))
+    rate = np.zeros(len(nodes))
+    rate[1:] = np.diff(samples[:, 3]) / np.diff(nodes)
+    curvature = np.maximum(np.abs(samples[:, 3]), np.abs(middle[:, 3]))
+    for what, values, limit, unit in (
+        ("curvature", curvature, curvature_limit, "1/m"),
+        ("curvature rate", np.abs(rate), _RATE_MARGIN * curvature_rate_limit, "1/m²"),
+    ):
+        worst = int(values.argmax())
+        if not values[worst] <= limit:
+            raise PathError(
+                f"line {name!r} cannot be made drivable: near ({samples[worst, 0]:.1f}, "
+                f"{samples[worst, 1]:.1f}) m its {what} stays at {values[worst]:.2f} {unit}, {limit:g} "
+                f"{unit} is allowed; redraw the line without this turn"
+            )
+
+
+def _require_close(line: RecordedLine, deviations: Floats, curvature_limit: float, tolerance: float) -> None:
+    """Refuse a path that is too far from a recorded point, saying which and by how much."""
     worst = int(deviations.argmax())
     if not deviations[worst] <= tolerance:
         raise PathError(
             f"line {line.name!r} is too tight for the vehicle: recorded point {worst} at "
             f"({line.x[worst]:.2f}, {line.y[worst]:.2f}) m is {deviations[worst]:.3f} m from the closest "
-            f"path within {curvature_limit:g} 1/m, {tolerance:g} m is allowed; raise guidance.path_tolerance, "
+            f"path within {curvature_limit:g} 1/m, {tolerance:g} m is allowed; raise path_tolerance, "
             f"or the vehicle's curvature_limit if it can steer tighter, or redraw the line there"
         )

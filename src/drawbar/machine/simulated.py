@@ -80,7 +80,7 @@ class SimulatedMachine(Machine):
             trailer=Pose(x=trailer_x, y=trailer_y, yaw=trailer_yaw),
             speed=speed,
             tractor_steering=steering,
-            trailer_steering=self._vehicle.joint_sign * joint,
+            trailer_steering=joint,
             longitudinal_slip=mu,
             tractor_slip=kappa,
             steering_offset=offset,
@@ -120,7 +120,7 @@ class SimulatedMachine(Machine):
             hitch_angle=yaw - trailer_yaw - joint + errors[4],
             speed=speed + errors[5],
             tractor_steering=_rounded(steering + errors[6], resolution),
-            trailer_steering=_rounded(self._vehicle.joint_sign * joint + errors[7], resolution),
+            trailer_steering=_rounded(joint + errors[7], resolution),
         )
 
     def _draw(self) -> None:

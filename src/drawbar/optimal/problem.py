@@ -20,7 +20,9 @@ class Bound:
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper:
-            raise SolverError(f"Bounds cross: lower {self.lower} is not below upper {self.upper}; exchange or widen them.")
+            raise SolverError(
+                f"Bounds cross: lower {self.lower} is not below upper {self.upper}; exchange or widen them."
+            )
         if not (self.linear_penalty > 0.0 and 0.0 <= self.quadratic_penalty < math.inf):
             raise SolverError(
                 f"Penalties of a soft bound must be positive, got {self.linear_penalty} and {self.quadratic_penalty}."
@@ -90,7 +92,9 @@ class EstimationProblem:
 
 def _check_time(horizon: int, sample_time: float, steps: int) -> None:
     if horizon < 2 or steps < 1:
-        raise SolverError(f"Need a horizon of at least 2 stages and 1 integration step, got {horizon} and {steps}.")
+        raise SolverError(
+            f"Need a horizon of at least 2 stages and 1 integration step, got {horizon} and {steps}."
+        )
     if not 0.0 < sample_time < math.inf:
         raise SolverError(f"The sample time must be positive and finite, got {sample_time} s.")
 
@@ -103,8 +107,14 @@ def _check_weights(name: str, values: tuple[float, ...], size: int) -> None:
 
 
 def _check_bounds(model: Model, bounds: dict[str, Bound], allowed: str) -> None:
-    kinds = (model.states, model.inputs) if "parameter" not in allowed else (model.states, model.parameters, model.inputs)
+    kinds = (
+        (model.states, model.inputs)
+        if "parameter" not in allowed
+        else (model.states, model.parameters, model.inputs)
+    )
     names = [variable.name for kind in kinds for variable in kind]
     for name in bounds:
         if name not in names:
-            raise SolverError(f"Bound on {name!r}, which is no {allowed} of {model.name!r}; there are {', '.join(names)}.")
+            raise SolverError(
+                f"Bound on {name!r}, which is no {allowed} of {model.name!r}; there are {', '.join(names)}."
+            )

@@ -34,7 +34,10 @@ class _RealTimeIteration:
         for i, (index, bound) in enumerate(transcription.bounds):
             array("qp.bound")[i] = index
             array("lower")[i], array("upper")[i] = bound.lower, bound.upper
-            array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = bound.linear_penalty, bound.quadratic_penalty
+            array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = (
+                bound.linear_penalty,
+                bound.quadratic_penalty,
+            )
 
     @property
     def status(self) -> SolverStatus:

@@ -150,12 +150,17 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
     if isinstance(problem, ControlProblem):
         for weight, depends in zip(problem.terminal_weights, transcription.input_outputs, strict=True):
             if depends and weight != 0.0:
-                raise SolverError(f"An output of {model.name!r} depends on the input: its terminal weight must be 0, got {weight}.")
+                raise SolverError(
+                    f"An output of {model.name!r} depends on the input: its terminal weight must be 0, got {weight}."
+                )
     return transcription
 
 
 def _bounded(
-    problem: ControlProblem | EstimationProblem, states: list[str], inputs: tuple[Variable, ...], constants: int
+    problem: ControlProblem | EstimationProblem,
+    states: list[str],
+    inputs: tuple[Variable, ...],
+    constants: int,
 ) -> list[tuple[int, Bound]]:
     """Return the bounded scalars: constant states only once, a given first state not at all."""
     horizon, nx, nu = problem.horizon, len(states), len(inputs)

@@ -72,7 +72,7 @@ class Metrics:
     yaw_rmse_rad: Bodies[float]
     """estimate against truth"""
     ancillary_share: Bodies[float]
-    """sum of |ancillary term| over sum of |command|"""
+    """signed share of the steering: sum of the ancillary term in the command's direction over sum of |command|"""
     saturated_share: Bodies[float]
     """steps whose command was clipped, of all steps"""
     solver_failures: int
@@ -115,9 +115,9 @@ def _yaw_rmse(log: RunLog, body: str) -> float:
 
 
 def _ancillary_share(log: RunLog, body: str) -> float:
-    command = np.abs(log.column(f"{body}_steering.command")).sum()
-    ancillary = np.abs(log.column(f"{body}_steering.ancillary")).sum()
-    return _share(float(ancillary), float(command))
+    command = log.column(f"{body}_steering.command")
+    ancillary = log.column(f"{body}_steering.ancillary") * np.sign(command)
+    return _share(float(ancillary.sum()), float(np.abs(command).sum()))
 
 
 def _saturated_share(log: RunLog, body: str) -> float:

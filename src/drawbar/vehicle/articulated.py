@@ -1,7 +1,7 @@
 """The exact nonholonomic chain of tractor, drawbar and trailer with slip, and its two subsystems.
 
 Geometry (theory.md sections 2 and 3.2): the free joint RJ1 sits a behind the tractor's rear axle, the drawbar d
-leads to the actuated joint RJ2, the trailer axle is L_i behind it. J is the actuated angle in its geometric sign.
+leads to the actuated joint RJ2, the trailer axle is L_i behind it. J is the actuated angle phi - psi.
 """
 
 from typing import Any
@@ -13,7 +13,14 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 
 def trailer_yaw_rate(
-    vehicle: VehicleParameters, speed: Any, omega: Any, gamma: Any, joint: Any, joint_rate: Any, crab: Any, trailer_crab: Any
+    vehicle: VehicleParameters,
+    speed: Any,
+    omega: Any,
+    gamma: Any,
+    joint: Any,
+    joint_rate: Any,
+    crab: Any,
+    trailer_crab: Any,
 ) -> Any:
     """Return psi', rad/s, such that the trailer axle's side-slip angle is trailer_crab.
 
@@ -35,7 +42,9 @@ def trailer_yaw_rate(
     return (push - slope * drag) / lever
 
 
-def trailer_antenna(vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi: Any, joint: Any) -> tuple[Any, Any]:
+def trailer_antenna(
+    vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi: Any, joint: Any
+) -> tuple[Any, Any]:
     """Return the trailer antenna's position (m) behind a tractor whose rear axle is at x, y (m); angles in rad."""
     a, d = vehicle.free_joint_offset, vehicle.drawbar_length
     back = vehicle.trailer_length - vehicle.trailer_antenna
@@ -50,14 +59,24 @@ def articulated(vehicle: VehicleParameters) -> Model:
     """Return the whole chain with the measured quantities, then both steering rates, as outputs.
 
     States x_t, y_t, theta, psi, delta_t, delta_i; inputs the steering rates; parameters mu, kappa, b, alpha_i, v,
-    alpha_r. The hitch angle is an output: beta = theta - psi - J.
+    alpha_r. The hitch angle is an output: beta = theta - psi - delta_i.
     """
     states = variables(
-        tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_yaw="rad", tractor_steering="rad", trailer_steering="rad"
+        tractor_x="m",
+        tractor_y="m",
+        tractor_yaw="rad",
+        trailer_yaw="rad",
+        tractor_steering="rad",
+        trailer_steering="rad",
     )
     inputs = variables(tractor_steering_rate="rad/s", trailer_steering_rate="rad/s")
     parameters = variables(
-        longitudinal_slip="1", tractor_slip="1", steering_offset="rad", trailer_crab="rad", speed="m/s", tractor_crab="rad"
+        longitudinal_slip="1",
+        tractor_slip="1",
+        steering_offset="rad",
+        trailer_crab="rad",
+        speed="m/s",
+        tractor_crab="rad",
     )
     outputs = variables(
         tractor_x="m",
@@ -75,17 +94,16 @@ def articulated(vehicle: VehicleParameters) -> Model:
     x_t, y_t, theta, psi, delta_t, delta_i = ca.vertsplit(x)
     mu, kappa, offset, trailer_crab, v, crab = ca.vertsplit(p)
     speed = mu * v
-    joint, joint_rate = vehicle.joint_sign * delta_i, vehicle.joint_sign * u[1]
     omega = speed * (ca.tan(kappa * delta_t + offset) - ca.tan(crab)) / vehicle.wheelbase
     slide = speed * ca.tan(crab)
     derivative = ca.vertcat(
         speed * ca.cos(theta) - slide * ca.sin(theta),
         speed * ca.sin(theta) + slide * ca.cos(theta),
         omega,
-        trailer_yaw_rate(vehicle, speed, omega, theta - psi, joint, joint_rate, crab, trailer_crab),
+        trailer_yaw_rate(vehicle, speed, omega, theta - psi, delta_i, u[1], crab, trailer_crab),
         u,
     )
-    x_i, y_i = trailer_antenna(vehicle, x_t, y_t, theta, psi, joint)
+    x_i, y_i = trailer_antenna(vehicle, x_t, y_t, theta, psi, delta_i)
     return Model(
         name="articulated",
         states=states,
@@ -96,7 +114,7 @@ def articulated(vehicle: VehicleParameters) -> Model:
         u=u,
         p=p,
         derivative=derivative,
-        output=ca.vertcat(x_t, y_t, x_i, y_i, theta - psi - joint, v, delta_t, delta_i, u),
+        output=ca.vertcat(x_t, y_t, x_i, y_i, theta - psi - delta_i, v, delta_t, delta_i, u),
     )
 
 
@@ -169,9 +187,9 @@ def articulated_trailer(vehicle: VehicleParameters) -> Model:
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     gamma, delta = ca.vertsplit(x)
     mu, crab, trailer_crab, v, omega, tx, ty, theta, rx, ry, yaw = ca.vertsplit(p)
-    joint, sign = vehicle.joint_sign * delta, vehicle.joint_sign
-    rate = (u - delta) / vehicle.steering_lag
-    px, py = trailer_antenna(vehicle, tx, ty, theta, theta - gamma, joint)
+    lead = vehicle.joint_sign * u - delta
+    rate = lead / vehicle.steering_lag
+    px, py = trailer_antenna(vehicle, tx, ty, theta, theta - gamma, delta)
     return Model(
         name="articulated_trailer",
         states=states,
@@ -182,7 +200,7 @@ def articulated_trailer(vehicle: VehicleParameters) -> Model:
         u=u,
         p=p,
         derivative=ca.vertcat(
-            omega - trailer_yaw_rate(vehicle, mu * v, omega, gamma, joint, sign * rate, crab, trailer_crab), rate
+            omega - trailer_yaw_rate(vehicle, mu * v, omega, gamma, delta, rate, crab, trailer_crab), rate
         ),
-        output=ca.vertcat(ca.cos(yaw) * (py - ry) - ca.sin(yaw) * (px - rx), u, u - delta),
+        output=ca.vertcat(ca.cos(yaw) * (py - ry) - ca.sin(yaw) * (px - rx), u, lead),
     )

@@ -60,11 +60,13 @@ class Model:
                 )
         if not self.states or not self.inputs:
             raise ModelError(f"Model {self.name!r} needs at least one state and one input.")
-        free = set(ca.symvar(ca.vertcat(self.derivative, self.output)))
-        known = set(ca.symvar(ca.vertcat(self.x, self.u, self.p)))
-        names = {str(s) for s in free} - {str(s) for s in known}
+        known = {s.element_hash() for s in ca.symvar(ca.vertcat(self.x, self.u, self.p))}  # names may repeat
+        free = ca.symvar(ca.vertcat(self.derivative, self.output))
+        names = {str(s) for s in free if s.element_hash() not in known}
         if names:
-            raise ModelError(f"Model {self.name!r} uses symbols that are neither state, input nor parameter: {sorted(names)}.")
+            raise ModelError(
+                f"Model {self.name!r} uses symbols that are neither state, input nor parameter: {sorted(names)}."
+            )
 
     def index(self, name: str) -> int:
         """Return the position of a state by name.

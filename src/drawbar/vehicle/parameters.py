@@ -22,7 +22,7 @@ class VehicleParameters(Settings):
     trailer_antenna: NonNegative = 0.25
     """c, trailer antenna ahead of the trailer axle, m"""
     joint_sign: Literal[-1, 1] = 1
-    """+1: positive trailer steering is phi - psi; -1: the machine's actuator and sensor are reversed"""
+    """+1: a positive trailer command drives phi - psi positive; -1: the actuator turns the other way (the sensor does not)"""
     tractor_steering_limit: PositiveAngle = math.radians(30.0)
     """largest |delta_t| that may be commanded, rad"""
     trailer_steering_limit: PositiveAngle = math.radians(20.0)

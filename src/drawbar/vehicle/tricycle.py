@@ -42,7 +42,10 @@ def tricycle(vehicle: VehicleParameters) -> Model:
         mu * v * ca.tan(kappa * delta_t) / vehicle.wheelbase,
         mu * v * ca.cos(psi),
         mu * v * ca.sin(psi),
-        mu * v / vehicle.trailer_length * (ca.sin(eta * delta_i + beta) - pull * ca.cos(eta * delta_i + beta)),
+        mu
+        * v
+        / vehicle.trailer_length
+        * (ca.sin(eta * delta_i + beta) - pull * ca.cos(eta * delta_i + beta)),
     )
     return Model(
         name="tricycle",
@@ -91,7 +94,9 @@ def tricycle_trailer(vehicle: VehicleParameters) -> Model:
     """
     states = variables(x="m", y="m", yaw="rad")
     inputs = variables(steering="rad")
-    parameters = variables(longitudinal_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s", coupling="1")
+    parameters = variables(
+        longitudinal_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s", coupling="1"
+    )
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     mu, eta, beta, v, coupling = ca.vertsplit(p)
     angle = eta * u[0] + beta

@@ -36,10 +36,11 @@ class RecordedLine:
 
     @classmethod
     def checked(cls, name: str, points: Floats, places: list[str]) -> Self:
-        """Check points (n, 2) in m, found at the places of the source, and drop repeated ones.
+        """Check points (n, 2) in m, found at the given places of the source, and drop repeated ones.
 
-        places (n,), or the line's own place where it has no points. Raises PathError, which names the place, for a point that is not finite, too far out or too far from
-        its predecessor, and for a line that has fewer than two different points.
+        places are (n,), or the line's own place where it has no points. Raises PathError, which names the
+        place, for a point that is not finite, too far out or too far from its predecessor, and for a line
+        that has fewer than two different points.
         """
         for bad in np.flatnonzero(~(np.abs(points) <= _LARGEST_COORDINATE).all(axis=1))[:1]:
             raise PathError(

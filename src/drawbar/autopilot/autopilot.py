@@ -1,0 +1,74 @@
+"""One control step, in the order of the block diagram."""
+
+from drawbar.autopilot.gate import CommandGate
+from drawbar.control.ancillary import AncillaryLaw
+from drawbar.control.nominal import NominalController
+from drawbar.estimation.estimator import Estimator
+from drawbar.guidance.guidance import Guidance
+from drawbar.machine.base import Machine
+from drawbar.signals import Command, SolverStatus, StepRecord
+
+
+class Autopilot:
+    """Machine, estimator, guidance, controllers, ancillary laws and gate, wired together."""
+
+    def __init__(
+        self,
+        *,
+        machine: Machine,
+        estimator: Estimator,
+        guidance: Guidance,
+        controller: NominalController,
+        tractor_law: AncillaryLaw,
+        trailer_law: AncillaryLaw,
+        gate: CommandGate,
+        speed: float,
+    ) -> None:
+        """Take the parts and the set speed, m/s."""
+        self.machine = machine
+        self.guidance = guidance
+        self._estimator = estimator
+        self._controller = controller
+        self._tractor_law, self._trailer_law = tractor_law, trailer_law
+        self._gate = gate
+        self._speed = speed
+        self._step = 0
+
+    def step(self) -> StepRecord:
+        """Read, estimate, plan, command; then prepare for the next sample."""
+        truth = self.machine.truth()
+        measurement = self.machine.read()
+        estimate = self._estimator.update(measurement)
+        reference = self.guidance.reference(estimate)
+        plan = self._controller.feedback(estimate, reference)
+        tractor = self._tractor_law.apply(plan.tractor, estimate.tractor)
+        trailer = self._trailer_law.apply(plan.trailer, estimate.trailer)
+        command = self._gate.check(
+            Command(
+                time=measurement.time,
+                tractor_steering=tractor.command,
+                trailer_steering=trailer.command,
+                speed=self._speed,
+            )
+        )
+        self.machine.write(command)
+        self._estimator.prepare()  # after actuation: the preparation phases cost no latency
+        self._controller.prepare()
+        outcomes = (estimate.status, plan.tractor.status, plan.trailer.status)
+        tractor_times, trailer_times = self._controller.times
+        self._step += 1
+        return StepRecord(
+            step=self._step - 1,
+            measurement=measurement,
+            estimate=estimate,
+            reference=reference,
+            plan=plan,
+            tractor_steering=tractor,
+            trailer_steering=trailer,
+            command=command,
+            truth=truth,
+            estimator_times=self._estimator.times,
+            tractor_times=tractor_times,
+            trailer_times=trailer_times,
+            solver_failures=sum(outcome is not SolverStatus.SOLVED for outcome in outcomes),
+        )

@@ -1,0 +1,91 @@
+"""The controller and tube sections of a configuration."""
+
+from enum import StrEnum
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from drawbar.settings import Count, NonNegative, Positive, Settings
+
+
+class Coupling(StrEnum):
+    """What the trailer's controller knows of the tractor's motion (g_2 in equation nonlinearmodel)."""
+
+    NEGLECTED = "neglected"
+    """nothing: g_2 = 0, as in the paper"""
+    MEASURED = "measured"
+    """computed from local measurements and held over the horizon; no exchange between controllers"""
+    PLANNED = "planned"
+    """the tractor controller's plan; distributed"""
+
+
+CouplingSetting = Annotated[Coupling, Field(strict=False)]
+
+
+class TricycleControllerSettings(Settings):
+    """The paper's nominal controllers (section IV-B): weights on position and on the change of steering."""
+
+    model: Literal["tricycle"]
+    horizon: Count = 20
+    """N, samples"""
+    coupling: CouplingSetting = Coupling.NEGLECTED
+    position_weight: NonNegative = 1.0
+    """Q, 1/m²"""
+    steering_weight: Positive = 10.0
+    """R, on the distance to the last measured steering, 1/rad²"""
+    terminal_weight: NonNegative = 10.0
+    """S, on the position at the end of the horizon, 1/m²"""
+
+
+class ArticulatedTractorWeights(Settings):
+    """Weights of the tractor's stage cost."""
+
+    lateral: Positive = 40.0
+    """1/m²"""
+    heading: NonNegative = 1.0
+    """1/rad²"""
+    command: Positive = 0.1
+    """on the distance to the curvature feed-forward, 1/rad²"""
+    change: Positive = 3.0
+    """on command minus steering angle, which is the steering rate times its lag, 1/rad²"""
+
+
+class ArticulatedTrailerWeights(Settings):
+    """Weights of the trailer's stage cost."""
+
+    lateral: Positive = 40.0
+    """1/m²"""
+    command: Positive = 0.002
+    """1/rad²"""
+    change: Positive = 0.2
+    """on command minus steering angle, which is the steering rate times its lag, 1/rad²"""
+
+
+class ArticulatedControllerSettings(Settings):
+    """The product's nominal controllers: lateral errors along a preview of the path."""
+
+    model: Literal["articulated"]
+    horizon: Count = 20
+    """N, samples"""
+    coupling: CouplingSetting = Coupling.MEASURED
+    widening: NonNegative = 0.035
+    """how far the tractor keeps outside a curve per curvature, m²: 3.5 mm at 0.1 1/m, since the trailer's
+    steering is exhausted there and cannot stop cutting in by itself"""
+    tractor: ArticulatedTractorWeights = ArticulatedTractorWeights()
+    trailer: ArticulatedTrailerWeights = ArticulatedTrailerWeights()
+
+
+class AncillaryGain(Settings):
+    """One body's K: steering per error of the pose against its prediction, in the predicted heading's frame."""
+
+    lateral: float = 0.0
+    """rad/m"""
+    yaw: float
+    """rad/rad"""
+
+
+class TubeSettings(Settings):
+    """The ancillary law u = ū + K (x - x̄) with x̄ the prediction made one sample ago."""
+
+    tractor: AncillaryGain
+    trailer: AncillaryGain

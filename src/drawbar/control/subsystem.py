@@ -1,0 +1,73 @@
+"""One body's nominal controller: what all of them share."""
+
+from abc import ABC, abstractmethod
+from time import perf_counter
+
+from drawbar.geometry import Floats
+from drawbar.optimal import ControlProblem, ControlSolver
+from drawbar.signals import BodyPlan, BodyReference, Estimate, SolverStatus, SolveTimes
+
+
+class SubsystemController(ABC):
+    """Solves one subsystem's problem by the real-time iteration; a subclass fills in what its model needs."""
+
+    def __init__(self, problem: ControlProblem) -> None:
+        """Compile the solver and prepare it at rest.
+
+        Raises:
+            SolverError: the problem contradicts itself.
+            CompilerError: no compiler, or it refused the code.
+        """
+        self.solver = ControlSolver(problem)
+        self._started = False
+        self._prepare_time = self._feedback_time = 0.0
+
+    @abstractmethod
+    def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
+        """Write initial state, parameters and references into the solver."""
+
+    @abstractmethod
+    def _poses(self) -> Floats:
+        """Return the predicted antenna poses (N+1, 3): x, y (m), yaw (rad)."""
+
+    def feedback(
+        self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None = None
+    ) -> BodyPlan:
+        """Return the plan from the estimate along the reference.
+
+        Args:
+            estimate: where the vehicle is.
+            reference: this body's path samples, one per stage.
+            neighbour: the other body's plan, where the coupling is planned.
+        """
+        solver = self.solver
+        self._fill(estimate, reference, neighbour)
+        if not self._started:
+            self._start()
+        start = perf_counter()
+        status = solver.feedback()
+        self._feedback_time = perf_counter() - start
+        return BodyPlan(
+            steering=float(solver.u[0, 0]),
+            poses=self._poses(),
+            steerings=solver.u[:, 0].copy(),
+            status=SolverStatus(status),
+        )
+
+    def prepare(self) -> None:
+        """Shift the plan by one sample and linearise along it."""
+        start = perf_counter()
+        self.solver.shift()
+        self.solver.prepare()
+        self._prepare_time = perf_counter() - start
+
+    def _start(self) -> None:
+        """Linearise along the standing vehicle before the first plan."""
+        self.solver.x[:] = self.solver.initial
+        self.solver.prepare()
+        self._started = True
+
+    @property
+    def times(self) -> SolveTimes:
+        """Wall-clock time of the last two phases, s."""
+        return SolveTimes(prepare=self._prepare_time, feedback=self._feedback_time)

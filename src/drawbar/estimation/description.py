@@ -1,0 +1,71 @@
+"""How one vehicle model serves an estimator: its problem, its first guess, its way to an Estimate."""
+
+import math
+from abc import ABC, abstractmethod
+
+from drawbar.errors import HardwareError
+from drawbar.geometry import Floats
+from drawbar.optimal import EstimationProblem
+from drawbar.signals import Estimate, Measurement, SolverStatus
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+class EstimationModel(ABC):
+    """The model-specific part of estimation; the filter or window around it is the same for every model."""
+
+    problem: EstimationProblem
+
+    @abstractmethod
+    def first_guess(self, measurement: Measurement) -> Floats:
+        """Return states and parameters (nx + np,) from the first measurement.
+
+        Raises:
+            HardwareError: the first measurement lacks a position.
+        """
+
+    @abstractmethod
+    def outputs(self, measurement: Measurement) -> tuple[float, ...]:
+        """Return the measurement in the order of the model's outputs, NaN where missing."""
+
+    @abstractmethod
+    def estimate(self, state: list[float], measurement: Measurement, status: SolverStatus) -> Estimate:
+        """Return the Estimate that a state vector (nx + np,) stands for."""
+
+
+def measured(measurement: Measurement) -> tuple[float, ...]:
+    """Return the eight measured quantities in the order of both models' outputs."""
+    return (
+        measurement.tractor_x,
+        measurement.tractor_y,
+        measurement.trailer_x,
+        measurement.trailer_y,
+        measurement.hitch_angle,
+        measurement.speed,
+        measurement.tractor_steering,
+        measurement.trailer_steering,
+    )
+
+
+def yaws_at_rest(vehicle: VehicleParameters, measurement: Measurement) -> tuple[float, float]:
+    """Return tractor and trailer yaw (rad) from both antennas and both joint angles.
+
+    The vector from the trailer's antenna to the tractor's has known length and direction in the trailer's frame once
+    the joint angles are known, so one measurement at rest shows the heading.
+
+    Raises:
+        HardwareError: a position is missing.
+    """
+    east, north = measurement.tractor_x - measurement.trailer_x, measurement.tractor_y - measurement.trailer_y
+    if not math.isfinite(east + north):
+        raise HardwareError(
+            f"The first measurement lacks a position (tractor {measurement.tractor_x}, {measurement.tractor_y}; trailer "
+            f"{measurement.trailer_x}, {measurement.trailer_y}); wait for a fix of both antennas before starting."
+        )
+    angles = (measurement.hitch_angle, measurement.trailer_steering)
+    hitch, joint = (angle if math.isfinite(angle) else 0.0 for angle in angles)
+    gamma = hitch + joint
+    back = vehicle.trailer_length - vehicle.trailer_antenna
+    ahead = back + vehicle.drawbar_length * math.cos(joint) + vehicle.free_joint_offset * math.cos(gamma)
+    left = vehicle.drawbar_length * math.sin(joint) + vehicle.free_joint_offset * math.sin(gamma)
+    trailer = math.atan2(north, east) - math.atan2(left, ahead)
+    return trailer + gamma, trailer

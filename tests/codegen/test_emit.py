@@ -1,0 +1,137 @@
+"""Emitted C against CasADi's own evaluation of the same expressions."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from drawbar.codegen import Workspace
+from drawbar.codegen.emit import Input, Output, emit
+from drawbar.errors import ModelError
+
+BINARY = (
+    lambda a, b: a + b,
+    lambda a, b: a - b,
+    lambda a, b: a * b,
+    lambda a, b: a / (1 + b * b),
+    lambda a, b: ca.atan2(a, 1 + b * b),
+    lambda a, b: (1 + a * a) ** ca.tanh(b),
+    ca.fmin,
+    ca.fmax,
+)
+UNARY = (
+    lambda a: -a,
+    lambda a: a * a,
+    lambda a: a + a,
+    lambda a: 1 / (2 + ca.sin(a)),
+    ca.sin,
+    ca.cos,
+    lambda a: ca.tan(ca.tanh(a)),
+    lambda a: ca.sqrt(1 + a * a),
+    ca.fabs,
+    lambda a: ca.exp(-a * a),
+    lambda a: ca.log(1 + a * a),
+    ca.atan,
+    lambda a: ca.asin(0.9 * ca.tanh(a)),
+    lambda a: ca.acos(0.9 * ca.tanh(a)),
+    ca.tanh,
+    lambda a: (1 + a * a) ** 1.7,
+)
+
+
+def random_matrix(rng: np.random.Generator, leaves: list[Any], shape: tuple[int, int], size: int) -> Any:
+    """Return a matrix of expressions grown from the leaves, some entries constant, some structurally zero."""
+    grown = list(leaves)
+    for _ in range(size):
+        a, b = (grown[i] for i in rng.integers(0, len(grown), 2))
+        if rng.random() < 0.5:
+            grown.append(UNARY[rng.integers(len(UNARY))](a))
+        else:
+            grown.append(BINARY[rng.integers(len(BINARY))](a, b))
+    result = ca.SX(*shape)
+    for i in range(shape[0]):
+        for j in range(shape[1]):
+            kind = rng.random()
+            if kind < 0.6:
+                result[i, j] = grown[rng.integers(len(leaves), len(grown))]
+            elif kind < 0.8:
+                result[i, j] = rng.choice([1.0, -2.5, 1e-300, 7.0])
+    return result
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_expressions_for_any_number_of_stages(seed: int, compiled: Callable[..., Workspace]) -> None:
+    rng = np.random.default_rng(seed)
+    x, u = ca.SX.sym("x", 3), ca.SX.sym("u", 2)
+    leaves = [*ca.vertsplit(x), *ca.vertsplit(u), ca.SX(0.7), ca.SX(-1.3)]
+    f, g = random_matrix(rng, leaves, (3, 4), 60), random_matrix(rng, leaves, (2, 2), 30)
+    unit = compiled(x, u, f, g)
+    unit.array("x")[:], unit.array("u")[:] = rng.normal(size=(17, 3)), rng.normal(size=(5, 2))
+    both = ca.Function("both", [x, u], [ca.densify(f), ca.densify(g)])
+    later = np.minimum(np.arange(17), 4)  # rows beyond the last read the last one
+    pairs = [both(a, b) for a, b in zip(unit.array("x"), unit.array("u")[later], strict=True)]
+    expected_f = np.array([np.array(a).ravel() for a, _ in pairs])
+    expected_g = np.array([np.array(b).ravel() for _, b in pairs])
+    fixed_f, fixed_g = (np.array([e.is_constant() for e in ca.vertsplit(ca.vec(m.T))]) for m in (f, g))
+    for count in (1, 7, 8, 9, 17):
+        unit.array("f")[:], unit.array("g")[:] = np.nan, np.nan
+        unit.array("first")[0], unit.array("count")[0] = 0, count
+        unit.function("run")()
+        for got, expected, fixed in (
+            (unit.array("f"), expected_f, fixed_f),
+            (unit.array("g"), expected_g, fixed_g),
+        ):
+            reached = min(count, len(got))
+            np.testing.assert_allclose(
+                got[:reached, ~fixed], expected[:reached, ~fixed], rtol=1e-12, atol=1e-13
+            )
+            assert np.isnan(got[reached:]).all(), "rows beyond the count were written"
+            assert np.isnan(got[:, fixed]).all(), "entries that never change were written again"
+
+
+def test_constants_are_laid_down_in_every_row(compiled: Callable[..., Workspace]) -> None:
+    x, u = ca.SX.sym("x", 1), ca.SX.sym("u", 1)
+    f = ca.SX(2, 2)
+    f[0, 1], f[1, 0] = -2.5, x
+    unit = compiled(x, u, f, ca.SX(3.0))
+    unit.array("f")[:] = 9.0
+    unit.function("constants")()
+    np.testing.assert_array_equal(unit.array("f"), np.tile([9.0, -2.5, 9.0, 9.0], (17, 1)))
+    np.testing.assert_array_equal(unit.array("g"), np.full((5, 1), 3.0))
+
+
+def test_stages_before_the_first_are_left_alone(compiled: Callable[..., Workspace]) -> None:
+    x, u = ca.SX.sym("x", 1), ca.SX.sym("u", 1)
+    unit = compiled(x, u, 2 * x, x + u)
+    unit.array("x")[:, 0] = np.arange(17)
+    unit.array("first")[0], unit.array("count")[0] = 3, 12
+    unit.function("run")()
+    stages = np.arange(17)
+    expected = np.where((stages >= 3) & (stages < 12), 2.0 * stages, 0.0)
+    np.testing.assert_array_equal(unit.array("f")[:, 0], expected)
+    np.testing.assert_array_equal(unit.array("g")[:, 0], [0, 0, 0, 3, 4])
+
+
+@pytest.mark.parametrize("bound", [ca.fabs, lambda a: ca.fmin(a, 0.3), lambda a: ca.fmax(0.3, a)])
+def test_kinks_that_a_model_may_use_can_be_differentiated(
+    bound: Callable[[Any], Any], compiled: Callable[..., Workspace]
+) -> None:
+    x, u = ca.SX.sym("x", 1), ca.SX.sym("u", 1)
+    slope = ca.jacobian(bound(x) * x, x)
+    unit = compiled(x, u, slope, u)
+    unit.array("x")[:, 0] = np.linspace(-1, 1, 17)
+    unit.array("count")[0] = 17
+    unit.function("run")()
+    expected = ca.Function("slope", [x], [slope])(unit.array("x").T)
+    np.testing.assert_allclose(unit.array("f"), np.array(expected).T, atol=1e-15)
+
+
+@pytest.mark.parametrize("unknown", [ca.erf, ca.floor, ca.sinh])
+def test_operation_without_a_counterpart_is_refused(unknown: Callable[[Any], Any]) -> None:
+    x = ca.SX.sym("x")
+    row = Input(place="work->x[{k}]", rows="1", symbol=x)
+    with pytest.raises(ModelError, match=re.escape("the C runtime does not have; allowed are + - * /")):
+        emit("f", [row], [Output(place="work->f[k]", rows="1", value=unknown(x))], "struct work *work")

@@ -1,0 +1,38 @@
+"""A workspace is a view into the C struct, one for each instance."""
+
+import numpy as np
+import pytest
+
+from drawbar.codegen import Workspace, build
+
+UNIT = """
+#include "fields.h"
+struct work { double grid[2][3]; int32_t counts[2]; double last; };
+int64_t drawbar_size = sizeof(struct work);
+const struct drawbar_field drawbar_fields[] = {
+    FIELD(work, grid, 0, 2, 3, 0) FIELD(work, counts, 1, 2, 0, 0) FIELD(work, last, 0, 1, 0, 0)
+    {NULL, 0, 0, {0, 0, 0}}
+};
+int bump(struct work *w) { w->counts[1] += 1; w->last = w->grid[1][2]; return w->counts[1]; }
+"""
+
+
+def test_arrays_share_the_memory_of_their_own_instance() -> None:
+    one, other = (Workspace(build("views", UNIT)) for _ in range(2))
+    one.array("grid")[:] = [[1, 2, 3], [4, 5, 6]]
+    bump = one.function("bump")
+    assert [bump(), bump()] == [1, 2]
+    assert one.array("last") == 6.0
+    assert one.array("counts").dtype == np.int32
+    np.testing.assert_array_equal(one.array("counts"), [0, 2])
+    np.testing.assert_array_equal(other.array("counts"), [0, 0])
+    assert other.array("grid").shape == (2, 3)
+    assert one.memory.ctypes.data % 64 == 0
+
+
+def test_unknown_names_are_errors() -> None:
+    workspace = Workspace(build("views", UNIT))
+    with pytest.raises(KeyError):
+        workspace.array("velocity")
+    with pytest.raises(AttributeError):
+        workspace.function("stop")

@@ -1,0 +1,89 @@
+import re
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from drawbar.errors import ModelError
+from drawbar.geometry import Floats
+from drawbar.vehicle.articulated import articulated, articulated_tractor, articulated_trailer
+from drawbar.vehicle.model import Model, integrate, symbols, variables
+from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
+
+MODELS = (tricycle, tricycle_tractor, tricycle_trailer, articulated, articulated_tractor, articulated_trailer)
+
+
+def declared(**changes: Any) -> Model:
+    """Return a cart on a line, with some of its declaration changed."""
+    x, u = symbols(variables(position="m")), symbols(variables(speed="m/s"))
+    whole = {
+        "name": "cart",
+        "states": variables(position="m"),
+        "inputs": variables(speed="m/s"),
+        "parameters": (),
+        "outputs": variables(position="m"),
+        "x": x,
+        "u": u,
+        "p": symbols(()),
+        "derivative": u,
+        "output": x,
+    }
+    return Model(**{**whole, **changes})
+
+
+def test_index_finds_states_by_name() -> None:
+    model = articulated(VehicleParameters())
+    assert [model.index(state.name) for state in model.states] == list(range(6))
+
+
+def test_unknown_state_is_refused_with_those_there_are() -> None:
+    with pytest.raises(ModelError, match=re.escape("'cart' has no state 'yaw'; it has position")):
+        declared().index("yaw")
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        ({"states": variables(position="m", yaw="rad")}, "declares 2 states"),
+        ({"outputs": ()}, "declares 0 outputs"),
+        ({"parameters": variables(slip="1")}, "declares 1 parameters"),
+        ({"derivative": ca.SX(1, 2)}, "declares 1 states but the expression has shape (1, 2)"),
+        ({"u": ca.SX.sym("u", 2)}, "declares 1 inputs"),
+        ({"inputs": (), "u": ca.SX(0, 1), "derivative": ca.SX(1, 1)}, "at least one state and one input"),
+        ({"derivative": ca.SX.sym("ghost")}, "neither state, input nor parameter: ['ghost']"),
+        ({"derivative": ca.SX.sym("position")}, "neither state, input nor parameter: ['position']"),
+    ],
+)
+def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(ModelError, match=re.escape(complaint)):
+        declared(**changes)
+
+
+@pytest.mark.parametrize("declare", MODELS)
+def test_runge_kutta_has_order_four(declare: Callable[..., Model], draw: Callable[..., Any]) -> None:
+    model = declare(VehicleParameters())
+    x, u, p = draw(model, np.random.default_rng(5))
+    p[[v.name == "speed" for v in model.parameters]] = 3.0
+    f = ca.Function("f", [model.x, model.u, model.p], [model.derivative])
+    exact = solve_ivp(
+        lambda _, y: np.array(f(y, u, p)).ravel(), (0.0, 1.0), x, method="DOP853", rtol=1e-13, atol=1e-13
+    ).y[:, -1]
+
+    def error(steps: int) -> float:
+        step = ca.Function("F", [model.x, model.u, model.p], [integrate(model, 1.0, steps)])
+        return float(np.abs(np.array(step(x, u, p)).ravel() - exact).max())
+
+    assert np.log2(error(16) / error(32)) == pytest.approx(4.0, abs=0.15)
+
+
+def test_steps_within_a_sample_are_samples_in_a_row(draw: Callable[..., Any]) -> None:
+    model = articulated(VehicleParameters())
+    x, u, p = draw(model, np.random.default_rng(6))
+    once = ca.Function("F", [model.x, model.u, model.p], [integrate(model, 0.1)])
+    both = ca.Function("F", [model.x, model.u, model.p], [integrate(model, 0.2, 2)])
+    expected: Floats = np.array(once(once(x, u, p), u, p))
+    np.testing.assert_allclose(np.array(both(x, u, p)), expected, atol=1e-14)
