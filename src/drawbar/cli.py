@@ -36,9 +36,7 @@ def run(
     ] = "articulated",
     path: Annotated[
         str,
-        typer.Option(
-            help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: figure-eights"
-        ),
+        typer.Option(help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: figure-eights"),
     ] = "",
     track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
     changes: Annotated[
@@ -46,9 +44,7 @@ def run(
         typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. vehicle.wheelbase=1.5"),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all randomness in the simulated machine")] = 0,
-    out: Annotated[
-        FilePath | None, typer.Option(help="folder for the results; default: a new one in runs/")
-    ] = None,
+    out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: a new one in runs/")] = None,
 ) -> None:
     """Drive a whole run in simulation and report on it."""
     settings = [f"path.file={_quoted(path)}"] * bool(path) + [f"path.track={_quoted(track)}"] * bool(track)
@@ -110,9 +106,7 @@ def _new_folder(chosen: FilePath | None, name: str) -> FilePath:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise DrawbarError(
-            f"{folder}: cannot be made ({error.strerror}); choose another --out folder."
-        ) from error
+        raise DrawbarError(f"{folder}: cannot be made ({error.strerror}); choose another --out folder.") from error
     return folder
 
 

@@ -55,12 +55,8 @@ class Configuration(Settings):
     vehicle: VehicleParameters = VehicleParameters()
     sensors: SensorNoise = SensorNoise()
     """what the estimator believes of the sensors; the simulated ones are machine.sensors"""
-    estimator: Annotated[
-        ArticulatedEstimatorSettings | TricycleEstimatorSettings, Field(discriminator="model")
-    ]
-    controller: Annotated[
-        ArticulatedControllerSettings | TricycleControllerSettings, Field(discriminator="model")
-    ]
+    estimator: Annotated[ArticulatedEstimatorSettings | TricycleEstimatorSettings, Field(discriminator="model")]
+    controller: Annotated[ArticulatedControllerSettings | TricycleControllerSettings, Field(discriminator="model")]
     tube: TubeSettings
     guidance: GuidanceSettings = GuidanceSettings()
     path: PathSettings = PathSettings()
@@ -74,9 +70,7 @@ class Configuration(Settings):
 
 def shipped_names() -> list[str]:
     """Return the names of the configurations that come with drawbar."""
-    return sorted(
-        file.name.removesuffix(".toml") for file in _shipped().iterdir() if file.name.endswith(".toml")
-    )
+    return sorted(file.name.removesuffix(".toml") for file in _shipped().iterdir() if file.name.endswith(".toml"))
 
 
 def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuration:
@@ -148,9 +142,7 @@ def _apply(data: dict[str, Any], change: str) -> None:
     """Set one dotted key in place."""
     key, separator, text = change.partition("=")
     if not separator or not key.strip():
-        raise ConfigurationError(
-            f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5."
-        )
+        raise ConfigurationError(f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5.")
     try:
         value = tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -159,7 +151,5 @@ def _apply(data: dict[str, Any], change: str) -> None:
     for section in sections:
         data = data.setdefault(section, {}) if isinstance(data, dict) else data
     if not isinstance(data, dict):
-        raise ConfigurationError(
-            f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys."
-        )
+        raise ConfigurationError(f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys.")
     data[last] = value

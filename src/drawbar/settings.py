@@ -1,9 +1,9 @@
 """The base of every configuration section, and the kinds of numbers a configuration may hold."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 
 class Settings(BaseModel):
@@ -12,6 +12,15 @@ class Settings(BaseModel):
     model_config = ConfigDict(
         frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, data: Any) -> Any:
+        """Refuse unknown keys before `extra` does, to say which ones there are."""
+        unknown = [key for key in data if key not in cls.model_fields] if isinstance(data, dict) else []
+        if unknown:
+            raise ValueError(f"has no key {', '.join(unknown)}; its keys are: {', '.join(cls.model_fields)}")
+        return data
 
 
 def _radians(value: float) -> float:
@@ -29,4 +38,5 @@ Angle = Annotated[float, AfterValidator(_radians)]
 """An angle or angular rate in rad or rad/s; a magnitude above π is taken for degrees and refused."""
 PositiveAngle = Annotated[float, Field(gt=0.0), AfterValidator(_radians)]
 NonNegativeAngle = Annotated[float, Field(ge=0.0), AfterValidator(_radians)]
-Count = Annotated[int, Field(ge=1)]
+Horizon = Annotated[int, Field(ge=2, le=1000)]
+"""Sampling intervals of a solver: from the fewest it can work with to more than one sample time can pay for."""

@@ -86,9 +86,7 @@ def test_two_processes_build_the_same_library_at_once(own_cache: Path) -> None:
         f"print(Workspace(build('unit', {SOURCE.format(answer=7)!r})).function('answer')())"
     )
     command = [sys.executable, "-c", program]
-    both = [
-        subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(2)
-    ]
+    both = [subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(2)]
     for process in both:
         assert process.stdin is not None
         process.stdin.write("go\n")

@@ -85,9 +85,7 @@ def test_random_expressions_for_any_number_of_stages(seed: int, compiled: Callab
             (unit.array("g"), expected_g, fixed_g),
         ):
             reached = min(count, len(got))
-            np.testing.assert_allclose(
-                got[:reached, ~fixed], expected[:reached, ~fixed], rtol=1e-12, atol=1e-13
-            )
+            np.testing.assert_allclose(got[:reached, ~fixed], expected[:reached, ~fixed], rtol=1e-12, atol=1e-13)
             assert np.isnan(got[reached:]).all(), "rows beyond the count were written"
             assert np.isnan(got[:, fixed]).all(), "entries that never change were written again"
 

@@ -54,9 +54,7 @@ def test_labels_name_the_papers_curvatures() -> None:
     assert labels.count("straight") / 3000 == pytest.approx(120.0 / path.length, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("radii", "straight"), [((-1.0,), 20.0), ((math.nan,), 20.0), ((8.0,), 0.0), ((), 20.0)]
-)
+@pytest.mark.parametrize(("radii", "straight"), [((-1.0,), 20.0), ((math.nan,), 20.0), ((8.0,), 0.0), ((), 20.0)])
 def test_impossible_lengths_are_refused(radii: tuple[float, ...], straight: float) -> None:
     with pytest.raises(PathError, match="figure-eight"):
         figure_eights(radii, straight)

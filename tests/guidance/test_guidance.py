@@ -18,9 +18,7 @@ TRAILER_BEHIND = 2.2
 
 
 def preview(path: Path = EIGHT, x: float = 0.0) -> Preview:
-    return Preview(
-        path, SETTINGS, stages=15, interval=0.2, tractor=(x, 0.0), trailer=(x - TRAILER_BEHIND, 0.0)
-    )
+    return Preview(path, SETTINGS, stages=15, interval=0.2, tractor=(x, 0.0), trailer=(x - TRAILER_BEHIND, 0.0))
 
 
 def look_ahead(path: Path = EIGHT) -> LookAhead:
@@ -119,9 +117,7 @@ def test_a_start_behind_the_path_is_seen_on_its_straight_continuation() -> None:
 
 
 def test_a_start_far_from_the_path_is_refused_with_both_positions() -> None:
-    with pytest.raises(
-        PathError, match=r"\(-1000\.00, 0\.00\) m is 1000\.00 m .* \(0\.00, 0\.00\).*5 m is allowed"
-    ):
+    with pytest.raises(PathError, match=r"\(-1000\.00, 0\.00\) m is 1000\.00 m .* \(0\.00, 0\.00\).*5 m is allowed"):
         preview(x=-1000.0)
     with pytest.raises(PathError, match="nan"):
         preview(x=math.nan)

@@ -21,9 +21,7 @@ SAMPLE_TIME = 0.2
 @pytest.fixture(scope="session")
 def firm_ground() -> GroundSettings:
     firm, straight = SlipProcess(mean=1.0, deviation=0.0), CrabProcess(deviation=0.0)
-    return GroundSettings(
-        longitudinal_slip=firm, tractor_slip=firm, tractor_crab=straight, trailer_crab=straight
-    )
+    return GroundSettings(longitudinal_slip=firm, tractor_slip=firm, tractor_crab=straight, trailer_crab=straight)
 
 
 @pytest.fixture(scope="session")
@@ -67,9 +65,7 @@ def drive() -> Callable[..., list[Truth]]:
     ) -> list[Truth]:
         run = []
         for _ in range(samples):
-            command = Command(
-                time=machine.read().time, tractor_steering=tractor, trailer_steering=trailer, speed=speed
-            )
+            command = Command(time=machine.read().time, tractor_steering=tractor, trailer_steering=trailer, speed=speed)
             machine.write(command)
             run.append(machine.truth())
         return run

@@ -36,9 +36,7 @@ def test_large_step_first_moves_at_the_rate_limit(
         assert truth.trailer_steering == pytest.approx(side * rates.trailer_rate * truth.time, abs=1e-12)
 
 
-def test_after_the_ramp_the_lag_takes_over(
-    build: Build, drive: Drive, ideal: SimulatedMachineSettings
-) -> None:
+def test_after_the_ramp_the_lag_takes_over(build: Build, drive: Drive, ideal: SimulatedMachineSettings) -> None:
     """delta = u - rate tau exp(-(t - t*) / tau) from t* = u / rate - tau; one RK4 step spans the kink."""
     rate, target = ideal.actuators.tractor_rate, 0.5
     change = target / rate - LAG
@@ -47,9 +45,7 @@ def test_after_the_ramp_the_lag_takes_over(
         assert truth.tractor_steering == pytest.approx(target - rest, abs=1e-6)
 
 
-def test_mechanical_stops_hold_and_release(
-    build: Build, drive: Drive, ideal: SimulatedMachineSettings
-) -> None:
+def test_mechanical_stops_hold_and_release(build: Build, drive: Drive, ideal: SimulatedMachineSettings) -> None:
     machine = build(ideal, vehicle=STRONG)
     pushed = drive(machine, 25, tractor=0.9, trailer=-0.9)
     assert max(t.tractor_steering for t in pushed) == ideal.actuators.tractor_stop
@@ -79,9 +75,7 @@ def test_dead_time_within_a_sample(build: Build, drive: Drive, ideal: SimulatedM
 
 
 @pytest.mark.parametrize("target", [0.5, 1.0, 2.0, -1.0])
-def test_drive_reaches_its_speed(
-    build: Build, drive: Drive, ideal: SimulatedMachineSettings, target: float
-) -> None:
+def test_drive_reaches_its_speed(build: Build, drive: Drive, ideal: SimulatedMachineSettings, target: float) -> None:
     """Within 2 % after 3 s, at most 5 % above, and no lasting error."""
     run = drive(build(ideal), 150, speed=target)
     share = np.array([t.speed / target for t in run])

@@ -22,10 +22,7 @@ def effects(*events: Event, settings: GroundSettings | None = None, seed: int = 
 def test_slips_have_the_statistics_of_their_settings() -> None:
     """1,000 seeds of the first step: means to 4 standard errors, deviations to 4 times 2.2 %."""
     first = np.array(
-        [
-            Ground(GroundSettings(), (), STEP, np.random.default_rng(s)).block(TIMES[:1])[0]
-            for s in range(1000)
-        ]
+        [Ground(GroundSettings(), (), STEP, np.random.default_rng(s)).block(TIMES[:1])[0] for s in range(1000)]
     )
     deviations = np.array([0.02, 0.03, math.radians(0.4), math.radians(0.4)])
     means = np.array([0.95, 0.92, 0.0, 0.0])

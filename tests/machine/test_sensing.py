@@ -14,9 +14,7 @@ from drawbar.machine.settings import SensorSettings
 TIMES = 0.2 * np.arange(5000.0)
 
 
-def block(
-    *events: Event, settings: SensorSettings | None = None, seed: int = 6
-) -> tuple[Floats, NDArray[np.bool_]]:
+def block(*events: Event, settings: SensorSettings | None = None, seed: int = 6) -> tuple[Floats, NDArray[np.bool_]]:
     return Sensing(settings or SensorSettings(), events, 0.2, np.random.default_rng(seed)).block(TIMES)
 
 
@@ -40,9 +38,7 @@ def test_default_position_error_is_white_and_drift_is_correlated() -> None:
         assert correlation == pytest.approx(math.exp(-0.2), abs=0.035)
 
 
-@pytest.mark.parametrize(
-    ("antenna", "touched"), [("tractor", [0, 1]), ("trailer", [2, 3]), ("both", [0, 1, 2, 3])]
-)
+@pytest.mark.parametrize(("antenna", "touched"), [("tractor", [0, 1]), ("trailer", [2, 3]), ("both", [0, 1, 2, 3])])
 def test_events_touch_their_antenna_during_their_time_only(antenna: str, touched: list[int]) -> None:
     """8.6 s to 9.2 s are samples 43, 44 and 45, although 43 · 0.2 is not exactly 8.6 in a double."""
     window = {"start": 8.6, "duration": 0.6, "antenna": antenna}

@@ -91,14 +91,10 @@ def test_reversed_joint_is_the_same_machine_with_the_other_sign(build: Build) ->
     for k in range(100):
         angle = 0.3 * math.sin(0.2 * k)
         for machine, sign in ((plain, 1.0), (reverse, -1.0)):
-            machine.write(
-                Command(time=0.2 * k, tractor_steering=0.1, trailer_steering=sign * angle, speed=1.0)
-            )
+            machine.write(Command(time=0.2 * k, tractor_steering=0.1, trailer_steering=sign * angle, speed=1.0))
         one, two = plain.truth(), reverse.truth()
         assert two == dataclasses.replace(one, trailer_steering=-one.trailer_steering)
-        assert reverse.read() == dataclasses.replace(
-            plain.read(), trailer_steering=-plain.read().trailer_steering
-        )
+        assert reverse.read() == dataclasses.replace(plain.read(), trailer_steering=-plain.read().trailer_steering)
 
 
 def mirrored(settings: SimulatedMachineSettings, side: float) -> SimulatedMachineSettings:
@@ -168,9 +164,7 @@ def test_side_slope_carries_the_machine_sideways_without_turning_it(
     assert after.trailer.yaw == pytest.approx(0.0, abs=1e-12)
 
 
-def test_bump_displaces_at_rest_as_it_says(
-    build: Build, drive: Drive, ideal: SimulatedMachineSettings
-) -> None:
+def test_bump_displaces_at_rest_as_it_says(build: Build, drive: Drive, ideal: SimulatedMachineSettings) -> None:
     """At rest nothing else moves: left is +90° from yaw, the trailer swings about the free joint.
 
     14 s lie in the second block of random numbers, which must know its time.
@@ -241,9 +235,7 @@ def test_bad_command_is_refused_by_name_and_moves_nothing(
     assert machine.truth() == before
 
 
-def test_command_at_the_limit_is_accepted_and_beyond_it_refused(
-    build: Build, ideal: SimulatedMachineSettings
-) -> None:
+def test_command_at_the_limit_is_accepted_and_beyond_it_refused(build: Build, ideal: SimulatedMachineSettings) -> None:
     limit = VehicleParameters().trailer_steering_limit
     machine = build(ideal)
     at_limit = Command(time=0.0, tractor_steering=0.0, trailer_steering=-limit, speed=0.0)
@@ -253,9 +245,7 @@ def test_command_at_the_limit_is_accepted_and_beyond_it_refused(
 
 
 @pytest.mark.parametrize("sample_time", [0.205, 0.0, 0.004])
-def test_sample_time_off_the_integration_grid_is_refused(
-    ideal: SimulatedMachineSettings, sample_time: float
-) -> None:
+def test_sample_time_off_the_integration_grid_is_refused(ideal: SimulatedMachineSettings, sample_time: float) -> None:
     with pytest.raises(ConfigurationError, match=f"sample time {sample_time} s is not a positive multiple"):
         SimulatedMachine(
             vehicle=VehicleParameters(),

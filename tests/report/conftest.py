@@ -110,12 +110,8 @@ def fake_run(*, seed=0, truth=True, steps=None, outcome=None):
         )
         estimate = Estimate(
             time=t,
-            tractor=Pose(
-                x=bodies["tractor"].x, y=bodies["tractor"].y, yaw=bodies["tractor"].yaw + 0.008 * noise[4]
-            ),
-            trailer=Pose(
-                x=bodies["trailer"].x, y=bodies["trailer"].y, yaw=bodies["trailer"].yaw + 0.006 * noise[5]
-            ),
+            tractor=Pose(x=bodies["tractor"].x, y=bodies["tractor"].y, yaw=bodies["tractor"].yaw + 0.008 * noise[4]),
+            trailer=Pose(x=bodies["trailer"].x, y=bodies["trailer"].y, yaw=bodies["trailer"].yaw + 0.006 * noise[5]),
             hitch_angle=0.0,
             speed=1.0,
             **steerings,
@@ -138,9 +134,7 @@ def fake_run(*, seed=0, truth=True, steps=None, outcome=None):
             tractor_crab=crab[k, 0],
             trailer_crab=crab[k, 1],
         )
-        plan = BodyPlan(
-            steering=0.0, poses=NOTHING[:, :3], steerings=NOTHING[0, :1], status=SolverStatus.SOLVED
-        )
+        plan = BodyPlan(steering=0.0, poses=NOTHING[:, :3], steerings=NOTHING[0, :1], status=SolverStatus.SOLVED)
         steering = [
             BodySteering(
                 nominal=float(nominal[i][k]),

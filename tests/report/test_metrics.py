@@ -15,9 +15,7 @@ def paths_errors(error, labels):
 
 def nested_replace(record, path, value):
     name, _, rest = path.partition(".")
-    return dataclasses.replace(
-        record, **{name: nested_replace(getattr(record, name), rest, value) if rest else value}
-    )
+    return dataclasses.replace(record, **{name: nested_replace(getattr(record, name), rest, value) if rest else value})
 
 
 def with_column(log, path, values):

@@ -22,9 +22,7 @@ def test_an_outline_moves_with_its_pose():
     np.testing.assert_allclose(
         tractor_outline(AWAY, 0.3, VEHICLE), moved(tractor_outline(HOME, 0.3, VEHICLE), AWAY), atol=1e-12
     )
-    np.testing.assert_allclose(
-        trailer_outline(AWAY, VEHICLE), moved(trailer_outline(HOME, VEHICLE), AWAY), atol=1e-12
-    )
+    np.testing.assert_allclose(trailer_outline(AWAY, VEHICLE), moved(trailer_outline(HOME, VEHICLE), AWAY), atol=1e-12)
 
 
 def test_mirrored_steering_mirrors_the_tractor():

@@ -96,9 +96,7 @@ def test_a_crashed_run_says_so_and_markup_in_its_reason_is_text(make_run):
 
 def test_a_closing_tag_in_the_data_cannot_end_the_script(make_run):
     log = make_run(steps=5)
-    path = dataclasses.replace(
-        log.header.path, label_names=("straight", "</script>", *log.header.path.label_names[2:])
-    )
+    path = dataclasses.replace(log.header.path, label_names=("straight", "</script>", *log.header.path.label_names[2:]))
     header = dataclasses.replace(log.header, path=path)
     page = render(dataclasses.replace(log, header=header))
     labels = [note["text"] for note in data_of(page)["figures"]["errors"]["layout"]["annotations"]]

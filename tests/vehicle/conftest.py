@@ -42,8 +42,7 @@ def draw() -> Callable[..., tuple[Floats, Floats, Floats]]:
                 [
                     rng.uniform(0.3, 1.0)
                     if variable.name.endswith("_slip")
-                    else rng.uniform(-1, 1)
-                    * (9.0 if variable.name.endswith("yaw") else LARGEST[variable.unit])
+                    else rng.uniform(-1, 1) * (9.0 if variable.name.endswith("yaw") else LARGEST[variable.unit])
                     for variable in group
                 ]
             )

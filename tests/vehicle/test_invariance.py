@@ -18,10 +18,7 @@ Sample = Callable[..., tuple[Floats, Floats, Floats]]
 
 def mirrored(group: tuple[Variable, ...], values: Floats) -> Floats:
     """Flip the y axis: y, lateral errors, angles, their rates and the curvature-like coupling change sign."""
-    odd = [
-        v.unit.startswith("rad") or v.name.endswith("y") or v.name in ("lateral_error", "coupling")
-        for v in group
-    ]
+    odd = [v.unit.startswith("rad") or v.name.endswith("y") or v.name in ("lateral_error", "coupling") for v in group]
     return np.where(odd, -values, values)
 
 

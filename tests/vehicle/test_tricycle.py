@@ -44,9 +44,7 @@ def test_agrees_with_the_chain_in_steady_turning(radius: float, joint: float, ev
 def test_predicts_that_the_joint_turns_the_trailer_left_as_the_chain_does_not(evaluate: Any) -> None:
     paper, chain = tricycle(VEHICLE), articulated(VEHICLE)
     joint = 0.1
-    yaw_rate = evaluate(
-        paper, paper.derivative, np.zeros(6), np.array([0, joint]), np.array([1, 1, 1, 0, 1])
-    )[5]
+    yaw_rate = evaluate(paper, paper.derivative, np.zeros(6), np.array([0, joint]), np.array([1, 1, 1, 0, 1]))[5]
     assert yaw_rate == pytest.approx(np.sin(joint) / VEHICLE.trailer_length)
     x, p = np.array([0, 0, 0, 0, 0, joint]), np.array([1, 1, 0, 0, 1, 0])
     assert evaluate(chain, chain.derivative, x, np.zeros(2), p)[3] == pytest.approx(0.0, abs=1e-15)

@@ -131,9 +131,7 @@ def encode_special(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, BaseModel):
         return value.model_dump()
-    raise TypeError(
-        f"a {type(value).__name__} cannot be written to a log; numbers, arrays and dataclasses can"
-    )
+    raise TypeError(f"a {type(value).__name__} cannot be written to a log; numbers, arrays and dataclasses can")
 
 
 def _decode_special(kind: Any, value: Any) -> Any:

@@ -38,9 +38,7 @@ class Recorder:
         try:
             self._stream = file.open("wb")
         except OSError as error:
-            raise DrawbarError(
-                f"{file}: cannot be written ({error.strerror}); choose another folder"
-            ) from error
+            raise DrawbarError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
         self._writer = Writer(self._stream, use_chunking=False, enable_data_crcs=True)
         self._writer.start(profile="drawbar")

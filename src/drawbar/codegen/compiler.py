@@ -34,9 +34,7 @@ def find_compiler() -> tuple[str, ...]:
     if chosen:
         command = shlex.split(chosen)
         if shutil.which(command[0]) is None:
-            raise CompilerError(
-                f"CC={chosen!r} names no program on this machine; unset CC or name a C compiler."
-            )
+            raise CompilerError(f"CC={chosen!r} names no program on this machine; unset CC or name a C compiler.")
         return tuple(command)
     for name in ("cc", "gcc", "clang"):
         if path := shutil.which(name):

@@ -77,9 +77,7 @@ def emit_constants(name: str, outputs: list[Output], arguments: str) -> str:
         fixed = [(offset, float(value)) for offset, value in output.entries() if value.is_constant()]
         lines = [f"({output.place})[{offset}] = {value!r};" for offset, value in fixed]
         if lines:
-            loops.append(
-                f"    for (int k = 0; k < {output.rows}; ++k) {{\n        {_join(lines, 8)}\n    }}\n"
-            )
+            loops.append(f"    for (int k = 0; k < {output.rows}; ++k) {{\n        {_join(lines, 8)}\n    }}\n")
     return f"static void {name}({arguments})\n{{\n    (void)work;\n{''.join(loops)}}}\n"
 
 
@@ -89,12 +87,8 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
     Raises:
         ModelError: the expressions use an operation that the runtime does not have.
     """
-    varying = [
-        (out, offset, value) for out in outputs for offset, value in out.entries() if not value.is_constant()
-    ]
-    function = ca.Function(
-        name, [i.symbol for i in inputs], [ca.vertcat(*(value for _, _, value in varying))]
-    )
+    varying = [(out, offset, value) for out in outputs for offset, value in out.entries() if not value.is_constant()]
+    function = ca.Function(name, [i.symbol for i in inputs], [ca.vertcat(*(value for _, _, value in varying))])
     body, used = _statements(function)
     gather = []
     for index, (argument, element) in enumerate(used):

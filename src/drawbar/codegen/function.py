@@ -27,13 +27,9 @@ class CompiledFunction:
         generator = ca.CodeGenerator(f"{name}.c", {"with_header": False})
         generator.add(_dense(function))
         library = load(build(name, _without_dates(generator.dump())))
-        self.inputs: tuple[Floats, ...] = tuple(
-            np.zeros(function.numel_in(i)) for i in range(function.n_in())
-        )
+        self.inputs: tuple[Floats, ...] = tuple(np.zeros(function.numel_in(i)) for i in range(function.n_in()))
         """one flat array per argument, column-major, dense"""
-        self.outputs: tuple[Floats, ...] = tuple(
-            np.zeros(function.numel_out(i)) for i in range(function.n_out())
-        )
+        self.outputs: tuple[Floats, ...] = tuple(np.zeros(function.numel_out(i)) for i in range(function.n_out()))
         """one flat array per result, column-major, dense"""
         compiled = getattr(library, name)
         compiled.restype = ctypes.c_int
@@ -44,9 +40,7 @@ class CompiledFunction:
         self._res = (ctypes.c_void_p * max(n_res, len(self.outputs)))(*(a.ctypes.data for a in self.outputs))
         self._iw, self._w = (ctypes.c_longlong * n_iw)(), (ctypes.c_double * n_w)()
         self._call = compiled
-        self._pointers = tuple(
-            ctypes.c_void_p(ctypes.addressof(b)) for b in (self._arg, self._res, self._iw, self._w)
-        )
+        self._pointers = tuple(ctypes.c_void_p(ctypes.addressof(b)) for b in (self._arg, self._res, self._iw, self._w))
 
     def __call__(self) -> None:
         """Evaluate: outputs from inputs."""

@@ -31,9 +31,7 @@ class AncillaryLaw:
         self._predicted = (x, y, yaw)
         total = plan.steering + ancillary
         command = min(max(total, -self._limit), self._limit) if math.isfinite(total) else total
-        return BodySteering(
-            nominal=plan.steering, ancillary=ancillary, command=command, saturated=command != total
-        )
+        return BodySteering(nominal=plan.steering, ancillary=ancillary, command=command, saturated=command != total)
 
     def _correction(self, pose: Pose) -> float:
         if self._predicted is None:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from drawbar.control.actuator import SteeringActuator
 from drawbar.control.settings import ArticulatedControllerSettings, Coupling
 from drawbar.control.subsystem import SubsystemController
 from drawbar.geometry import Floats
@@ -12,13 +13,14 @@ from drawbar.signals import BodyPlan, BodyReference, Estimate
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
 from drawbar.vehicle.parameters import VehicleParameters
 
+_OVERSTEER = 1e3
+"""Penalty per radian on a planned steering angle beyond its limit: soft, since the estimate may lie beyond it."""
+
 
 class ArticulatedTractor(SubsystemController):
-    """Tractor with steering lag, slip and crab; the command is held near the path's own curvature."""
+    """Tractor with slip, crab and a steering of limited rate, held near the path's own curvature."""
 
-    def __init__(
-        self, vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float
-    ) -> None:
+    def __init__(self, vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float) -> None:
         """Compile the controller for this vehicle."""
         weights, limit = settings.tractor, vehicle.tractor_steering_limit
         super().__init__(
@@ -26,13 +28,14 @@ class ArticulatedTractor(SubsystemController):
                 model=articulated_tractor(vehicle),
                 horizon=settings.horizon,
                 sample_time=sample_time,
-                weights=(weights.lateral, weights.heading, weights.command, weights.change),
-                terminal_weights=(weights.lateral, weights.heading, 0.0, 0.0),
-                bounds={"command": Bound(lower=-limit, upper=limit)},
+                weights=(weights.lateral, weights.heading, weights.steering, weights.steering_rate),
+                terminal_weights=(weights.lateral, weights.heading, weights.steering, 0.0),
+                bounds=_steering_bounds(limit, vehicle.tractor_steering_rate),
             )
         )
         self._wheelbase = vehicle.wheelbase
         self._widening = settings.widening
+        self._actuator = SteeringActuator(lag=vehicle.steering_lag, limit=limit, sample_time=sample_time)
 
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
         solver, pose, samples = self.solver, estimate.tractor, reference.samples
@@ -49,6 +52,12 @@ class ArticulatedTractor(SubsystemController):
         slope = self._wheelbase * samples[:, 3] + math.tan(estimate.tractor_crab)
         solver.y[:, 2] = (np.arctan(slope) - estimate.steering_offset) / estimate.tractor_slip
 
+    def _steering(self) -> float:
+        return self._actuator.command(float(self.solver.initial[3]), float(self.solver.u[0, 0]))
+
+    def _steerings(self) -> Floats:
+        return self.solver.x[1:, 3].copy()
+
     def _poses(self) -> Floats:
         return self.solver.x[:, :3].copy()
 
@@ -56,9 +65,7 @@ class ArticulatedTractor(SubsystemController):
 class ArticulatedTrailer(SubsystemController):
     """Trailer on the chain behind a tractor whose motion is given by the coupling."""
 
-    def __init__(
-        self, vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float
-    ) -> None:
+    def __init__(self, vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float) -> None:
         """Compile the controller for this vehicle."""
         weights, limit = settings.trailer, vehicle.trailer_steering_limit
         super().__init__(
@@ -66,10 +73,13 @@ class ArticulatedTrailer(SubsystemController):
                 model=articulated_trailer(vehicle),
                 horizon=settings.horizon,
                 sample_time=sample_time,
-                weights=(weights.lateral, weights.command, weights.change),
-                terminal_weights=(weights.lateral, 0.0, 0.0),
-                bounds={"command": Bound(lower=-limit, upper=limit)},
+                weights=(weights.lateral, weights.steering, weights.steering_rate),
+                terminal_weights=(weights.lateral, weights.steering, 0.0),
+                bounds=_steering_bounds(limit, vehicle.trailer_steering_rate),
             )
+        )
+        self._actuator = SteeringActuator(
+            lag=vehicle.steering_lag, limit=limit, sample_time=sample_time, sign=vehicle.joint_sign
         )
         self._vehicle, self._coupling = vehicle, settings.coupling
         self._times = sample_time * np.arange(settings.horizon + 1)
@@ -107,6 +117,12 @@ class ArticulatedTrailer(SubsystemController):
         p[:, 6] = pose.y + chord * np.sin(direction)
         p[:, 7] = pose.yaw + 2.0 * half
 
+    def _steering(self) -> float:
+        return self._actuator.command(float(self.solver.initial[1]), float(self.solver.u[0, 0]))
+
+    def _steerings(self) -> Floats:
+        return self.solver.x[1:, 1].copy()
+
     def _poses(self) -> Floats:
         vehicle, p, x = self._vehicle, self.solver.p, self.solver.x
         theta, psi = p[:, 7], p[:, 7] - x[:, 0]
@@ -119,3 +135,10 @@ class ArticulatedTrailer(SubsystemController):
         east = p[:, 5] - a * np.cos(theta) - d * np.cos(phi) - back * np.cos(psi)
         north = p[:, 6] - a * np.sin(theta) - d * np.sin(phi) - back * np.sin(psi)
         return np.column_stack((east, north, psi))
+
+
+def _steering_bounds(limit: float, rate: float) -> dict[str, Bound]:
+    return {
+        "steering": Bound(lower=-limit, upper=limit, linear_penalty=_OVERSTEER),
+        "steering_rate": Bound(lower=-rate, upper=rate),
+    }

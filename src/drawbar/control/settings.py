@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from drawbar.settings import Count, NonNegative, Positive, Settings
+from drawbar.settings import Horizon, NonNegative, Positive, Settings
 
 
 class Coupling(StrEnum):
@@ -26,7 +26,7 @@ class TricycleControllerSettings(Settings):
     """The paper's nominal controllers (section IV-B): weights on position and on the change of steering."""
 
     model: Literal["tricycle"]
-    horizon: Count = 20
+    horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.NEGLECTED
     position_weight: NonNegative = 1.0
@@ -44,10 +44,10 @@ class ArticulatedTractorWeights(Settings):
     """1/m²"""
     heading: NonNegative = 1.0
     """1/rad²"""
-    command: Positive = 0.1
+    steering: NonNegative = 0.1
     """on the distance to the curvature feed-forward, 1/rad²"""
-    change: Positive = 3.0
-    """on command minus steering angle, which is the steering rate times its lag, 1/rad²"""
+    steering_rate: Positive = 0.3
+    """s²/rad²"""
 
 
 class ArticulatedTrailerWeights(Settings):
@@ -55,17 +55,17 @@ class ArticulatedTrailerWeights(Settings):
 
     lateral: Positive = 40.0
     """1/m²"""
-    command: Positive = 0.002
+    steering: NonNegative = 0.002
     """1/rad²"""
-    change: Positive = 0.2
-    """on command minus steering angle, which is the steering rate times its lag, 1/rad²"""
+    steering_rate: Positive = 0.02
+    """s²/rad²"""
 
 
 class ArticulatedControllerSettings(Settings):
     """The product's nominal controllers: lateral errors along a preview of the path."""
 
     model: Literal["articulated"]
-    horizon: Count = 20
+    horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
     widening: NonNegative = 0.035

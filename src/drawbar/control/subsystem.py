@@ -27,12 +27,18 @@ class SubsystemController(ABC):
         """Write initial state, parameters and references into the solver."""
 
     @abstractmethod
+    def _steering(self) -> float:
+        """Return the nominal command of the plan's first sample, rad."""
+
+    @abstractmethod
+    def _steerings(self) -> Floats:
+        """Return the planned steering angles (N,), rad."""
+
+    @abstractmethod
     def _poses(self) -> Floats:
         """Return the predicted antenna poses (N+1, 3): x, y (m), yaw (rad)."""
 
-    def feedback(
-        self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None = None
-    ) -> BodyPlan:
+    def feedback(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None = None) -> BodyPlan:
         """Return the plan from the estimate along the reference.
 
         Args:
@@ -48,9 +54,9 @@ class SubsystemController(ABC):
         status = solver.feedback()
         self._feedback_time = perf_counter() - start
         return BodyPlan(
-            steering=float(solver.u[0, 0]),
+            steering=self._steering(),
             poses=self._poses(),
-            steerings=solver.u[:, 0].copy(),
+            steerings=self._steerings(),
             status=SolverStatus(status),
         )
 

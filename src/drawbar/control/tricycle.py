@@ -12,9 +12,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle_tractor, tricycle_trailer
 
 
-def _problem(
-    model: Model, settings: TricycleControllerSettings, sample_time: float, limit: float
-) -> ControlProblem:
+def _problem(model: Model, settings: TricycleControllerSettings, sample_time: float, limit: float) -> ControlProblem:
     q, s = settings.position_weight, settings.terminal_weight
     return ControlProblem(
         model=model,
@@ -26,16 +24,25 @@ def _problem(
     )
 
 
-class TricycleTractor(SubsystemController):
+class _Tricycle(SubsystemController):
+    """What both have in common: states are poses, the input is the steering angle itself."""
+
+    def _steering(self) -> float:
+        return float(self.solver.u[0, 0])
+
+    def _steerings(self) -> Floats:
+        return self.solver.u[:, 0].copy()
+
+    def _poses(self) -> Floats:
+        return self.solver.x.copy()
+
+
+class TricycleTractor(_Tricycle):
     """Tractor: f_1 of the paper; the steering reference is the last measured angle."""
 
-    def __init__(
-        self, vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float
-    ) -> None:
+    def __init__(self, vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float) -> None:
         """Compile the controller for this vehicle."""
-        super().__init__(
-            _problem(tricycle_tractor(vehicle), settings, sample_time, vehicle.tractor_steering_limit)
-        )
+        super().__init__(_problem(tricycle_tractor(vehicle), settings, sample_time, vehicle.tractor_steering_limit))
 
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
         solver, pose = self.solver, estimate.tractor
@@ -44,20 +51,13 @@ class TricycleTractor(SubsystemController):
         solver.y[:, :2] = reference.samples[:, :2]
         solver.y[:, 2] = estimate.tractor_steering
 
-    def _poses(self) -> Floats:
-        return self.solver.x.copy()
 
-
-class TricycleTrailer(SubsystemController):
+class TricycleTrailer(_Tricycle):
     """Trailer: f_2 of the paper, with g_2 as the coupling says."""
 
-    def __init__(
-        self, vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float
-    ) -> None:
+    def __init__(self, vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float) -> None:
         """Compile the controller for this vehicle."""
-        super().__init__(
-            _problem(tricycle_trailer(vehicle), settings, sample_time, vehicle.trailer_steering_limit)
-        )
+        super().__init__(_problem(tricycle_trailer(vehicle), settings, sample_time, vehicle.trailer_steering_limit))
         self._coupling = settings.coupling
         self._leverage = vehicle.hitch_length / vehicle.wheelbase
 
@@ -82,6 +82,3 @@ class TricycleTrailer(SubsystemController):
             return self._leverage * float(np.tan(estimate.tractor_slip * estimate.tractor_steering))
         steerings = np.append(neighbour.steerings, neighbour.steerings[-1])
         return self._leverage * np.tan(estimate.tractor_slip * steerings)
-
-    def _poses(self) -> Floats:
-        return self.solver.x.copy()

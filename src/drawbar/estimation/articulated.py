@@ -57,9 +57,7 @@ class ArticulatedEstimation(EstimationModel):
         position = (measurement.tractor_x, measurement.tractor_y)
         steering = np.nan_to_num([measurement.tractor_steering, measurement.trailer_steering]).tolist()
         speed = measurement.speed if math.isfinite(measurement.speed) else 0.0
-        return np.array(
-            [*position, theta, psi, *steering, self._first_slip, self._first_slip, 0.0, 0.0, speed, 0.0]
-        )
+        return np.array([*position, theta, psi, *steering, self._first_slip, self._first_slip, 0.0, 0.0, speed, 0.0])
 
     def outputs(self, measurement: Measurement) -> tuple[float, ...]:
         """Return the measurement, and zero for both steering rates: they are noise."""

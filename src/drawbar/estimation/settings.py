@@ -5,7 +5,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from drawbar.settings import Count, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
+from drawbar.settings import Horizon, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
 
 
 class SlipBounds(Settings):
@@ -55,7 +55,7 @@ class TricycleEstimatorSettings(Settings):
     """Moving horizon estimation on the paper's model (section IV-A)."""
 
     model: Literal["tricycle"]
-    window: Count = 15
+    window: Horizon = 15
     """N, samples in the window besides the newest; 3 s at 5 Hz"""
     weighting: Literal["paper", "statistical"] = "paper"
     """H = diag(sigma)^-1 as printed, or diag(sigma)^-2 as least squares wants it"""
@@ -118,7 +118,7 @@ class ArticulatedEstimatorSettings(Settings):
     """Moving horizon estimation on the exact chain."""
 
     model: Literal["articulated"]
-    window: Count = 10
+    window: Horizon = 10
     """N, samples in the window besides the newest; 2 s at 5 Hz"""
     steering_rate: PositiveAngle = 0.15
     """standard deviation of both steering rates within a sample, rad/s"""

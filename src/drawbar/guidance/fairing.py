@@ -156,9 +156,7 @@ def _curvature_of_moves(nodes: Complexes) -> tuple[sparse.csr_array, Floats, flo
     return sparse.csr_array(second + offset), kappa, step
 
 
-def _deviation_of_moves(
-    nodes: Complexes, recorded: Complexes, step: float
-) -> tuple[sparse.csr_array, Floats]:
+def _deviation_of_moves(nodes: Complexes, recorded: Complexes, step: float) -> tuple[sparse.csr_array, Floats]:
     """Return how much the moves shift the line beside each recorded point (m, n), and the deviations (m,)."""
     n, m = len(nodes), len(recorded)
     position, derivative = knots(nodes)

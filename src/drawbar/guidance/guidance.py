@@ -22,9 +22,7 @@ Position = tuple[float, float]
 class Guidance(ABC):
     """The progress of both bodies along one path."""
 
-    def __init__(
-        self, path: Path, settings: GuidanceSettings, *, tractor: Position, trailer: Position
-    ) -> None:
+    def __init__(self, path: Path, settings: GuidanceSettings, *, tractor: Position, trailer: Position) -> None:
         """Place both bodies on the path from where they stand (m) when the run begins.
 
         Raises PathError when the tractor is further than maximum_start_distance from the path's start.
@@ -50,7 +48,7 @@ class Guidance(ABC):
         tractor, tractor_error = self._closest(estimate.tractor, self._tractor_progress)
         trailer, trailer_error = self._closest(estimate.trailer, self._trailer_progress)
         self._tractor_progress, self._trailer_progress = tractor, trailer
-        samples = self.path.sample(self._stages(estimate))
+        samples = self._samples(self._stages(estimate), (tractor_error, trailer_error))
         _to_branch(samples[0, :, 2], estimate.tractor.yaw)
         _to_branch(samples[1, :, 2], estimate.trailer.yaw)
         return Reference(
@@ -63,6 +61,10 @@ class Guidance(ABC):
     def _stages(self, estimate: Estimate) -> Floats:
         """Return the arc lengths (2, N+1) of the stages of tractor and trailer, m."""
 
+    def _samples(self, stages: Floats, offsets: tuple[float, float]) -> Floats:
+        """Return the path (2, N+1, 4) at the stages (2, N+1), m, for bodies at these lateral offsets, m."""
+        return self.path.sample(stages)
+
     def _progress(self) -> Floats:
         """Return the progress (2, 1) of tractor and trailer, m."""
         return np.array([[self._tractor_progress], [self._trailer_progress]])
@@ -72,9 +74,7 @@ class Guidance(ABC):
         if not math.isfinite(pose.x + pose.y + pose.yaw):
             raise PathError(f"guidance: the estimated {pose} is not finite; stop the vehicle")
         settings = self.settings
-        return self.path.project(
-            pose.x, pose.y, progress - settings.window_behind, progress + settings.window_ahead
-        )
+        return self.path.project(pose.x, pose.y, progress - settings.window_behind, progress + settings.window_ahead)
 
 
 def _to_branch(yaws: Floats, target: float) -> None:

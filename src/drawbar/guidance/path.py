@@ -84,9 +84,7 @@ class Path:
     def sample(self, arc_length: Floats) -> Floats:
         """Return (..., 4): x (m), y (m), continuous yaw (rad), curvature (1/m) at arc lengths (...) in m."""
         row = self.anchors[1:].searchsorted(arc_length, "right")
-        distance = (arc_length - self.anchors.take(row)).astype(
-            np.complex128
-        )  # cast once, not in each product
+        distance = (arc_length - self.anchors.take(row)).astype(np.complex128)  # cast once, not in each product
         start, forward, square, cube = self.cubics.take(row, 1)
         slope = distance * cube
         bend = square + slope + slope + slope  # half the second derivative

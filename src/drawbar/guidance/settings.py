@@ -12,6 +12,8 @@ class GuidanceSettings(Settings):
     """preview: stage j at the closest point plus j V dt; look_ahead: the paper's references"""
     look_ahead: NonNegative = 1.6
     """distance of the paper's references ahead of the closest point, m"""
+    approach_length: Positive = 2.5
+    """distance over which the offset at the start fades to a third in preview mode, m"""
     window_behind: NonNegative = 1.0
     """how far behind the last progress the closest point is searched, m"""
     window_ahead: Positive = 3.0

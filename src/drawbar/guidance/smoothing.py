@@ -116,9 +116,7 @@ def _spread(flags: NDArray[np.bool_], before: int, after: int) -> NDArray[np.boo
     """Set also the `before` flags ahead of each flag and the `after` behind it."""
     total = np.concatenate([[0], np.cumsum(flags)])
     index = np.arange(len(flags))
-    spread: NDArray[np.bool_] = (
-        total[np.minimum(index + before + 1, len(flags))] > total[np.maximum(index - after, 0)]
-    )
+    spread: NDArray[np.bool_] = total[np.minimum(index + before + 1, len(flags))] > total[np.maximum(index - after, 0)]
     return spread
 
 

@@ -21,15 +21,11 @@ def hydrostat_rates(settings: HydrostatSettings, drive: ca.SX, target: ca.SX) ->
     """Return d/dt of drive (5,) = wheel speed (m/s), pedal, pedal speed (1/s), outer and inner integral."""
     speed, pedal, pedal_speed, speed_integral, pedal_integral = ca.vertsplit(drive)
     acceleration = (settings.full_speed * pedal - speed) / settings.speed_lag
-    pedal_target, speed_error = _pid(
-        settings.speed_loop, target - speed, acceleration, speed_integral, limit=1.0
-    )
+    pedal_target, speed_error = _pid(settings.speed_loop, target - speed, acceleration, speed_integral, limit=1.0)
     motor, pedal_error = _pid(
         settings.pedal_loop, pedal_target - pedal, pedal_speed, pedal_integral, limit=settings.pedal_rate
     )
-    return ca.vertcat(
-        acceleration, pedal_speed, (motor - pedal_speed) / settings.pedal_lag, speed_error, pedal_error
-    )
+    return ca.vertcat(acceleration, pedal_speed, (motor - pedal_speed) / settings.pedal_lag, speed_error, pedal_error)
 
 
 def _pid(gains: PidGains, error: ca.SX, rate: ca.SX, integral: ca.SX, *, limit: float) -> tuple[ca.SX, ca.SX]:

@@ -27,9 +27,7 @@ def chain_rates(
     front_slides = _sliding(ca.jtimes(front, pose, rates), theta + wheel_angle)
     trailer_slides = _sliding(ca.jtimes(trailer_axle(vehicle, pose), pose, rates), psi + crabs[1])
     solved = _root(front_slides, tractor_rate)
-    rates = ca.substitute(
-        ca.substitute(rates, trailer_rate, _root(trailer_slides, trailer_rate)), tractor_rate, solved
-    )
+    rates = ca.substitute(ca.substitute(rates, trailer_rate, _root(trailer_slides, trailer_rate)), tractor_rate, solved)
     return ca.cse(rates)
 
 

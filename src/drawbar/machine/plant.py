@@ -19,12 +19,8 @@ def plant_rates(vehicle: VehicleParameters, settings: SimulatedMachineSettings) 
     """Return the right-hand side f(state (11,), command (3,), effect (8,)) -> d state/dt (11,)."""
     state, command, effect = ca.SX.sym("x", STATES), ca.SX.sym("u", COMMANDS), ca.SX.sym("w", EFFECTS)
     actuators, lag = settings.actuators, vehicle.steering_lag
-    wheels_rate = steering_rate(
-        state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop
-    )
-    joint_rate = steering_rate(
-        state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop
-    )
+    wheels_rate = steering_rate(state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop)
+    joint_rate = steering_rate(state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
     speed, wheel_angle = effect[0] * state[6], effect[1] * state[5] + effect[2]
     chain = chain_rates(vehicle, state[:5], joint_rate, speed, wheel_angle, effect[3:5])
     drive = hydrostat_rates(settings.hydrostat, state[6:], command[2])

@@ -12,9 +12,7 @@ class OrnsteinUhlenbeck:
     x_k+1 = a x_k + s sqrt(1 - a²) w_k with a = exp(-step / time constant) and w white, of variance one.
     """
 
-    def __init__(
-        self, *, deviations: Floats, time_constants: Floats, step: float, rng: np.random.Generator
-    ) -> None:
+    def __init__(self, *, deviations: Floats, time_constants: Floats, step: float, rng: np.random.Generator) -> None:
         self._decays = np.exp(-step / time_constants)
         self._gains = deviations * np.sqrt(-np.expm1(-2.0 * step / time_constants))
         self._rng = rng
@@ -24,8 +22,6 @@ class OrnsteinUhlenbeck:
         """Return the next values (count, n) of the n processes."""
         values = self._gains * self._rng.standard_normal((count, len(self._gains)))
         for column, decay in enumerate(self._decays):
-            values[:, column], _ = lfilter(
-                [1.0], [1.0, -decay], values[:, column], zi=[decay * self._last[column]]
-            )
+            values[:, column], _ = lfilter([1.0], [1.0, -decay], values[:, column], zi=[decay * self._last[column]])
         self._last = values[-1].copy()
         return values

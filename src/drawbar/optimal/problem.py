@@ -92,9 +92,7 @@ class EstimationProblem:
 
 def _check_time(horizon: int, sample_time: float, steps: int) -> None:
     if horizon < 2 or steps < 1:
-        raise SolverError(
-            f"Need a horizon of at least 2 stages and 1 integration step, got {horizon} and {steps}."
-        )
+        raise SolverError(f"Need a horizon of at least 2 stages and 1 integration step, got {horizon} and {steps}.")
     if not 0.0 < sample_time < math.inf:
         raise SolverError(f"The sample time must be positive and finite, got {sample_time} s.")
 
@@ -108,9 +106,7 @@ def _check_weights(name: str, values: tuple[float, ...], size: int) -> None:
 
 def _check_bounds(model: Model, bounds: dict[str, Bound], allowed: str) -> None:
     kinds = (
-        (model.states, model.inputs)
-        if "parameter" not in allowed
-        else (model.states, model.parameters, model.inputs)
+        (model.states, model.inputs) if "parameter" not in allowed else (model.states, model.parameters, model.inputs)
     )
     names = [variable.name for kind in kinds for variable in kind]
     for name in bounds:

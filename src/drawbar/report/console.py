@@ -38,9 +38,7 @@ class RunProgress:
         """Show progress on the console along a path of the given length, m."""
         self._console = console
         self._length = length
-        self._live = (
-            Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
-        )
+        self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
         self._period = _REFRESH if self._live else _PLAIN_REFRESH
         self._start = self._next = time.perf_counter()
 
@@ -99,12 +97,8 @@ def _table(title: str, columns: Iterable[tuple[str, str]], rows: list[Row]) -> T
 def summary(metrics: Metrics) -> RenderableType:
     """Return the figures of a run for the console, at most 80 columns wide."""
     colours = {"tractor": "blue", "trailer": "yellow"}
-    error_columns = [
-        (f"{body}\n{name}", colour) for body, colour in colours.items() for name in ERROR_COLUMNS
-    ]
-    ending = (
-        Text("finished", "green") if metrics.finished else Text(f"stopped: {metrics.outcome}", "bold red")
-    )
+    error_columns = [(f"{body}\n{name}", colour) for body, colour in colours.items() for name in ERROR_COLUMNS]
+    ending = Text("finished", "green") if metrics.finished else Text(f"stopped: {metrics.outcome}", "bold red")
     distance, duration = number(metrics.length_m, 1, " m"), number(metrics.duration_s, 1, " s")
     pace = number(metrics.real_time_factor, 0, "× real time")
     return Group(

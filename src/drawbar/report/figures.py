@@ -111,9 +111,7 @@ def steering_figure(log: RunLog, body: str) -> Figure:
     return _along_figure(log, traces, "Steering, ° (left positive)", range=[-1.12 * limit, 1.12 * limit])
 
 
-def estimate_figure(
-    log: RunLog, names: dict[str, tuple[str, str]], title: str, unit: str, scale: float
-) -> Figure:
+def estimate_figure(log: RunLog, names: dict[str, tuple[str, str]], title: str, unit: str, scale: float) -> Figure:
     """Draw estimated parameters with bounds and truth.
 
     names: by field name of Estimate the symbol and the colour; values are multiplied by scale. A parameter
@@ -128,9 +126,7 @@ def estimate_figure(
         curves.append(_of_step(log, "tractor", estimate, symbol, colour, unit, width=2.0))
         if field != "trailer_slip":  # the simulated machine has no such slip
             true = log.column(f"truth.{field}") * scale
-            curves.append(
-                _of_step(log, "tractor", true, f"{symbol}, true", colour, unit, width=1.0, dash="dot")
-            )
+            curves.append(_of_step(log, "tractor", true, f"{symbol}, true", colour, unit, width=1.0, dash="dot"))
         bounds += _bound_lines(log, "tractor", f"{symbol}, bounds", (low * scale, high * scale), colour)
     return _along_figure(log, curves + bounds, title, range=_span_of(curves))
 
@@ -168,9 +164,7 @@ def solve_time_figure(log: RunLog) -> Figure:
         dash = "solid" if phase == "prepare" else "dot"
         name = f"{solver.capitalize()}, {phase}"
         hover = "%{y:.1f} % of steps near %{x:.2f} µs"
-        traces.append(
-            line(x, y, name, _SOLVERS[solver], dash=dash, width=1.8, hovertemplate=hover, fill="tozeroy")
-        )
+        traces.append(line(x, y, name, _SOLVERS[solver], dash=dash, width=1.8, hovertemplate=hover, fill="tozeroy"))
         traces[-1]["fillcolor"] = _SOLVERS[solver] + "1A"
     x_axis = axis("Time of one call, µs", type="log", dtick="D2")
     return {"data": traces, "layout": layout(x_axis, axis("Share of steps, %", rangemode="tozero"))}

@@ -71,15 +71,11 @@ def render_page(log: RunLog, metrics: Metrics, errors: Bodies[PathErrors]) -> st
     sections = all_sections(log, errors)
     started = f"{log.header.started:%d %B %Y, %H:%M %Z}"
     template = Template(resources.files(__package__).joinpath("page.html").read_text(encoding="utf-8"))
-    tiles = [
-        f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in key_figures(metrics)
-    ]
+    tiles = [f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in key_figures(metrics)]
     ending = "Finished" if metrics.finished else "Stopped before the end"
     return template.substitute(
         title=escape(f"{log.header.path_name}, {metrics.config}"),
-        facts=escape(
-            f"{started} · configuration {metrics.config} · seed {metrics.seed} · {len(log.records)} steps"
-        ),
+        facts=escape(f"{started} · configuration {metrics.config} · seed {metrics.seed} · {len(log.records)} steps"),
         state="" if metrics.finished else "stopped",
         outcome=escape(f"{ending}: {metrics.outcome}"),
         tiles="".join(tiles),

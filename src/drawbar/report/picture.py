@@ -88,9 +88,7 @@ def _errors(log: RunLog, errors: Bodies[PathErrors]) -> list[str]:
     curves = {body: getattr(errors, body).error * 100.0 for body in style.BODY_COLOURS}
     largest = _range(np.abs(np.concatenate([*curves.values(), np.zeros(1)])), 1.0)[1]
     length = log.header.path.arc_length[-1]
-    window = _Window(
-        left=60.0, top=610.0, width=_WIDTH - 80.0, height=140.0, x=(0.0, length), y=(-largest, largest)
-    )
+    window = _Window(left=60.0, top=610.0, width=_WIDTH - 80.0, height=140.0, x=(0.0, length), y=(-largest, largest))
     parts = [_label(60.0, 598.0, "Distance from the path, cm (left positive)")]
     for level in (-math.floor(largest), 0, math.floor(largest)):
         line = window.curve(np.array([0.0, length]), np.full(2, float(level)), _stroke(style.GRID, 1.0))

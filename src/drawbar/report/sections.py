@@ -95,8 +95,7 @@ def _estimates(log: RunLog) -> list[Section]:
         Section(
             name="angles",
             title="Steering offset and side-slip",
-            note="Offset b of the front wheels, side-slip of the rear axle (αr) and of the trailer's (αi). "
-            + zoom,
+            note="Offset b of the front wheels, side-slip of the rear axle (αr) and of the trailer's (αi). " + zoom,
             figure=estimate_figure(log, _ANGLES, "Angle, °", "°", math.degrees(1.0)),
         ),
     ]

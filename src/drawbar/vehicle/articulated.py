@@ -42,9 +42,7 @@ def trailer_yaw_rate(
     return (push - slope * drag) / lever
 
 
-def trailer_antenna(
-    vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi: Any, joint: Any
-) -> tuple[Any, Any]:
+def trailer_antenna(vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi: Any, joint: Any) -> tuple[Any, Any]:
     """Return the trailer antenna's position (m) behind a tractor whose rear axle is at x, y (m); angles in rad."""
     a, d = vehicle.free_joint_offset, vehicle.drawbar_length
     back = vehicle.trailer_length - vehicle.trailer_antenna
@@ -121,12 +119,11 @@ def articulated(vehicle: VehicleParameters) -> Model:
 def articulated_tractor(vehicle: VehicleParameters) -> Model:
     """Return the tractor subsystem in path coordinates' outputs.
 
-    States x, y, theta, delta_t; input the commanded steering; parameters mu, kappa, b, alpha_r, v and the reference
-    pose x, y, yaw. Outputs: lateral error (m), heading error of the direction of motion (rad), command, and command
-    minus steering (rad), which is the steering rate times the lag.
+    States x, y, theta, delta_t; input the steering rate; parameters mu, kappa, b, alpha_r, v and the reference pose
+    x, y, yaw. Outputs: lateral error (m), heading error of the direction of motion (rad), steering, steering rate.
     """
     states = variables(x="m", y="m", yaw="rad", steering="rad")
-    inputs = variables(command="rad")
+    inputs = variables(steering_rate="rad/s")
     parameters = variables(
         longitudinal_slip="1",
         tractor_slip="1",
@@ -146,7 +143,7 @@ def articulated_tractor(vehicle: VehicleParameters) -> Model:
         states=states,
         inputs=inputs,
         parameters=parameters,
-        outputs=variables(lateral_error="m", heading_error="rad", command="rad", command_lead="rad"),
+        outputs=variables(lateral_error="m", heading_error="rad", steering="rad", steering_rate="rad/s"),
         x=x,
         u=u,
         p=p,
@@ -154,23 +151,21 @@ def articulated_tractor(vehicle: VehicleParameters) -> Model:
             speed * ca.cos(theta) - slide * ca.sin(theta),
             speed * ca.sin(theta) + slide * ca.cos(theta),
             speed * (ca.tan(kappa * delta + offset) - ca.tan(crab)) / vehicle.wheelbase,
-            (u - delta) / vehicle.steering_lag,
+            u,
         ),
-        output=ca.vertcat(
-            ca.cos(yaw) * (py - ry) - ca.sin(yaw) * (px - rx), theta + crab - yaw, u, u - delta
-        ),
+        output=ca.vertcat(_lateral_error(px, py, rx, ry, yaw), theta + crab - yaw, delta, u),
     )
 
 
 def articulated_trailer(vehicle: VehicleParameters) -> Model:
     """Return the trailer subsystem on the chain, with the tractor's motion as a known signal.
 
-    States gamma = theta - psi and delta_i; input the commanded steering; parameters mu, alpha_r, alpha_i, v, the
-    tractor's yaw rate (the coupling), its pose at the stage, and the reference pose. Outputs: lateral error of the
-    trailer antenna (m), command, and command minus steering (rad).
+    States gamma = theta - psi and delta_i; input the steering rate; parameters mu, alpha_r, alpha_i, v, the tractor's
+    yaw rate (the coupling), its pose at the stage, and the reference pose. Outputs: lateral error of the trailer
+    antenna (m), steering, steering rate.
     """
     states = variables(articulation="rad", steering="rad")
-    inputs = variables(command="rad")
+    inputs = variables(steering_rate="rad/s")
     parameters = variables(
         longitudinal_slip="1",
         tractor_crab="rad",
@@ -187,20 +182,21 @@ def articulated_trailer(vehicle: VehicleParameters) -> Model:
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     gamma, delta = ca.vertsplit(x)
     mu, crab, trailer_crab, v, omega, tx, ty, theta, rx, ry, yaw = ca.vertsplit(p)
-    lead = vehicle.joint_sign * u - delta
-    rate = lead / vehicle.steering_lag
     px, py = trailer_antenna(vehicle, tx, ty, theta, theta - gamma, delta)
     return Model(
         name="articulated_trailer",
         states=states,
         inputs=inputs,
         parameters=parameters,
-        outputs=variables(lateral_error="m", command="rad", command_lead="rad"),
+        outputs=variables(lateral_error="m", steering="rad", steering_rate="rad/s"),
         x=x,
         u=u,
         p=p,
-        derivative=ca.vertcat(
-            omega - trailer_yaw_rate(vehicle, mu * v, omega, gamma, delta, rate, crab, trailer_crab), rate
-        ),
-        output=ca.vertcat(ca.cos(yaw) * (py - ry) - ca.sin(yaw) * (px - rx), u, lead),
+        derivative=ca.vertcat(omega - trailer_yaw_rate(vehicle, mu * v, omega, gamma, delta, u, crab, trailer_crab), u),
+        output=ca.vertcat(_lateral_error(px, py, rx, ry, yaw), delta, u),
     )
+
+
+def _lateral_error(x: Any, y: Any, reference_x: Any, reference_y: Any, reference_yaw: Any) -> Any:
+    """Return the distance from the reference's tangent, left positive, m."""
+    return ca.cos(reference_yaw) * (y - reference_y) - ca.sin(reference_yaw) * (x - reference_x)

@@ -27,6 +27,10 @@ class VehicleParameters(Settings):
     """largest |delta_t| that may be commanded, rad"""
     trailer_steering_limit: PositiveAngle = math.radians(20.0)
     """largest |delta_i| that may be commanded, rad"""
+    tractor_steering_rate: PositiveAngle = math.radians(25.0)
+    """fastest the front wheels turn, rad/s"""
+    trailer_steering_rate: PositiveAngle = math.radians(20.0)
+    """fastest the actuated joint turns, rad/s"""
     steering_lag: Positive = 0.3
     """tau, time constant of both steering actuators, s"""
     curvature_limit: Positive = Field(default=0.3)

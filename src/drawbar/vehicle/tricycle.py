@@ -14,13 +14,9 @@ def tricycle(vehicle: VehicleParameters) -> Model:
 
     States x_t, y_t, theta, x_i, y_i, psi; inputs delta_t, delta_i; parameters mu, kappa, eta, beta, v.
     """
-    states = variables(
-        tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_x="m", trailer_y="m", trailer_yaw="rad"
-    )
+    states = variables(tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_x="m", trailer_y="m", trailer_yaw="rad")
     inputs = variables(tractor_steering="rad", trailer_steering="rad")
-    parameters = variables(
-        longitudinal_slip="1", tractor_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s"
-    )
+    parameters = variables(longitudinal_slip="1", tractor_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s")
     outputs = variables(
         tractor_x="m",
         tractor_y="m",
@@ -42,10 +38,7 @@ def tricycle(vehicle: VehicleParameters) -> Model:
         mu * v * ca.tan(kappa * delta_t) / vehicle.wheelbase,
         mu * v * ca.cos(psi),
         mu * v * ca.sin(psi),
-        mu
-        * v
-        / vehicle.trailer_length
-        * (ca.sin(eta * delta_i + beta) - pull * ca.cos(eta * delta_i + beta)),
+        mu * v / vehicle.trailer_length * (ca.sin(eta * delta_i + beta) - pull * ca.cos(eta * delta_i + beta)),
     )
     return Model(
         name="tricycle",
@@ -94,9 +87,7 @@ def tricycle_trailer(vehicle: VehicleParameters) -> Model:
     """
     states = variables(x="m", y="m", yaw="rad")
     inputs = variables(steering="rad")
-    parameters = variables(
-        longitudinal_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s", coupling="1"
-    )
+    parameters = variables(longitudinal_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s", coupling="1")
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     mu, eta, beta, v, coupling = ca.vertsplit(p)
     angle = eta * u[0] + beta

@@ -90,9 +90,7 @@ def changed(index: int, text: str) -> list[str]:
         ([*CURVE[:7], "0"], 9, r"0 point\(s\) that differ"),
     ],
 )
-def test_malformed_lines_are_refused_with_their_place(
-    tmp_path: Path, rows: list[str], place: int, reason: str
-) -> None:
+def test_malformed_lines_are_refused_with_their_place(tmp_path: Path, rows: list[str], place: int, reason: str) -> None:
     with pytest.raises(PathError, match=rf"TrackLines\.txt:{place}: .*{reason}"):
         load_line(field(tmp_path, *rows), None)
 

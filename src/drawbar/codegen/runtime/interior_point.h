@@ -64,13 +64,12 @@ static double ip_start(const struct qp *s, struct interior_point *ip)
             curvature = s->P[i / NX][i % NX][i % NX];
         ip->t[m] = distance > margin ? distance : margin;
         ip->lambda[m] = margin * margin * (curvature > 1e-2 ? curvature : 1e-2) / ip->t[m];
-        if (side_soft(s, m)) {
-            ip->v[m] = margin;
-            ip->lambda[m] = ip->lambda[m] < 0.5 * s->soft_linear[m / 2] ? ip->lambda[m] : 0.5 * s->soft_linear[m / 2];
-            if (!(ip->lambda[m] > 0.0))
-                ip->lambda[m] = 1e-2;
-            ip->sigma[m] = ip->lambda[m];
-            mu += ip->sigma[m] * ip->v[m];
+        if (side_soft(s, m)) {             /* lambda + sigma = cost of a violation, v as complementary as t */
+            const double cost = s->soft_linear[m / 2], product = ip->lambda[m] * ip->t[m];
+            ip->lambda[m] = ip->lambda[m] < 0.5 * cost ? ip->lambda[m] : 0.5 * cost;
+            ip->sigma[m] = cost - ip->lambda[m];
+            ip->v[m] = product / ip->sigma[m];
+            mu += product;
             ++pairs;
         }
         mu += ip->lambda[m] * ip->t[m];

@@ -53,15 +53,11 @@ def origin(folder: Path) -> tuple[float, float]:
     file = folder / "Field.txt"
     rows = read_lines(file)
     if "StartFix" not in rows[:-1]:
-        raise PathError(
-            f"{file}: has no row 'StartFix' with 'latitude,longitude' below; is it AgOpenGPS's file?"
-        )
+        raise PathError(f"{file}: has no row 'StartFix' with 'latitude,longitude' below; is it AgOpenGPS's file?")
     index = rows.index("StartFix") + 1
     latitude, longitude = _numbers(rows[index], 2, f"{file}:{index + 1}")
     if not (abs(latitude) < 90.0 and abs(longitude) <= 180.0):
-        raise PathError(
-            f"{file}:{index + 1}: origin {rows[index]!r}; degrees within ±90 and ±180 are allowed"
-        )
+        raise PathError(f"{file}:{index + 1}: origin {rows[index]!r}; degrees within ±90 and ±180 are allowed")
     return latitude, longitude
 
 
@@ -79,8 +75,7 @@ def _tracks(file: Path, rows: list[str]) -> list[_Track]:
         count = number(rows[head + 7], f"{file}:{head + 8}", "the number of points")
         if not (count.is_integer() and 0 <= count <= left):
             raise PathError(
-                f"{file}:{head + 8}: line {rows[head]!r} announces {rows[head + 7]} points; "
-                f"{left} rows follow"
+                f"{file}:{head + 8}: line {rows[head]!r} announces {rows[head + 7]} points; {left} rows follow"
             )
         tracks.append(_Track(name=rows[head], head=head, count=int(count)))
         head += _HEAD + int(count)
@@ -117,7 +112,5 @@ def _numbers(text: str, count: int, place: str) -> list[float]:
     """Return the numbers of one row "1.5,2.5"; the decimal commas of some locales are refused."""
     cells = text.split(",")
     if len(cells) != count:
-        raise PathError(
-            f"{place}: is {text!r}; {count} numbers with decimal points, separated by commas, are needed"
-        )
+        raise PathError(f"{place}: is {text!r}; {count} numbers with decimal points, separated by commas, are needed")
     return [number(cell, place, "a coordinate") for cell in cells]

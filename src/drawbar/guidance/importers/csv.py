@@ -31,9 +31,7 @@ def _point(text: str, place: str, separator: str) -> list[float]:
     """Return x and y (m) of one row."""
     cells = text.split(separator)
     if len(cells) != 2:
-        raise PathError(
-            f"{place}: {text!r} has {len(cells)} columns; two are needed, x and y in m, as in '12.5,-3.0'"
-        )
+        raise PathError(f"{place}: {text!r} has {len(cells)} columns; two are needed, x and y in m, as in '12.5,-3.0'")
     if separator != ",":
         cells = [cell.replace(",", ".") for cell in cells]
     return [number(cell, place, name) for cell, name in zip(cells, "xy", strict=True)]

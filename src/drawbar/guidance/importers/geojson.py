@@ -52,9 +52,7 @@ def _line(name: str, geometry: dict[str, Any], place: str) -> RecordedLine:
     degrees = np.array([_position(*pair) for pair in zip(positions, places, strict=True)]).reshape(-1, 2)
     longitude, latitude = degrees.T
     origin = (float(latitude[0]), float(longitude[0])) if positions else (0.0, 0.0)
-    return RecordedLine.checked(
-        name, np.column_stack(east_north(latitude, longitude, origin)), places or [place]
-    )
+    return RecordedLine.checked(name, np.column_stack(east_north(latitude, longitude, origin)), places or [place])
 
 
 def _position(position: Any, place: str) -> list[float]:

@@ -23,7 +23,6 @@ def load_line(path: Path, track: str | None) -> RecordedLine:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise PathError(
-            f"{path}: is neither an AgOpenGPS field folder nor a file of type {', '.join(_READERS)}; "
-            f"give one of these"
+            f"{path}: is neither an AgOpenGPS field folder nor a file of type {', '.join(_READERS)}; give one of these"
         )
     return reader(path, track)

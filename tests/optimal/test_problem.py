@@ -1,0 +1,109 @@
+"""Problems that contradict themselves are refused when they are declared."""
+
+import math
+import re
+from typing import Any
+
+import pytest
+
+from drawbar.errors import SolverError
+from drawbar.optimal import Bound, ControlProblem, EstimationProblem
+from drawbar.optimal.transcription import transcribe
+from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
+
+
+def control(**changes: Any) -> ControlProblem:
+    whole = {
+        "model": tricycle_tractor(VehicleParameters()),
+        "horizon": 5,
+        "sample_time": 0.2,
+        "weights": (1.0, 1.0, 1.0),
+        "terminal_weights": (1.0, 1.0, 0.0),
+    }
+    return ControlProblem(**{**whole, **changes})
+
+
+def estimation(**changes: Any) -> EstimationProblem:
+    whole = {
+        "model": tricycle(VehicleParameters()),
+        "horizon": 5,
+        "sample_time": 0.2,
+        "weights": (1.0,) * 8,
+        "prior_deviation": (1.0,) * 11,
+        "process_deviation": (0.0,) * 11,
+    }
+    return EstimationProblem(**{**whole, **changes})
+
+
+WRONG = (
+    ({"horizon": 1}, "horizon of at least 2 stages"),
+    ({"integration_steps": 0}, "1 integration step"),
+    ({"sample_time": 0.0}, "sample time must be positive"),
+    ({"sample_time": math.nan}, "sample time must be positive"),
+    ({"sample_time": math.inf}, "sample time must be positive"),
+    ({"bounds": {"wings": Bound(lower=0.0, upper=1.0)}}, "Bound on 'wings', which is no state"),
+)
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        *WRONG,
+        ({"weights": (1.0, 1.0)}, "weights needs 3 values, got 2"),
+        ({"weights": (1.0, -1.0, 1.0)}, "weights must be finite and not negative"),
+        ({"terminal_weights": (1.0, math.nan, 0.0)}, "terminal_weights must be finite"),
+        ({"bounds": {"speed": Bound(lower=0.0, upper=1.0)}}, "Bound on 'speed', which is no state or input"),
+    ],
+)
+def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(SolverError, match=re.escape(complaint)):
+        control(**changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        *WRONG,
+        ({"weights": (1.0,) * 7}, "weights needs 8 values"),
+        ({"prior_deviation": (1.0,) * 6}, "prior_deviation needs 11 values"),
+        ({"prior_deviation": (0.0,) * 11}, "prior_deviation must be positive"),
+        ({"process_deviation": (math.inf,) * 11}, "process_deviation must be finite"),
+    ],
+)
+def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(SolverError, match=re.escape(complaint)):
+        estimation(**changes)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"lower": 1.0, "upper": 0.0},
+        {"lower": math.nan, "upper": 0.0},
+        {"lower": 0.0, "upper": math.nan},
+        {"lower": 0.0, "upper": 1.0, "linear_penalty": 0.0},
+        {"lower": 0.0, "upper": 1.0, "linear_penalty": math.nan},
+        {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": -1.0},
+        {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": math.inf},
+    ],
+)
+def test_bound(values: dict[str, float]) -> None:
+    with pytest.raises(SolverError):
+        Bound(**values)
+
+
+def test_terminal_weight_on_an_output_of_the_input_is_refused() -> None:
+    with pytest.raises(SolverError, match="its terminal weight must be 0, got 2.0"):
+        transcribe(control(terminal_weights=(1.0, 1.0, 2.0)))
+
+
+def test_bounded_variables_are_those_that_can_move() -> None:
+    box = Bound(lower=-1.0, upper=1.0)
+    found = transcribe(control(bounds={"yaw": box, "steering": box})).bounds
+    yaws, steerings = [3 * k + 2 for k in range(1, 6)], [18 + k for k in range(5)]
+    assert [index for index, _ in found] == yaws + steerings, "the given first state is not bounded"
+    bounds = {"tractor_yaw": box, "longitudinal_slip": box, "trailer_steering": box}
+    found = transcribe(estimation(bounds=bounds)).bounds
+    yaws, steerings = [11 * k + 2 for k in range(6)], [66 + 2 * k + 1 for k in range(5)]
+    assert [index for index, _ in found] == [*yaws, 6, *steerings], "a constant is bounded once"
