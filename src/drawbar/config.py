@@ -1,13 +1,14 @@
 """One TOML file describes a whole run; this is the only place that reads it."""
 
+import reprlib
 import tomllib
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import tomli_w
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 
 from drawbar.control.settings import ArticulatedControllerSettings, TricycleControllerSettings, TubeSettings
 from drawbar.errors import ConfigurationError
@@ -31,6 +32,12 @@ class PathSettings(Settings):
     straight_length: Positive = 20.0
     """of the figure-eights' straights, m"""
 
+    @model_validator(mode="after")
+    def _track_of_a_file(self) -> Self:
+        if self.track and not self.file:
+            raise ValueError(f"track = {self.track!r} names a line of no file; give path.file too")
+        return self
+
 
 class StartSettings(Settings):
     """Where the simulated machine stands at first, seen from the start of the path."""
@@ -46,7 +53,7 @@ class StartSettings(Settings):
 class Configuration(Settings):
     """Everything that makes a run."""
 
-    name: str
+    name: Annotated[str, Field(min_length=1)]
     """how reports call it"""
     sample_time: Positive = 0.2
     """s; RTK GNSS at 5 Hz"""
@@ -62,6 +69,15 @@ class Configuration(Settings):
     path: PathSettings = PathSettings()
     start: StartSettings = StartSettings()
     machine: SimulatedMachineSettings = SimulatedMachineSettings()
+
+    @model_validator(mode="after")
+    def _within_reach_of_the_machine(self) -> Self:
+        full_speed = self.machine.hydrostat.full_speed
+        if not self.speed <= full_speed:
+            raise ValueError(
+                f"speed = {self.speed} m/s is more than machine.hydrostat.full_speed = {full_speed} m/s; lower it"
+            )
+        return self
 
     def to_toml(self) -> str:
         """Return the complete configuration, defaults included, as TOML."""
@@ -86,7 +102,7 @@ def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuratio
     text, origin = _read(source)
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # also digits without end, brackets without end
         raise ConfigurationError(f"{origin}: is not valid TOML: {error}.") from error
     configuration = _validated(data, origin)
     if not changes:
@@ -105,7 +121,7 @@ def _read(source: str) -> tuple[str, str]:
     if source in shipped_names():
         return (_shipped() / f"{source}.toml").read_text("utf-8"), source
     try:
-        return Path(source).read_text("utf-8"), source
+        return Path(source).read_text("utf-8-sig"), source
     except (OSError, UnicodeDecodeError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise ConfigurationError(
@@ -117,39 +133,69 @@ def _validated(data: dict[str, Any], origin: str) -> Configuration:
     try:
         return Configuration.model_validate(data)
     except ValidationError as error:
-        lines = [_explain(problem) for problem in error.errors()]
+        lines = [_explain(problem, data) for problem in error.errors()]
         raise ConfigurationError("\n".join([f"{origin}: {len(lines)} wrong value(s).", *lines])) from error
 
 
-def _explain(problem: Any) -> str:
+_REASONS = {
+    "missing": "is missing; add it",
+    "union_tag_not_found": "{discriminator} is missing; add it",
+    "union_tag_invalid": "{discriminator} = {tag!r} is not one of {expected_tags}",
+    "model_type": "must be a section with keys",
+    "model_attributes_type": "must be a section with keys",
+    "tuple_type": "must be a list",
+    "too_short": "must hold at least {min_length} value(s)",
+}
+"""Where pydantic's own words would be those of a programmer."""
+
+
+def _explain(problem: Any, data: dict[str, Any]) -> str:
     """Return one line: key, what was given, what is allowed."""
-    key = ".".join(str(part) for part in problem["loc"] if part not in ("articulated", "tricycle"))
-    given = problem["input"]
-    reason = problem["msg"].removeprefix("Value error, ")
-    if problem["type"] == "extra_forbidden":
-        return f"  {key}: there is no such key; look at the shipped configurations for those there are."
+    kind, context, key = problem["type"], problem.get("ctx", {}), _key(problem, data)
+    message = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    reason = _REASONS[kind].format(**context) if kind in _REASONS else message
+    # a whole section is not shown: its message says what is wrong in it
+    whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")
+    given = "" if whole else f" = {reprlib.repr(problem['input'])}"
+    return f"  {key or 'configuration'}{given}: {reason}."
+
+
+def _key(problem: Any, data: Any) -> str:
+    """Return the dotted key of a problem in the data, without the names of models that pydantic puts between."""
+    parts = []
+    for part in problem["loc"]:
+        if (isinstance(data, dict) and part in data) or (isinstance(data, list) and isinstance(part, int)):
+            data = data[part]
+            parts.append(part)
     if problem["type"] == "missing":
-        return f"  {key}: is missing; add it."
-    shown = given if isinstance(given, int | float | str | bool) else f"a {type(given).__name__}"
-    return (
-        f"  {key} = {shown!r}: {reason[0].lower()}{reason[1:]}."
-        if shown is not given or given != ""
-        else f"  {key}: {reason}."
-    )
+        parts.append(problem["loc"][-1])
+    return ".".join(map(str, parts))
 
 
 def _apply(data: dict[str, Any], change: str) -> None:
     """Set one dotted key in place."""
     key, separator, text = change.partition("=")
     if not separator or not key.strip():
-        raise ConfigurationError(f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5.")
-    try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        value = text
+        raise ConfigurationError(
+            f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5."
+        )
     *sections, last = key.strip().split(".")
     for section in sections:
         data = data.setdefault(section, {}) if isinstance(data, dict) else data
     if not isinstance(data, dict):
-        raise ConfigurationError(f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys.")
+        raise ConfigurationError(
+            f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys."
+        )
+    value = _value(text)
+    if last == "model" and data.get(last) != value:
+        data.clear()  # another model has other keys: they start at their defaults
     data[last] = value
+
+
+def _value(text: str) -> Any:
+    """Return a value written in TOML; what is none is a string."""
+    try:
+        (value,) = tomllib.loads(f"value = {text}").values()
+    except (ValueError, RecursionError):
+        return text
+    return value

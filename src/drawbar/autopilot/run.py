@@ -28,7 +28,7 @@ def drive(autopilot: Autopilot, *, time_limit: float) -> Iterator[StepRecord]:
         record = autopilot.step()
         yield record
         time, error = record.measurement.time, record.reference.tractor.lateral_error
-        if abs(error) > LOST:
+        if not abs(error) <= LOST:  # also when it is NaN
             raise RunAborted(f"At {time:.1f} s the tractor was {abs(error):.2f} m from the path (limit {LOST} m).")
         if time > time_limit:
             raise RunAborted(f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log.")

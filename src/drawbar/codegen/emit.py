@@ -62,20 +62,21 @@ class Output:
     """C expression: stages that have this result"""
     value: ca.SX
     """(rows, columns) expressions"""
+    stride: str = ""
+    """C expression: numbers from one row to the next, where rows are padded; empty: the number of columns"""
 
-    def entries(self) -> list[tuple[int, ca.SX]]:
-        """Return (offset within the stage's matrix, expression) of every structural nonzero."""
+    def entries(self) -> list[tuple[str, ca.SX]]:
+        """Return (place, expression) of every structural nonzero."""
         rows, columns = self.value.sparsity().get_triplet()
-        width = self.value.shape[1]
-        return [(i * width + j, self.value[i, j]) for i, j in zip(rows, columns, strict=True)]
+        stride = self.stride or str(self.value.shape[1])
+        return [(f"({self.place})[{i} * {stride} + {j}]", self.value[i, j]) for i, j in zip(rows, columns, strict=True)]
 
 
 def emit_constants(name: str, outputs: list[Output], arguments: str) -> str:
     """Return a C function that lays down the entries which never change, in every stage."""
     loops = []
     for output in outputs:
-        fixed = [(offset, float(value)) for offset, value in output.entries() if value.is_constant()]
-        lines = [f"({output.place})[{offset}] = {value!r};" for offset, value in fixed]
+        lines = [f"{place} = {float(value)!r};" for place, value in output.entries() if value.is_constant()]
         if lines:
             loops.append(f"    for (int k = 0; k < {output.rows}; ++k) {{\n        {_join(lines, 8)}\n    }}\n")
     return f"static void {name}({arguments})\n{{\n    (void)work;\n{''.join(loops)}}}\n"
@@ -87,7 +88,7 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
     Raises:
         ModelError: the expressions use an operation that the runtime does not have.
     """
-    varying = [(out, offset, value) for out in outputs for offset, value in out.entries() if not value.is_constant()]
+    varying = [(out, place, value) for out in outputs for place, value in out.entries() if not value.is_constant()]
     function = ca.Function(name, [i.symbol for i in inputs], [ca.vertcat(*(value for _, _, value in varying))])
     body, used = _statements(function)
     gather = []
@@ -97,8 +98,7 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
         gather.append(f"in[{index}][lane] = {row}[{element}];")
     scatter = []
     for output in outputs:
-        own = [(i, offset) for i, (owner, offset, _) in enumerate(varying) if owner is output]
-        lines = [f"({output.place})[{offset}] = out[{i}][lane];" for i, offset in own]
+        lines = [f"{place} = out[{i}][lane];" for i, (owner, place, _) in enumerate(varying) if owner is output]
         if lines:
             scatter.append(f"if (k < {output.rows}) {{\n                {_join(lines, 16)}\n            }}")
     return f"""
@@ -107,7 +107,7 @@ static void {name}({arguments}, int first, int count)
     for (int base = first; base < count; base += LANES) {{
         double in[{max(len(used), 1)}][LANES], out[{max(len(varying), 1)}][LANES];
         const int lanes = count - base < LANES ? count - base : LANES;
-        for (int lane = 0; lane < LANES; ++lane) {{
+        EACH_LANE (int lane = 0; lane < LANES; ++lane) {{
             const int k = base + (lane < lanes ? lane : lanes - 1);
             {_join(gather, 12)}
         }}

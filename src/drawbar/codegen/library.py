@@ -24,6 +24,7 @@ class _Field(ctypes.Structure):
         ("offset", ctypes.c_int64),
         ("kind", ctypes.c_int32),
         ("shape", ctypes.c_int32 * 3),
+        ("padding", ctypes.c_int32),
     )
 
 
@@ -44,9 +45,10 @@ class Workspace:
         self._address = ctypes.c_void_p(self.memory.ctypes.data)
         self._fields = {name: self._view(*place) for name, place in _places(self._library).items()}
 
-    def _view(self, offset: int, kind: type[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    def _view(self, offset: int, kind: type[Any], shape: tuple[int, ...], padding: int) -> NDArray[Any]:
         count = int(np.prod(shape)) * np.dtype(kind).itemsize
-        return self.memory[offset : offset + count].view(kind).reshape(shape)
+        stored: NDArray[Any] = self.memory[offset : offset + count].view(kind).reshape(shape)
+        return stored[..., : shape[-1] - padding]
 
     def array(self, name: str) -> NDArray[Any]:
         """Return the named field as an array that shares the workspace's memory."""
@@ -65,7 +67,7 @@ class Workspace:
         return call
 
 
-def _places(library: ctypes.CDLL) -> dict[str, tuple[int, type[Any], tuple[int, ...]]]:
+def _places(library: ctypes.CDLL) -> dict[str, tuple[int, type[Any], tuple[int, ...], int]]:
     fields = ctypes.cast(library.drawbar_fields, ctypes.POINTER(_Field))
     places = {}
     index = 0
@@ -74,6 +76,11 @@ def _places(library: ctypes.CDLL) -> dict[str, tuple[int, type[Any], tuple[int, 
         shape = tuple(field.shape)
         while len(shape) > 1 and shape[-1] == 0:
             shape = shape[:-1]
-        places[field.name.decode().replace(" ", "")] = (field.offset, _KINDS[field.kind], shape)
+        places[field.name.decode().replace(" ", "")] = (
+            field.offset,
+            _KINDS[field.kind],
+            shape,
+            field.padding,
+        )
         index += 1
     return places

@@ -20,6 +20,11 @@ class SlipBounds(Settings):
             raise ValueError(f"lower = {self.lower} must be below upper = {self.upper}; exchange them")
         return self
 
+    def require(self, first_slip: float) -> None:
+        """Refuse a first guess outside the range by a ValueError."""
+        if not self.lower <= first_slip <= self.upper:
+            raise ValueError(f"first_slip = {first_slip} must be within {self.lower} .. {self.upper}")
+
 
 class TricyclePrior(Settings):
     """What is known of states and parameters when the estimator starts, standard deviations."""
@@ -65,6 +70,11 @@ class TricycleEstimatorSettings(Settings):
     drift: TricycleDrift = TricycleDrift()
     slip_bounds: SlipBounds = SlipBounds(lower=0.25, upper=1.0)
     """of mu, kappa and eta"""
+
+    @model_validator(mode="after")
+    def _first_slip_allowed(self) -> Self:
+        self.slip_bounds.require(self.first_slip)
+        return self
 
     def bounds_by_estimate(self) -> dict[str, tuple[float, float]]:
         """Return the bounds by the name that Estimate gives each parameter."""
@@ -132,6 +142,12 @@ class ArticulatedEstimatorSettings(Settings):
     """kappa"""
     angle_bound: PositiveAngle = 0.15
     """largest |b|, |alpha_r| and |alpha_i|, rad"""
+
+    @model_validator(mode="after")
+    def _first_slip_allowed(self) -> Self:
+        self.longitudinal_slip_bounds.require(self.first_slip)
+        self.tractor_slip_bounds.require(self.first_slip)
+        return self
 
     def bounds_by_estimate(self) -> dict[str, tuple[float, float]]:
         """Return the bounds by the name that Estimate gives each parameter."""

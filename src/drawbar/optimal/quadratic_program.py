@@ -15,7 +15,7 @@ _UNIT = """
 #include "interior_point.h"
 #include "fields.h"
 int64_t drawbar_size = sizeof(struct qp);
-const struct drawbar_field drawbar_fields[] = {{QP_FIELDS(qp, ) {{NULL, 0, 0, {{0, 0, 0}}}}}};
+const struct drawbar_field drawbar_fields[] = {{QP_FIELDS(qp, ) {{NULL, 0, 0, {{0, 0, 0}}, 0}}}};
 int solve(struct qp *s) {{ s->factored = 0; return s->status = qp_optimise(s); }}
 """
 

@@ -29,12 +29,12 @@ _UNIT = """
 int64_t drawbar_size = sizeof(struct rti);
 #define RTI(name, kind, a, b, c) FIELD(rti, name, kind, a, b, c)
 const struct drawbar_field drawbar_fields[] = {{
-    {{"x", offsetof(struct rti, z), 0, {{N + 1, NX, 0}}}},
-    {{"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {{N, NU, 0}}}},
+    {{"x", offsetof(struct rti, z), 0, {{N + 1, NX, 0}}, 0}},
+    {{"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {{N, NU, 0}}, 0}},
     RTI(p, 0, N + 1, NP, 0) RTI(y, 0, N + 1, NY, 0) RTI(w, 0, N + 1, NY, 0)
     RTI(initial, 0, NX, 0, 0) RTI(lower, 0, NB, 0, 0) RTI(upper, 0, NB, 0, 0) RTI(root, 0, NX, NX, 0)
     RTI(prior, 0, NX, 0, 0) RTI(process, 0, NX, 0, 0) RTI(F, 0, N, NX, 0) RTI(status, 1, 1, 0, 0)
-    QP_FIELDS(rti, qp.) {{NULL, 0, 0, {{0, 0, 0}}}}
+    QP_FIELDS(rti, qp.) {{NULL, 0, 0, {{0, 0, 0}}, 0}}
 }};
 int reset(struct rti *work) {{ memset(work, 0, sizeof *work); rti_constants(work); return SOLVED; }}
 int prepare(struct rti *work) {{ return rti_prepare(work); }}
@@ -105,13 +105,18 @@ class Transcription:
         functions = {
             "dynamics": [
                 Output(place="work->F[k]", rows="N", value=step),
-                Output(place="work->qp.A[k][0]", rows="N", value=slope[:, :nx]),
-                Output(place="work->qp.B[k][0]", rows="N", value=slope[:, nx:]),
+                Output(place="((double *)work->qp.A[k])", rows="N", value=slope[:, :nx], stride="WIDTH"),
+                Output(place="((double *)work->qp.B[k])", rows="N", value=slope[:, nx:]),
             ],
             "hessian": [
-                Output(place="work->qp.Q[k][0]", rows="(N + 1)", value=curvature[:nx, :nx]),
-                Output(place="work->qp.S[k][0]", rows="N", value=curvature[nx:, :nx]),
-                Output(place="work->qp.R[k][0]", rows="N", value=curvature[nx:, nx:] + damping),
+                Output(
+                    place="((double *)work->qp.Q[k])",
+                    rows="(N + 1)",
+                    value=curvature[:nx, :nx],
+                    stride="WIDTH",
+                ),
+                Output(place="((double *)work->qp.S[k])", rows="N", value=curvature[nx:, :nx], stride="WIDTH"),
+                Output(place="((double *)work->qp.R[k])", rows="N", value=curvature[nx:, nx:] + damping),
             ],
             "gradient": [
                 Output(place="STATE(work->qp.g, k)", rows="(N + 1)", value=residual[:nx]),
@@ -121,7 +126,7 @@ class Transcription:
         if self.free_initial:
             functions["outputs"] = [
                 Output(place="work->h[k]", rows="1", value=self.output),
-                Output(place="work->J[k][0]", rows="1", value=jacobian),
+                Output(place="((double *)work->J[k])", rows="1", value=jacobian),
             ]
         every = [output for outputs in functions.values() for output in outputs]
         return emit_constants("rti_constants", every, _WORK) + "".join(

@@ -1,7 +1,7 @@
 """The six problems that drawbar solves, with data that make them work: beside the path, noisy, bounds in the way."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -98,7 +98,9 @@ def _measured(y: Floats, seed: int) -> Floats:
     y = y.copy()
     y[:, :8] += SIGMA * rng.normal(size=(len(y), 8))
     y[3:6, :4] = np.nan
-    y[rng.random(y.shape) < 0.05] = np.nan
+    gaps = rng.random(y.shape) < 0.05
+    gaps[:, 1:4:2] = gaps[:, 0:3:2]  # an antenna reports both coordinates or none
+    y[gaps] = np.nan
     return y
 
 
@@ -123,7 +125,7 @@ def _tricycle_estimator() -> Case:
     prior = (0.05, -0.05, 0.3, -2.2, -0.2, 0.2, 0.9, 0.9, 0.9, 0.0, 0.9)
     deviation = (0.1, 0.1, 0.3, 0.1, 0.1, 0.3, 0.1, 0.1, 0.1, 0.1, 0.2)
     slips = ("longitudinal_slip", "tractor_slip", "trailer_slip")
-    bounds = {name: Bound(lower=0.25, upper=0.93) for name in slips}
+    bounds = {name: Bound(lower=0.25, upper=0.88) for name in slips}
     return _estimator(model, (), prior, deviation, y, **bounds)
 
 
@@ -159,3 +161,20 @@ def case(request: pytest.FixtureRequest) -> Case:
 def named() -> Callable[[str], Case]:
     """Return a problem by name."""
     return lambda name: CASES[name]()
+
+
+@pytest.fixture(scope="session")
+def long_run() -> tuple[Case, Floats, Floats]:
+    """Return the articulated estimator without bounds or process noise, the readings of a minute, and the truth."""
+    case = _articulated_estimator()
+    rng = np.random.default_rng(33)
+    count = 300
+    u = np.column_stack([0.15 * np.cos(0.3 * np.arange(count)), 0.05 * np.cos(0.2 * np.arange(count))])
+    start, p = np.array([0.0, 0.0, 0.2, 0.1, 0.1, -0.05]), np.array([0.95, 0.92, 0.01, 0.01, 1.0, -0.01])
+    true = simulated(case.problem.model, start, u, p)
+    y = true.copy()
+    y[:, :8] += SIGMA * rng.normal(size=(count + 1, 8))
+    y[:, 8:] = 0.0
+    y[100:115, :4] = np.nan
+    problem = replace(case.problem, bounds={}, process_deviation=(0.0,) * 12)
+    return replace(case, problem=problem), y, true

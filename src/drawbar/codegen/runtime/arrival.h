@@ -11,43 +11,73 @@
 
 #include "rti.h"
 
-#define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side */
-#define OLD_WIDTH ((OLD + 3) / 4 * 4)
-#define NEW (2 * NX + NU + 1)              /* columns: n, du, d = x_1 - F, right-hand side */
-#define NEW_WIDTH ((NEW + 3) / 4 * 4)
+#define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side; or du, d = x_1 - F, right-hand side */
+#define OLD_PACKS ((OLD + PACK - 1) / PACK)
+#define OLD_WIDTH (OLD_PACKS * PACK)
+
+/* product = sum over rows first .. last - 1 of M[i][column] M[i]: inner products of `column` with every column. */
+static inline void column_products(const double (*restrict M)[OLD_WIDTH], int first, int last, int column,
+                                   pack *restrict product)
+{
+    for (int i = first; i < last; ++i)
+        for (int b = 0; b < OLD_PACKS; ++b)
+            product[b] += M[i][column] * read_pack(M[i], b);
+}
+
+/* Subtract product times factor times `column` from rows first .. last - 1. */
+static inline void subtract_products(double (*restrict M)[OLD_WIDTH], int first, int last, int column, double factor,
+                                     const pack *restrict product)
+{
+    for (int i = first; i < last; ++i) {
+        const double own = factor * M[i][column];
+        for (int b = 0; b < OLD_PACKS; ++b)
+            write_pack(M[i], b, read_pack(M[i], b) - own * product[b]);
+    }
+}
 
 /* Householder reflection of rows pivot and first .. last - 1 of M that clears `column` below the pivot. All columns
  * are swept, since those already cleared stay zero and a constant length runs in SIMD registers. */
-#define DEFINE_REFLECTION(name, width)                                                          \
-    static inline void name(double (*restrict M)[width], int pivot, int first, int last, int column) \
-    {                                                                                           \
-        double norm = M[pivot][column] * M[pivot][column], product[width];                      \
-        for (int i = first; i < last; ++i)                                                      \
-            norm += M[i][column] * M[i][column];                                                \
-        if (!(norm > 0.0))                                                                      \
-            return;                                                                             \
-        const double alpha = M[pivot][column] > 0.0 ? -sqrt(norm) : sqrt(norm);                 \
-        const double v = M[pivot][column] - alpha, beta = -1.0 / (alpha * v);                   \
-        for (int j = 0; j < (width); ++j)                                                       \
-            product[j] = v * M[pivot][j];                                                       \
-        for (int i = first; i < last; ++i)                                                      \
-            for (int j = 0; j < (width); ++j)                                                   \
-                product[j] += M[i][column] * M[i][j];                                           \
-        for (int j = 0; j < (width); ++j) {                                                     \
-            product[j] *= beta;                                                                 \
-            M[pivot][j] -= v * product[j];                                                      \
-        }                                                                                       \
-        for (int i = first; i < last; ++i) {                                                    \
-            const double own = M[i][column];                                                    \
-            for (int j = 0; j < (width); ++j)                                                   \
-                M[i][j] -= own * product[j];                                                    \
-            M[i][column] = 0.0;                                                                 \
-        }                                                                                       \
-        M[pivot][column] = alpha;                                                               \
-    }
+static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first, int last, int column)
+{
+    const double own = M[pivot][column];
+    double norm[OLD_WIDTH];
+    pack product[OLD_PACKS];
 
-DEFINE_REFLECTION(reflect_old, OLD_WIDTH)
-DEFINE_REFLECTION(reflect_new, NEW_WIDTH)
+    for (int b = 0; b < OLD_PACKS; ++b)
+        product[b] = own * read_pack(M[pivot], b);
+    column_products((const double (*)[OLD_WIDTH])M, first, last, column, product);
+    for (int b = 0; b < OLD_PACKS; ++b)
+        write_pack(norm, b, product[b]);
+    if (!(norm[column] > 0.0))
+        return;
+    const double alpha = own > 0.0 ? -sqrt(norm[column]) : sqrt(norm[column]);
+    const double v = own - alpha, beta = -1.0 / (alpha * v);
+    for (int b = 0; b < OLD_PACKS; ++b) {
+        const pack row = read_pack(M[pivot], b);
+        product[b] = beta * (product[b] - alpha * row);
+        write_pack(M[pivot], b, row - v * product[b]);
+    }
+    subtract_products(M, first, last, column, 1.0, product);
+    for (int i = first; i < last; ++i)
+        M[i][column] = 0.0;
+    M[pivot][column] = alpha;
+}
+
+/* Let noise of the given deviation act on the state in `column` of the NX rows M: || M d ||^2 becomes its minimum over n
+ * of || M (d - deviation n) ||^2 + n^2, that is M'(I + a a')^-1 M with a = deviation times the column (Potter 1963). */
+static inline void widen(double (*restrict M)[OLD_WIDTH], int column, double deviation)
+{
+    double norm[OLD_WIDTH];
+    pack product[OLD_PACKS];
+
+    for (int b = 0; b < OLD_PACKS; ++b)
+        product[b] = 0.0 * read_pack(M[0], b);
+    column_products((const double (*)[OLD_WIDTH])M, 0, NX, column, product);
+    for (int b = 0; b < OLD_PACKS; ++b)
+        write_pack(norm, b, product[b]);
+    const double variance = deviation * deviation, root = sqrt(1.0 + variance * norm[column]);
+    subtract_products(M, 0, NX, column, variance / (root * (1.0 + root)), product);
+}
 
 /* Triangularise prior and oldest measurements over (dx, du): NX rows on dx, then NU rows on du alone. */
 static inline void arrival_measure(const struct rti *restrict s, double (*restrict T)[OLD_WIDTH])
@@ -64,13 +94,13 @@ static inline void arrival_measure(const struct rti *restrict s, double (*restri
         T[NX + i][OLD - 1] = scale * (s->ym[0][i] - s->h[0][i]);
     }
     for (int j = 0; j < NX; ++j)
-        reflect_old(T, j, NX, NX + NY, j);
+        reflect(T, j, NX, NX + NY, j);
     for (int a = 0; a < NU; ++a)
-        reflect_old(T, NX + a, NX + a + 1, NX + NY, NX + a);
+        reflect(T, NX + a, NX + a + 1, NX + NY, NX + a);
 }
 
 /* Z = T A^-1 for A = [A1 A2; 0 I], by LU with partial pivoting of A1', all rows of T side by side. */
-static inline int arrival_transition(const double (*restrict A)[NX], const double (*restrict T)[OLD_WIDTH],
+static inline int arrival_transition(const double (*restrict A)[WIDTH], const double (*restrict T)[OLD_WIDTH],
                                      double (*restrict Z)[WIDTH])
 {
     double M[ND][ND], X[ND][WIDTH];        /* A1' X = T1', columns of X are rows of Z1 */
@@ -125,55 +155,57 @@ static inline int arrival_transition(const double (*restrict A)[NX], const doubl
     return 1;
 }
 
+/* Write R dx with dx = A^-1 (d - B du), the rows of T and Z, over (du, d). */
+static inline void arrival_substitute(const double (*restrict B)[NU], const double (*restrict T)[OLD_WIDTH],
+                                      const double (*restrict Z)[WIDTH], double (*restrict M)[OLD_WIDTH])
+{
+    for (int i = 0; i < NX; ++i) {
+        for (int a = 0; a < NU; ++a) {
+            double sum = T[i][NX + a];
+            for (int m = 0; m < ND; ++m)
+                sum -= Z[i][m] * B[m][a];
+            M[i][a] = sum;
+        }
+        for (int j = 0; j < NX; ++j)
+            M[i][NU + j] = Z[i][j];
+        M[i][OLD - 1] = T[i][OLD - 1];
+    }
+    for (int a = 0; a < NU; ++a) {
+        for (int b = 0; b < NU; ++b)
+            M[NX + a][b] = T[NX + a][NX + b];
+        M[NX + a][OLD - 1] = T[NX + a][OLD - 1];
+    }
+}
+
 /* Absorb the oldest stage into the arrival cost; call after feedback, before rti_shift. */
 static int arrival_update(struct rti *s)
 {
-    double T[NX + NY][OLD_WIDTH] = {{0.0}}, M[2 * NX + NU][NEW_WIDTH] = {{0.0}}, Z[NX][WIDTH], d[NX];
+    double T[NX + NY][OLD_WIDTH] = {{0.0}}, M[NX + NU][OLD_WIDTH] = {{0.0}}, Z[NX][WIDTH], d[NX];
 
     dynamics(s, 0, 1);
     outputs(s, 0, 1);
     arrival_measure(s, T);
-    if (!arrival_transition((const double (*)[NX])s->qp.A[0], (const double (*)[OLD_WIDTH])T, Z))
+    if (!arrival_transition((const double (*)[WIDTH])s->qp.A[0], (const double (*)[OLD_WIDTH])T, Z))
         return NOT_FINITE;
-    for (int i = 0; i < NX; ++i) {         /* R dx with dx = A^-1 (d - B du - G n), below the unit rows of n */
-        double *row = M[NX + i];
-        M[i][i] = 1.0;
-        for (int j = 0; j < NX; ++j) {
-            row[j] = -Z[i][j] * s->process[j];
-            row[NX + NU + j] = Z[i][j];
-        }
-        for (int a = 0; a < NU; ++a) {
-            row[NX + a] = T[i][NX + a];
-            for (int m = 0; m < ND; ++m)
-                row[NX + a] -= Z[i][m] * s->qp.B[0][m][a];
-        }
-        row[NEW - 1] = T[i][OLD - 1];
-    }
-    for (int a = 0; a < NU; ++a) {
-        for (int b = a; b < NU; ++b)
-            M[2 * NX + a][NX + b] = T[NX + a][NX + b];
-        M[2 * NX + a][NEW - 1] = T[NX + a][OLD - 1];
-    }
+    arrival_substitute((const double (*)[NU])s->qp.B[0], (const double (*)[OLD_WIDTH])T, (const double (*)[WIDTH])Z, M);
     for (int j = 0; j < NX; ++j)
-        if (s->process[j] > 0.0)
-            reflect_new(M, j, NX, 2 * NX, j);
+        widen(M, NU + j, s->process[j]);
     for (int a = 0; a < NU; ++a)           /* the rows that du claims are the last ones */
-        reflect_new(M, 2 * NX + NU - 1 - a, NX, 2 * NX + NU - 1 - a, NX + a);
+        reflect(M, NX + NU - 1 - a, 0, NX + NU - 1 - a, a);
     for (int j = 0; j < NX; ++j)
-        reflect_new(M, NX + j, NX + j + 1, 2 * NX, NX + NU + j);
+        reflect(M, j, j + 1, NX, NU + j);
     for (int i = NX - 1; i >= 0; --i) {
-        const double *row = M[NX + i] + NX + NU;
-        double sum = M[NX + i][NEW - 1];
+        double sum = M[i][OLD - 1];
         for (int j = i + 1; j < NX; ++j)
-            sum -= row[j] * d[j];
-        d[i] = sum / row[i];
+            sum -= M[i][NU + j] * d[j];
+        d[i] = sum / M[i][NU + i];
     }
     if (!all_finite(d, NX))
         return NOT_FINITE;
     for (int i = 0; i < NX; ++i) {
         s->prior[i] = s->F[0][i] + d[i];
         memset(s->root[i], 0, i * sizeof(double));
-        memcpy(s->root[i] + i, M[NX + i] + NX + NU + i, (NX - i) * sizeof(double));
+        memcpy(s->root[i] + i, M[i] + NU + i, (NX - i) * sizeof(double));
     }
     return SOLVED;
 }

@@ -11,6 +11,7 @@
 #include "kkt.h"
 
 #define IP_ITERATIONS 60
+#define FARKAS_MARGIN 1e1              /* infeasible unless a point lies this much further out than the iterate */
 #define IP_TOLERANCE 1e-10                 /* on the duality measure and the residuals, relative */
 
 struct interior_point {
@@ -39,37 +40,32 @@ static inline double side_sign(int m)
 /* Start from the solution without bounds, with every distance pushed well inside. */
 static double ip_start(const struct qp *s, struct interior_point *ip)
 {
-    double scale = 1.0, worst = 0.0;
+    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, mu = 0.0;
     int pairs = 0;
 
     for (int i = 0; i < NZ; ++i)
-        scale = largest(scale, s->g[i]);
+        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
     for (int m = 0; m < NSIDES; ++m) {
+        const int kind = kind_of(s->bound[m / 2]);
+        const double distance = side_exists(s, m) ? bound_distance(s, s->z, m) : 0.0;
+        worst[kind] = largest(worst[kind], distance < 0.0 ? distance : 0.0);
         ip->t[m] = 1.0;
         ip->lambda[m] = ip->v[m] = ip->sigma[m] = 0.0;
-        if (!side_exists(s, m))
-            continue;
-        const double distance = bound_distance(s, s->z, m);
-        worst = largest(worst, distance < 0.0 ? distance : 0.0);
     }
-    const double margin = worst > 1e-3 ? worst : 1e-3;
-    double mu = 0.0;
     for (int m = 0; m < NSIDES; ++m) {
         if (!side_exists(s, m))
             continue;
-        const double distance = bound_distance(s, s->z, m);
-        double curvature = 1.0;
-        const int i = s->bound[m / 2];
-        if (i < (N + 1) * NX)
-            curvature = s->P[i / NX][i % NX][i % NX];
+        const int i = s->bound[m / 2], kind = kind_of(i), u = i - (N + 1) * NX;
+        const double distance = bound_distance(s, s->z, m), least = 1e-3 * size[kind] + 1e-12;
+        const double margin = worst[kind] > least ? worst[kind] : least;
+        const double curvature = u < 0 ? s->P[i / NX][i % NX][i % NX] : 1.0 / s->D[u / NU][u % NU];
         ip->t[m] = distance > margin ? distance : margin;
-        ip->lambda[m] = margin * margin * (curvature > 1e-2 ? curvature : 1e-2) / ip->t[m];
-        if (side_soft(s, m)) {             /* lambda + sigma = cost of a violation, v as complementary as t */
-            const double cost = s->soft_linear[m / 2], product = ip->lambda[m] * ip->t[m];
-            ip->lambda[m] = ip->lambda[m] < 0.5 * cost ? ip->lambda[m] : 0.5 * cost;
-            ip->sigma[m] = cost - ip->lambda[m];
-            ip->v[m] = product / ip->sigma[m];
-            mu += product;
+        ip->lambda[m] = margin * margin * (curvature > 1e-12 ? curvature : 1e-12) / ip->t[m];
+        if (side_soft(s, m)) {             /* starts where its own multipliers add up to the violation's price */
+            ip->lambda[m] = ip->lambda[m] < 0.5 * s->soft_linear[m / 2] ? ip->lambda[m] : 0.5 * s->soft_linear[m / 2];
+            ip->v[m] = ip->lambda[m] * ip->t[m] / (s->soft_linear[m / 2] - ip->lambda[m]);
+            ip->sigma[m] = s->soft_linear[m / 2] + s->soft_quadratic[m / 2] * ip->v[m] - ip->lambda[m];
+            mu += ip->sigma[m] * ip->v[m];
             ++pairs;
         }
         mu += ip->lambda[m] * ip->t[m];
@@ -78,14 +74,15 @@ static double ip_start(const struct qp *s, struct interior_point *ip)
     return pairs > 0 ? mu / pairs : 0.0;
 }
 
-/* One Newton step for the complementarity target tau; corrected: with Mehrotra's second-order term. */
-static int ip_step(struct qp *s, struct interior_point *ip, double tau, int corrected)
+/* One Newton step for the complementarity target tau, with `second` times Mehrotra's second-order term of the step
+ * before; fresh: the barrier has changed and is factorised. */
+static int ip_step(struct qp *s, struct interior_point *ip, double tau, double second, int fresh)
 {
     double gradient[NZ], elastic[AT_LEAST_ONE(NSIDES)], constant[AT_LEAST_ONE(NSIDES)], inverse[AT_LEAST_ONE(NSIDES)];
     double pair[AT_LEAST_ONE(NSIDES)], soft_pair[AT_LEAST_ONE(NSIDES)], gap[AT_LEAST_ONE(NSIDES)];
 
     memcpy(gradient, ip->gradient, sizeof gradient);
-    if (!corrected)
+    if (fresh)
         memset(ip->barrier, 0, sizeof ip->barrier);
     for (int m = 0; m < NSIDES; ++m) {
         if (!side_exists(s, m))
@@ -93,20 +90,20 @@ static int ip_step(struct qp *s, struct interior_point *ip, double tau, int corr
         const int i = s->bound[m / 2];
         const double w = ip->lambda[m] / ip->t[m];
         gap[m] = bound_distance(s, s->z, m) + ip->v[m] - ip->t[m];
-        pair[m] = tau - ip->t[m] * ip->lambda[m] - (corrected ? ip->dt[m] * ip->dlambda[m] : 0.0);
+        pair[m] = tau - ip->t[m] * ip->lambda[m] - (second > 0.0 ? second * ip->dt[m] * ip->dlambda[m] : 0.0);
         elastic[m] = inverse[m] = soft_pair[m] = 0.0;
         if (side_soft(s, m)) {
-            soft_pair[m] = tau - ip->v[m] * ip->sigma[m] - (corrected ? ip->dv[m] * ip->dsigma[m] : 0.0);
+            soft_pair[m] = tau - ip->v[m] * ip->sigma[m] - (second > 0.0 ? second * ip->dv[m] * ip->dsigma[m] : 0.0);
             const double dual = s->soft_linear[m / 2] + s->soft_quadratic[m / 2] * ip->v[m] - ip->lambda[m] - ip->sigma[m];
             inverse[m] = 1.0 / (s->soft_quadratic[m / 2] + w + ip->sigma[m] / ip->v[m]);
             elastic[m] = (pair[m] / ip->t[m] - w * gap[m] + soft_pair[m] / ip->v[m] - dual) * inverse[m];
         }
         constant[m] = pair[m] / ip->t[m] - w * (gap[m] + elastic[m]);
         gradient[i] -= side_sign(m) * (ip->lambda[m] + constant[m]);
-        if (!corrected)
+        if (fresh)
             ip->barrier[i] += w * (1.0 - w * inverse[m]);
     }
-    if (!corrected && !qp_factor(s, ip->barrier))
+    if (fresh && !qp_factor(s, ip->barrier))
         return 0;
     double initial[NX];
     for (int i = 0; i < NX; ++i)
@@ -167,18 +164,17 @@ static double ip_measure(const struct qp *s, const struct interior_point *ip, do
 /* Do the multipliers prove that the hard bounds and the dynamics exclude each other? */
 static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
 {
-    double gradient[NZ], defect[N][NX], value = 0.0, residual = 0.0, size = 1.0, reach = 0.0;
+    double gradient[NZ], defect[N][NX], value = 0.0, slack = 0.0, size[NX + NU] = {0.0};
 
     kkt_residual(s, s->z, s->pi, 0.0, gradient, defect);
     for (int i = 0; i < NZ; ++i)
-        reach += fabs(s->z[i]);
+        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
     for (int m = 0; m < NSIDES; ++m) {
         if (!side_exists(s, m) || side_soft(s, m))
             continue;
         const double bound = m % 2 == 0 ? s->lower[m / 2] : -s->upper[m / 2];
         gradient[s->bound[m / 2]] -= side_sign(m) * ip->lambda[m];
         value += ip->lambda[m] * bound;
-        size = largest(size, ip->lambda[m]);
     }
     if (!FREE_INITIAL)
         for (int i = 0; i < NX; ++i) {     /* pi_0 takes whatever value makes the first state's entry vanish */
@@ -192,8 +188,8 @@ static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
         for (int i = 0; i < NX; ++i)
             value += STATE(s->pi, k + 1)[i] * s->c[k][i];
     for (int i = 0; i < NZ; ++i)
-        residual = largest(residual, gradient[i]);
-    return size > 1e3 && value > 0.0 && residual * (1.0 + reach) < 1e-3 * value;
+        slack += fabs(gradient[i]) * size[kind_of(i)];
+    return FARKAS_MARGIN * slack < value;
 }
 
 static void ip_publish(struct qp *s, const struct interior_point *ip)
@@ -204,23 +200,48 @@ static void ip_publish(struct qp *s, const struct interior_point *ip)
     }
 }
 
+/* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
+struct ip_answer {
+    double kkt, z[NZ], pi[(N + 1) * NX], multiplier[AT_LEAST_ONE(NSIDES)], violation[AT_LEAST_ONE(NSIDES)];
+};
+
+static void ip_keep(const struct qp *s, struct ip_answer *best)
+{
+    best->kkt = s->kkt;
+    memcpy(best->z, s->z, sizeof best->z);
+    memcpy(best->pi, s->pi, sizeof best->pi);
+    memcpy(best->multiplier, s->multiplier, sizeof best->multiplier);
+    memcpy(best->violation, s->violation, sizeof best->violation);
+}
+
+static int ip_restore(struct qp *s, const struct ip_answer *best)
+{
+    s->kkt = best->kkt;
+    memcpy(s->z, best->z, sizeof s->z);
+    memcpy(s->pi, best->pi, sizeof s->pi);
+    memcpy(s->multiplier, best->multiplier, sizeof s->multiplier);
+    memcpy(s->violation, best->violation, sizeof s->violation);
+    return SOLVED;
+}
+
 /* Solve with bounds, starting from s->z and s->pi as qp_solve left them without bounds. */
 static int qp_interior_point(struct qp *s)
 {
     struct interior_point ip;
     double mu = ip_start(s, &ip);
-    double best = INFINITY;
+    double step = 1.0;
+    struct ip_answer best = {.kkt = INFINITY};
 
-    memset(ip.dt, 0, sizeof ip.dt);
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS; ++s->iterations) {
         kkt_residual(s, s->z, s->pi, 1.0, ip.gradient, ip.defect);
-        if (!ip_step(s, &ip, 0.0, 0))
-            return ip_infeasible(s, &ip) ? INFEASIBLE : NOT_FINITE;
-        double step = ip_longest(s, &ip);
+        if (!ip_step(s, &ip, 0.0, 0.0, 1))
+            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : ip_infeasible(s, &ip) ? INFEASIBLE : NOT_FINITE;
+        const double last = step;
+        step = ip_longest(s, &ip);
         const double affine = ip_measure(s, &ip, step);
         const double ratio = affine / mu;
-        if (!ip_step(s, &ip, ratio * ratio * ratio * mu, 1))
-            return NOT_FINITE;
+        const int stalled = s->iterations % 5 == 0 && last < 0.7;   /* breaks the corrector's cycles */
+        ip_step(s, &ip, stalled ? mu : ratio * ratio * ratio * mu, stalled ? 0.0 : step * step, 0);
         step = ip_longest(s, &ip);
         step = step < 1.0 ? 0.995 * step : 1.0;
         for (int i = 0; i < NZ; ++i)
@@ -243,10 +264,13 @@ static int qp_interior_point(struct qp *s)
         ip_publish(s, &ip);
         const int status = kkt_check(s, 1);
         if (status == NOT_FINITE)
-            return NOT_FINITE;
-        if (s->kkt <= IP_TOLERANCE || (status == SOLVED && s->kkt >= 0.5 * best))
+            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : NOT_FINITE;
+        if (s->kkt <= IP_TOLERANCE)
             return SOLVED;
-        best = s->kkt < best ? s->kkt : best;
+        if (best.kkt <= CHECK_TOLERANCE && s->kkt >= 0.5 * best.kkt)
+            return ip_restore(s, &best);
+        if (status == SOLVED)
+            ip_keep(s, &best);
         if (ip_infeasible(s, &ip))
             return INFEASIBLE;
     }
@@ -257,15 +281,16 @@ static int qp_interior_point(struct qp *s)
  * judged by kkt_check. */
 static int qp_optimise(struct qp *s)
 {
-    int crossed = 0, violated = 0;
+    int invalid = 0, violated = 0;
 
     s->iterations = 0;
     s->kkt = INFINITY;
     memset(s->multiplier, 0, sizeof s->multiplier);
     memset(s->violation, 0, sizeof s->violation);
     for (int i = 0; i < NB; ++i)
-        crossed |= !(s->lower[i] <= s->upper[i]) | (s->bound[i] < 0) | (s->bound[i] >= NZ);
-    if (crossed)
+        invalid |= !(s->lower[i] <= s->upper[i]) | (s->bound[i] < 0) | (s->bound[i] >= NZ)
+            | !(s->soft_linear[i] > 0.0) | !(s->soft_quadratic[i] >= 0.0) | !(s->soft_quadratic[i] < INFINITY);
+    if (invalid)
         return BAD_INPUT;
     if (!s->factored && !qp_factor(s, NULL))
         return NOT_FINITE;

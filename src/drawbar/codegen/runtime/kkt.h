@@ -29,44 +29,45 @@ static void kkt_residual(const struct qp *restrict s, const double *restrict z, 
                          double *restrict gradient, double (*restrict defect)[NX])
 {
     for (int k = 0; k <= N; ++k) {
-        const double *x = STATE(z, k), *own = STATE(pi, k);
-        double gx[NX], cost[NX];
-        for (int i = 0; i < NX; ++i) {
-            cost[i] = STATE(s->g, k)[i];
-            gx[i] = k > 0 || !FREE_INITIAL ? -own[i] : 0.0;
-        }
+        const double *x = STATE(z, k);
+        pack cost[PACKS], gx[PACKS], state[PACKS];
+
+        read_vector(cost, STATE(s->g, k));
+        read_vector(gx, STATE(pi, k));
         for (int j = 0; j < NX; ++j)
-            for (int i = 0; i < NX; ++i)
-                cost[i] += s->Q[k][j][i] * x[j];
+            add_row(cost, x[j], s->Q[k][j]);
+        EACH_PACK(b)
+            gx[b] = k > 0 || !FREE_INITIAL ? -gx[b] : gx[b] * 0.0;
         if (k < N) {
             const double *u = INPUT(z, k), *next = STATE(pi, k + 1);
-            double gu[NU], following[NX];
+            pack after[PACKS];
+
+            read_vector(state, x);
+            read_vector(after, next);
             for (int a = 0; a < NU; ++a) {
-                gu[a] = INPUT(s->g, k)[a];
+                double gu = add_dot(INPUT(s->g, k)[a], s->S[k][a], state);
                 for (int b = 0; b < NU; ++b)
-                    gu[a] += s->R[k][a][b] * u[b];
-                for (int i = 0; i < NX; ++i) {
-                    gu[a] += s->S[k][a][i] * x[i];
-                    cost[i] += s->S[k][a][i] * u[a];
-                }
-                gu[a] *= weight;
+                    gu += s->R[k][a][b] * u[b];
+                gu *= weight;
+                for (int m = 0; m < ND; ++m)
+                    gu += s->B[k][m][a] * next[m];
+                INPUT(gradient, k)[a] = gu;
+                add_row(cost, u[a], s->S[k][a]);
             }
+            EACH_PACK(b)
+                gx[b] += constant_part(after[b], b);
             for (int m = 0; m < ND; ++m)
-                for (int a = 0; a < NU; ++a)
-                    gu[a] += s->B[k][m][a] * next[m];
-            for (int i = ND; i < NX; ++i)
-                gx[i] += next[i];
-            for (int m = 0; m < ND; ++m)
-                for (int i = 0; i < NX; ++i)
-                    gx[i] += s->A[k][m][i] * next[m];
-            memcpy(INPUT(gradient, k), gu, sizeof gu);
-            transition(s, k, s->c[k], x, u, following);
-            for (int i = 0; i < NX; ++i)
-                defect[k][i] = following[i] - STATE(z, k + 1)[i];
+                add_row(gx, next[m], s->A[k][m]);
+            for (int i = 0; i < NX; ++i) {
+                double sum = i < ND ? add_dot(s->c[k][i], s->A[k][i], state) : s->c[k][i] + x[i];
+                for (int a = 0; a < NU && i < ND; ++a)
+                    sum += s->B[k][i][a] * u[a];
+                defect[k][i] = sum - STATE(z, k + 1)[i];
+            }
         }
-        for (int i = 0; i < NX; ++i)
-            gx[i] += weight * cost[i];
-        memcpy(STATE(gradient, k), gx, sizeof gx);
+        EACH_PACK(b)
+            gx[b] += weight * cost[b];
+        write_vector(STATE(gradient, k), gx);
     }
     if (!FREE_INITIAL)                     /* pi_0 belongs to the given initial state and may take any value */
         memset(STATE(gradient, 0), 0, NX * sizeof(double));
@@ -112,10 +113,10 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
             dual[NX + a] = largest(largest(largest(dual[NX + a], r), s->R[k][a][a] * u), pull);
             size[NX + a] += fabs(r * u);
         }
-    for (int m = 0; bounded && m < NSIDES; ++m) {
-        const int kind = kind_of(s->bound[m / 2]);
-        dual[kind] = largest(dual[kind], s->multiplier[m]);
-        objective += s->multiplier[m] * fabs(s->z[s->bound[m / 2]]);
+    for (int i = 0; bounded && i < NB; ++i) {   /* both sides of a bound at once: only their difference acts */
+        const double net = s->multiplier[2 * i] - s->multiplier[2 * i + 1];
+        dual[kind_of(s->bound[i])] = largest(dual[kind_of(s->bound[i])], net);
+        objective += fabs(net * s->z[s->bound[i]]);
     }
     for (int j = 0; j < NX + NU; ++j) {
         least_primal = largest(least_primal, 1e-8 * primal[j]);

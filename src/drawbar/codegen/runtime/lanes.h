@@ -7,6 +7,7 @@
 #define DRAWBAR_LANES_H
 
 #include <math.h>
+#include <stdint.h>
 
 #define LANES 8
 
@@ -16,18 +17,20 @@
 #define LANE static inline
 #endif
 
-/* Adding and subtracting 1.5 * 2^52 rounds to the nearest integer in the current rounding mode. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define EACH_LANE _Pragma("GCC unroll 8") for
+#else
+#define EACH_LANE for
+#endif
+
+/* Adding 1.5 * 2^52 rounds to the nearest integer, which the last bits of the sum then hold. */
 #define LANE_ROUND 6755399441055744.0
 
-LANE double lane_round(double x)
+/* sin(x + turns * pi/2) */
+LANE double lane_sine(double x, uint64_t turns)
 {
-    return (x + LANE_ROUND) - LANE_ROUND;
-}
-
-/* sin(x + turns * pi/2) for an integer number of quarter turns. */
-LANE double lane_sine(double x, double turns)
-{
-    const double n = lane_round(x * 0.63661977236758134308);
+    union { double number; uint64_t bits; } shifted = {x * 0.63661977236758134308 + LANE_ROUND}, value;
+    const double n = shifted.number - LANE_ROUND;
     const double r = ((x - n * 1.57079625129699707031) - n * 7.54978941586159635335e-8) - n * 5.39030285815811905182e-15;
     const double z = r * r;
     const double s = ((((((1.58962301576546568060e-10 * z - 2.50507477628578072866e-8) * z + 2.75573136213857245213e-6) * z
@@ -36,28 +39,25 @@ LANE double lane_sine(double x, double turns)
     const double c = ((((((-1.13585365213876817300e-11 * z + 2.08757008419747316778e-9) * z - 2.75573141792967388112e-7) * z
                          + 2.48015872888517045348e-5) * z - 1.38888888888730564116e-3) * z
                        + 4.16666666666665929218e-2) * z) * z + (1.0 - 0.5 * z);
-    const double q = n + turns;
-    const double half = q * 0.5;
-    const double odd = fabs(half - lane_round(half));            /* 0 or 1/2 */
-    const double quarter = (q - 2.0 * odd) * 0.25;               /* sign flips every two quarter turns */
-    const double flip = fabs(quarter - lane_round(quarter));     /* 0 or 1/2 */
-    const double value = odd > 0.25 ? c : s;
-    return flip > 0.25 ? -value : value;
+    const uint64_t quarter = shifted.bits + turns;
+    value.number = quarter & 1 ? c : s;
+    value.bits ^= (quarter & 2) << 62;     /* the sign flips every two quarter turns */
+    return value.number;
 }
 
 LANE double lane_sin(double x)
 {
-    return lane_sine(x, 0.0);
+    return lane_sine(x, 0);
 }
 
 LANE double lane_cos(double x)
 {
-    return lane_sine(x, 1.0);
+    return lane_sine(x, 1);
 }
 
 LANE double lane_tan(double x)
 {
-    return lane_sine(x, 0.0) / lane_sine(x, 1.0);
+    return lane_sine(x, 0) / lane_sine(x, 1);
 }
 
 #endif

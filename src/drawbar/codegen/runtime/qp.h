@@ -20,7 +20,8 @@
 #define NZ ((N + 1) * NX + N * NU)        /* all variables: every x, then every u */
 #define NSIDES (2 * NB)                   /* each bounded variable has a lower and an upper side */
 #define AT_LEAST_ONE(n) ((n) > 0 ? (n) : 1)
-#define WIDTH (NX > 4 ? (NX + 3) / 4 * 4 : NX)   /* row length padded to whole SIMD registers */
+
+#include "packs.h"
 
 #define STATE(z, k) ((z) + (k) * NX)
 #define INPUT(z, k) ((z) + (N + 1) * NX + (k) * NU)
@@ -29,8 +30,8 @@ enum qp_status { SOLVED, MAXIMUM_ITERATIONS, INFEASIBLE, NOT_FINITE, CHECK_FAILE
 
 struct qp {
     /* problem */
-    double Q[N + 1][NX][NX], S[N][NU][NX], R[N][NU][NU];
-    double A[N][NX][NX], B[N][NX][NU], c[N][NX];
+    double Q[N + 1][NX][WIDTH], S[N][NU][WIDTH], A[N][NX][WIDTH];
+    double R[N][NU][NU], B[N][NX][NU], c[N][NX];
     double g[NZ];                          /* q_0 .. q_N, r_0 .. r_{N-1} */
     double initial[NX];                    /* x_0 where it is given */
     double lower[AT_LEAST_ONE(NB)], upper[AT_LEAST_ONE(NB)];   /* infinite: none */
@@ -42,14 +43,13 @@ struct qp {
     double kkt;                            /* relative KKT residual, from kkt.h */
     int32_t status, iterations, factored;  /* factored: P, K, L, D belong to Q, R, S, A, B without a barrier */
     /* factorisation */
-    double P[N + 1][NX][NX], K[N][NU][NX], L[N][NU][NU], D[N][NU];
-    double P0_L[NX][NX], P0_D[NX];
+    double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], closed[N][AT_LEAST_ONE(ND)][WIDTH];   /* closed: A + B K */
+    double L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
 };
 
-/* L D L' of a symmetric matrix (lower triangle read; D holds reciprocals); returns 0 when it is not positive definite.
- * The solution routine works on rows of length `columns`, so that many right-hand sides are solved side by side. */
-#define DEFINE_LDL(name, n)                                                                   \
-    static inline int name(const double (*restrict M)[n], double (*restrict L)[n], double *restrict D) \
+/* L D L' of a symmetric matrix (lower triangle read; D holds reciprocals); returns 0 when it is not positive definite. */
+#define DEFINE_LDL(name, n, columns)                                                          \
+    static inline int name(const double (*restrict M)[columns], double (*restrict L)[n], double *restrict D) \
     {                                                                                         \
         double W[n][n];                                                                       \
         for (int j = 0; j < (n); ++j) {                                                       \
@@ -69,190 +69,217 @@ struct qp {
         }                                                                                     \
         return 1;                                                                             \
     }                                                                                         \
-    static inline void name##_solve(const double (*restrict L)[n], const double *restrict D,  \
-                                    double *restrict v, int columns)                          \
+    static inline void name##_solve(const double (*restrict L)[n], const double *restrict D, double *restrict v) \
     {                                                                                         \
         for (int i = 1; i < (n); ++i)                                                         \
             for (int k = 0; k < i; ++k)                                                       \
-                for (int j = 0; j < columns; ++j)                                             \
-                    v[i * columns + j] -= L[i][k] * v[k * columns + j];                       \
+                v[i] -= L[i][k] * v[k];                                                       \
         for (int i = 0; i < (n); ++i)                                                         \
-            for (int j = 0; j < columns; ++j)                                                 \
-                v[i * columns + j] *= D[i];                                                   \
+            v[i] *= D[i];                                                                     \
         for (int i = (n) - 2; i >= 0; --i)                                                    \
             for (int k = i + 1; k < (n); ++k)                                                 \
-                for (int j = 0; j < columns; ++j)                                             \
-                    v[i * columns + j] -= L[k][i] * v[k * columns + j];                       \
+                v[i] -= L[k][i] * v[k];                                                       \
     }
 
-DEFINE_LDL(ldl_input, NU)
-DEFINE_LDL(ldl_state, NX)
+DEFINE_LDL(ldl_input, NU, NU)
+DEFINE_LDL(ldl_state, NX, WIDTH)
 
-/* Copy rows of length NX into rows padded with zeros to whole SIMD registers. */
-static inline void pad_rows(double (*restrict to)[WIDTH], const double (*restrict from)[NX], int rows)
+/* K = -Huu^-1 Hux, all columns side by side. */
+static inline void feedback_rows(const double (*restrict L)[NU], const double *restrict D,
+                                 const double (*restrict Hux)[WIDTH], double (*restrict K)[WIDTH])
 {
-    for (int i = 0; i < rows; ++i) {
-        for (int j = 0; j < NX; ++j)
-            to[i][j] = from[i][j];
-        for (int j = NX; j < WIDTH; ++j)
-            to[i][j] = 0.0;
+    EACH_PACK(b) {
+        pack v[NU];
+        UNROLLED for (int i = 0; i < NU; ++i) {
+            v[i] = -read_pack(Hux[i], b);
+            for (int k = 0; k < i; ++k)
+                v[i] -= L[i][k] * v[k];
+        }
+        UNROLLED for (int i = NU - 1; i >= 0; --i) {
+            v[i] *= D[i];
+            for (int k = i + 1; k < NU; ++k)
+                v[i] -= L[k][i] * v[k];
+            write_pack(K[i], b, v[i]);
+        }
     }
 }
 
-/* One backward step: P comes in as that of stage k+1 and leaves as that of stage k, with K, L, D of stage k. */
-static inline int riccati_stage(struct qp *restrict s, int k, const double *restrict barrier, double (*restrict P)[WIDTH])
+/* Huu = R + B' P B, factorised; P is that of stage k+1. */
+static inline int riccati_input(struct qp *restrict s, int k, const double *restrict barrier,
+                                const double (*restrict P)[WIDTH])
 {
-    const double (*B)[NU] = (const double (*)[NU])s->B[k];
-    double A[ND][WIDTH], PA[NX][WIDTH], PB[NX][NU], Huu[NU][NU], Hux[NU][WIDTH], V[NU][WIDTH];
+    const double (*restrict B)[NU] = (const double (*)[NU])s->B[k];
+    double Huu[NU][NU];
 
-    pad_rows(A, (const double (*)[NX])s->A[k], ND);
-    pad_rows(Hux, (const double (*)[NX])s->S[k], NU);
-    for (int i = 0; i < NX; ++i) {
-        double row[WIDTH];
-        for (int j = 0; j < WIDTH; ++j)
-            row[j] = j < ND ? 0.0 : P[i][j];
-        for (int m = 0; m < ND; ++m)
-            for (int j = 0; j < WIDTH; ++j)
-                row[j] += P[i][m] * A[m][j];
-        memcpy(PA[i], row, sizeof row);
-        for (int a = 0; a < NU; ++a) {
-            double sum = 0.0;
-            for (int m = 0; m < ND; ++m)
-                sum += P[i][m] * B[m][a];
-            PB[i][a] = sum;
-        }
-    }
-    for (int a = 0; a < NU; ++a) {
-        for (int b = 0; b < NU; ++b) {
+    UNROLLED for (int a = 0; a < NU; ++a) {
+        double BP[WIDTH];
+        pack row[PACKS];
+
+        EACH_PACK(b)
+            row[b] = B[0][a] * read_pack(P[0], b);
+        UNROLLED for (int m = 1; m < ND; ++m)
+            add_row(row, B[m][a], P[m]);
+        write_row(BP, row);
+        UNROLLED for (int b = 0; b < NU; ++b) {
             double sum = s->R[k][a][b];
-            for (int m = 0; m < ND; ++m)
-                sum += B[m][a] * PB[m][b];
+            UNROLLED for (int m = 0; m < ND; ++m)
+                sum += BP[m] * B[m][b];
             Huu[a][b] = sum;
         }
-        for (int m = 0; m < ND; ++m)
-            for (int j = 0; j < WIDTH; ++j)
-                Hux[a][j] += B[m][a] * PA[m][j];
         if (barrier)
             Huu[a][a] += INPUT(barrier, k)[a];
     }
-    if (!ldl_input((const double (*)[NU])Huu, s->L[k], s->D[k]))
+    return ldl_input((const double (*)[NU])Huu, s->L[k], s->D[k]);
+}
+
+/* One backward step: P_{k+1} gives P_k, with the feedback K, L, D and the closed loop A + B K of stage k. */
+static inline int riccati_stage(struct qp *restrict s, int k, const double *restrict barrier)
+{
+    const double (*restrict A)[WIDTH] = (const double (*)[WIDTH])s->A[k];
+    const double (*restrict B)[NU] = (const double (*)[NU])s->B[k];
+    const double (*restrict after)[WIDTH] = (const double (*)[WIDTH])s->P[k + 1];
+    double (*restrict P)[WIDTH] = s->P[k], (*restrict K)[WIDTH] = s->K[k];
+    double PA[NX][WIDTH], Hux[NU][WIDTH];
+
+    if (!riccati_input(s, k, barrier, after))
         return 0;
-    for (int a = 0; a < NU; ++a)
-        for (int j = 0; j < WIDTH; ++j)
-            V[a][j] = -Hux[a][j];
-    ldl_input_solve((const double (*)[NU])s->L[k], s->D[k], V[0], WIDTH);
-    pad_rows(P, (const double (*)[NX])s->Q[k], NX);
-    for (int i = 0; i < NX; ++i) {
-        double row[WIDTH];
-        for (int j = 0; j < WIDTH; ++j)
-            row[j] = P[i][j] + (i < ND ? 0.0 : PA[i][j]);
-        for (int m = 0; m < ND; ++m)
-            for (int j = 0; j < WIDTH; ++j)
-                row[j] += A[m][i] * PA[m][j];
-        for (int a = 0; a < NU; ++a)
-            for (int j = 0; j < WIDTH; ++j)
-                row[j] += Hux[a][i] * V[a][j];
-        memcpy(P[i], row, sizeof row);
+    UNROLLED for (int i = 0; i < NX; ++i) {
+        pack row[PACKS];
+        EACH_PACK(b)
+            row[b] = constant_part(read_pack(after[i], b), b);
+        UNROLLED for (int m = 0; m < ND; ++m)
+            add_row(row, after[i][m], A[m]);
+        write_row(PA[i], row);
+    }
+    UNROLLED for (int a = 0; a < NU; ++a) {
+        pack row[PACKS];
+        read_row(row, s->S[k][a]);
+        UNROLLED for (int m = 0; m < ND; ++m)
+            add_row(row, B[m][a], PA[m]);
+        write_row(Hux[a], row);
+    }
+    feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
+    UNROLLED for (int i = 0; i < NX; ++i) {
+        pack row[PACKS];
+        read_row(row, s->Q[k][i]);
+        if (i >= ND)
+            add_row(row, 1.0, PA[i]);
+        UNROLLED for (int m = 0; m < ND; ++m)
+            add_row(row, A[m][i], PA[m]);
+        UNROLLED for (int a = 0; a < NU; ++a)
+            add_row(row, Hux[a][i], K[a]);
+        write_row(P[i], row);
         if (barrier)
             P[i][i] += STATE(barrier, k)[i];
     }
-    for (int i = 1; i < NX; ++i)           /* rounding must not make P asymmetric */
-        for (int j = 0; j < i; ++j)
+    UNROLLED for (int i = 1; i < NX; ++i)  /* rounding must not make P asymmetric */
+        UNROLLED for (int j = 0; j < i; ++j)
             P[i][j] = P[j][i];
-    for (int i = 0; i < NX; ++i)
-        memcpy(s->P[k][i], P[i], sizeof s->P[k][i]);
-    for (int a = 0; a < NU; ++a)
-        memcpy(s->K[k][a], V[a], sizeof s->K[k][a]);
+    UNROLLED for (int i = 0; i < ND; ++i) {
+        pack row[PACKS];
+        read_row(row, A[i]);
+        UNROLLED for (int a = 0; a < NU; ++a)
+            add_row(row, B[i][a], K[a]);
+        write_row(s->closed[k][i], row);
+    }
     return 1;
 }
 
 /* Factorise the KKT matrix; barrier (or NULL) is added to the diagonal of the Hessian. Returns 0 on failure. */
 static int qp_factor(struct qp *restrict s, const double *restrict barrier)
 {
-    double P[NX][WIDTH];
-
     memcpy(s->P[N], s->Q[N], sizeof s->P[N]);
     if (barrier)
         for (int i = 0; i < NX; ++i)
             s->P[N][i][i] += STATE(barrier, N)[i];
-    pad_rows(P, (const double (*)[NX])s->P[N], NX);
     for (int k = N - 1; k >= 0; --k)
-        if (!riccati_stage(s, k, barrier, P))
+        if (!riccati_stage(s, k, barrier))
             return 0;
-    return FREE_INITIAL ? ldl_state((const double (*)[NX])s->P[0], s->P0_L, s->P0_D) : 1;
+    return FREE_INITIAL ? ldl_state((const double (*)[WIDTH])s->P[0], s->P0_L, s->P0_D) : 1;
 }
 
-/* following = A_k x + B_k u + c */
-static inline void transition(const struct qp *restrict s, int k, const double *restrict c, const double *restrict x,
-                              const double *restrict u, double *restrict following)
+/* Backward: gradients p of the cost to go (written to pi) and feedforward inputs, whose effect is added to the defects:
+ * x_{k+1} = (A + B K) x_k + drift_k. */
+static inline void solve_backward(const struct qp *restrict s, const double *restrict g, const double (*restrict c)[NX],
+                                  double *restrict p, double (*restrict feedforward)[NU], double (*restrict drift)[NX])
 {
-    for (int i = 0; i < ND; ++i) {
-        double sum = c[i];
-        for (int j = 0; j < NX; ++j)
-            sum += s->A[k][i][j] * x[j];
+    pack after[PACKS];
+
+    read_vector(after, STATE(g, N));
+    write_vector(STATE(p, N), after);
+    for (int k = N - 1; k >= 0; --k) {
+        const double *r = INPUT(g, k);
+        double h[WIDTH], u[NU];
+        pack sum[PACKS];
+
+        EACH_PACK(b)
+            sum[b] = c[k][0] * read_pack(s->P[k + 1][0], b);
+        for (int j = 1; j < NX; ++j)
+            add_row(sum, c[k][j], s->P[k + 1][j]);
+        EACH_PACK(b)
+            sum[b] += after[b];
+        write_row(h, sum);
+        read_vector(after, STATE(g, k));
         for (int a = 0; a < NU; ++a)
-            sum += s->B[k][i][a] * u[a];
-        following[i] = sum;
+            add_row(after, r[a], s->K[k][a]);
+        EACH_PACK(b)
+            after[b] += constant_part(sum[b], b);
+        for (int m = 0; m < ND; ++m)
+            add_row(after, h[m], s->closed[k][m]);
+        write_vector(STATE(p, k), after);
+        for (int a = 0; a < NU; ++a) {
+            u[a] = -r[a];
+            for (int m = 0; m < ND; ++m)
+                u[a] -= s->B[k][m][a] * h[m];
+        }
+        ldl_input_solve((const double (*)[NU])s->L[k], s->D[k], u);
+        memcpy(feedforward[k], u, sizeof u);
+        for (int i = 0; i < NX; ++i) {
+            double move = c[k][i];
+            for (int a = 0; a < NU && i < ND; ++a)
+                move += s->B[k][i][a] * u[a];
+            drift[k][i] = move;
+        }
     }
-    for (int i = ND; i < NX; ++i)
-        following[i] = c[i] + x[i];
+}
+
+/* Forward: states, inputs, and multipliers P x + p in the place of p. */
+static inline void solve_forward(const struct qp *restrict s, const double (*restrict feedforward)[NU],
+                                 const double (*restrict drift)[NX], double *restrict now, double *restrict z,
+                                 double *restrict pi)
+{
+    for (int k = 0; k <= N; ++k) {
+        double next[NX];
+        pack x[PACKS], multiplier[PACKS];
+
+        read_vector(x, now);
+        write_vector(STATE(z, k), x);
+        read_vector(multiplier, STATE(pi, k));
+        for (int j = 0; j < NX; ++j)
+            add_row(multiplier, now[j], s->P[k][j]);
+        write_vector(STATE(pi, k), multiplier);
+        if (k == N)
+            break;
+        for (int i = 0; i < NX; ++i)
+            next[i] = i < ND ? add_dot(drift[k][i], s->closed[k][i < ND ? i : 0], x) : drift[k][i] + now[i];
+        for (int a = 0; a < NU; ++a)
+            INPUT(z, k)[a] = add_dot(feedforward[k][a], s->K[k][a], x);
+        memcpy(now, next, sizeof next);
+    }
 }
 
 /* Solve the factorised problem for gradient g, defects c and initial state; writes z and the multipliers pi. */
 static void qp_solve(const struct qp *restrict s, const double *restrict g, const double (*restrict c)[NX],
                      const double *restrict initial, double *restrict z, double *restrict pi)
 {
-    double p[N + 1][NX], k_ff[N][NU], x[NX];
+    double feedforward[N][NU], drift[N][NX], first[NX];
 
-    memcpy(p[N], STATE(g, N), sizeof p[N]);
-    for (int k = N - 1; k >= 0; --k) {
-        double h[NX], next[NX], r[NU];
-        memcpy(h, p[k + 1], sizeof h);
-        for (int j = 0; j < NX; ++j)
-            for (int i = 0; i < NX; ++i)
-                h[i] += s->P[k + 1][j][i] * c[k][j];
-        for (int a = 0; a < NU; ++a)
-            r[a] = INPUT(g, k)[a];
-        for (int m = 0; m < ND; ++m)
-            for (int a = 0; a < NU; ++a)
-                r[a] += s->B[k][m][a] * h[m];
-        for (int i = 0; i < NX; ++i)
-            next[i] = STATE(g, k)[i] + (i < ND ? 0.0 : h[i]);
-        for (int m = 0; m < ND; ++m)
-            for (int i = 0; i < NX; ++i)
-                next[i] += s->A[k][m][i] * h[m];
-        for (int a = 0; a < NU; ++a)
-            for (int i = 0; i < NX; ++i)
-                next[i] += s->K[k][a][i] * r[a];
-        memcpy(p[k], next, sizeof next);
-        for (int a = 0; a < NU; ++a)
-            r[a] = -r[a];
-        ldl_input_solve((const double (*)[NU])s->L[k], s->D[k], r, 1);
-        memcpy(k_ff[k], r, sizeof r);
-    }
+    solve_backward(s, g, c, pi, feedforward, drift);
     for (int i = 0; i < NX; ++i)
-        x[i] = FREE_INITIAL ? -p[0][i] : initial[i];
+        first[i] = FREE_INITIAL ? -pi[i] : initial[i];
     if (FREE_INITIAL)
-        ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, x, 1);
-    for (int k = 0; k <= N; ++k) {
-        double multiplier[NX], following[NX], u[NU];
-        memcpy(STATE(z, k), x, sizeof x);
-        memcpy(multiplier, p[k], sizeof multiplier);
-        for (int j = 0; j < NX; ++j)
-            for (int i = 0; i < NX; ++i)
-                multiplier[i] += s->P[k][j][i] * x[j];
-        memcpy(STATE(pi, k), multiplier, sizeof multiplier);
-        if (k == N)
-            break;
-        for (int a = 0; a < NU; ++a) {
-            u[a] = k_ff[k][a];
-            for (int j = 0; j < NX; ++j)
-                u[a] += s->K[k][a][j] * x[j];
-        }
-        transition(s, k, c[k], x, u, following);
-        memcpy(INPUT(z, k), u, sizeof u);
-        memcpy(x, following, sizeof x);
-    }
+        ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, first);
+    solve_forward(s, (const double (*)[NU])feedforward, (const double (*)[NX])drift, first, z, pi);
 }
 
 #endif

@@ -97,6 +97,12 @@ static int rti_feedback(struct rti *s)
         return s->status = BAD_INPUT;
     if (changed)
         rti_hessian(s);
+#if FREE_INITIAL
+    memset(s->qp.g, 0, NX * sizeof(double));   /* the arrival cost is added where no output may reach */
+#endif
+#if FREE_INITIAL                           /* entries that no output sees are not written by gradient */
+    memset(STATE(s->qp.g, 0), 0, NX * sizeof(double));
+#endif
     gradient(s, 0, N + 1);
 #if FREE_INITIAL
     for (int m = 0; m < NX; ++m) {

@@ -1,0 +1,208 @@
+"""Print the table "Readings of the paper" of docs/theory.md: python docs/readings.py [READING ...].
+
+Each reading is one change of a shipped configuration, or of what joins its parts. Every row drives the three
+figure-eights with seeds 0 to 4 and prints the mean distance (cm) of each body's true antenna position from the
+path, by curvature, the worst yaw RMS error over the seeds, and the solver failures of all of them.
+"""
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from drawbar.autopilot.autopilot import Autopilot
+from drawbar.autopilot.build import build_autopilot, build_machine, build_path
+from drawbar.autopilot.run import RunAborted, drive
+from drawbar.config import Configuration, load_configuration
+from drawbar.geometry import Floats, wrap
+from drawbar.guidance.look_ahead import LookAhead
+from drawbar.guidance.path import Path
+from drawbar.machine.base import Machine
+from drawbar.machine.simulated import SimulatedMachine
+from drawbar.report.path_errors import project_track
+from drawbar.signals import Command, Measurement, StepRecord, Truth
+
+SEEDS = range(5)
+CLASSES = ("straight", "0.1", "0.125", "0.15")
+Build = Callable[[Configuration, Path, SimulatedMachine], Autopilot]
+
+
+class ReversedSensor(Machine):
+    """A machine whose joint sensor turns the other way as well, together with its actuator."""
+
+    def __init__(self, machine: SimulatedMachine) -> None:
+        """Wrap the machine."""
+        self._machine = machine
+
+    def read(self) -> Measurement:
+        """Return the measurement with the joint angle's sign reversed."""
+        measurement = self._machine.read()
+        return replace(measurement, trailer_steering=-measurement.trailer_steering)
+
+    def write(self, command: Command) -> None:
+        """Pass the command on."""
+        self._machine.write(command)
+
+    def truth(self) -> Truth:
+        """Return the machine's own truth."""
+        return self._machine.truth()
+
+
+class BothAdvance(LookAhead):
+    """Look-ahead whose trailer reference advances along the path as the tractor's does."""
+
+    def _stages(self, estimate: object) -> Floats:
+        return self._offsets[0] + self._progress()
+
+
+def with_reversed_sensor(configuration: Configuration, path: Path, machine: SimulatedMachine) -> Autopilot:
+    """Build the autopilot on a machine whose joint sensor is reversed too."""
+    return build_autopilot(configuration, path, ReversedSensor(machine))
+
+
+def with_look_ahead(
+    kind: type[LookAhead],
+    speed: float,
+    configuration: Configuration,
+    path: Path,
+    machine: SimulatedMachine,
+) -> Autopilot:
+    """Build the autopilot with another kind of look-ahead, advancing at the given speed, m/s."""
+    autopilot, first = build_autopilot(configuration, path, machine), machine.read()
+    autopilot.guidance = kind(
+        path,
+        configuration.guidance,
+        stages=configuration.controller.horizon,
+        interval=configuration.sample_time,
+        speed=speed,
+        tractor=(first.tractor_x, first.tractor_y),
+        trailer=(first.trailer_x, first.trailer_y),
+    )
+    return autopilot
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """One row: a name, a shipped configuration, and what is changed."""
+
+    name: str
+    base: str
+    changes: Sequence[str] = ()
+    build: Build = build_autopilot
+
+
+def _paper(name: str, *changes: str, build: Build = build_autopilot) -> Reading:
+    return Reading(name=name, base="paper", changes=changes, build=build)
+
+
+def _product(name: str, *changes: str) -> Reading:
+    return Reading(name=name, base="articulated", changes=changes)
+
+
+DEVIATION_DRIFT = (
+    "estimator.drift={position=10.0, yaw=0.1, slip=0.25, hitch_angle=0.1745, speed=0.1}"  # D_update as printed
+)
+READINGS = (
+    _paper("paper, as shipped"),
+    _paper("joint_sign = 1 (geometric)", "vehicle.joint_sign=1"),
+    _paper("joint sensor reversed too", build=with_reversed_sensor),
+    _paper("H as printed", "estimator.weighting=paper"),
+    _paper("D_update as deviations", DEVIATION_DRIFT),
+    _paper("stage cost times dt", "controller.position_weight=0.2", "controller.steering_weight=2.0"),
+    _paper("tractor reference constant", build=partial(with_look_ahead, LookAhead, 0.0)),
+    _paper("trailer reference advances", build=partial(with_look_ahead, BothAdvance, 1.0)),
+    _paper("N = 15", "controller.horizon=15"),
+    _paper("N = 15, reference constant", "controller.horizon=15", build=partial(with_look_ahead, LookAhead, 0.0)),
+    _paper("coupling measured", "controller.coupling=measured"),
+    _paper("coupling planned", "controller.coupling=planned"),
+    _paper("no ancillary law", "tube.tractor.yaw=0.0", "tube.trailer.yaw=0.0"),
+    _paper("look-ahead from the front axle", "guidance.look_ahead=3.0"),
+    _paper("window 5 (1 s)", "estimator.window=5"),
+    _paper("window 30 (6 s)", "estimator.window=30"),
+    _paper("trailer antenna on its axle", "vehicle.trailer_antenna=0.0"),
+    _paper("trailer antenna half way", "vehicle.trailer_antenna=0.65"),
+    _paper("estimator on the chain", "estimator={model='articulated'}"),
+    _product("articulated, as shipped"),
+    _product("estimator on the tricycle", "estimator={model='tricycle', weighting='statistical'}"),
+    _product("coupling neglected", "controller.coupling=neglected"),
+    _product("coupling planned", "controller.coupling=planned"),
+    _product("no widening", "controller.widening=0.0"),
+    _product("no ancillary law", *(f"tube.{b}.{e}=0.0" for b in ("tractor", "trailer") for e in ("lateral", "yaw"))),
+    _product("trailer steering off", "vehicle.trailer_steering_limit=1e-6", "controller.widening=0.0"),
+    _product("window 5 (1 s)", "estimator.window=5"),
+    _product("window 15 (3 s)", "estimator.window=15"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figures:
+    """What one run is judged by."""
+
+    means: Floats
+    """(2, 4) mean distance of tractor and trailer by class, m"""
+    largest: Floats
+    """(2,) largest distance, m"""
+    yaw: Floats
+    """(2,) RMS yaw error, rad"""
+    failures: int
+    finished: bool
+
+
+def run(reading: Reading, seed: int) -> Figures:
+    """Drive the whole path once."""
+    configuration = load_configuration(reading.base, reading.changes)
+    path, _ = build_path(configuration)
+    autopilot = reading.build(configuration, path, build_machine(configuration, path, seed))
+    records: list[StepRecord] = []
+    finished = True
+    try:
+        records.extend(drive(autopilot, time_limit=2.0 * path.length / configuration.speed))
+    except RunAborted:
+        finished = False
+    figures = [_body(path, records, body) for body in ("tractor", "trailer")]
+    means, largest, yaw = (np.array(column) for column in zip(*figures, strict=True))
+    failures = sum(record.solver_failures for record in records)
+    return Figures(means=means, largest=largest, yaw=yaw, failures=failures, finished=finished)
+
+
+def _body(path: Path, records: list[StepRecord], body: str) -> tuple[Floats, float, float]:
+    """Return mean distance by class (4,), largest distance (m) and RMS yaw error (rad) of one body."""
+    truth = [getattr(record.truth, body) for record in records]
+    believed = [getattr(record.estimate, body).yaw for record in records]
+    first = getattr(records[0].reference, body).progress
+    x, y = (np.array([getattr(pose, axis) for pose in truth]) for axis in ("x", "y"))
+    errors = project_track(path, x, y, first)
+    size = np.abs(errors.error)
+    means = np.array([np.mean(size[errors.labels == name]) for name in CLASSES])
+    yaw = [wrap(guess - pose.yaw) for guess, pose in zip(believed, truth, strict=True)]
+    return means, float(size.max()), float(np.sqrt(np.mean(np.square(yaw))))
+
+
+def row(reading: Reading) -> str:
+    """Return the reading's row of the table."""
+    runs = [run(reading, seed) for seed in SEEDS]
+    pairs = (100.0 * np.mean([each.means for each in runs], axis=0)).T
+    cells = [f"{tractor:.1f} / {trailer:.1f}" for tractor, trailer in pairs]
+    largest, yaw = (np.max([getattr(each, name) for each in runs], axis=0) for name in ("largest", "yaw"))
+    cells.append("{:.0f} / {:.0f}".format(*(100.0 * largest)))
+    cells.append("{:.1f} / {:.1f}".format(*np.degrees(yaw)))
+    cells.append(str(sum(each.failures for each in runs)))
+    lost = sum(not each.finished for each in runs)
+    return f"| {reading.base}: {reading.name} | {' | '.join(cells)} |" + (
+        f" {lost} of {len(runs)} lost" if lost else ""
+    )
+
+
+def main(wanted: Sequence[str]) -> None:
+    """Print the rows whose name contains one of the wanted texts, or all of them."""
+    print("| reading | straight | 0.1 | 0.125 | 0.15 | largest, cm | yaw, ° | failures |")
+    print("|---|---|---|---|---|---|---|---|")
+    for reading in READINGS:
+        if not wanted or any(text in f"{reading.base}: {reading.name}" for text in wanted):
+            print(row(reading), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,115 @@
+/* Rows of NX numbers as whole SIMD registers.
+ *
+ * A matrix row is padded with zeros to WIDTH numbers, PACKS registers of PACK numbers each. Compilers with GNU vectors
+ * (gcc, clang, zig) keep sums of rows in registers; others get the same loops over plain numbers.
+ */
+#ifndef DRAWBAR_PACKS_H
+#define DRAWBAR_PACKS_H
+
+#ifndef PACK
+#if defined(__GNUC__) && NX > 4
+#define PACK 4
+#else
+#define PACK 1
+#endif
+#endif
+#if PACK > 1
+typedef double pack __attribute__((vector_size(8 * PACK)));
+typedef double pack_in_memory __attribute__((vector_size(8 * PACK), aligned(8), may_alias));
+#define LANE_OF(value, l) ((value)[l])
+#else
+typedef double pack, pack_in_memory;
+#define LANE_OF(value, l) (value)
+#endif
+
+#define PACKS ((NX + PACK - 1) / PACK)
+#define WIDTH (PACKS * PACK)
+#define TAIL (NX % PACK)                   /* numbers in the last register when it is not full */
+#if defined(__GNUC__) && !defined(__clang__) && NX <= 4
+#define UNROLLED _Pragma("GCC unroll 4")   /* small matrices live in registers */
+#else
+#define UNROLLED
+#endif
+#define EACH_PACK(b) UNROLLED for (int b = 0; b < PACKS; ++b)
+
+static inline pack read_pack(const double *row, int b)
+{
+    return *(const pack_in_memory *)(row + b * PACK);
+}
+
+static inline void write_pack(double *row, int b, pack value)
+{
+    *(pack_in_memory *)(row + b * PACK) = value;
+}
+
+/* A vector of NX numbers, not padded in memory. */
+static inline void read_vector(pack *restrict to, const double *restrict from)
+{
+    for (int b = 0; b < NX / PACK; ++b)
+        to[b] = read_pack(from, b);
+#if TAIL
+    const double *rest = from + NX - TAIL;
+    to[PACKS - 1] = (pack){rest[0], TAIL > 1 ? rest[TAIL > 1] : 0.0, TAIL > 2 ? rest[TAIL > 2 ? 2 : 0] : 0.0};
+#endif
+}
+
+static inline void write_vector(double *restrict to, const pack *restrict from)
+{
+    for (int b = 0; b < NX / PACK; ++b)
+        write_pack(to, b, from[b]);
+#if TAIL
+    for (int l = 0; l < TAIL; ++l)
+        to[NX - TAIL + l] = from[PACKS - 1][l];
+#endif
+}
+
+static inline void read_row(pack *restrict to, const double *restrict row)
+{
+    EACH_PACK(b)
+        to[b] = read_pack(row, b);
+}
+
+static inline void write_row(double *restrict row, const pack *restrict from)
+{
+    EACH_PACK(b)
+        write_pack(row, b, from[b]);
+}
+
+/* sum += factor * row */
+static inline void add_row(pack *restrict sum, double factor, const double *restrict row)
+{
+    EACH_PACK(b)
+        sum[b] += factor * read_pack(row, b);
+}
+
+/* Keep the entries of states that are constant (ND and later); the others become zero. */
+static inline pack constant_part(pack value, int b)
+{
+#if NC == 0
+    (void)b;
+    return value - value;
+#elif PACK > 1
+    const int first = b * PACK;
+    return value * (pack){first >= ND, first + 1 >= ND, first + 2 >= ND, first + 3 >= ND};
+#else
+    return b < ND ? 0.0 : value;
+#endif
+}
+
+/* start + row' vector */
+static inline double add_dot(double start, const double *restrict row, const pack *restrict vector)
+{
+#if PACK == 1
+    double sum = start;
+    EACH_PACK(b)
+        sum += row[b] * vector[b];
+    return sum;
+#else
+    pack sum = read_pack(row, 0) * vector[0];
+    for (int b = 1; b < PACKS; ++b)
+        sum += read_pack(row, b) * vector[b];
+    return start + ((sum[0] + sum[2]) + (sum[1] + sum[3]));
+#endif
+}
+
+#endif
