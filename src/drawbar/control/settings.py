@@ -57,7 +57,7 @@ class ArticulatedTrailerWeights(Settings):
     """1/m²"""
     steering: NonNegative = 0.002
     """1/rad²"""
-    steering_rate: Positive = 0.02
+    steering_rate: Positive = 0.3
     """s²/rad²"""
 
 

@@ -116,7 +116,7 @@ class ArticulatedDrift(Settings):
     """mu"""
     tractor_slip: NonNegative = 0.004
     """kappa"""
-    steering_offset: NonNegativeAngle = 0.0005
+    steering_offset: NonNegativeAngle = 0.0002
     """b, rad"""
     crab: NonNegativeAngle = 0.002
     """of both axles, rad"""
@@ -128,8 +128,8 @@ class ArticulatedEstimatorSettings(Settings):
     """Moving horizon estimation on the exact chain."""
 
     model: Literal["articulated"]
-    window: Horizon = 10
-    """N, samples in the window besides the newest; 2 s at 5 Hz"""
+    window: Horizon = 15
+    """N, samples in the window besides the newest; 3 s at 5 Hz"""
     steering_rate: PositiveAngle = 0.15
     """standard deviation of both steering rates within a sample, rad/s"""
     first_slip: Positive = 0.9
