@@ -2,11 +2,13 @@
 
 import sys
 from datetime import UTC, datetime
+from json import dumps
 from pathlib import Path as FilePath
 from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 from drawbar.autopilot.build import build_autopilot, build_machine, build_path
 from drawbar.autopilot.log import PathTable, RunHeader
@@ -25,7 +27,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="An autopilot that keeps a tractor and its trailer on the line.",
 )
-console = Console(highlight=False)
+console = Console(highlight=False, markup=False)  # names of files and lines may hold brackets
 
 
 @app.command()
@@ -47,21 +49,20 @@ def run(
     out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: a new one in runs/")] = None,
 ) -> None:
     """Drive a whole run in simulation and report on it."""
-    settings = [f"path.file={_quoted(path)}"] * bool(path) + [f"path.track={_quoted(track)}"] * bool(track)
+    # a JSON string is a TOML string
+    given = (("path.file", path), ("path.track", track))
+    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
     config = load_configuration(configuration, [*settings, *(changes or [])])
     line, drivable = build_path(config)
     if drivable is not None:
         _tell_deviation(drivable, config)
-    folder = _new_folder(out, f"{config.name}-seed{seed}")
-    (folder / "config.toml").write_text(config.to_toml(), "utf-8")
     with console.status("compiling the solvers (the first time only) …"):
         autopilot = build_autopilot(config, line, build_machine(config, line, seed))
+    folder = _new_folder(out, config, seed)
+    log = Recorder(folder / LOG_NAME, _header(config, line, seed))
     stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
-        with (
-            Recorder(folder / LOG_NAME, _header(config, line, seed)) as recorder,
-            RunProgress(console, line.length) as live,
-        ):
+        with log as recorder, RunProgress(console, line.length) as live:
             for record in drive(autopilot, time_limit=60.0 + 3.0 * line.length / config.speed):
                 recorder.write(record)
                 live.show(record)
@@ -83,11 +84,6 @@ def bench(
     run_benchmark(console, json)
 
 
-def _quoted(text: str) -> str:
-    """Return a TOML string literal."""
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
 def _tell_deviation(drivable: DrivablePath, config: Configuration) -> None:
     worst = int(drivable.deviations.argmax())
     console.print(
@@ -96,8 +92,9 @@ def _tell_deviation(drivable: DrivablePath, config: Configuration) -> None:
     )
 
 
-def _new_folder(chosen: FilePath | None, name: str) -> FilePath:
-    """Return the folder for the results, made if it is not there; unnamed ones never overwrite each other."""
+def _new_folder(chosen: FilePath | None, config: Configuration, seed: int) -> FilePath:
+    """Return the folder for the results with config.toml in it; unnamed ones never overwrite each other."""
+    name = f"{config.name}-seed{seed}"
     folder = chosen or FilePath("runs") / name
     number = 1
     while chosen is None and folder.exists():
@@ -105,8 +102,9 @@ def _new_folder(chosen: FilePath | None, name: str) -> FilePath:
         folder = FilePath("runs") / f"{name}-{number}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        (folder / "config.toml").write_text(config.to_toml(), "utf-8")
     except OSError as error:
-        raise DrawbarError(f"{folder}: cannot be made ({error.strerror}); choose another --out folder.") from error
+        raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
     return folder
 
 
@@ -128,5 +126,6 @@ def main() -> None:
     try:
         app()
     except DrawbarError as error:
-        Console(stderr=True, highlight=False).print(f"[bold red]error:[/] {error}", soft_wrap=True)
+        message = Text.assemble(("error:", "bold red"), f" {error}")
+        Console(stderr=True, highlight=False).print(message, soft_wrap=True)
         sys.exit(2)

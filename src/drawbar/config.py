@@ -122,10 +122,11 @@ def _read(source: str) -> tuple[str, str]:
         return (_shipped() / f"{source}.toml").read_text("utf-8"), source
     try:
         return Path(source).read_text("utf-8-sig"), source
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
         raise ConfigurationError(
-            f"{source}: cannot be read as a configuration ({reason}); give a TOML file or one of: {', '.join(shipped_names())}."
+            f"{source}: cannot be read as a configuration ({reason}); "
+            f"give a TOML file or one of: {', '.join(shipped_names())}."
         ) from error
 
 
@@ -176,16 +177,12 @@ def _apply(data: dict[str, Any], change: str) -> None:
     """Set one dotted key in place."""
     key, separator, text = change.partition("=")
     if not separator or not key.strip():
-        raise ConfigurationError(
-            f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5."
-        )
+        raise ConfigurationError(f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5.")
     *sections, last = key.strip().split(".")
     for section in sections:
         data = data.setdefault(section, {}) if isinstance(data, dict) else data
     if not isinstance(data, dict):
-        raise ConfigurationError(
-            f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys."
-        )
+        raise ConfigurationError(f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys.")
     value = _value(text)
     if last == "model" and data.get(last) != value:
         data.clear()  # another model has other keys: they start at their defaults

@@ -14,6 +14,7 @@ from drawbar.control.decentralised import DecentralisedController
 from drawbar.control.nominal import NominalController
 from drawbar.control.settings import TricycleControllerSettings
 from drawbar.control.tricycle import TricycleTractor, TricycleTrailer
+from drawbar.errors import PathError
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
@@ -37,13 +38,19 @@ def build_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]
     Raises:
         PathError: the line cannot be read or driven.
     """
-    settings = configuration.path
+    settings, limit = configuration.path, configuration.vehicle.curvature_limit
     if not settings.file:
+        for radius in settings.radii:
+            if not 1.0 / radius <= limit:
+                raise PathError(
+                    f"path.radii holds {radius} m; the vehicle turns no tighter than {1.0 / limit:.2f} m, "
+                    f"by vehicle.curvature_limit = {limit} 1/m"
+                )
         return figure_eights(settings.radii, settings.straight_length), None
     line = load_line(FilePath(settings.file), settings.track or None)
     drivable = make_drivable(
         line,
-        curvature_limit=configuration.vehicle.curvature_limit,
+        curvature_limit=limit,
         curvature_rate_limit=configuration.guidance.curvature_rate_limit,
         tolerance=configuration.guidance.path_tolerance,
     )

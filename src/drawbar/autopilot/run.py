@@ -10,7 +10,7 @@ LOST = 5.0
 """Distance from the path at which a run is given up, m."""
 
 
-class RunAborted(DrawbarError):
+class RunAborted(DrawbarError):  # noqa: N818 -- an outcome, not a mistake
     """The run was given up before the end of the path; the log holds all steps up to then."""
 
 

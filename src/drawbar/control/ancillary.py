@@ -30,8 +30,10 @@ class AncillaryLaw:
         x, y, yaw = plan.poses[1].tolist()
         self._predicted = (x, y, yaw)
         total = plan.steering + ancillary
+        # what is not finite is no command to clip: it goes on to the gate, which refuses it
         command = min(max(total, -self._limit), self._limit) if math.isfinite(total) else total
-        return BodySteering(nominal=plan.steering, ancillary=ancillary, command=command, saturated=command != total)
+        saturated = abs(total) > self._limit
+        return BodySteering(nominal=plan.steering, ancillary=ancillary, command=command, saturated=saturated)
 
     def _correction(self, pose: Pose) -> float:
         if self._predicted is None:

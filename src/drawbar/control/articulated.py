@@ -1,5 +1,6 @@
 """The product's two nominal controllers: lateral errors of both antennas along a preview of the path."""
 
+import cmath
 import math
 
 import numpy as np
@@ -82,7 +83,10 @@ class ArticulatedTrailer(SubsystemController):
             lag=vehicle.steering_lag, limit=limit, sample_time=sample_time, sign=vehicle.joint_sign
         )
         self._vehicle, self._coupling = vehicle, settings.coupling
+        self._interval = sample_time
         self._times = sample_time * np.arange(settings.horizon + 1)
+        back = vehicle.trailer_length - vehicle.trailer_antenna
+        self._lengths = np.array([vehicle.free_joint_offset, vehicle.drawbar_length, back])
 
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
         solver = self.solver
@@ -94,7 +98,7 @@ class ArticulatedTrailer(SubsystemController):
             estimate.speed,
         )
         if self._coupling is Coupling.PLANNED and neighbour is not None:
-            rates = np.diff(neighbour.poses[:, 2]) / self._times[1]
+            rates = np.diff(neighbour.poses[:, 2]) / self._interval
             solver.p[:-1, 4], solver.p[-1, 4] = rates, rates[-1]
             solver.p[:, 5:8] = neighbour.poses
         else:
@@ -109,13 +113,16 @@ class ArticulatedTrailer(SubsystemController):
         if self._coupling is not Coupling.NEGLECTED:
             angle = estimate.tractor_slip * estimate.tractor_steering + estimate.steering_offset
             omega = speed * (math.tan(angle) - math.tan(crab)) / self._vehicle.wheelbase
-        half = 0.5 * omega * self._times
-        chord = speed / math.cos(crab) * self._times * np.sinc(half / math.pi)
-        direction = half + (pose.yaw + crab)
+        half = 0.5 * omega * self._interval
+        # every sample covers the same chord, turned by one angle more
+        chord = speed / math.cos(crab) * self._interval * (math.sin(half) / half if half else 1.0)
+        first = cmath.rect(chord, pose.yaw + crab + half)
+        turns = omega * self._times
         p[:, 4] = omega
-        p[:, 5] = pose.x + chord * np.cos(direction)
-        p[:, 6] = pose.y + chord * np.sin(direction)
-        p[:, 7] = pose.yaw + 2.0 * half
+        p[0, 5:7] = pose.x, pose.y
+        track = complex(pose.x, pose.y) + np.cumsum(first * np.exp(1j * turns[:-1]))
+        p[1:, 5], p[1:, 6] = track.real, track.imag
+        p[:, 7] = pose.yaw + turns
 
     def _steering(self) -> float:
         return self._actuator.command(float(self.solver.initial[1]), float(self.solver.u[0, 0]))
@@ -124,17 +131,14 @@ class ArticulatedTrailer(SubsystemController):
         return self.solver.x[1:, 1].copy()
 
     def _poses(self) -> Floats:
-        vehicle, p, x = self._vehicle, self.solver.p, self.solver.x
-        theta, psi = p[:, 7], p[:, 7] - x[:, 0]
-        phi = psi + x[:, 1]
-        a, d, back = (
-            vehicle.free_joint_offset,
-            vehicle.drawbar_length,
-            vehicle.trailer_length - vehicle.trailer_antenna,
-        )
-        east = p[:, 5] - a * np.cos(theta) - d * np.cos(phi) - back * np.cos(psi)
-        north = p[:, 6] - a * np.sin(theta) - d * np.sin(phi) - back * np.sin(psi)
-        return np.column_stack((east, north, psi))
+        p, x = self.solver.p, self.solver.x
+        poses = np.empty((len(p), 3))
+        theta, psi = p[:, 7], np.subtract(p[:, 7], x[:, 0], out=poses[:, 2])
+        joints = np.exp(1j * np.array((theta, psi + x[:, 1], psi)))
+        antenna = -(self._lengths @ joints)
+        poses[:, 0] = p[:, 5] + antenna.real
+        poses[:, 1] = p[:, 6] + antenna.imag
+        return poses
 
 
 def _steering_bounds(limit: float, rate: float) -> dict[str, Bound]:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from drawbar.estimation.description import EstimationModel, measured, yaws_at_rest
+from drawbar.estimation.description import EstimationModel, known, measured, yaws_at_rest
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, EstimationProblem
@@ -55,9 +55,9 @@ class ArticulatedEstimation(EstimationModel):
         """Return the state at rest that explains the first measurement; see the base class."""
         theta, psi = yaws_at_rest(self._vehicle, measurement)
         position = (measurement.tractor_x, measurement.tractor_y)
-        steering = np.nan_to_num([measurement.tractor_steering, measurement.trailer_steering]).tolist()
-        speed = measurement.speed if math.isfinite(measurement.speed) else 0.0
-        return np.array([*position, theta, psi, *steering, self._first_slip, self._first_slip, 0.0, 0.0, speed, 0.0])
+        steering = known(measurement.tractor_steering), known(measurement.trailer_steering)
+        slips = (self._first_slip, self._first_slip)
+        return np.array([*position, theta, psi, *steering, *slips, 0.0, 0.0, known(measurement.speed), 0.0])
 
     def outputs(self, measurement: Measurement) -> tuple[float, ...]:
         """Return the measurement, and zero for both steering rates: they are noise."""

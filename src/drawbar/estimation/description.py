@@ -46,6 +46,11 @@ def measured(measurement: Measurement) -> tuple[float, ...]:
     )
 
 
+def known(value: float) -> float:
+    """Return the measured value, or zero where it is missing or no number: the first guess has nothing better."""
+    return value if math.isfinite(value) else 0.0
+
+
 def yaws_at_rest(vehicle: VehicleParameters, measurement: Measurement) -> tuple[float, float]:
     """Return tractor and trailer yaw (rad) from both antennas and both joint angles.
 
@@ -58,11 +63,10 @@ def yaws_at_rest(vehicle: VehicleParameters, measurement: Measurement) -> tuple[
     east, north = measurement.tractor_x - measurement.trailer_x, measurement.tractor_y - measurement.trailer_y
     if not math.isfinite(east + north):
         raise HardwareError(
-            f"The first measurement lacks a position (tractor {measurement.tractor_x}, {measurement.tractor_y}; trailer "
-            f"{measurement.trailer_x}, {measurement.trailer_y}); wait for a fix of both antennas before starting."
+            f"The first measurement lacks a position (tractor {measurement.tractor_x}, {measurement.tractor_y}; "
+            f"trailer {measurement.trailer_x}, {measurement.trailer_y}); wait for a fix of both antennas to start."
         )
-    angles = (measurement.hitch_angle, measurement.trailer_steering)
-    hitch, joint = (angle if math.isfinite(angle) else 0.0 for angle in angles)
+    hitch, joint = known(measurement.hitch_angle), known(measurement.trailer_steering)
     gamma = hitch + joint
     back = vehicle.trailer_length - vehicle.trailer_antenna
     ahead = back + vehicle.drawbar_length * math.cos(joint) + vehicle.free_joint_offset * math.cos(gamma)

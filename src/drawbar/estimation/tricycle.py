@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from drawbar.estimation.description import EstimationModel, measured, yaws_at_rest
+from drawbar.estimation.description import EstimationModel, known, measured, yaws_at_rest
 from drawbar.estimation.settings import TricycleEstimatorSettings
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, EstimationProblem
@@ -49,7 +49,7 @@ class TricycleEstimation(EstimationModel):
     def first_guess(self, measurement: Measurement) -> Floats:
         """Return the state at rest that explains the first measurement; see the base class."""
         theta, psi = yaws_at_rest(self._vehicle, measurement)
-        hitch, speed = np.nan_to_num([measurement.hitch_angle, measurement.speed]).tolist()
+        hitch, speed = known(measurement.hitch_angle), known(measurement.speed)
         positions = (
             measurement.tractor_x,
             measurement.tractor_y,

@@ -68,6 +68,7 @@ class ControlSolver(_RealTimeIteration):
             SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
+        self.problem = problem
         super().__init__(transcribe(problem))
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
@@ -96,6 +97,7 @@ class EstimationSolver(_RealTimeIteration):
             CompilerError: no compiler, or it refused the code.
         """
         transcription = transcribe(problem)
+        self.problem = problem
         super().__init__(transcription)
         array = self.workspace.array
         self.absorb = self.workspace.function("absorb")

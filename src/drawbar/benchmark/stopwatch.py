@@ -1,0 +1,78 @@
+"""Time a compiled phase inside C: restore a recorded workspace, run, read the clock; again and again."""
+
+import ctypes
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drawbar.codegen import build
+from drawbar.codegen.library import load
+
+_UNIT = """
+#define _POSIX_C_SOURCE 199309L
+#include <string.h>
+#include <time.h>
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* What reading the clock itself costs. */
+static double clock_cost(void)
+{
+    double least = 1.0;
+    for (int i = 0; i < 100; ++i) {
+        const double start = now(), time = now() - start;
+        least = time < least ? time : least;
+    }
+    return least;
+}
+
+/* Shortest of several runs of a phase, each from the same recorded state, s. */
+double shortest(int (*phase)(void *), void *work, const void *recorded, size_t size, int repeats)
+{
+    const double cost = clock_cost();
+    double least = 1e9;
+    for (int i = 0; i < repeats; ++i) {
+        memcpy(work, recorded, size);
+        const double start = now();
+        phase(work);
+        const double time = now() - start - cost;
+        least = time < least ? time : least;
+    }
+    return least;
+}
+"""
+
+
+class Stopwatch:
+    """Measures the phases of one compiled unit on a private copy of its workspace."""
+
+    def __init__(self, library: Path, memory: NDArray[np.uint8], *, repeats: int) -> None:
+        """Compile the stopwatch (or take it from the cache).
+
+        Args:
+            library: the unit to measure.
+            memory: (size,) bytes of the workspace that is in use; it is only read.
+            repeats: runs per measurement, of which the shortest counts: the machine may be busy with other things.
+        """
+        self._shortest = load(build("stopwatch", _UNIT)).shortest
+        self._shortest.restype = ctypes.c_double
+        self._library, self._memory, self._repeats = load(library), memory, repeats
+        room = np.zeros(memory.size + 64, np.uint8)
+        self._copy = room[-room.ctypes.data % 64 :][: memory.size]
+
+    def time(self, phase: str) -> float:
+        """Return the time that the named phase takes from the workspace's present state, s."""
+        time: float = self._shortest(
+            ctypes.cast(getattr(self._library, phase), ctypes.c_void_p),
+            ctypes.c_void_p(self._copy.ctypes.data),
+            ctypes.c_void_p(self._memory.ctypes.data),
+            ctypes.c_size_t(self._memory.size),
+            self._repeats,
+        )
+        return time

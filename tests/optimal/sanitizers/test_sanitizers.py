@@ -1,0 +1,108 @@
+"""The C runtime under AddressSanitizer and UndefinedBehaviorSanitizer, fed with random, extreme and senseless numbers."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from drawbar.codegen.cache import runtime_sources
+from drawbar.codegen.compiler import find_compiler
+from drawbar.optimal import Bound, ControlProblem, EstimationProblem, quadratic_program
+from drawbar.optimal.quadratic_program import QuadraticProgram, Sizes
+from drawbar.optimal.transcription import transcribe
+from drawbar.signals import SolverStatus
+from drawbar.vehicle.articulated import articulated, articulated_trailer
+from drawbar.vehicle.model import Model
+from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
+
+HERE = Path(__file__).parent
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+SANITIZERS = ("-O0", "-march=native", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+VEHICLE = VehicleParameters()
+BOX = Bound(lower=-1.0, upper=1.0)
+
+
+def control(model: Model) -> str:
+    size = len(model.outputs)
+    problem = ControlProblem(
+        model=model,
+        horizon=5,
+        sample_time=0.2,
+        weights=(1.0,) * size,
+        terminal_weights=(1.0,) + (0.0,) * (size - 1),
+        bounds={model.inputs[0].name: BOX},
+    )
+    return transcribe(problem).source()
+
+
+def estimation(model: Model) -> str:
+    size = len(model.states) + len(model.parameters)
+    problem = EstimationProblem(
+        model=model,
+        horizon=4,
+        sample_time=0.2,
+        weights=(1.0,) * len(model.outputs),
+        prior_deviation=(1.0,) * size,
+        process_deviation=(1.0,) * size,
+        bounds={model.inputs[0].name: BOX},
+    )
+    return transcribe(problem).source()
+
+
+UNITS = {
+    "tricycle_tractor": lambda: control(tricycle_tractor(VEHICLE)),
+    "articulated_trailer": lambda: control(articulated_trailer(VEHICLE)),
+    "tricycle_estimator": lambda: estimation(tricycle(VEHICLE)),
+    "articulated_estimator": lambda: estimation(articulated(VEHICLE)),
+}
+
+
+def compiled(folder: Path, unit: str, host: str, calls: int, flags: tuple[str, ...]) -> Path:
+    """Compile a host program around a unit and return it."""
+    for name, text in {**runtime_sources(), "unit.c": unit}.items():
+        (folder / name).write_text(text, "utf-8")
+    program = folder / "program"
+    command = [*find_compiler(), *WARNINGS, *flags, f"-DCALLS={calls}", f"-I{folder}", f"-I{HERE}"]
+    done = subprocess.run(
+        [*command, "-o", str(program), str(HERE / host), "-lm"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr[:3000]
+    return program
+
+
+def counted(program: Path) -> dict[SolverStatus, int]:
+    """Run the program; return how often each status came."""
+    done = subprocess.run([str(program)], capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 0, done.stdout[-500:] + done.stderr[:3000]
+    return dict(zip(SolverStatus, map(int, done.stdout.split()), strict=True))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def sanitizers(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Skip where the compiler cannot link the sanitizers or the machine cannot run them."""
+    folder = tmp_path_factory.mktemp("trial")
+    (folder / "trial.c").write_text("int main(void) { return 0; }\n")
+    program = folder / "trial"
+    command = [*find_compiler(), *SANITIZERS, "-o", str(program), str(folder / "trial.c")]
+    built = subprocess.run(command, capture_output=True, check=False).returncode == 0
+    if not built or subprocess.run([str(program)], capture_output=True, check=False).returncode != 0:
+        pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_real_time_iteration(name: str, tmp_path: Path) -> None:
+    counts = counted(compiled(tmp_path, UNITS[name](), "iteration.c", 6000, SANITIZERS))
+    assert counts[SolverStatus.SOLVED] > 600, counts
+    assert counts[SolverStatus.BAD_INPUT] > 60, counts
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_quadratic_program(free: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    units: list[str] = []
+    build = quadratic_program.build
+    monkeypatch.setattr(quadratic_program, "build", lambda name, unit: units.append(unit) or build(name, unit))
+    QuadraticProgram(Sizes(stages=4, states=3, inputs=2, bounds=10, free_initial=free))
+    counts = counted(compiled(tmp_path, units[0], "program.c", 20000, SANITIZERS))
+    assert counts[SolverStatus.SOLVED] > 2000, counts
+    assert counts[SolverStatus.BAD_INPUT] > 20, counts
