@@ -54,7 +54,8 @@ class BothAdvance(LookAhead):
     """Look-ahead whose trailer reference advances along the path as the tractor's does."""
 
     def _stages(self, estimate: object) -> Floats:
-        return self._offsets[0] + self._progress()
+        offsets: Floats = self._offsets[0]
+        return offsets + self._progress()
 
 
 def with_reversed_sensor(configuration: Configuration, path: Path, machine: SimulatedMachine) -> Autopilot:

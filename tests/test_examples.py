@@ -31,7 +31,8 @@ def example() -> ModuleType:
 
 @pytest.fixture(scope="module", params=range(5), ids="seed {}".format)
 def record(example: ModuleType, request: pytest.FixtureRequest) -> Floats:
-    return example.run(seconds=60.0, seed=request.param)
+    record: Floats = example.run(seconds=60.0, seed=request.param)
+    return record
 
 
 def test_settles_on_the_circle(record: Floats) -> None:
