@@ -1,8 +1,9 @@
-"""Print the table "Readings of the paper" of docs/theory.md: python docs/readings.py [READING ...].
+"""Print the tables of docs/theory.md, "Readings of the paper" and "Disturbances": python docs/readings.py [TEXT ...].
 
-Each reading is one change of a shipped configuration, or of what joins its parts. Every row drives the three
-figure-eights with seeds 0 to 4 and prints the mean distance (cm) of each body's true antenna position from the
-path, by curvature, the worst yaw RMS error over the seeds, and the solver failures of all of them.
+Each row is one change of a shipped configuration, or of what joins its parts, driven with seeds 0 to 4. Distances are
+those of each body's true antenna position from the path, in cm, tractor / trailer: means by curvature over all seeds,
+and the largest of all seeds; then the largest RMS error of the estimated yaw of any seed, and the solver failures of
+all. With TEXT only the rows whose name contains one of the texts.
 """
 
 import sys
@@ -25,7 +26,6 @@ from drawbar.report.path_errors import project_track
 from drawbar.signals import Command, Measurement, StepRecord, Truth
 
 SEEDS = range(5)
-CLASSES = ("straight", "0.1", "0.125", "0.15")
 Build = Callable[[Configuration, Path, SimulatedMachine], Autopilot]
 
 
@@ -106,10 +106,10 @@ DEVIATION_DRIFT = (
     "estimator.drift={position=10.0, yaw=0.1, slip=0.25, hitch_angle=0.1745, speed=0.1}"  # D_update as printed
 )
 READINGS = (
-    _paper("paper, as shipped"),
+    _paper("as shipped"),
     _paper("joint_sign = 1 (geometric)", "vehicle.joint_sign=1"),
     _paper("joint sensor reversed too", build=with_reversed_sensor),
-    _paper("H as printed", "estimator.weighting=paper"),
+    _paper("H = diag(sigma)^-2", "estimator.weighting=statistical"),
     _paper("D_update as deviations", DEVIATION_DRIFT),
     _paper("stage cost times dt", "controller.position_weight=0.2", "controller.steering_weight=2.0"),
     _paper("tractor reference constant", build=partial(with_look_ahead, LookAhead, 0.0)),
@@ -120,21 +120,32 @@ READINGS = (
     _paper("coupling planned", "controller.coupling=planned"),
     _paper("no ancillary law", "tube.tractor.yaw=0.0", "tube.trailer.yaw=0.0"),
     _paper("look-ahead from the front axle", "guidance.look_ahead=3.0"),
-    _paper("window 5 (1 s)", "estimator.window=5"),
-    _paper("window 30 (6 s)", "estimator.window=30"),
-    _paper("trailer antenna on its axle", "vehicle.trailer_antenna=0.0"),
-    _paper("trailer antenna half way", "vehicle.trailer_antenna=0.65"),
+    _paper("window 1 s", "estimator.window=5"),
+    _paper("window 6 s", "estimator.window=30"),
+    _paper("trailer antenna over its axle", "vehicle.trailer_antenna=0.0"),
+    _paper("trailer antenna half way to RJ2", "vehicle.trailer_antenna=0.65"),
     _paper("estimator on the chain", "estimator={model='articulated'}"),
-    _product("articulated, as shipped"),
+    _product("as shipped"),
     _product("estimator on the tricycle", "estimator={model='tricycle', weighting='statistical'}"),
     _product("coupling neglected", "controller.coupling=neglected"),
     _product("coupling planned", "controller.coupling=planned"),
     _product("no widening", "controller.widening=0.0"),
     _product("no ancillary law", *(f"tube.{b}.{e}=0.0" for b in ("tractor", "trailer") for e in ("lateral", "yaw"))),
-    _product("trailer steering off", "vehicle.trailer_steering_limit=1e-6", "controller.widening=0.0"),
-    _product("window 5 (1 s)", "estimator.window=5"),
-    _product("window 15 (3 s)", "estimator.window=15"),
+    _product("trailer steering off, no widening", "vehicle.trailer_steering_limit=1e-6", "controller.widening=0.0"),
+    _product("window 1 s", "estimator.window=5"),
+    _product("window 6 s", "estimator.window=30"),
 )
+EVENTS = {
+    "no event": "",
+    "GPS lost for 3 s": "{kind='gps_loss', start=25.0, duration=3.0}",
+    "GPS lost for 10 s": "{kind='gps_loss', start=25.0, duration=10.0}",
+    "GPS repeats its last fix for 10 s": "{kind='gps_loss', start=25.0, duration=10.0, report='held'}",
+    "mu falls to 0.7": "{kind='slip_step', start=25.0, factor='longitudinal_slip', value=0.7}",
+    "kappa falls to 0.7": "{kind='slip_step', start=25.0, factor='tractor_slip', value=0.7}",
+    "bump of 5.6 cm and 2.3°": "{kind='bump', start=25.0, lateral=0.056, tractor_yaw=0.04}",
+    "side slope, 3° of crab": "{kind='side_slope', start=25.0, crab=0.0524}",
+}
+"""on the first curve of one eight of radius 8 m"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,7 +153,7 @@ class Figures:
     """What one run is judged by."""
 
     means: Floats
-    """(2, 4) mean distance of tractor and trailer by class, m"""
+    """(2, classes) mean distance of tractor and trailer by class of the path, m"""
     largest: Floats
     """(2,) largest distance, m"""
     yaw: Floats
@@ -169,14 +180,14 @@ def run(reading: Reading, seed: int) -> Figures:
 
 
 def _body(path: Path, records: list[StepRecord], body: str) -> tuple[Floats, float, float]:
-    """Return mean distance by class (4,), largest distance (m) and RMS yaw error (rad) of one body."""
+    """Return mean distance by class, largest distance (m) and RMS yaw error (rad) of one body."""
     truth = [getattr(record.truth, body) for record in records]
     believed = [getattr(record.estimate, body).yaw for record in records]
     first = getattr(records[0].reference, body).progress
     x, y = (np.array([getattr(pose, axis) for pose in truth]) for axis in ("x", "y"))
     errors = project_track(path, x, y, first)
     size = np.abs(errors.error)
-    means = np.array([np.mean(size[errors.labels == name]) for name in CLASSES])
+    means = np.array([np.mean(size[errors.labels == name]) for name in path.label_names])
     yaw = [wrap(guess - pose.yaw) for guess, pose in zip(believed, truth, strict=True)]
     return means, float(size.max()), float(np.sqrt(np.mean(np.square(yaw))))
 
@@ -196,6 +207,18 @@ def row(reading: Reading) -> str:
     )
 
 
+def event_row(name: str, event: str) -> str:
+    """Return the row of one event: the largest distances of both configurations."""
+    changes = ("path.radii=[8.0]", f"machine.events=[{event}]")
+    cells = []
+    for base in ("paper", "articulated"):
+        runs = [run(Reading(name=name, base=base, changes=changes), seed) for seed in SEEDS]
+        lost = sum(not each.finished for each in runs)
+        tractor, trailer = 100.0 * np.max([each.largest for each in runs], axis=0)
+        cells.append(f"{tractor:.0f} / {trailer:.0f}" + (f" ({lost} of {len(runs)} lost)" if lost else ""))
+    return f"| {name} | {' | '.join(cells)} |"
+
+
 def main(wanted: Sequence[str]) -> None:
     """Print the rows whose name contains one of the wanted texts, or all of them."""
     print("| reading | straight | 0.1 | 0.125 | 0.15 | largest, cm | yaw, ° | failures |")
@@ -203,6 +226,10 @@ def main(wanted: Sequence[str]) -> None:
     for reading in READINGS:
         if not wanted or any(text in f"{reading.base}: {reading.name}" for text in wanted):
             print(row(reading), flush=True)
+    print("\n| event, largest distance in cm | paper | articulated |\n|---|---|---|")
+    for name, event in EVENTS.items():
+        if not wanted or any(text in name for text in wanted):
+            print(event_row(name, event), flush=True)
 
 
 if __name__ == "__main__":

@@ -103,7 +103,8 @@ def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuratio
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also digits without end, brackets without end
-        raise ConfigurationError(f"{origin}: is not valid TOML: {error}.") from error
+        reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
+        raise ConfigurationError(f"{origin}: is not valid TOML: {reason}.") from error
     configuration = _validated(data, origin)
     if not changes:
         return configuration

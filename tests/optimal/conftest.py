@@ -108,7 +108,10 @@ def _costs(rng: np.random.Generator, sizes: Sizes) -> tuple[Floats, Floats, Floa
 
 def _bounds(rng: np.random.Generator, sizes: Sizes) -> tuple[np.ndarray, Floats, Floats]:
     """Return bounded variables and bounds: every input, then states; some one-sided, doubled or pinched."""
-    first, last = (sizes.stages + 1) * sizes.states, (sizes.stages + 1) * sizes.states + sizes.stages * sizes.inputs
+    first, last = (
+        (sizes.stages + 1) * sizes.states,
+        (sizes.stages + 1) * sizes.states + sizes.stages * sizes.inputs,
+    )
     states = rng.permutation(np.arange(0 if sizes.free_initial else sizes.states, first))
     bound = np.concatenate([np.arange(first, last), states])[: sizes.bounds]
     middle = rng.normal(size=sizes.bounds) * 0.3

@@ -7,10 +7,10 @@ other problem in units from 1e-3 to 1e3.
 from collections.abc import Callable
 from typing import Any
 
-import clarabel
+import clarabel  # type: ignore[import-untyped]
 import daqp
 import numpy as np
-import piqp
+import piqp  # type: ignore[import-untyped]
 import pytest
 from scipy import sparse
 

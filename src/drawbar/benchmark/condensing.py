@@ -41,7 +41,8 @@ class CondensingRoute:
 
     def prepare(self) -> None:
         """Linearise along the trajectory and condense the Hessian."""
-        x, u, p = self._solver.x, self._solver.u, self._array("p")
+        x, u = self._solver.x, self._solver.u
+        p = self._solver.p if isinstance(self._solver, ControlSolver) else np.zeros((len(x), 0))
         step, slope = (np.array(m) for m in self._dynamics(x[:-1].T, u.T, p[:-1].T))
         h, jacobian = (np.array(m) for m in self._output(x.T, np.vstack([u, u[-1:]]).T, p.T))
         self._condense_dynamics(self._by_stage(slope), step.T - x[1:])

@@ -11,7 +11,10 @@ _UNIT = """
 {casadi}
 #include "fields.h"
 #define N {stages}
-struct floor {{ double x[N][{nx}], u[N][{nu}], p[N][{np} + 1], step[{rows}], slope[{rows} * ({nx} + {nu})], w[{sz_w} + 1]; }};
+struct floor {{
+    double x[N][{nx}], u[N][{nu}], p[N][{np} + 1];   /* + 1: C has no empty arrays */
+    double step[{rows}], slope[{rows} * ({nx} + {nu})], w[{sz_w} + 1];
+}};
 int64_t drawbar_size = sizeof(struct floor);
 const struct drawbar_field drawbar_fields[] = {{
     FIELD(floor, x, 0, N, {nx}, 0) FIELD(floor, u, 0, N, {nu}, 0) FIELD(floor, p, 0, N, {np} + 1, 0)

@@ -4,13 +4,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
 from drawbar.benchmark.condensing import CondensingRoute
 from drawbar.benchmark.floor import build_floor
 from drawbar.benchmark.stopwatch import Stopwatch
 from drawbar.codegen import Workspace, build
-from drawbar.geometry import Floats
 from drawbar.optimal.solver import ControlSolver, EstimationSolver
 from drawbar.optimal.transcription import transcribe
 
@@ -23,12 +20,13 @@ _OTHER_ROUTE_EVERY = 10
 class Probe:
     """Times of one solver, step by step, s. Phases between two feedbacks belong to the first of them."""
 
-    def __init__(self, name: str, solver: ControlSolver | EstimationSolver) -> None:
+    def __init__(self, name: str, solver: ControlSolver | EstimationSolver, *, with_other_route: bool) -> None:
         """Put itself between the solver and its caller.
 
         Args:
             name: of the problem, e.g. `paper-tractor`.
             solver: to be watched; its phases are replaced by watched ones.
+            with_other_route: also solve every tenth problem by CasADi, condensing and DAQP.
         """
         transcription = transcribe(solver.problem)
         library: Path = build(transcription.name, transcription.source())
@@ -43,7 +41,8 @@ class Probe:
         floor = build_floor(transcription)
         self._floor_data = Workspace(floor)
         self._floor_watch = Stopwatch(floor, self._floor_data.memory, repeats=_REPEATS)
-        self._other = _other_route(transcription, solver)
+        self._other = CondensingRoute(transcription, solver) if with_other_route else None
+        self._prepare = solver.prepare
         self._feedback, solver.feedback = solver.feedback, self._watched_feedback
         for phase in ("prepare", "shift", "absorb"):
             if hasattr(solver, phase):
@@ -53,10 +52,11 @@ class Probe:
         def watched() -> int:
             if self.feedback:
                 self.prepare[-1] += self._watch.time(phase)
+            status = call()
             if phase == "prepare" and self.feedback:
                 self._time_floor()
                 self._time_other_prepare()
-            return call()
+            return status
 
         return watched
 
@@ -72,9 +72,10 @@ class Probe:
         return status
 
     def _time_floor(self) -> None:
-        array, data = self.solver.workspace.array, self._floor_data.array
+        data = self._floor_data.array
         data("x")[:], data("u")[:] = self.solver.x[:-1], self.solver.u
-        data("p")[:, : array("p").shape[1]] = array("p")[:-1]
+        if isinstance(self.solver, ControlSolver):
+            data("p")[:, :-1] = self.solver.p[:-1]
         self.floor.append(self._floor_watch.time("linearise"))
 
     def _time_other_prepare(self) -> None:
@@ -83,14 +84,12 @@ class Probe:
             self._other.prepare()
             self.other_prepare.append(time.perf_counter() - start)
 
-
-def python_overhead(solver: ControlSolver | EstimationSolver, watch: Stopwatch) -> float:
-    """Return what calling a phase from Python costs beyond the phase itself, s."""
-    calls = 200
-    batches = []
-    for _ in range(20):
-        start = time.perf_counter()
-        for _ in range(calls):
-            solver.prepare()
-        batches.append((time.perf_counter() - start) / calls)
-    return min(batches) - watch.time("prepare")
+    def call_overhead(self) -> float:
+        """Return what calling a phase from Python costs beyond the phase itself, s."""
+        batches, calls = [], 200
+        for _ in range(20):
+            start = time.perf_counter()
+            for _ in range(calls):
+                self._prepare()
+            batches.append((time.perf_counter() - start) / calls)
+        return min(batches) - self._watch.time("prepare")

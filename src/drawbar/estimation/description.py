@@ -33,8 +33,8 @@ class EstimationModel(ABC):
 
 
 def measured(measurement: Measurement) -> tuple[float, ...]:
-    """Return the eight measured quantities in the order of both models' outputs."""
-    return (
+    """Return the eight measured quantities in the order of both models' outputs; what is not finite is missing."""
+    values = (
         measurement.tractor_x,
         measurement.tractor_y,
         measurement.trailer_x,
@@ -44,6 +44,7 @@ def measured(measurement: Measurement) -> tuple[float, ...]:
         measurement.tractor_steering,
         measurement.trailer_steering,
     )
+    return tuple(value if math.isfinite(value) else math.nan for value in values)
 
 
 def known(value: float) -> float:

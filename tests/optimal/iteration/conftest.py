@@ -34,13 +34,18 @@ class Case:
 
     def solver(self) -> ControlSolver | EstimationSolver:
         """Return a solver that holds the data and starts at the initial state throughout."""
-        if isinstance(self.problem, EstimationProblem):
-            solver: Any = EstimationSolver(self.problem, self.initial)
-        else:
-            solver = ControlSolver(self.problem)
-            solver.p[:], solver.initial[:] = self.p, self.initial
-            solver.x[:] = self.initial
+        solver = self._estimator() if isinstance(self.problem, EstimationProblem) else self._controller()
         solver.y[:] = self.y
+        return solver
+
+    def _estimator(self) -> EstimationSolver:
+        assert isinstance(self.problem, EstimationProblem)
+        return EstimationSolver(self.problem, self.initial)
+
+    def _controller(self) -> ControlSolver:
+        assert isinstance(self.problem, ControlProblem)
+        solver = ControlSolver(self.problem)
+        solver.p[:], solver.initial[:], solver.x[:] = self.p, self.initial, self.initial
         return solver
 
 
@@ -137,7 +142,10 @@ def _articulated_estimator() -> Case:
     y[:, 8:] = 0.0
     prior = (0.05, -0.05, 0.3, 0.0, 0.05, 0.0, 0.9, 0.9, 0.0, 0.0, 0.9, 0.0)
     deviation = (0.1, 0.1, 0.3, 0.3, 0.05, 0.05, 0.1, 0.1, 0.02, 0.02, 0.2, 0.02)
-    bounds = {"longitudinal_slip": Bound(lower=0.25, upper=0.93), "trailer_crab": Bound(lower=-0.005, upper=0.15)}
+    bounds = {
+        "longitudinal_slip": Bound(lower=0.25, upper=0.93),
+        "trailer_crab": Bound(lower=-0.005, upper=0.15),
+    }
     return _estimator(model, (0.3, 0.3), prior, deviation, y, **bounds)
 
 
@@ -176,5 +184,6 @@ def long_run() -> tuple[Case, Floats, Floats]:
     y[:, :8] += SIGMA * rng.normal(size=(count + 1, 8))
     y[:, 8:] = 0.0
     y[100:115, :4] = np.nan
+    assert isinstance(case.problem, EstimationProblem)
     problem = replace(case.problem, bounds={}, process_deviation=(0.0,) * 12)
     return replace(case, problem=problem), y, true

@@ -98,7 +98,9 @@ def batch(line: Line, y: Floats) -> Floats:
     pushes = np.eye(3 + steps - 1)[3:] / NOISE[1]
     rows = [reach[seen, 0] / NOISE[0], pushes, np.eye(3 + steps - 1)[:3] / DEVIATION[:, None]]
     right = [y[seen, 0] / NOISE[0], y[:-1, 1] / NOISE[1], PRIOR / DEVIATION]
-    return reach @ np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0]
+    best: Floats = np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0]
+    states: Floats = reach @ best
+    return states
 
 
 @pytest.mark.parametrize("process", [(0.05, 0.1, 0.02), (0.0, 0.1, 0.0), (0.0, 0.0, 0.0)])
@@ -141,7 +143,9 @@ def extended_kalman(case: Any, y: Floats, process: Floats) -> Floats:
     step = ca.vertcat(integrate(model, SAMPLE), model.p)
     kept = ca.vertcat(model.output[:8])
     evaluate = ca.Function(
-        "linear", [x, model.u], [step, ca.jacobian(step, x), ca.jacobian(step, model.u), kept, ca.jacobian(kept, x)]
+        "linear",
+        [x, model.u],
+        [step, ca.jacobian(step, x), ca.jacobian(step, model.u), kept, ca.jacobian(kept, x)],
     )
     mean, covariance = case.initial.copy(), np.diag(np.square(problem.prior_deviation))
     noise = 1.0 / np.sqrt(np.array(problem.weights))

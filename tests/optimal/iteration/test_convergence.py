@@ -10,9 +10,15 @@ from drawbar.optimal import EstimationProblem
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.model import integrate
 
-OPTIONS = {
+OPTIONS: dict[str, Any] = {
     "print_time": False,
-    "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-12, "acceptable_tol": 1e-12, "bound_relax_factor": 0.0},
+    "ipopt": {
+        "print_level": 0,
+        "sb": "yes",
+        "tol": 1e-12,
+        "acceptable_tol": 1e-12,
+        "bound_relax_factor": 0.0,
+    },
 }
 
 
@@ -47,7 +53,11 @@ def reference_solution(case: Any, x0: Floats, u0: Floats) -> tuple[Floats, Float
         for side, end in (("lower", -np.inf), ("upper", np.inf))
     )
     spread = np.concatenate(
-        [np.tile(np.arange(nx), n + 1), np.tile(np.arange(nx, nx + nu), n), np.arange(nx + nu, nx + nu + p.numel())]
+        [
+            np.tile(np.arange(nx), n + 1),
+            np.tile(np.arange(nx, nx + nu), n),
+            np.arange(nx + nu, nx + nu + p.numel()),
+        ]
     )
     solver = ca.nlpsol("nlp", "ipopt", {"x": variables, "f": cost, "g": ca.vertcat(*defects)}, OPTIONS)
     start = np.concatenate([x0[:, :nx].ravel(), u0.ravel(), x0[0, nx:]])

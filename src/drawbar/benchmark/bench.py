@@ -1,0 +1,113 @@
+"""`drawbar bench`: measure, show, write."""
+
+import importlib.util
+import json
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from drawbar.benchmark.closed_loop import probed_run, whole_run
+from drawbar.benchmark.figures import machine, microseconds, one_core, rows
+from drawbar.errors import DrawbarError
+
+STAGES = 15
+GROWTH = (30, 60, 120)
+STEPS = 1000
+GROWTH_STEPS = 200
+CONFIGURATIONS = ("paper", "articulated")
+
+
+def run_benchmark(console: Console, json_path: Path | None = None) -> None:
+    """Measure every solver in closed loop on one core, print the tables and write the figures where asked.
+
+    Args:
+        console: where to print.
+        json_path: file for all figures, or None.
+
+    Raises:
+        DrawbarError: the file cannot be written.
+        CompilerError: a solver could not be compiled.
+    """
+    one_core()
+    with Progress(console=console, transient=True) as progress:
+        figures = measure(progress, steps=STEPS, growth_steps=GROWTH_STEPS)
+    console.print(solver_table(figures["rows"]))
+    console.print(growth_table(figures["rows"]))
+    _print_rest(console, figures)
+    if json_path is not None:
+        try:
+            json_path.write_text(json.dumps(figures, indent=2), "utf-8")
+        except OSError as error:
+            raise DrawbarError(
+                f"{json_path}: cannot be written ({error.strerror}); choose another --json file."
+            ) from error
+
+
+def measure(progress: Progress, *, steps: int, growth_steps: int) -> dict[str, Any]:
+    """Return all figures; see the keys."""
+    with_other_route = importlib.util.find_spec("daqp") is not None
+    task = progress.add_task("closed loops", total=len(CONFIGURATIONS) + len(GROWTH) + 1)
+    table: list[dict[str, Any]] = []
+    overhead = {}
+    for name in CONFIGURATIONS:
+        for probe in probed_run(name, STAGES, steps, with_other_route=with_other_route):
+            table += rows(probe)
+            overhead[probe.name] = 1e6 * probe.call_overhead()
+        progress.advance(task)
+    for stages in GROWTH:
+        for probe in probed_run("paper", stages, growth_steps, with_other_route=False):
+            table += rows(probe)
+        progress.advance(task)
+    run = whole_run("articulated")
+    progress.advance(task)
+    return {
+        "rows": table,
+        "machine": machine(),
+        "python_overhead_us": overhead,
+        "control_step_us": microseconds(run.step),
+        "real_time_factor": run.real_time_factor,
+        "casadi_daqp": "measured" if with_other_route else 'left out: pip install "drawbar[test]" brings daqp',
+    }
+
+
+def solver_table(rows: list[dict[str, Any]]) -> Table:
+    """Return the table of all problems at the base horizon."""
+    table = Table(title=f"one sample, N = {STAGES}, µs: median / 99 % / max", title_justify="left")
+    for column in ("problem", "route", "prepare", "feedback", "total", "floor", "total / floor", "bounds active"):
+        table.add_column(column, justify="left" if column in ("problem", "route") else "right")
+    for row in rows:
+        if row["stages"] == STAGES:
+            phases = [_three(row[key]) for key in ("prepare_us", "feedback_us", "total_us")]
+            ratio = row["total_us"]["median"] / row["floor_us"]
+            share = f"{row['bounded_share']:.0%}" if "bounded_share" in row else ""
+            table.add_row(row["problem"], row["route"], *phases, f"{row['floor_us']:.2f}", f"{ratio:.2f}", share)
+    return table
+
+
+def growth_table(rows: list[dict[str, Any]]) -> Table:
+    """Return the medians over the horizon."""
+    table = Table(title="growth with the horizon, median total, µs", title_justify="left")
+    table.add_column("problem")
+    for stages in (STAGES, *GROWTH):
+        table.add_column(f"N = {stages}", justify="right")
+    table.add_column(f"{GROWTH[-1]} / {STAGES}", justify="right")
+    for name in dict.fromkeys(row["problem"] for row in rows if row["stages"] == GROWTH[-1]):
+        medians = [row["total_us"]["median"] for row in rows if row["problem"] == name and row["route"] == "drawbar"]
+        table.add_row(name, *(f"{median:.2f}" for median in medians), f"{medians[-1] / medians[0]:.1f}")
+    return table
+
+
+def _print_rest(console: Console, figures: dict[str, Any]) -> None:
+    overhead = max(figures["python_overhead_us"].values())
+    console.print(f"Python overhead per call   {overhead:.2f} µs at most")
+    console.print(f"control step, articulated  {_three(figures['control_step_us'])} µs, without the simulation")
+    console.print(f"real-time factor           {figures['real_time_factor']:.0f}, simulation included")
+    if figures["casadi_daqp"] != "measured":
+        console.print(f"casadi-daqp                {figures['casadi_daqp']}", markup=False)
+
+
+def _three(figure: dict[str, float]) -> str:
+    return f"{figure['median']:.2f} / {figure['p99']:.2f} / {figure['max']:.2f}"

@@ -1,0 +1,90 @@
+"""The closed loops that the measurements are taken from: shipped configurations on the simulated machine."""
+
+import time
+from dataclasses import dataclass
+
+from drawbar.autopilot.autopilot import Autopilot
+from drawbar.autopilot.build import build_autopilot, build_machine, build_path
+from drawbar.autopilot.run import drive
+from drawbar.benchmark.probe import Probe
+from drawbar.config import Configuration, load_configuration
+from drawbar.control.decentralised import DecentralisedController
+from drawbar.estimation.moving_horizon import MovingHorizonEstimator
+from drawbar.machine.base import Machine
+from drawbar.optimal import ControlSolver, EstimationSolver
+from drawbar.signals import Command, Measurement, Truth
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WholeRun:
+    """What a whole run costs outside the solvers too."""
+
+    step: list[float]
+    """one control step, measurement in, command out, and the preparation after it, without the simulation, s"""
+    real_time_factor: float
+    """driven time over elapsed time, simulation included"""
+
+
+class _TimedMachine(Machine):
+    """Passes everything on and adds up how long the machine itself takes."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        self.elapsed = 0.0
+
+    def read(self) -> Measurement:
+        start = time.perf_counter()
+        measurement = self._machine.read()
+        self.elapsed += time.perf_counter() - start
+        return measurement
+
+    def write(self, command: Command) -> None:
+        start = time.perf_counter()
+        self._machine.write(command)
+        self.elapsed += time.perf_counter() - start
+
+    def truth(self) -> Truth | None:
+        start = time.perf_counter()
+        truth = self._machine.truth()
+        self.elapsed += time.perf_counter() - start
+        return truth
+
+
+def probed_run(name: str, stages: int, steps: int, *, with_other_route: bool) -> list[Probe]:
+    """Drive a shipped configuration with horizon and window of `stages`, and return the probes of its three solvers."""
+    configuration = load_configuration(name, [f"controller.horizon={stages}", f"estimator.window={stages}"])
+    autopilot = _autopilot(configuration)
+    controller, estimator = autopilot._controller, autopilot._estimator
+    if not isinstance(controller, DecentralisedController) or not isinstance(estimator, MovingHorizonEstimator):
+        raise TypeError(f"{name} has no decentralised controllers or no moving horizon estimator to measure.")
+    solvers: dict[str, ControlSolver | EstimationSolver] = {
+        "tractor": controller._tractor.solver,
+        "trailer": controller._trailer.solver,
+        "estimator": estimator._solver,
+    }
+    probes = [Probe(f"{name}-{body}", solver, with_other_route=with_other_route) for body, solver in solvers.items()]
+    for _ in range(steps + stages + 1):  # the first ones only fill the window
+        autopilot.step()
+    return probes
+
+
+def whole_run(name: str) -> WholeRun:
+    """Drive a shipped configuration from start to end of its path, unwatched but for the clock."""
+    configuration = load_configuration(name)
+    path, _ = build_path(configuration)
+    machine = _TimedMachine(build_machine(configuration, path, 0))
+    autopilot = build_autopilot(configuration, path, machine)
+    steps = []
+    start = before = time.perf_counter()
+    machine.elapsed = 0.0
+    for _ in drive(autopilot, time_limit=60.0 + 3.0 * path.length / configuration.speed):
+        now = time.perf_counter()
+        steps.append(now - before - machine.elapsed)
+        before, machine.elapsed = now, 0.0
+    driven = len(steps) * configuration.sample_time
+    return WholeRun(step=steps, real_time_factor=driven / (time.perf_counter() - start))
+
+
+def _autopilot(configuration: Configuration) -> Autopilot:
+    path, _ = build_path(configuration)
+    return build_autopilot(configuration, path, build_machine(configuration, path, 0))

@@ -1,0 +1,134 @@
+"""Measurements that the estimators' own models make, with and without noise, and what moves the world under them."""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from drawbar.config import load_configuration
+from drawbar.estimation.articulated import ArticulatedEstimation
+from drawbar.estimation.description import EstimationModel
+from drawbar.estimation.moving_horizon import MovingHorizonEstimator
+from drawbar.estimation.settings import ArticulatedEstimatorSettings, TricycleEstimatorSettings
+from drawbar.estimation.tricycle import TricycleEstimation
+from drawbar.geometry import Floats
+from drawbar.signals import Estimate, Measurement
+from drawbar.vehicle.model import integrate
+from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import SensorNoise
+
+SAMPLE_TIME = 0.2
+DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
+
+
+@pytest.fixture(scope="session", params=["articulated", "tricycle"])
+def model(request: pytest.FixtureRequest) -> EstimationModel:
+    if request.param == "tricycle":
+        settings = TricycleEstimatorSettings(model="tricycle", weighting="statistical")
+        return TricycleEstimation(VehicleParameters(), SensorNoise(), settings, SAMPLE_TIME)
+    return ArticulatedEstimation(
+        VehicleParameters(), SensorNoise(), ArticulatedEstimatorSettings(model="articulated"), SAMPLE_TIME
+    )
+
+
+@pytest.fixture(scope="session")
+def travel() -> Callable[..., tuple[Floats, Floats]]:
+    """Return a function that integrates a model: states (n+1, nx) and outputs (n+1, ny) under inputs (n, nu)."""
+
+    def travel(model: EstimationModel, start: Floats, p: Floats, inputs: Floats) -> tuple[Floats, Floats]:
+        declared = model.problem.model
+        step = ca.Function("step", [declared.x, declared.u, declared.p], [integrate(declared, SAMPLE_TIME)])
+        output = ca.Function("output", [declared.x, declared.u, declared.p], [declared.output])
+        states = [start]
+        for u in inputs:
+            states.append(np.array(step(states[-1], u, p)).ravel())
+        held = np.vstack([inputs, inputs[-1:]])
+        return np.array(states), np.array([np.array(output(x, u, p)).ravel() for x, u in zip(states, held, strict=True)])
+
+    return travel
+
+
+def as_measurements(outputs: Floats) -> list[Measurement]:
+    names = ("tractor_x", "tractor_y", "trailer_x", "trailer_y", "hitch_angle", "speed")
+    names = (*names, "tractor_steering", "trailer_steering")
+    return [
+        Measurement(time=k * SAMPLE_TIME, **dict(zip(names, row[:8].tolist(), strict=True)))
+        for k, row in enumerate(outputs)
+    ]
+
+
+@pytest.fixture(scope="session")
+def measure() -> Callable[..., list[Measurement]]:
+    """Return a function that turns outputs (n, ny) into measurements, with noise of the given seed or without."""
+
+    def measure(outputs: Floats, seed: int | None = None) -> list[Measurement]:
+        noise = np.zeros((len(outputs), 8))
+        if seed is not None:
+            noise = DEVIATIONS * np.random.default_rng(seed).normal(size=noise.shape)
+        return as_measurements(outputs[:, :8] + noise)
+
+    return measure
+
+
+@pytest.fixture(scope="session")
+def follow() -> Callable[..., list[Estimate]]:
+    """Return a function that estimates along measurements."""
+
+    def follow(model: EstimationModel, measurements: Iterable[Measurement]) -> list[Estimate]:
+        measurements = list(measurements)
+        estimator = MovingHorizonEstimator(model, measurements[0])
+        estimates = []
+        for measurement in measurements:
+            estimates.append(estimator.update(measurement))
+            estimator.prepare()
+        return estimates
+
+    return follow
+
+
+@pytest.fixture(scope="session")
+def recording() -> list[Measurement]:
+    """Return 60 s of a real drive: the simulated machine's own noise, slips and rounding on the first curve."""
+    from drawbar.autopilot.build import build_autopilot, build_machine, build_path
+
+    configuration = load_configuration("articulated")
+    path, _ = build_path(configuration)
+    autopilot = build_autopilot(configuration, path, build_machine(configuration, path, seed=5))
+    return [autopilot.step().measurement for _ in range(300)]
+
+
+def rotated(measurement: Measurement, angle: float, shift: tuple[float, float] = (0.0, 0.0)) -> Measurement:
+    c, s = math.cos(angle), math.sin(angle)
+
+    def turn(x: float, y: float) -> tuple[float, float]:
+        return c * x - s * y + shift[0], s * x + c * y + shift[1]
+
+    tractor = turn(measurement.tractor_x, measurement.tractor_y)
+    trailer = turn(measurement.trailer_x, measurement.trailer_y)
+    return replace(
+        measurement, tractor_x=tractor[0], tractor_y=tractor[1], trailer_x=trailer[0], trailer_y=trailer[1]
+    )
+
+
+def mirrored(measurement: Measurement) -> Measurement:
+    return replace(
+        measurement,
+        tractor_y=-measurement.tractor_y,
+        trailer_y=-measurement.trailer_y,
+        hitch_angle=-measurement.hitch_angle,
+        tractor_steering=-measurement.tractor_steering,
+        trailer_steering=-measurement.trailer_steering,
+    )
+
+
+@pytest.fixture(scope="session")
+def rotate() -> Callable[..., Measurement]:
+    return rotated
+
+
+@pytest.fixture(scope="session")
+def mirror() -> Callable[[Measurement], Measurement]:
+    return mirrored

@@ -1,0 +1,121 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drawbar.geometry import wrap
+from drawbar.signals import SolverStatus
+
+MASKED = dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
+SLIPS = ("longitudinal_slip", "tractor_slip", "trailer_slip")
+ANGLES = ("hitch_angle", "tractor_steering", "trailer_steering", "steering_offset", "tractor_crab", "trailer_crab")
+
+
+def drive(model, travel, *, straight=False):
+    """Return states and outputs of 50 s at constant slip, with the steering at work or not at all."""
+    count = 250
+    time = 0.2 * np.arange(count)
+    if model.problem.model.name == "articulated":
+        start = np.array([5.0, -3.0, 2.8, 2.7, 0.1, 0.05])
+        p = np.array([0.92, 0.95, 0.01, 0.015, 1.0, -0.01])
+        inputs = np.stack([0.05 * np.cos(0.3 * time), 0.02 * np.cos(0.4 * time)], axis=1)
+    else:
+        start = np.array([5.0, -3.0, 2.8, 7.0, -3.7, 2.7])
+        p = np.array([0.92, 0.95, 0.9, 0.1, 1.0])
+        inputs = np.stack([0.15 + 0.1 * np.sin(0.3 * time), 0.1 * np.sin(0.4 * time)], axis=1)
+    return (*travel(model, start, p, 0.0 * inputs if straight else inputs), p)
+
+
+def assert_same_slips(left, right, sign=1.0, tolerance=1e-9):
+    for name in SLIPS:
+        assert getattr(left, name) == pytest.approx(getattr(right, name), abs=tolerance)
+    for name in ANGLES:
+        assert getattr(left, name) == pytest.approx(sign * getattr(right, name), abs=tolerance)
+
+
+def test_exact_measurements_of_the_model_are_explained_exactly(model, travel, measure, follow):
+    states, outputs, p = drive(model, travel)
+    last = follow(model, measure(outputs))[-1]
+    names = [variable.name for variable in model.problem.model.states]
+    truth = dict(zip(names, states[-1].tolist(), strict=True))
+    print("ERR", [last.tractor.x-truth["tractor_x"], last.tractor.y-truth["tractor_y"], last.trailer.x-outputs[-1,2], wrap(last.tractor.yaw - truth["tractor_yaw"]), wrap(last.trailer.yaw - truth["trailer_yaw"]), last.longitudinal_slip-p[0], last.tractor_slip-p[1], last.steering_offset-p[2],last.tractor_crab-p[-1],last.trailer_crab-p[3]])
+    assert last.status is SolverStatus.SOLVED
+    assert (last.tractor.x, last.tractor.y) == pytest.approx((truth["tractor_x"], truth["tractor_y"]), abs=2e-3)
+    assert (last.trailer.x, last.trailer.y) == pytest.approx(tuple(outputs[-1, 2:4]), abs=2e-3)
+    assert wrap(last.tractor.yaw - truth["tractor_yaw"]) == pytest.approx(0.0, abs=2e-3)
+    assert wrap(last.trailer.yaw - truth["trailer_yaw"]) == pytest.approx(0.0, abs=2e-3)
+    assert last.longitudinal_slip * last.speed == pytest.approx(p[0] * 1.0, abs=2e-3)
+    assert last.longitudinal_slip == pytest.approx(p[0], abs=5e-3)
+
+
+@pytest.mark.parametrize("angle", [0.7, math.pi / 2, 3.0, -2.2])
+def test_the_world_may_turn_and_shift(model, recording, follow, rotate, angle):
+    shift = (120.0, -75.0)
+    estimates = follow(model, recording)
+    moved = follow(model, [rotate(measurement, angle, shift) for measurement in recording])
+    c, s = math.cos(angle), math.sin(angle)
+    for one, other in zip(estimates, moved, strict=True):
+        assert_same_slips(one, other)
+        assert other.status is one.status
+        for pose, turned in ((one.tractor, other.tractor), (one.trailer, other.trailer)):
+            assert turned.x == pytest.approx(c * pose.x - s * pose.y + shift[0], abs=1e-9)
+            assert turned.y == pytest.approx(s * pose.x + c * pose.y + shift[1], abs=1e-9)
+            assert wrap(turned.yaw - pose.yaw - angle) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_world_may_be_mirrored(model, recording, follow, mirror):
+    estimates = follow(model, recording)
+    for one, other in zip(estimates, follow(model, map(mirror, recording)), strict=True):
+        assert_same_slips(one, other, sign=-1.0)
+        for pose, turned in ((one.tractor, other.tractor), (one.trailer, other.trailer)):
+            assert (turned.x, turned.y) == pytest.approx((pose.x, -pose.y), abs=1e-9)
+            assert wrap(turned.yaw + pose.yaw) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_yaw_is_continuous_across_half_a_turn(model, recording, follow, rotate):
+    # the recording turns by more than 180°, so one of these crosses ±180° wherever it starts
+    for angle in (0.0, 2.0, 4.0):
+        yaws = [estimate.tractor.yaw for estimate in follow(model, [rotate(m, angle) for m in recording])]
+        assert np.abs(np.diff(yaws)).max() < 0.5
+        assert np.ptp(yaws) > math.pi
+
+
+def test_positions_lost_for_ten_seconds_do_not_lose_the_vehicle(model, recording, follow):
+    lost = range(150, 200)
+    masked = [replace(m, **MASKED) if k in lost else m for k, m in enumerate(recording)]
+    known, blind = follow(model, recording), follow(model, masked)
+    away = [math.hypot(a.tractor.x - b.tractor.x, a.tractor.y - b.tractor.y) for a, b in zip(known, blind, strict=True)]
+    print(max(away[150:200]), max(away[230:]), model.problem.model.name)
+    assert max(away[:150]) == 0.0
+    assert 0.0 < max(away[150:200]) < 1.0
+    assert max(away[230:]) < 0.05
+
+
+def test_a_sample_that_is_missing_altogether_is_predicted(model, travel, measure, follow):
+    _, outputs, _ = drive(model, travel)
+    measurements = measure(outputs)
+    nothing = {name: math.nan for name in (*MASKED, "hitch_angle", "speed", "tractor_steering", "trailer_steering")}
+    blind = follow(model, [*measurements[:-1], replace(measurements[-1], **nothing)])[-1]
+    assert blind.status is SolverStatus.SOLVED
+    assert (blind.tractor.x, blind.tractor.y) == pytest.approx(tuple(outputs[-1, :2]), abs=0.01)
+    assert (blind.trailer.x, blind.trailer.y) == pytest.approx(tuple(outputs[-1, 2:4]), abs=0.01)
+
+
+def test_a_failing_solver_leaves_the_prediction_and_says_so(model, recording, follow):
+    broken = [*recording[:60], replace(recording[60], tractor_x=1e300)]  # its square is no number any more
+    estimates = follow(model, broken)
+    assert estimates[59].status is SolverStatus.SOLVED
+    assert estimates[60].status is not SolverStatus.SOLVED
+    step = math.hypot(
+        estimates[60].tractor.x - estimates[59].tractor.x, estimates[60].tractor.y - estimates[59].tractor.y
+    )
+    speed = estimates[59].longitudinal_slip * estimates[59].speed
+    assert step == pytest.approx(0.2 * speed, rel=0.01)
+
+
+def test_an_infinite_reading_is_a_missing_one(model, recording, follow):
+    infinite, missing = list(recording[:80]), list(recording[:80])
+    infinite[60] = replace(recording[60], tractor_x=math.inf, trailer_y=-math.inf, speed=math.inf)
+    missing[60] = replace(recording[60], tractor_x=math.nan, trailer_y=math.nan, speed=math.nan)
+    assert follow(model, infinite) == follow(model, missing)

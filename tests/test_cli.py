@@ -1,0 +1,228 @@
+"""`drawbar run` as its user sees it: exit code, one message, and what lies in the folder afterwards."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from time import sleep
+from typing import Any
+
+import pytest
+
+from drawbar import cli
+from drawbar.autopilot.log import read_log
+from drawbar.config import load_configuration
+from drawbar.machine.simulated import SimulatedMachine
+from drawbar.signals import Command
+
+SHORT = ("--set", "path.radii=[5.0]", "--set", "path.straight_length=1.0")
+FILES = {"config.toml", "log.mcap", "metrics.json", "report.html", "map.svg"}
+
+Drawbar = Callable[..., tuple[int, str]]
+
+
+@pytest.fixture
+def drawbar(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Drawbar:
+    """Return a function that runs the command line inside tmp_path: exit code, and what it said."""
+
+    def drawbar(*arguments: str) -> tuple[int, str]:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["drawbar", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out + captured.err
+
+    return drawbar
+
+
+def without_times(file: Path) -> dict[str, Any]:
+    metrics: dict[str, Any] = json.loads(file.read_bytes())
+    del metrics["solve_time_s"], metrics["real_time_factor"]
+    return metrics
+
+
+def test_a_run_leaves_everything_it_promises(drawbar: Drawbar, tmp_path: Path) -> None:
+    code, said = drawbar("run", *SHORT, "--seed", "3", "--out", "[out]")
+    assert code == 0
+    assert "[out]/report.html" in said
+    assert {file.name for file in (tmp_path / "[out]").iterdir()} == FILES
+    metrics = json.loads((tmp_path / "[out]" / "metrics.json").read_bytes())
+    assert (metrics["config"], metrics["seed"], metrics["finished"]) == ("articulated", 3, True)
+    for key in ("duration_s", "length_m", "real_time_factor"):
+        assert metrics[key] > 0.0
+    assert metrics["solver_failures"] == 0
+    for body in ("tractor", "trailer"):
+        for label in ("straight", "0.2", "all"):
+            error = metrics["error_m"][body][label]
+            assert 0.0 <= error["mean"] <= error["rms"] <= error["max"]
+        for key in ("yaw_rmse_rad", "ancillary_share", "saturated_share"):
+            assert isinstance(metrics[key][body], float)
+    for solver in ("estimator", "tractor", "trailer"):
+        for phase in ("prepare", "feedback"):
+            time = metrics["solve_time_s"][solver][phase]
+            assert 0.0 < time["median"] <= time["p99"] <= time["max"]
+
+
+def test_the_written_configuration_is_the_whole_run_again(drawbar: Drawbar, tmp_path: Path) -> None:
+    assert drawbar("run", "paper", *SHORT, "--set", "speed=0.8", "--out", "a")[0] == 0
+    assert drawbar("run", "a/config.toml", "--out", "b")[0] == 0
+    assert (tmp_path / "a" / "config.toml").read_bytes() == (tmp_path / "b" / "config.toml").read_bytes()
+    assert load_configuration(str(tmp_path / "b" / "config.toml")).speed == 0.8
+    assert without_times(tmp_path / "a" / "metrics.json") == without_times(tmp_path / "b" / "metrics.json")
+
+
+def test_metrics_are_the_same_bytes_for_a_seed_and_others_for_another(drawbar: Drawbar, tmp_path: Path) -> None:
+    for folder, seed in (("a", "0"), ("b", "0"), ("c", "1")):
+        assert drawbar("run", *SHORT, "--seed", seed, "--out", folder)[0] == 0
+    first, again, other = (without_times(tmp_path / folder / "metrics.json") for folder in "abc")
+    assert json.dumps(first) == json.dumps(again)
+    assert first["error_m"] != other["error_m"]
+
+
+def test_unnamed_folders_never_overwrite_each_other(drawbar: Drawbar, tmp_path: Path) -> None:
+    for _ in range(2):
+        assert drawbar("run", *SHORT)[0] == 0
+    assert {folder.name for folder in (tmp_path / "runs").iterdir()} == {"articulated-seed0", "articulated-seed0-2"}
+
+
+REFUSED = {
+    "no such configuration": (("none.toml",), "none.toml"),
+    "brackets in a name": (("[/red]",), "[/red]"),
+    "unknown key": (("--set", "vehicle.wheelbse=1.4"), "wheelbse"),
+    "no key": (("--set", "speed"), "KEY=VALUE"),
+    "no such path": (("--path", "none.csv"), "none.csv"),
+    "unknown kind of path": (("--path", "line.shp"), "line.shp"),
+    "quotes in a path": (("--path", 'a"\n\\b.csv'), 'a"\n\\b.csv'),
+    "track without a path": (("--track", "Cu 275.4°"), "Cu 275.4°"),
+    "a start 1 km away": (("--set", "start.ahead=1000.0"), "999.9"),
+    "radius too tight": (("--set", "path.radii=[1.0]"), "path.radii holds 1.0 m"),
+    "sample time off the machine's grid": (("--set", "machine.step=0.03"), "0.03"),
+    "too fast for the machine": (("--set", "speed=4.0"), "full_speed"),
+    "no seed": (("--seed", "-1"), "--seed"),
+    "no number": (("--seed", "x"), "--seed"),
+    "no option": (("--fast",), "--fast"),
+    "folder is a file": (("--out", "file"), "file"),
+    "folder below a file": (("--out", "file/out"), "file"),
+    "folder with a folder for a file": (("--out", "blocked"), "blocked"),
+    "folder with a folder for the log": (("--out", "blocked_log"), "blocked_log"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_driven_is_refused_in_one_message(drawbar: Drawbar, tmp_path: Path, case: str) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "line.shp").touch()
+    (tmp_path / "blocked" / "config.toml").mkdir(parents=True)
+    (tmp_path / "blocked_log" / "log.mcap").mkdir(parents=True)
+    arguments, part = REFUSED[case]
+    code, said = drawbar("run", *arguments)
+    assert code == 2
+    assert part in said
+    assert "Traceback" not in said
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_recorded_field_names_its_lines(drawbar: Drawbar, recorded_field: Path) -> None:
+    for track in ((), ("--track", "[/red]")):
+        code, said = drawbar("run", "--path", str(recorded_field), *track)
+        assert code == 2
+        assert "'Cu 275.4°', 'Cu 49.9°', 'Cu 183.7°'" in said
+
+
+@pytest.mark.parametrize("chosen", ["/nonexistent/cc", ""])
+def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
+    hidden = "import sys; sys.modules['ziglang'] = None; import importlib.util as u; f = u.find_spec; "
+    hidden += "u.find_spec = lambda name, *rest: None if name == 'ziglang' else f(name, *rest); "
+    environment = {"PATH": "", "CC": chosen, "DRAWBAR_CACHE": str(tmp_path / "cache")}
+    ended = subprocess.run(
+        [sys.executable, "-c", hidden + "from drawbar.cli import main; main()", "run"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert ended.returncode == 2
+    assert "Traceback" not in ended.stderr
+    assert ("CC='/nonexistent/cc'" if chosen else 'pip install "drawbar[zig]"') in ended.stderr
+
+
+def test_a_lost_run_ends_with_code_1_and_a_report(drawbar: Drawbar, tmp_path: Path) -> None:
+    # backwards beside the path, and hardly any steering to come round
+    changes = ("start.left=4.5", "start.yaw=3.1", "vehicle.tractor_steering_limit=0.05")
+    code, said = drawbar("run", *SHORT, *(f"--set={change}" for change in changes), "--out", "out")
+    assert code == 1
+    assert "m from the path (limit 5.0 m)" in " ".join(said.split())
+    assert {file.name for file in (tmp_path / "out").iterdir()} == FILES
+    assert not json.loads((tmp_path / "out" / "metrics.json").read_bytes())["finished"]
+    log = read_log(tmp_path / "out" / "log.mcap")
+    assert abs(log.records[-1].reference.tractor.lateral_error) > 5.0
+    assert tomllib.loads(log.header.configuration)["start"]["yaw"] == 3.1
+
+
+@pytest.fixture
+def break_after(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, BaseException], None]:
+    """Return a function that lets the machine raise when it is given its n-th command."""
+
+    def break_after(steps: int, error: BaseException) -> None:
+        whole, count = SimulatedMachine.write, iter(range(steps))
+
+        def write(machine: SimulatedMachine, command: Command) -> None:
+            if next(count, None) is None:
+                raise error
+            whole(machine, command)
+
+        monkeypatch.setattr(SimulatedMachine, "write", write)
+
+    return break_after
+
+
+@pytest.mark.parametrize("steps", [0, 1, 40])
+def test_ctrl_c_ends_a_run_with_its_report(
+    drawbar: Drawbar, tmp_path: Path, break_after: Callable[..., None], steps: int
+) -> None:
+    break_after(steps, KeyboardInterrupt())
+    code, _ = drawbar("run", *SHORT, "--out", "out")
+    assert code == 130
+    assert {file.name for file in (tmp_path / "out").iterdir()} == FILES
+    assert len(read_log(tmp_path / "out" / "log.mcap").records) == steps
+
+
+def test_a_crash_leaves_a_log_up_to_the_last_step(
+    drawbar: Drawbar, tmp_path: Path, break_after: Callable[..., None]
+) -> None:
+    break_after(40, RuntimeError("broken"))
+    with pytest.raises(RuntimeError, match="broken"):
+        drawbar("run", *SHORT, "--out", "out")
+    log = read_log(tmp_path / "out" / "log.mcap")
+    assert len(log.records) == 40
+    assert not log.outcome.finished
+    assert log.outcome.reason == "RuntimeError: broken"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+@pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
+def test_a_process_that_is_stopped_leaves_a_readable_log(tmp_path: Path, sent: signal.Signals, code: int) -> None:
+    # a tiny speed, so that the run would go on for hours
+    command = [sys.executable, "-c", "from drawbar.cli import main; main()", "run", "--set=speed=1e-6", "--out=out"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+        log = tmp_path / "out" / "log.mcap"
+        while process.poll() is None and not (log.exists() and log.stat().st_size > 1_000_000):
+            sleep(0.02)
+        process.send_signal(sent)
+        process.communicate(timeout=60)
+    assert process.returncode == code
+    assert len(read_log(log).records) > 10
+    assert (tmp_path / "out" / "report.html").exists() == (sent == signal.SIGINT)
+
+
+def test_help_names_the_shipped_configurations(drawbar: Drawbar) -> None:
+    code, said = drawbar("run", "--help")
+    assert code == 0
+    assert "articulated, paper" in " ".join(said.split())

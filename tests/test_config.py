@@ -1,0 +1,219 @@
+"""Every configuration is either understood completely or refused in one readable message."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drawbar.config import load_configuration, shipped_names
+from drawbar.errors import ConfigurationError
+
+SMALLEST = """
+name = "mine"
+estimator = { model = "articulated" }
+controller = { model = "articulated" }
+tube = { tractor = { yaw = -0.3 }, trailer = { yaw = 0.3 } }
+"""
+
+Write = Callable[[str | bytes], str]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def write(content: str | bytes) -> str:
+        file = tmp_path / "mine.toml"
+        file.write_bytes(content.encode() if isinstance(content, str) else content)
+        return str(file)
+
+    return write
+
+
+def refusal(source: str, *changes: str) -> str:
+    with pytest.raises(ConfigurationError) as caught:
+        load_configuration(source, changes)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_shipped_configurations_survive_being_written_and_read(name: str, write: Write) -> None:
+    configuration = load_configuration(name)
+    assert configuration.name == name
+    assert load_configuration(write(configuration.to_toml())) == configuration
+
+
+def test_a_changed_configuration_survives_being_written_and_read(write: Write) -> None:
+    changes = (
+        'machine.events=[{kind="gps_loss", start=3.0, duration=2.0}, {kind="bump", start=9.0, lateral=0.05}]',
+        "path.radii=[7.0]",
+        'name="quote \\" and ü"',
+        "speed=1",
+    )
+    configuration = load_configuration("paper", changes)
+    assert [event.kind for event in configuration.machine.events] == ["gps_loss", "bump"]
+    assert configuration.path.radii == (7.0,)
+    assert load_configuration(write(configuration.to_toml())) == configuration
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(write: Write) -> None:
+    assert load_configuration(write(b"\xef\xbb\xbf" + SMALLEST.encode())).name == "mine"
+
+
+WRONG_VALUES = {
+    "vehicle.wheelbase=nan": ("vehicle.wheelbase = nan", "finite"),
+    "vehicle.wheelbase=-inf": ("vehicle.wheelbase = -inf", "finite"),
+    "vehicle.wheelbase=-1.4": ("vehicle.wheelbase = -1.4", "greater than 0"),
+    "vehicle.wheelbase=0": ("vehicle.wheelbase = 0", "greater than 0"),
+    'vehicle.wheelbase="1.4"': ("vehicle.wheelbase = '1.4'", "number"),
+    "vehicle.wheelbase=long": ("vehicle.wheelbase = 'long'", "number"),
+    "vehicle.wheelbase=": ("vehicle.wheelbase = ''", "number"),
+    "vehicle.wheelbase=[1.4]": ("vehicle.wheelbase = [1.4]", "number"),
+    "vehicle.wheelbase=true": ("vehicle.wheelbase = True", "number"),
+    "vehicle.wheelbase={m=1.4}": ("vehicle.wheelbase = {'m': 1.4}", "number"),
+    "vehicle.wheelbase=1.4\nspeed=2.0": ("vehicle.wheelbase", "number"),
+    "vehicle.joint_sign=0": ("vehicle.joint_sign = 0", "-1 or 1"),
+    "vehicle=3": ("vehicle = 3", "section with keys"),
+    "name=3": ("name = 3", "string"),
+    "name=": ("name = ''", "at least 1 character"),
+    "vehicle.tractor_steering_limit=30": ("vehicle.tractor_steering_limit = 30", "radians", "0.5236 rad"),
+    "estimator.prior.yaw=20.0": ("estimator.prior.yaw = 20.0", "radians", "0.3491 rad"),
+    "start.yaw=-90": ("start.yaw = -90", "radians", "-1.5708 rad"),
+    "estimator.window=0": ("estimator.window = 0", "greater than or equal to 2"),
+    "estimator.window=1": ("estimator.window = 1", "greater than or equal to 2"),
+    "controller.horizon=1": ("controller.horizon = 1", "greater than or equal to 2"),
+    "controller.horizon=1000000": ("controller.horizon = 1000000", "less than or equal to 1000"),
+    "controller.horizon=2.5": ("controller.horizon = 2.5", "integer"),
+    "estimator.tractor_slip_bounds={lower=1.0, upper=0.5}": ("estimator.tractor_slip_bounds", "lower = 1.0", "0.5"),
+    "estimator.longitudinal_slip_bounds.upper=0.1": ("estimator.longitudinal_slip_bounds", "0.25", "0.1"),
+    "estimator.first_slip=7.0": ("estimator: first_slip = 7.0", "0.25 .. 1.0"),
+    "controller.coupling=loose": ("controller.coupling = 'loose'", "'neglected', 'measured' or 'planned'"),
+    "guidance.mode=back": ("guidance.mode = 'back'", "'preview' or 'look_ahead'"),
+    "estimator.model=kalman": ("estimator: 'model' = 'kalman'", "'articulated', 'tricycle'"),
+    "controller={}": ("controller: 'model' is missing",),
+    "estimator=3": ("estimator = 3", "section with keys"),
+    "path.radii=[]": ("path.radii = []", "at least 1"),
+    "path.radii=[8.0, -2.0]": ("path.radii.1 = -2.0", "greater than 0"),
+    "path.radii=3": ("path.radii = 3", "list"),
+    'path.track="Cu 275.4°"': ("path: track = 'Cu 275.4°'", "path.file"),
+    "machine.events=[{}]": ("machine.events.0: 'kind' is missing",),
+    'machine.events=[{kind="meteor"}]': ("machine.events.0: 'kind' = 'meteor'", "'bump'"),
+    'machine.events=[{kind="bump", start=-1.0}]': ("machine.events.0.start = -1.0", "greater than or equal to 0"),
+    "speed=10.0": ("speed = 10.0 m/s", "machine.hydrostat.full_speed = 3.0 m/s"),
+    "sensors.position=0.0": ("sensors.position = 0.0", "greater than 0"),
+}
+
+
+@pytest.mark.parametrize("change", WRONG_VALUES)
+def test_a_wrong_value_is_refused_by_key_value_and_what_is_allowed(change: str) -> None:
+    message = refusal("articulated", change)
+    assert "articulated" in message
+    assert "1 wrong value(s)" in message
+    for part in WRONG_VALUES[change]:
+        assert part in message
+
+
+@pytest.mark.parametrize(
+    ("change", "section", "key", "known"),
+    [
+        ("wheelbase=1.4", "configuration", "wheelbase", "sample_time, speed, vehicle"),
+        ("vehicle.wheelbse=1.4", "vehicle", "wheelbse", "wheelbase, hitch_length"),
+        ("machine.ground.tractor_crab.average=0.0", "machine.ground.tractor_crab", "average", "mean, deviation"),
+        ("estimator.prior.joint=0.1", "estimator.prior", "joint", "position, yaw"),
+        ("tyres.pressure=1.6", "configuration", "tyres", "vehicle"),
+    ],
+)
+def test_an_unknown_key_is_refused_beside_the_known_ones(change: str, section: str, key: str, known: str) -> None:
+    message = refusal("articulated", change)
+    assert f"{section}: has no key {key}; its keys are: " in message
+    assert known in message
+
+
+@pytest.mark.parametrize("change", ["speed", "=1.0", " =1.0", ""])
+def test_a_change_needs_key_and_value(change: str) -> None:
+    assert "KEY=VALUE" in refusal("articulated", change)
+
+
+@pytest.mark.parametrize("change", ["speed.limit=1.0", "vehicle.wheelbase.front.left=1.0"])
+def test_a_value_has_no_keys(change: str) -> None:
+    assert "is a value, not a section" in refusal("articulated", change)
+
+
+def test_all_wrong_values_are_told_at_once() -> None:
+    message = refusal("articulated", "vehicle.wheelbase=-1", "speed=fast", "sensors.speed=nan")
+    assert "3 wrong value(s)" in message
+    for key in ("vehicle.wheelbase", "speed", "sensors.speed"):
+        assert f"  {key} = " in message
+
+
+def test_missing_keys_are_named(write: Write) -> None:
+    message = refusal(write(""))
+    for key in ("name", "estimator", "controller", "tube"):
+        assert f"  {key}: is missing" in message
+    assert "  tube.trailer.yaw: is missing" in refusal(
+        write(SMALLEST.replace("trailer = { yaw = 0.3 }", "trailer = {}"))
+    )
+
+
+@pytest.mark.parametrize("double", ['name = "a"\nname = "b"', "[vehicle]\n[vehicle]", "speed = 1.0\nspeed.x = 1"])
+def test_a_duplicate_key_is_refused_with_its_line(write: Write, double: str) -> None:
+    file = write(double + "\nspeed = 1.0\n")
+    assert refusal(file).startswith(f"{file}: is not valid TOML: ")
+    assert "twice" in refusal(file)
+    assert "line 2" in refusal(file)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        bytes(range(256)),
+        'name = "ü"'.encode("latin-1"),
+        b"\x89PNG\r\n",
+        "name = ü",
+        "a = " + "[" * 20000,
+        "n = " + "9" * 5000,
+    ],
+    ids=["binary", "latin-1", "picture", "no TOML", "deep", "digits"],
+)
+def test_a_file_that_is_no_toml_is_refused(write: Write, content: str | bytes) -> None:
+    file = write(content)
+    assert refusal(file).startswith(file)
+
+
+def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    for source in (str(tmp_path), str(tmp_path / "none.toml"), "", "a\0b"):
+        message = refusal(source)
+        assert "cannot be read as a configuration" in message
+        assert "articulated, paper" in message
+
+
+def test_toml_that_is_no_configuration_is_refused() -> None:
+    message = refusal(str(Path(__file__).parents[1] / "pyproject.toml"))
+    assert "has no key build-system, project, tool" in message
+
+
+def test_changes_are_applied_in_order_over_everything_else() -> None:
+    configuration = load_configuration(
+        "articulated", ["speed=1.5", "machine.ground.tractor_slip.mean=0.7", "speed=0.5"]
+    )
+    assert configuration.speed == 0.5
+    assert configuration.machine.ground.tractor_slip.mean == 0.7
+    assert configuration.machine.ground.tractor_slip.deviation == 0.03
+
+
+def test_another_model_brings_its_own_defaults() -> None:
+    changed = load_configuration("articulated", ["estimator.model=tricycle", "estimator.window=7"])
+    assert changed.estimator.model == "tricycle"
+    assert changed.estimator.window == 7
+    kept = load_configuration("articulated", ["estimator.window=7", "estimator.model=articulated"])
+    assert kept.estimator.window == 7
+
+
+@given(st.floats(allow_nan=True, allow_infinity=True, width=32), st.sampled_from(["wheelbase", "steering_lag"]))
+def test_no_number_passes_but_positive_finite_ones(value: float, key: str) -> None:
+    changes = [f"vehicle.{key}={value!r}"]
+    if 0.0 < value < math.inf:
+        assert getattr(load_configuration("articulated", changes).vehicle, key) == value
+    else:
+        assert f"vehicle.{key}" in refusal("articulated", *changes)

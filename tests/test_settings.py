@@ -1,0 +1,66 @@
+import math
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from drawbar.settings import Angle, Horizon, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
+
+
+class Section(Settings):
+    length: Positive = 1.0
+    weight: NonNegative = 0.0
+    share: Share = 0.5
+    yaw: Angle = 0.0
+    limit: PositiveAngle = 0.1
+    noise: NonNegativeAngle = 0.0
+    horizon: Horizon = 10
+
+
+ALLOWED = {
+    "length": [1e-300, 1e300, 2],
+    "weight": [0.0, 1e300],
+    "share": [0.0, 1.0],
+    "yaw": [-math.pi, 0.0, math.pi],
+    "limit": [1e-9, math.pi],
+    "noise": [0.0, math.pi],
+    "horizon": [2, 1000],
+}
+REFUSED = {
+    "length": [0.0, -1.0, "1", True, None],
+    "weight": [-1e-300],
+    "share": [-0.01, 1.01],
+    "yaw": [3.15, -3.15, 30.0],
+    "limit": [0.0, -0.1, 3.15],
+    "noise": [-0.1, 3.15],
+    "horizon": [1, 0, -1, 1001, 2.0, True, "10"],
+}
+
+
+@pytest.mark.parametrize(("key", "value"), [(key, value) for key, values in ALLOWED.items() for value in values])
+def test_what_is_in_range_is_taken_as_it_is(key: str, value: Any) -> None:
+    assert getattr(Section.model_validate({key: value}), key) == value
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [(key, value) for key, values in REFUSED.items() for value in [*values, math.nan, math.inf, -math.inf]],
+)
+def test_what_is_not_is_refused(key: str, value: Any) -> None:
+    with pytest.raises(ValidationError):
+        Section.model_validate({key: value})
+
+
+def test_an_angle_in_degrees_is_told_in_radians() -> None:
+    with pytest.raises(ValidationError, match=r"degrees\? 30\.0° = 0\.5236 rad"):
+        Section(yaw=30.0)
+
+
+def test_unknown_keys_are_told_beside_the_known_ones() -> None:
+    with pytest.raises(ValidationError, match=r"has no key widht, hight; its keys are: length, weight"):
+        Section.model_validate({"widht": 1.0, "hight": 2.0, "length": 1.0})
+
+
+def test_a_section_does_not_change() -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        Section().length = 2.0  # type: ignore[misc]
