@@ -1,4 +1,4 @@
-"""The tutorial's example runs, does what the tutorial says, and is what the tutorial shows."""
+"""The tutorial's example runs, does what the tutorial says, and is what the tutorial shows; docs/readings.py runs."""
 
 import importlib.util
 import re
@@ -10,6 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from drawbar.config import load_configuration
 from drawbar.geometry import Floats
 
 ROOT = Path(__file__).parents[1]
@@ -19,14 +20,24 @@ SETTLED = slice(100, None)
 """samples after 10 s"""
 
 
-@pytest.fixture(scope="module")
-def example() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("own_vehicle", EXAMPLE)
+def _imported(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module  # where dataclasses look themselves up
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def example() -> ModuleType:
+    return _imported(EXAMPLE)
+
+
+@pytest.fixture(scope="module")
+def readings() -> ModuleType:
+    return _imported(ROOT / "docs" / "readings.py")
 
 
 @pytest.fixture(scope="module", params=range(5), ids="seed {}".format)
@@ -71,3 +82,23 @@ def test_the_tutorial_quotes_the_example() -> None:
     assert blocks
     for block in blocks:
         assert block in source
+
+
+def test_every_reading_is_a_configuration_and_in_the_table(readings: ModuleType) -> None:
+    theory = (ROOT / "docs" / "theory.md").read_text("utf-8")
+    for reading in readings.READINGS:
+        load_configuration(reading.base, reading.changes)
+        assert f"| {reading.base}: {reading.name} |" in theory
+    for name, event in readings.EVENTS.items():
+        load_configuration("paper", [f"machine.events=[{event}]"])
+        assert f"| {name} |" in theory
+
+
+def test_a_reading_prints_its_row(readings: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(readings, "SEEDS", range(1))
+    wrapped = next(reading for reading in readings.READINGS if reading.name == "joint sensor reversed too")
+    cells = readings.row(wrapped).split("|")
+    assert len(cells) == 10
+    tractor, trailer = map(float, cells[7].split("/"))
+    assert tractor < trailer
+    assert 10.0 < trailer < 20.0

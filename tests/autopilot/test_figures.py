@@ -64,3 +64,13 @@ def test_a_figure_depends_on_the_seed_alone(simulate, build):
         assert repeated.command == record.command
     other = simulate("articulated", seed=1)
     assert other.records[5].measurement != first.records[5].measurement
+
+
+def test_positions_lost_for_ten_seconds_on_a_curve_do_not_lose_the_vehicle(simulate):
+    # begins in the middle of the first arc of radius 8 m
+    event = '{kind="gps_loss", start=40.0, duration=10.0}'
+    run = simulate("articulated", "path.radii=[8.0]", f"machine.events=[{event}]")
+    assert np.isnan(run.column("measurement", "tractor_x")).sum() == 50
+    for body in ("tractor", "trailer"):
+        assert np.abs(run.true_errors(body).error).max() <= 0.30
+    assert run.column("solver_failures").sum() == 0

@@ -46,7 +46,9 @@ def travel() -> Callable[..., tuple[Floats, Floats]]:
         for u in inputs:
             states.append(np.array(step(states[-1], u, p)).ravel())
         held = np.vstack([inputs, inputs[-1:]])
-        return np.array(states), np.array([np.array(output(x, u, p)).ravel() for x, u in zip(states, held, strict=True)])
+        return np.array(states), np.array(
+            [np.array(output(x, u, p)).ravel() for x, u in zip(states, held, strict=True)]
+        )
 
     return travel
 
@@ -108,9 +110,7 @@ def rotated(measurement: Measurement, angle: float, shift: tuple[float, float] =
 
     tractor = turn(measurement.tractor_x, measurement.tractor_y)
     trailer = turn(measurement.trailer_x, measurement.trailer_y)
-    return replace(
-        measurement, tractor_x=tractor[0], tractor_y=tractor[1], trailer_x=trailer[0], trailer_y=trailer[1]
-    )
+    return replace(measurement, tractor_x=tractor[0], tractor_y=tractor[1], trailer_x=trailer[0], trailer_y=trailer[1])
 
 
 def mirrored(measurement: Measurement) -> Measurement:

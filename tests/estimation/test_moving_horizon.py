@@ -39,14 +39,15 @@ def test_exact_measurements_of_the_model_are_explained_exactly(model, travel, me
     last = follow(model, measure(outputs))[-1]
     names = [variable.name for variable in model.problem.model.states]
     truth = dict(zip(names, states[-1].tolist(), strict=True))
-    print("ERR", [last.tractor.x-truth["tractor_x"], last.tractor.y-truth["tractor_y"], last.trailer.x-outputs[-1,2], wrap(last.tractor.yaw - truth["tractor_yaw"]), wrap(last.trailer.yaw - truth["trailer_yaw"]), last.longitudinal_slip-p[0], last.tractor_slip-p[1], last.steering_offset-p[2],last.tractor_crab-p[-1],last.trailer_crab-p[3]])
     assert last.status is SolverStatus.SOLVED
-    assert (last.tractor.x, last.tractor.y) == pytest.approx((truth["tractor_x"], truth["tractor_y"]), abs=2e-3)
-    assert (last.trailer.x, last.trailer.y) == pytest.approx(tuple(outputs[-1, 2:4]), abs=2e-3)
-    assert wrap(last.tractor.yaw - truth["tractor_yaw"]) == pytest.approx(0.0, abs=2e-3)
-    assert wrap(last.trailer.yaw - truth["trailer_yaw"]) == pytest.approx(0.0, abs=2e-3)
-    assert last.longitudinal_slip * last.speed == pytest.approx(p[0] * 1.0, abs=2e-3)
-    assert last.longitudinal_slip == pytest.approx(p[0], abs=5e-3)
+    # the articulated model takes steering rates for noise around zero, which leaves a trace; the tricycle's are free
+    tolerance = 2e-4 if model.problem.model.name == "articulated" else 2e-6
+    assert (last.tractor.x, last.tractor.y) == pytest.approx((truth["tractor_x"], truth["tractor_y"]), abs=tolerance)
+    assert (last.trailer.x, last.trailer.y) == pytest.approx(tuple(outputs[-1, 2:4]), abs=tolerance)
+    assert wrap(last.tractor.yaw - truth["tractor_yaw"]) == pytest.approx(0.0, abs=tolerance)
+    assert wrap(last.trailer.yaw - truth["trailer_yaw"]) == pytest.approx(0.0, abs=tolerance)
+    assert last.longitudinal_slip == pytest.approx(p[0], abs=1e-6)
+    assert last.tractor_slip == pytest.approx(p[1], abs=10.0 * tolerance)
 
 
 @pytest.mark.parametrize("angle", [0.7, math.pi / 2, 3.0, -2.2])
@@ -86,10 +87,9 @@ def test_positions_lost_for_ten_seconds_do_not_lose_the_vehicle(model, recording
     masked = [replace(m, **MASKED) if k in lost else m for k, m in enumerate(recording)]
     known, blind = follow(model, recording), follow(model, masked)
     away = [math.hypot(a.tractor.x - b.tractor.x, a.tractor.y - b.tractor.y) for a, b in zip(known, blind, strict=True)]
-    print(max(away[150:200]), max(away[230:]), model.problem.model.name)
     assert max(away[:150]) == 0.0
-    assert 0.0 < max(away[150:200]) < 1.0
-    assert max(away[230:]) < 0.05
+    assert 0.0 < max(away[150:200]) < 0.5
+    assert max(away[230:]) < 0.01
 
 
 def test_a_sample_that_is_missing_altogether_is_predicted(model, travel, measure, follow):

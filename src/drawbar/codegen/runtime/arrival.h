@@ -11,6 +11,8 @@
 
 #include "rti.h"
 
+static void outputs(struct rti *work, int first, int count);   /* generated */
+
 #define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side; or du, d = x_1 - F, right-hand side */
 #define OLD_PACKS ((OLD + PACK - 1) / PACK)
 #define OLD_WIDTH (OLD_PACKS * PACK)

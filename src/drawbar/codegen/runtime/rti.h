@@ -31,7 +31,6 @@ static void rti_constants(struct rti *work);
 static void dynamics(struct rti *work, int first, int count);
 static void hessian(struct rti *work, int first, int count);
 static void gradient(struct rti *work, int first, int count);
-static void outputs(struct rti *work, int first, int count);
 
 /* Apply y's gaps to y and w. Returns 1 when the weights differ from those of the last call. */
 static int rti_mask(struct rti *s)
@@ -99,9 +98,6 @@ static int rti_feedback(struct rti *s)
         rti_hessian(s);
 #if FREE_INITIAL
     memset(s->qp.g, 0, NX * sizeof(double));   /* the arrival cost is added where no output may reach */
-#endif
-#if FREE_INITIAL                           /* entries that no output sees are not written by gradient */
-    memset(STATE(s->qp.g, 0), 0, NX * sizeof(double));
 #endif
     gradient(s, 0, N + 1);
 #if FREE_INITIAL

@@ -1,0 +1,173 @@
+"""Both pairs of controllers, and situations to put them in: any pose, path and slip, turned, shifted or mirrored."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from drawbar.control.articulated import ArticulatedTractor, ArticulatedTrailer
+from drawbar.control.decentralised import DecentralisedController
+from drawbar.control.settings import ArticulatedControllerSettings, Coupling, TricycleControllerSettings
+from drawbar.control.tricycle import TricycleTractor, TricycleTrailer
+from drawbar.geometry import Floats
+from drawbar.signals import BodyReference, Estimate, Pose, Reference, SolverStatus
+from drawbar.vehicle.parameters import VehicleParameters
+
+SAMPLE_TIME = 0.2
+HORIZON = 20
+VEHICLE = VehicleParameters()
+
+
+@pytest.fixture(scope="session", params=["articulated", "tricycle"])
+def name(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture(scope="session")
+def make() -> Callable[..., DecentralisedController]:
+    """Return a function that makes a new pair of controllers of a model."""
+
+    def make(name: str, coupling: str = "measured") -> DecentralisedController:
+        if name == "tricycle":
+            paper = TricycleControllerSettings(model="tricycle", horizon=HORIZON, coupling=Coupling(coupling))
+            return DecentralisedController(
+                TricycleTractor(VEHICLE, paper, SAMPLE_TIME), TricycleTrailer(VEHICLE, paper, SAMPLE_TIME)
+            )
+        settings = ArticulatedControllerSettings(
+            model="articulated", horizon=HORIZON, coupling=Coupling(coupling), widening=0.0
+        )
+        return DecentralisedController(
+            ArticulatedTractor(VEHICLE, settings, SAMPLE_TIME), ArticulatedTrailer(VEHICLE, settings, SAMPLE_TIME)
+        )
+
+    return make
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Situation:
+    estimate: Estimate
+    reference: Reference
+
+    def _moved(self, position: Callable[[Floats], Floats], sign: float, turn: float) -> "Situation":
+        def pose(old: Pose) -> Pose:
+            x, y = position(np.array([old.x, old.y])).tolist()
+            return Pose(x=x, y=y, yaw=sign * old.yaw + turn)
+
+        def body(old: BodyReference) -> BodyReference:
+            samples = old.samples.copy()
+            samples[:, :2] = position(samples[:, :2])
+            samples[:, 2] = sign * samples[:, 2] + turn
+            samples[:, 3] *= sign
+            return replace(old, samples=samples, lateral_error=sign * old.lateral_error)
+
+        e, r = self.estimate, self.reference
+        angles = (
+            "hitch_angle",
+            "tractor_steering",
+            "trailer_steering",
+            "steering_offset",
+            "tractor_crab",
+            "trailer_crab",
+        )
+        estimate = replace(
+            e, tractor=pose(e.tractor), trailer=pose(e.trailer), **{a: sign * getattr(e, a) for a in angles}
+        )
+        return Situation(estimate=estimate, reference=replace(r, tractor=body(r.tractor), trailer=body(r.trailer)))
+
+    def turned(self, angle: float, shift: tuple[float, float]) -> "Situation":
+        c, s = math.cos(angle), math.sin(angle)
+        return self._moved(lambda p: p @ np.array([[c, s], [-s, c]]) + shift, 1.0, angle)
+
+    def mirrored(self) -> "Situation":
+        return self._moved(lambda p: p * np.array([1.0, -1.0]), -1.0, 0.0)
+
+
+def arc(curvature: float, arc_length: Floats) -> Floats:
+    """Return samples (n, 4) of a circle (or straight) that leaves the origin eastwards."""
+    half = 0.5 * curvature * arc_length
+    chord = arc_length * np.sinc(half / math.pi)
+    return np.stack(
+        [chord * np.cos(half), chord * np.sin(half), 2.0 * half, np.full_like(arc_length, curvature)], axis=1
+    )
+
+
+def chain_trailer(tractor: Pose, hitch: float, joint: float) -> Pose:
+    """Return the trailer antenna's pose behind a tractor at given joint angles."""
+    phi = tractor.yaw - hitch
+    psi = phi - joint
+    lengths = (VEHICLE.free_joint_offset, VEHICLE.drawbar_length, VEHICLE.trailer_length - VEHICLE.trailer_antenna)
+    x = tractor.x - sum(r * math.cos(a) for r, a in zip(lengths, (tractor.yaw, phi, psi), strict=True))
+    y = tractor.y - sum(r * math.sin(a) for r, a in zip(lengths, (tractor.yaw, phi, psi), strict=True))
+    return Pose(x=x, y=y, yaw=psi)
+
+
+@pytest.fixture(scope="session")
+def situation() -> Callable[..., Situation]:
+    """Return a function that places the vehicle near a circle (or straight) through the origin.
+
+    `ahead` (m) of the origin along the path, everything else as the keywords say; no slip and 1 m/s by default.
+    """
+
+    def situation(
+        *,
+        curvature: float = 0.0,
+        ahead: float = 0.0,
+        left: float = 0.0,
+        yaw: float = 0.0,
+        hitch: float = 0.0,
+        **values: float,
+    ) -> Situation:
+        x, y, heading, _ = arc(curvature, np.array([ahead]))[0].tolist()
+        tractor = Pose(x=x - left * math.sin(heading), y=y + left * math.cos(heading), yaw=heading + yaw)
+        slips = {"longitudinal_slip": 1.0, "tractor_slip": 1.0, "trailer_slip": 1.0}
+        angles = dict.fromkeys(
+            ("tractor_steering", "trailer_steering", "steering_offset", "tractor_crab", "trailer_crab"), 0.0
+        )
+        numbers = {"speed": 1.0} | slips | angles | values
+        trailer = chain_trailer(tractor, hitch, numbers["trailer_steering"])
+        pace = numbers["speed"] * numbers["longitudinal_slip"] * SAMPLE_TIME * np.arange(HORIZON + 1)
+        behind = math.hypot(trailer.x - tractor.x, trailer.y - tractor.y)
+        if curvature:
+            behind = 2.0 / abs(curvature) * math.asin(0.5 * behind * abs(curvature))
+        return Situation(
+            estimate=Estimate(
+                time=0.0, tractor=tractor, trailer=trailer, hitch_angle=hitch, status=SolverStatus.SOLVED, **numbers
+            ),
+            reference=Reference(
+                time=0.0,
+                tractor=BodyReference(progress=ahead, lateral_error=left, samples=arc(curvature, ahead + pace)),
+                trailer=BodyReference(
+                    progress=ahead - behind, lateral_error=left, samples=arc(curvature, ahead - behind + pace)
+                ),
+            ),
+        )
+
+    return situation
+
+
+@pytest.fixture(scope="session")
+def random_situations(situation: Callable[..., Situation]) -> list[Situation]:
+    """Return situations off the path in every respect, so little that no bound is in the way; seed 21."""
+    rng = np.random.default_rng(21)
+
+    def one() -> Situation:
+        curvature = float(rng.uniform(-0.1, 0.1))
+        return situation(
+            curvature=curvature,
+            left=float(rng.normal(0.0, 0.01)),
+            yaw=float(rng.normal(0.0, 0.01)),
+            hitch=float(rng.normal(1.8 * curvature, 0.01)),
+            speed=float(rng.uniform(0.7, 1.3)),
+            longitudinal_slip=float(rng.uniform(0.8, 1.0)),
+            tractor_slip=float(rng.uniform(0.9, 1.0)),
+            trailer_slip=float(rng.uniform(0.9, 1.0)),
+            tractor_steering=float(rng.normal(1.4 * curvature, 0.01)),
+            trailer_steering=float(rng.normal(0.0, 0.01)),
+            steering_offset=float(rng.normal(0.0, 0.005)),
+            tractor_crab=float(rng.normal(0.0, 0.005)),
+            trailer_crab=float(rng.normal(0.0, 0.005)),
+        )
+
+    return [one() for _ in range(10)]
