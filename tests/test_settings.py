@@ -17,7 +17,7 @@ class Section(Settings):
     horizon: Horizon = 10
 
 
-ALLOWED = {
+ALLOWED: dict[str, list[Any]] = {
     "length": [1e-300, 1e300, 2],
     "weight": [0.0, 1e300],
     "share": [0.0, 1.0],
@@ -26,7 +26,7 @@ ALLOWED = {
     "noise": [0.0, math.pi],
     "horizon": [2, 1000],
 }
-REFUSED = {
+REFUSED: dict[str, list[Any]] = {
     "length": [0.0, -1.0, "1", True, None],
     "weight": [-1e-300],
     "share": [-0.01, 1.01],
@@ -63,4 +63,4 @@ def test_unknown_keys_are_told_beside_the_known_ones() -> None:
 
 def test_a_section_does_not_change() -> None:
     with pytest.raises(ValidationError, match="frozen"):
-        Section().length = 2.0  # type: ignore[misc]
+        Section().length = 2.0

@@ -153,7 +153,7 @@ def random_situations(situation: Callable[..., Situation]) -> list[Situation]:
     rng = np.random.default_rng(21)
 
     def one() -> Situation:
-        curvature = float(rng.uniform(-0.1, 0.1))
+        curvature = float(rng.uniform(-0.02, 0.02))
         return situation(
             curvature=curvature,
             left=float(rng.normal(0.0, 0.01)),

@@ -95,7 +95,7 @@ def test_positions_lost_for_ten_seconds_do_not_lose_the_vehicle(model, recording
 def test_a_sample_that_is_missing_altogether_is_predicted(model, travel, measure, follow):
     _, outputs, _ = drive(model, travel)
     measurements = measure(outputs)
-    nothing = {name: math.nan for name in (*MASKED, "hitch_angle", "speed", "tractor_steering", "trailer_steering")}
+    nothing = dict.fromkeys((*MASKED, "hitch_angle", "speed", "tractor_steering", "trailer_steering"), math.nan)
     blind = follow(model, [*measurements[:-1], replace(measurements[-1], **nothing)])[-1]
     assert blind.status is SolverStatus.SOLVED
     assert (blind.tractor.x, blind.tractor.y) == pytest.approx(tuple(outputs[-1, :2]), abs=0.01)

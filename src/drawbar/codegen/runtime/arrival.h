@@ -11,7 +11,7 @@
 
 #include "rti.h"
 
-static void outputs(struct rti *work, int first, int count);   /* generated */
+static void outputs(struct rti *work, int first, int count);   /* generated: h and its Jacobian at the first stage */
 
 #define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side; or du, d = x_1 - F, right-hand side */
 #define OLD_PACKS ((OLD + PACK - 1) / PACK)

@@ -22,6 +22,13 @@ typedef double pack, pack_in_memory;
 #define LANE_OF(value, l) (value)
 #endif
 
+/* gcc 12 may take a large struct on the stack for aligned to whole registers without seeing to it: say so. */
+#if defined(__GNUC__)
+#define ON_STACK __attribute__((aligned(64)))
+#else
+#define ON_STACK
+#endif
+
 #define PACKS ((NX + PACK - 1) / PACK)
 #define WIDTH (PACKS * PACK)
 #define TAIL (NX % PACK)                   /* numbers in the last register when it is not full */

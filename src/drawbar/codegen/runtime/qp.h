@@ -28,6 +28,16 @@
 
 enum qp_status { SOLVED, MAXIMUM_ITERATIONS, INFEASIBLE, NOT_FINITE, CHECK_FAILED, BAD_INPUT };
 
+#define ACTIVE_MOST (NB < 16 ? NB : 16)    /* sweeps that cost less than the interior point */
+
+/* Work of active_set.h: the bounds that it holds, and one column for each that it ever held in this problem. */
+struct active_set {
+    int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
+    int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
+    double column[AT_LEAST_ONE(ACTIVE_MOST)][NZ], column_pi[AT_LEAST_ONE(ACTIVE_MOST)][(N + 1) * NX];
+    double nu[AT_LEAST_ONE(ACTIVE_MOST)];
+};
+
 struct qp {
     /* problem */
     double Q[N + 1][NX][WIDTH], S[N][NU][WIDTH], A[N][NX][WIDTH];
@@ -45,6 +55,7 @@ struct qp {
     /* factorisation */
     double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], closed[N][AT_LEAST_ONE(ND)][WIDTH];   /* closed: A + B K */
     double L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
+    struct active_set active;
 };
 
 /* L D L' of a symmetric matrix (lower triangle read; D holds reciprocals); returns 0 when it is not positive definite. */

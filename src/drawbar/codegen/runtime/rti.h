@@ -4,7 +4,7 @@
  *     min  sum_k || h(x_k, u_k, p_k) - y_k ||^2_{W_k}   (+ || R (x_0 - prior) ||^2 when the first state is free)
  *     s.t. x_{k+1} = F(x_k, u_k, p_k), bounds
  *
- * The generated part of the unit defines NP, NY and the functions dynamics, hessian, gradient, outputs and
+ * The generated part of the unit defines NP, NY and the functions dynamics, hessian, gradient and
  * rti_constants, which evaluate all stages in SIMD lanes. Half of the sum of squares is what the QP sees.
  */
 #ifndef DRAWBAR_RTI_H
@@ -98,6 +98,9 @@ static int rti_feedback(struct rti *s)
         rti_hessian(s);
 #if FREE_INITIAL
     memset(s->qp.g, 0, NX * sizeof(double));   /* the arrival cost is added where no output may reach */
+#endif
+#if FREE_INITIAL                           /* entries that no output sees are not written by gradient */
+    memset(STATE(s->qp.g, 0), 0, NX * sizeof(double));
 #endif
     gradient(s, 0, N + 1);
 #if FREE_INITIAL

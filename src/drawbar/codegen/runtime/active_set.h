@@ -1,0 +1,132 @@
+/* Primal-dual active set (Hintermueller, Ito, Kunisch 2003) on the factorisation of the problem without bounds.
+ *
+ * Bounds that are taken as active become equations z_i = bound with a multiplier nu_i each. The solution is linear in
+ * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit pull on z_i, so that a handful of active
+ * bounds costs a handful of sweeps and a small dense system. Wherever this does not settle the interior point takes over.
+ */
+#ifndef DRAWBAR_ACTIVE_SET_H
+#define DRAWBAR_ACTIVE_SET_H
+
+#include "kkt.h"
+
+#define ACTIVE_PASSES 10
+
+/* Make the column of bounded variable i; returns 0 when there is no room for another. */
+static int active_add(const struct qp *s, struct active_set *a, int i)
+{
+    static const double zero[N][NX], still[NX];
+    double pull[NZ] = {0.0};
+
+    if (a->count == ACTIVE_MOST)
+        return 0;
+    pull[s->bound[i]] = -1.0;
+    qp_solve(s, pull, zero, still, a->column[a->count], a->column_pi[a->count]);
+    a->member[a->count] = i;
+    a->slot[i] = a->count++;
+    return 1;
+}
+
+/* Multipliers that hold the active variables at their bounds; returns 0 when these contradict each other. */
+static int active_multipliers(const struct qp *s, struct active_set *a)
+{
+    double M[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(ACTIVE_MOST)], d[AT_LEAST_ONE(ACTIVE_MOST)];
+
+    for (int r = 0; r < a->count; ++r) {   /* L D L', rows of variables that have been let go are those of the identity */
+        const int i = a->member[r], at = s->bound[i], held = a->side[i] != 0;
+        double pivot = held ? a->column[r][at] : 1.0, rest = 0.0;
+        const double size = pivot;
+        if (held)
+            rest = (a->side[i] < 0 ? s->lower[i] : s->upper[i]) - s->z[at];
+        for (int c = 0; c < r; ++c) {
+            double v = held && a->side[a->member[c]] ? a->column[c][at] : 0.0;
+            for (int k = 0; k < c; ++k)
+                v -= M[r][k] * M[c][k] * d[k];
+            M[r][c] = v / d[c];
+        }
+        for (int c = 0; c < r; ++c) {
+            pivot -= M[r][c] * M[r][c] * d[c];
+            rest -= M[r][c] * a->nu[c];
+        }
+        if (!(pivot > 1e-10 * size))
+            return 0;
+        d[r] = pivot;
+        a->nu[r] = rest;
+    }
+    for (int r = a->count - 1; r >= 0; --r) {
+        a->nu[r] /= d[r];
+        for (int k = r + 1; k < a->count; ++k)
+            a->nu[r] -= M[k][r] * a->nu[k];
+    }
+    return 1;
+}
+
+/* Let go what is held by a multiplier of the wrong sign, hold what lies outside; returns how many changed, or -1. */
+static int active_update(const struct qp *s, struct active_set *a)
+{
+    int changes = 0;
+
+    for (int i = 0; i < NB; ++i) {
+        const int at = s->bound[i];
+        int side = a->side[i];
+        if (side != 0) {
+            if (!(side * a->nu[a->slot[i]] <= 0.0) && s->lower[i] < s->upper[i])
+                side = 0;
+        } else {
+            double value = s->z[at];
+            for (int r = 0; r < a->count; ++r)
+                value += a->nu[r] * a->column[r][at];
+            side = value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;
+        }
+        changes += side != a->side[i];
+        a->side[i] = side;
+    }
+    for (int i = 0; i < NB; ++i)
+        if (a->side[i] != 0 && a->slot[i] < 0 && !active_add(s, a, i))
+            return -1;
+    return changes;
+}
+
+/* Move z, pi and the multipliers to the settled solution; returns 0 when a soft bound should rather give way. */
+static int active_publish(struct qp *s, const struct active_set *a)
+{
+    for (int r = 0; r < a->count; ++r)
+        if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))
+            return 0;
+    for (int r = 0; r < a->count; ++r) {
+        const double nu = a->nu[r];
+        for (int i = 0; i < NZ; ++i)
+            s->z[i] += nu * a->column[r][i];
+        for (int i = 0; i < (N + 1) * NX; ++i)
+            s->pi[i] += nu * a->column_pi[r][i];
+        s->multiplier[2 * a->member[r]] = nu > 0.0 ? nu : 0.0;
+        s->multiplier[2 * a->member[r] + 1] = nu < 0.0 ? -nu : 0.0;
+    }
+    for (int r = 0; r < a->count; ++r) {   /* exactly at the bound, not a rounding error outside */
+        const int i = a->member[r];
+        if (a->side[i] != 0)
+            s->z[s->bound[i]] = a->side[i] < 0 ? s->lower[i] : s->upper[i];
+    }
+    return 1;
+}
+
+/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without; returns 0, with z, pi and multipliers
+ * as they were, when it does not settle. */
+static int qp_active_set(struct qp *s)
+{
+    struct active_set *a = &s->active;
+
+    a->count = 0;
+    memset(a->side, 0, sizeof a->side);
+    for (int i = 0; i < NB; ++i)
+        a->slot[i] = -1;
+    for (s->iterations = 1; s->iterations <= ACTIVE_PASSES; ++s->iterations) {
+        const int changes = active_update(s, a);
+        if (changes == 0)
+            return active_publish(s, a);
+        if (changes < 0 || !active_multipliers(s, a))
+            return 0;
+    }
+    return 0;
+}
+
+#endif
