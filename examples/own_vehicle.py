@@ -60,13 +60,12 @@ def circle(east: float, north: float, speed: float) -> Floats:
 def run(seconds: float, seed: int) -> Floats:
     """Return a row per sample: distance from the circle (m), yaw error, offset error, steering (rad)."""
     world, rng = ca.Function("world", [x, u, p], [integrate(ROBOT, SAMPLE_TIME)]), np.random.default_rng(seed)
-    state, newest, rows = np.array([RADIUS + 1.5, 0.0, 0.5 * math.pi]), 0, []
+    state, rows = np.array([RADIUS + 1.5, 0.0, 0.5 * math.pi]), []
     estimator, controller = EstimationSolver(ESTIMATION, GUESS), ControlSolver(CONTROL)
-    controller.x[:], controller.p[:] = GUESS[:3], GUESS[3:]
-    estimator.prepare()
-    controller.prepare()
+    controller.initial[:], controller.p[:] = GUESS[:3], GUESS[3:]
+    controller.start()
     for _ in range(round(seconds / SAMPLE_TIME)):
-        noise = DEVIATIONS * rng.standard_normal(5)
+        newest, noise = estimator.newest, DEVIATIONS * rng.standard_normal(5)
         compass = nearest_branch(wrap(state[2] + TRUTH[1] + noise[2]), estimator.x[newest, 2])
         estimator.y[newest, :4] = *(state[:2] + noise[:2]), compass, TRUTH[0] + noise[3]
         estimator.feedback()
@@ -80,13 +79,8 @@ def run(seconds: float, seed: int) -> Floats:
         rows.append([math.hypot(*state[:2]) - RADIUS, yaw - state[2], offset - TRUTH[1], steering])
         state = world(state, steering, TRUTH).full().ravel()
         estimator.y[newest, 4] = steering
-        if newest == WINDOW:
-            estimator.absorb()
-            estimator.shift()
-        newest = min(newest + 1, WINDOW)
-        estimator.prepare()
-        controller.shift()
-        controller.prepare()
+        estimator.advance()
+        controller.advance()
     return np.array(rows)
 
 

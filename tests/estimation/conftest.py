@@ -12,9 +12,15 @@ from drawbar.config import load_configuration
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
-from drawbar.estimation.settings import ArticulatedEstimatorSettings, TricycleEstimatorSettings
+from drawbar.estimation.settings import (
+    ArticulatedEstimatorSettings,
+    SlipBounds,
+    TricycleDrift,
+    TricycleEstimatorSettings,
+)
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import Floats
+from drawbar.settings import Settings
 from drawbar.signals import Estimate, Measurement
 from drawbar.vehicle.model import integrate
 from drawbar.vehicle.parameters import VehicleParameters
@@ -24,14 +30,24 @@ SAMPLE_TIME = 0.2
 DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
 
 
+def estimation(name: str, **tricycle: Settings) -> EstimationModel:
+    if name == "tricycle":
+        paper = TricycleEstimatorSettings.model_validate({"model": name, "weighting": "statistical"} | tricycle)
+        return TricycleEstimation(VehicleParameters(), SensorNoise(), paper, SAMPLE_TIME)
+    settings = ArticulatedEstimatorSettings(model="articulated")
+    return ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, SAMPLE_TIME)
+
+
 @pytest.fixture(scope="session", params=["articulated", "tricycle"])
 def model(request: pytest.FixtureRequest) -> EstimationModel:
-    if request.param == "tricycle":
-        settings = TricycleEstimatorSettings(model="tricycle", weighting="statistical")
-        return TricycleEstimation(VehicleParameters(), SensorNoise(), settings, SAMPLE_TIME)
-    return ArticulatedEstimation(
-        VehicleParameters(), SensorNoise(), ArticulatedEstimatorSettings(model="articulated"), SAMPLE_TIME
-    )
+    return estimation(request.param)
+
+
+@pytest.fixture(scope="session", params=["articulated", "tricycle"])
+def free_model(request: pytest.FixtureRequest) -> EstimationModel:
+    """Return a model whose slips reach no bound: what a bound holds is only as exact as the interior point."""
+    wide, slow = SlipBounds(lower=0.0, upper=3.0), TricycleDrift(slip=0.01)
+    return estimation(request.param, slip_bounds=wide, drift=slow)
 
 
 @pytest.fixture(scope="session")

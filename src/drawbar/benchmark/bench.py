@@ -75,28 +75,35 @@ def measure(progress: Progress, *, steps: int, growth_steps: int) -> dict[str, A
 
 def solver_table(rows: list[dict[str, Any]]) -> Table:
     """Return the table of all problems at the base horizon."""
-    table = Table(title=f"one sample, N = {STAGES}, µs: median / 99 % / max", title_justify="left")
-    for column in ("problem", "route", "prepare", "feedback", "total", "floor", "total / floor", "bounds active"):
-        table.add_column(column, justify="left" if column in ("problem", "route") else "right")
+    table = Table(title=f"one sample, N = {STAGES}, µs (medians unless said)", title_justify="left")
+    left = ("problem", "route")
+    for column in (*left, "prepare", "feedback", "total", "99 %", "max", "floor", "ratio", "bounds"):
+        table.add_column(column, justify="left" if column in left else "right", no_wrap=True)
     for row in rows:
         if row["stages"] == STAGES:
-            phases = [_three(row[key]) for key in ("prepare_us", "feedback_us", "total_us")]
-            ratio = row["total_us"]["median"] / row["floor_us"]
+            total, floor = row["total_us"], row["floor_us"]
+            medians = (row["prepare_us"]["median"], row["feedback_us"]["median"], *total.values(), floor)
             share = f"{row['bounded_share']:.0%}" if "bounded_share" in row else ""
-            table.add_row(row["problem"], row["route"], *phases, f"{row['floor_us']:.2f}", f"{ratio:.2f}", share)
+            numbers = (f"{value:.2f}" if value < 100.0 else f"{value:.0f}" for value in medians)
+            table.add_row(row["problem"], row["route"], *numbers, f"{total['median'] / floor:.2f}", share)
     return table
 
 
 def growth_table(rows: list[dict[str, Any]]) -> Table:
     """Return the medians over the horizon."""
-    table = Table(title="growth with the horizon, median total, µs", title_justify="left")
+    table = Table(
+        title="growth with the horizon, median total, µs; in brackets: bounds active in so many steps",
+        title_justify="left",
+    )
     table.add_column("problem")
     for stages in (STAGES, *GROWTH):
         table.add_column(f"N = {stages}", justify="right")
     table.add_column(f"{GROWTH[-1]} / {STAGES}", justify="right")
     for name in dict.fromkeys(row["problem"] for row in rows if row["stages"] == GROWTH[-1]):
-        medians = [row["total_us"]["median"] for row in rows if row["problem"] == name and row["route"] == "drawbar"]
-        table.add_row(name, *(f"{median:.2f}" for median in medians), f"{medians[-1] / medians[0]:.1f}")
+        own = [row for row in rows if row["problem"] == name and row["route"] == "drawbar"]
+        medians = [row["total_us"]["median"] for row in own]
+        cells = (f"{row['total_us']['median']:.2f} ({row['bounded_share']:.0%})" for row in own)
+        table.add_row(name, *cells, f"{medians[-1] / medians[0]:.1f}")
     return table
 
 

@@ -14,6 +14,9 @@ from drawbar.machine.base import Machine
 from drawbar.optimal import ControlSolver, EstimationSolver
 from drawbar.signals import Command, Measurement, Truth
 
+HORIZON = 3.0
+"""Length of horizon and window, s: 15 samples of 0.2 s."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WholeRun:
@@ -51,8 +54,18 @@ class _TimedMachine(Machine):
 
 
 def probed_run(name: str, stages: int, steps: int, *, with_other_route: bool) -> list[Probe]:
-    """Drive a shipped configuration with horizon and window of `stages`, and return the probes of its three solvers."""
-    configuration = load_configuration(name, [f"controller.horizon={stages}", f"estimator.window={stages}"])
+    """Drive a shipped configuration and return the probes of its three solvers.
+
+    Args:
+        name: of the configuration.
+        stages: horizon and window; they span HORIZON seconds whatever their number, so that all have the same to do.
+        steps: samples to measure, from when the estimator's window is full.
+        with_other_route: also solve some of the problems by CasADi, condensing and DAQP.
+    """
+    sample_time = HORIZON / stages
+    lengths = [f"controller.horizon={stages}", f"estimator.window={stages}"]
+    times = [f"sample_time={sample_time}", f"machine.step={sample_time / 20}"]
+    configuration = load_configuration(name, [*lengths, *times])
     autopilot = _autopilot(configuration)
     controller, estimator = autopilot._controller, autopilot._estimator
     if not isinstance(controller, DecentralisedController) or not isinstance(estimator, MovingHorizonEstimator):

@@ -18,6 +18,7 @@ struct floor {{
 int64_t drawbar_size = sizeof(struct floor);
 const struct drawbar_field drawbar_fields[] = {{
     FIELD(floor, x, 0, N, {nx}, 0) FIELD(floor, u, 0, N, {nu}, 0) FIELD(floor, p, 0, N, {np} + 1, 0)
+    FIELD(floor, step, 0, {rows}, 0, 0) FIELD(floor, slope, 0, {nx} + {nu}, {rows}, 0)
     {{NULL, 0, 0, {{0, 0, 0}}, 0}}
 }};
 int linearise(struct floor *f)
@@ -35,7 +36,8 @@ int linearise(struct floor *f)
 def build_floor(transcription: Transcription) -> Path:
     """Compile a unit whose `linearise` evaluates F(x, u, p) and its Jacobian at x, u, p (stages, ...), one by one.
 
-    Constant states are left out of the results, as in the solver.
+    Constant states are left out of the results, as in the solver. Fields `step` (rows,) and `slope` (nx + nu, rows),
+    transposed as CasADi stores it, hold those of the last stage.
 
     Raises:
         CompilerError: no compiler, or it refused the code.

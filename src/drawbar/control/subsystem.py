@@ -49,7 +49,8 @@ class SubsystemController(ABC):
         solver = self.solver
         self._fill(estimate, reference, neighbour)
         if not self._started:
-            self._start()
+            solver.start()
+            self._started = True
         start = perf_counter()
         status = solver.feedback()
         self._feedback_time = perf_counter() - start
@@ -63,15 +64,8 @@ class SubsystemController(ABC):
     def prepare(self) -> None:
         """Shift the plan by one sample and linearise along it."""
         start = perf_counter()
-        self.solver.shift()
-        self.solver.prepare()
+        self.solver.advance()
         self._prepare_time = perf_counter() - start
-
-    def _start(self) -> None:
-        """Linearise along the standing vehicle before the first plan."""
-        self.solver.x[:] = self.solver.initial
-        self.solver.prepare()
-        self._started = True
 
     @property
     def times(self) -> SolveTimes:

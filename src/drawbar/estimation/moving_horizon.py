@@ -20,16 +20,14 @@ class MovingHorizonEstimator(Estimator):
         """
         self._model = model
         self._solver = EstimationSolver(model.problem, model.first_guess(first))
-        self._newest = 0
         self._prepare_time = self._feedback_time = 0.0
-        self._solver.prepare()
 
     def update(self, measurement: Measurement) -> Estimate:
         """Return the estimate at the window's newest stage.
 
         When the solver fails the estimate is the prediction, and its status says so.
         """
-        solver, newest = self._solver, self._newest
+        solver, newest = self._solver, self._solver.newest
         solver.y[newest] = self._model.outputs(measurement)
         start = perf_counter()
         status = solver.feedback()
@@ -38,14 +36,8 @@ class MovingHorizonEstimator(Estimator):
 
     def prepare(self) -> None:
         """Slide the window by one sample and linearise along the predicted trajectory."""
-        solver = self._solver
         start = perf_counter()
-        if self._newest < self._model.problem.horizon:
-            self._newest += 1
-        else:
-            solver.absorb()
-            solver.shift()
-        solver.prepare()
+        self._solver.advance()
         self._prepare_time = perf_counter() - start
 
     @property

@@ -58,7 +58,8 @@ class _RealTimeIteration:
 class ControlSolver(_RealTimeIteration):
     """Real-time iteration for a ControlProblem.
 
-    Each sample: write `initial`, `p`, `y`; feedback(); apply u[0]; then shift() and prepare() for the next.
+    Before the first sample: write `initial` and `p`, then start(). Each sample: write `initial`, `p`, `y`; feedback();
+    apply u[0]; then advance().
     """
 
     def __init__(self, problem: ControlProblem) -> None:
@@ -77,12 +78,22 @@ class ControlSolver(_RealTimeIteration):
         self.w[:-1] = problem.weights
         self.w[-1] = problem.terminal_weights
 
+    def start(self) -> None:
+        """Linearise along a trajectory that rests at `initial` under zero input."""
+        self.x[:], self.u[:] = self.initial, 0.0
+        self.prepare()
+
+    def advance(self) -> None:
+        """Move the plan on by one sample and prepare the next feedback."""
+        self.shift()
+        self.prepare()
+
 
 class EstimationSolver(_RealTimeIteration):
     """Real-time iteration for an EstimationProblem.
 
-    Each sample: write the newest row of `y`; feedback(); read x; then absorb(), shift() and prepare(). Before the
-    window is full nothing is absorbed or shifted: later rows of `y` hold NaN.
+    Each sample: write row `newest` of `y`, NaN where a value is missing; feedback(); read row `newest` of `x`; then
+    advance(). The window fills from its first row on.
     """
 
     def __init__(self, problem: EstimationProblem, prior: Floats) -> None:
@@ -101,6 +112,8 @@ class EstimationSolver(_RealTimeIteration):
         super().__init__(transcription)
         array = self.workspace.array
         self.absorb = self.workspace.function("absorb")
+        self.newest = 0
+        """row of the newest measurement: grows until the window is full"""
         self.root: Floats = array("root")
         """(nx, nx) upper triangular R of the arrival cost ||R (x_0 - prior)||²"""
         self.prior: Floats = array("prior")
@@ -112,3 +125,13 @@ class EstimationSolver(_RealTimeIteration):
         self.w[:] = problem.weights
         self.w[-1, list(transcription.input_outputs)] = 0.0
         array("process")[:] = problem.process_deviation
+        self.prepare()
+
+    def advance(self) -> None:
+        """Slide the window on by one sample, once it is full, and prepare the next feedback."""
+        if self.newest < self.problem.horizon:
+            self.newest += 1
+        else:
+            self.absorb()
+            self.shift()
+        self.prepare()

@@ -134,10 +134,11 @@ def test_soft_state_bound_gives_way_where_a_hard_one_cannot_hold(named: Any) -> 
     solver = case.solver()
     index = solver.workspace.array("qp.bound")
     lower, upper = (solver.workspace.array(name) for name in ("lower", "upper"))
-    index[0], lower[0], upper[0] = 1 * solver.x.shape[1] + 1, -0.05, 0.05  # y_1, from y_0 = 0.4
+    index[-1], lower[-1], upper[-1] = 1 * solver.x.shape[1] + 1, -0.05, 0.05  # y_1, from y_0 = 0.4
+    solver.workspace.array("qp.soft_linear")[-1] = np.inf
     solver.prepare()
     assert solver.feedback() == SolverStatus.INFEASIBLE
-    solver.workspace.array("qp.soft_linear")[0] = 5.0
+    solver.workspace.array("qp.soft_linear")[-1] = 5.0
     solver.prepare()
     assert solver.feedback() == SolverStatus.SOLVED
     assert solver.x[1, 1] > 0.05

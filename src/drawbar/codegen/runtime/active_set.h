@@ -2,7 +2,7 @@
  *
  * Bounds that are taken as active become equations z_i = bound with a multiplier nu_i each. The solution is linear in
  * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit pull on z_i, so that a handful of active
- * bounds costs a handful of sweeps and a small dense system. Wherever this does not settle the interior point takes over.
+ * bounds costs a handful of sweeps and a small dense system (their Schur complement). Wherever this does not settle the interior point takes over.
  */
 #ifndef DRAWBAR_ACTIVE_SET_H
 #define DRAWBAR_ACTIVE_SET_H
@@ -26,38 +26,42 @@ static int active_add(const struct qp *s, struct active_set *a, int i)
     return 1;
 }
 
-/* Multipliers that hold the active variables at their bounds; returns 0 when these contradict each other. */
-static int active_multipliers(const struct qp *s, struct active_set *a)
+/* L D L' of how far the pulls move the held variables; those that were let go have rows of the identity. Returns 0 when
+ * the held bounds depend on each other. */
+static int active_factor(const struct qp *s, struct active_set *a)
 {
-    double M[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(ACTIVE_MOST)], d[AT_LEAST_ONE(ACTIVE_MOST)];
-
-    for (int r = 0; r < a->count; ++r) {   /* L D L', rows of variables that have been let go are those of the identity */
+    for (int r = 0; r < a->count; ++r) {
         const int i = a->member[r], at = s->bound[i], held = a->side[i] != 0;
-        double pivot = held ? a->column[r][at] : 1.0, rest = 0.0;
-        const double size = pivot;
-        if (held)
-            rest = (a->side[i] < 0 ? s->lower[i] : s->upper[i]) - s->z[at];
+        const double own = held ? a->column[r][at] : 1.0;
+        double pivot = own;
         for (int c = 0; c < r; ++c) {
-            double v = held && a->side[a->member[c]] ? a->column[c][at] : 0.0;
+            double v = held && a->side[a->member[c]] != 0 ? a->column[c][at] : 0.0;
             for (int k = 0; k < c; ++k)
-                v -= M[r][k] * M[c][k] * d[k];
-            M[r][c] = v / d[c];
+                v -= a->L[r][k] * a->L[c][k] * a->D[k];
+            a->L[r][c] = v / a->D[c];
+            pivot -= a->L[r][c] * v;
         }
-        for (int c = 0; c < r; ++c) {
-            pivot -= M[r][c] * M[r][c] * d[c];
-            rest -= M[r][c] * a->nu[c];
-        }
-        if (!(pivot > 1e-10 * size))
+        if (!(pivot > 1e-10 * own))
             return 0;
-        d[r] = pivot;
-        a->nu[r] = rest;
-    }
-    for (int r = a->count - 1; r >= 0; --r) {
-        a->nu[r] /= d[r];
-        for (int k = r + 1; k < a->count; ++k)
-            a->nu[r] -= M[k][r] * a->nu[k];
+        a->D[r] = pivot;
     }
     return 1;
+}
+
+/* Changes of the multipliers that take the held variables from s->z to their bounds. */
+static void active_solve(const struct qp *s, const struct active_set *a, double *nu)
+{
+    for (int r = 0; r < a->count; ++r) {
+        const int i = a->member[r], side = a->side[i];
+        nu[r] = side == 0 ? 0.0 : (side < 0 ? s->lower[i] : s->upper[i]) - s->z[s->bound[i]];
+        for (int c = 0; c < r; ++c)
+            nu[r] -= a->L[r][c] * nu[c];
+    }
+    for (int r = a->count - 1; r >= 0; --r) {
+        nu[r] /= a->D[r];
+        for (int k = r + 1; k < a->count; ++k)
+            nu[r] -= a->L[k][r] * nu[k];
+    }
 }
 
 /* Let go what is held by a multiplier of the wrong sign, hold what lies outside; returns how many changed, or -1. */
@@ -86,25 +90,28 @@ static int active_update(const struct qp *s, struct active_set *a)
     return changes;
 }
 
-/* Move z, pi and the multipliers to the settled solution; returns 0 when a soft bound should rather give way. */
-static int active_publish(struct qp *s, const struct active_set *a)
+/* One sweep with the settled multipliers, and their correction for what rounding left; returns 0, without having
+ * changed anything, when a soft bound should rather give way. */
+static int active_publish(struct qp *s, struct active_set *a)
 {
-    for (int r = 0; r < a->count; ++r)
+    double gradient[NZ], correction[AT_LEAST_ONE(ACTIVE_MOST)];
+
+    memcpy(gradient, s->g, sizeof gradient);
+    for (int r = 0; r < a->count; ++r) {
         if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))
             return 0;
+        gradient[s->bound[a->member[r]]] -= a->nu[r];
+    }
+    qp_solve(s, gradient, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+    active_solve(s, a, correction);
     for (int r = 0; r < a->count; ++r) {
-        const double nu = a->nu[r];
+        const double nu = a->nu[r] + correction[r];
         for (int i = 0; i < NZ; ++i)
-            s->z[i] += nu * a->column[r][i];
+            s->z[i] += correction[r] * a->column[r][i];
         for (int i = 0; i < (N + 1) * NX; ++i)
-            s->pi[i] += nu * a->column_pi[r][i];
+            s->pi[i] += correction[r] * a->column_pi[r][i];
         s->multiplier[2 * a->member[r]] = nu > 0.0 ? nu : 0.0;
         s->multiplier[2 * a->member[r] + 1] = nu < 0.0 ? -nu : 0.0;
-    }
-    for (int r = 0; r < a->count; ++r) {   /* exactly at the bound, not a rounding error outside */
-        const int i = a->member[r];
-        if (a->side[i] != 0)
-            s->z[s->bound[i]] = a->side[i] < 0 ? s->lower[i] : s->upper[i];
     }
     return 1;
 }
@@ -123,8 +130,9 @@ static int qp_active_set(struct qp *s)
         const int changes = active_update(s, a);
         if (changes == 0)
             return active_publish(s, a);
-        if (changes < 0 || !active_multipliers(s, a))
+        if (changes < 0 || !active_factor(s, a))
             return 0;
+        active_solve(s, a, a->nu);
     }
     return 0;
 }

@@ -11,158 +11,204 @@
 #include "active_set.h"
 
 #define IP_ITERATIONS 60
-#define FARKAS_MARGIN 1e1              /* infeasible unless a point lies this much further out than the iterate */
-#define IP_TOLERANCE 1e-10                 /* on the duality measure and the residuals, relative */
+#define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
+#define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
+#define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
+#define FARKAS_MARGIN 1e1                  /* infeasible unless a point lies this much further out than the iterate */
+#define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
+#define BLOCK 8                            /* sides are worked on in blocks, for SIMD code */
+#define NLOWER ((NB + BLOCK - 1) / BLOCK * BLOCK)
+#define NSLOTS AT_LEAST_ONE(2 * NLOWER)    /* slot i: lower side of bounded variable i, slot NLOWER + i: its upper side */
 
+/* Slots without a bound keep t = 1, lambda = 0, those without softness v = 0, sigma = 0: flags of 0 and 1 instead of
+ * branches let every loop over slots run in SIMD registers. */
 struct interior_point {
-    double t[AT_LEAST_ONE(NSIDES)], lambda[AT_LEAST_ONE(NSIDES)], v[AT_LEAST_ONE(NSIDES)], sigma[AT_LEAST_ONE(NSIDES)];
-    double dt[AT_LEAST_ONE(NSIDES)], dlambda[AT_LEAST_ONE(NSIDES)], dv[AT_LEAST_ONE(NSIDES)],
-        dsigma[AT_LEAST_ONE(NSIDES)];
-    double gradient[NZ], defect[N][NX];
+    double exists[NSLOTS], soft[NSLOTS], offset[NSLOTS], linear[NSLOTS], quadratic[NSLOTS];
+    double t[NSLOTS], lambda[NSLOTS], v[NSLOTS], sigma[NSLOTS];
+    double dt[NSLOTS], dlambda[NSLOTS], dv[NSLOTS], dsigma[NSLOTS];
+    double distance[NSLOTS], per_t[NSLOTS], per_v[NSLOTS];
+    double pairs;                          /* complementary pairs in all */
+    double gradient[NZ], defect[N][NX];    /* of the Lagrangian, and of the dynamics */
     double barrier[NZ], dz[NZ], dpi[(N + 1) * NX];
 };
 
-static inline int side_exists(const struct qp *s, int m)
+/* Largest of many non-negative numbers. */
+static double most(const double *restrict values)
 {
-    return m % 2 == 0 ? s->lower[m / 2] > -INFINITY : s->upper[m / 2] < INFINITY;
+    double top[BLOCK] = {0.0}, result = 0.0;
+
+    for (int base = 0; base < 2 * NLOWER; base += BLOCK)
+        for (int j = 0; j < BLOCK; ++j)
+            top[j] = values[base + j] > top[j] ? values[base + j] : top[j];
+    for (int j = 0; j < BLOCK; ++j)
+        result = top[j] > result ? top[j] : result;
+    return result;
 }
 
-static inline int side_soft(const struct qp *s, int m)
+/* Distances of the bounded variables from their bounds, and the reciprocals that both steps of an iteration share. */
+static void ip_look(const struct qp *restrict s, struct interior_point *restrict ip)
 {
-    return s->soft_linear[m / 2] < INFINITY;
+    for (int i = 0; i < NB; ++i) {
+        ip->distance[i] = ip->offset[i] + s->z[s->bound[i]];
+        ip->distance[NLOWER + i] = ip->offset[NLOWER + i] - s->z[s->bound[i]];
+    }
+    for (int m = 0; m < 2 * NLOWER; ++m) {
+        ip->per_t[m] = 1.0 / ip->t[m];
+        ip->per_v[m] = 1.0 / (ip->v[m] + (1.0 - ip->soft[m]));
+    }
 }
 
-static inline double side_sign(int m)
+static void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
 {
-    return m % 2 == 0 ? 1.0 : -1.0;
+    for (int i = 0; i < NB; ++i) {
+        s->multiplier[2 * i] = ip->lambda[i];
+        s->multiplier[2 * i + 1] = ip->lambda[NLOWER + i];
+        s->violation[2 * i] = ip->v[i];
+        s->violation[2 * i + 1] = ip->v[NLOWER + i];
+    }
+}
+
+/* Mean complementarity after a step of the given length. */
+static double ip_measure(const struct interior_point *restrict ip, double step)
+{
+    double sum[BLOCK] = {0.0}, total = 0.0;
+
+    for (int base = 0; base < 2 * NLOWER; base += BLOCK)
+        for (int j = 0; j < BLOCK; ++j) {
+            const int m = base + j;
+            sum[j] += (ip->t[m] + step * ip->dt[m]) * (ip->lambda[m] + step * ip->dlambda[m])
+                + (ip->v[m] + step * ip->dv[m]) * (ip->sigma[m] + step * ip->dsigma[m]);
+        }
+    for (int j = 0; j < BLOCK; ++j)
+        total += sum[j];
+    return total / ip->pairs;
 }
 
 /* Start from the solution without bounds, with every distance pushed well inside. */
-static double ip_start(const struct qp *s, struct interior_point *ip)
+static void ip_start(struct qp *restrict s, struct interior_point *restrict ip)
 {
-    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, mu = 0.0;
-    int pairs = 0;
+    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0};
 
+    memset(ip, 0, sizeof *ip);
+    for (int m = 0; m < 2 * NLOWER; ++m)
+        ip->t[m] = ip->distance[m] = 1.0;
     for (int i = 0; i < NZ; ++i)
         size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
     for (int m = 0; m < NSIDES; ++m) {
-        const int kind = kind_of(s->bound[m / 2]);
-        const double distance = side_exists(s, m) ? bound_distance(s, s->z, m) : 0.0;
+        const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
+        const double bound = m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2];
+        if (!(fabs(bound) < INFINITY))
+            continue;
+        const double distance = bound_distance(s, s->z, m);
+        ip->exists[slot] = 1.0;
+        ip->offset[slot] = m % 2 == 0 ? -bound : bound;
+        ip->pairs += 1.0;
         worst[kind] = largest(worst[kind], distance < 0.0 ? distance : 0.0);
-        ip->t[m] = 1.0;
-        ip->lambda[m] = ip->v[m] = ip->sigma[m] = 0.0;
     }
     for (int m = 0; m < NSIDES; ++m) {
-        if (!side_exists(s, m))
+        const int slot = m % 2 * NLOWER + m / 2, i = s->bound[m / 2], kind = kind_of(i), u = i - (N + 1) * NX;
+        if (ip->exists[slot] == 0.0)
             continue;
-        const int i = s->bound[m / 2], kind = kind_of(i), u = i - (N + 1) * NX;
         const double distance = bound_distance(s, s->z, m), least = 1e-3 * size[kind] + 1e-12;
-        const double margin = worst[kind] > least ? worst[kind] : least;
+        const double margin = worst[kind] > least ? worst[kind] : least, price = s->soft_linear[m / 2];
         const double curvature = u < 0 ? s->P[i / NX][i % NX][i % NX] : 1.0 / s->D[u / NU][u % NU];
-        ip->t[m] = distance > margin ? distance : margin;
-        ip->lambda[m] = margin * margin * (curvature > 1e-12 ? curvature : 1e-12) / ip->t[m];
-        if (side_soft(s, m)) {             /* starts where its own multipliers add up to the violation's price */
-            ip->lambda[m] = ip->lambda[m] < 0.5 * s->soft_linear[m / 2] ? ip->lambda[m] : 0.5 * s->soft_linear[m / 2];
-            ip->v[m] = ip->lambda[m] * ip->t[m] / (s->soft_linear[m / 2] - ip->lambda[m]);
-            ip->sigma[m] = s->soft_linear[m / 2] + s->soft_quadratic[m / 2] * ip->v[m] - ip->lambda[m];
-            mu += ip->sigma[m] * ip->v[m];
-            ++pairs;
+        double lambda;
+        ip->t[slot] = distance > margin ? distance : margin;
+        lambda = margin * margin * (curvature > 1e-12 ? curvature : 1e-12) / ip->t[slot];
+        if (price < INFINITY) {            /* starts where its own multipliers add up to the violation's price */
+            lambda = lambda < 0.5 * price ? lambda : 0.5 * price;
+            ip->soft[slot] = 1.0;
+            ip->linear[slot] = price;
+            ip->quadratic[slot] = s->soft_quadratic[m / 2];
+            ip->v[slot] = lambda * ip->t[slot] / (price - lambda);
+            ip->sigma[slot] = price + ip->quadratic[slot] * ip->v[slot] - lambda;
+            ip->pairs += 1.0;
         }
-        mu += ip->lambda[m] * ip->t[m];
-        ++pairs;
+        ip->lambda[slot] = lambda;
     }
-    return pairs > 0 ? mu / pairs : 0.0;
+    ip_publish(s, ip);
 }
 
 /* One Newton step for the complementarity target tau, with `second` times Mehrotra's second-order term of the step
  * before; fresh: the barrier has changed and is factorised. */
-static int ip_step(struct qp *s, struct interior_point *ip, double tau, double second, int fresh)
+static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, double tau, double second, int fresh)
 {
-    double gradient[NZ], elastic[AT_LEAST_ONE(NSIDES)], constant[AT_LEAST_ONE(NSIDES)], inverse[AT_LEAST_ONE(NSIDES)];
-    double pair[AT_LEAST_ONE(NSIDES)], soft_pair[AT_LEAST_ONE(NSIDES)], gap[AT_LEAST_ONE(NSIDES)];
+    double gradient[NZ], initial[NX];
+    double gap[NSLOTS], pair[NSLOTS], soft_pair[NSLOTS], elastic[NSLOTS], give[NSLOTS], push[NSLOTS], weight[NSLOTS],
+        move[NSLOTS] = {0.0};
 
-    memcpy(gradient, ip->gradient, sizeof gradient);
-    if (fresh)
-        memset(ip->barrier, 0, sizeof ip->barrier);
-    for (int m = 0; m < NSIDES; ++m) {
-        if (!side_exists(s, m))
-            continue;
-        const int i = s->bound[m / 2];
-        const double w = ip->lambda[m] / ip->t[m];
-        gap[m] = bound_distance(s, s->z, m) + ip->v[m] - ip->t[m];
-        pair[m] = tau - ip->t[m] * ip->lambda[m] - (second > 0.0 ? second * ip->dt[m] * ip->dlambda[m] : 0.0);
-        elastic[m] = inverse[m] = soft_pair[m] = 0.0;
-        if (side_soft(s, m)) {
-            soft_pair[m] = tau - ip->v[m] * ip->sigma[m] - (second > 0.0 ? second * ip->dv[m] * ip->dsigma[m] : 0.0);
-            const double dual = s->soft_linear[m / 2] + s->soft_quadratic[m / 2] * ip->v[m] - ip->lambda[m] - ip->sigma[m];
-            inverse[m] = 1.0 / (s->soft_quadratic[m / 2] + w + ip->sigma[m] / ip->v[m]);
-            elastic[m] = (pair[m] / ip->t[m] - w * gap[m] + soft_pair[m] / ip->v[m] - dual) * inverse[m];
-        }
-        constant[m] = pair[m] / ip->t[m] - w * (gap[m] + elastic[m]);
-        gradient[i] -= side_sign(m) * (ip->lambda[m] + constant[m]);
-        if (fresh)
-            ip->barrier[i] += w * (1.0 - w * inverse[m]);
+    for (int m = 0; m < 2 * NLOWER; ++m) {
+        const double exists = ip->exists[m], soft = ip->soft[m], w = ip->lambda[m] * ip->per_t[m];
+        const double dual = soft * (ip->linear[m] + ip->quadratic[m] * ip->v[m] - ip->lambda[m] - ip->sigma[m]);
+        const double inverse = soft / (ip->quadratic[m] + w + ip->sigma[m] * ip->per_v[m] + (1.0 - soft));
+        gap[m] = exists * (ip->distance[m] + ip->v[m] - ip->t[m]);
+        pair[m] = exists * (tau - ip->t[m] * ip->lambda[m] - second * ip->dt[m] * ip->dlambda[m]);
+        soft_pair[m] = soft * (tau - ip->v[m] * ip->sigma[m] - second * ip->dv[m] * ip->dsigma[m]);
+        elastic[m] = (pair[m] * ip->per_t[m] - w * gap[m] + soft_pair[m] * ip->per_v[m] - dual) * inverse;
+        give[m] = w * inverse;
+        push[m] = pair[m] * ip->per_t[m] - w * (gap[m] + elastic[m]);
+        weight[m] = w * (1.0 - give[m]);
     }
-    if (fresh && !qp_factor(s, ip->barrier))
-        return 0;
-    double initial[NX];
+    memcpy(gradient, ip->gradient, sizeof gradient);
+    for (int i = 0; i < NB; ++i)
+        gradient[s->bound[i]] -= push[i] - push[NLOWER + i];
+    if (fresh) {
+        memset(ip->barrier, 0, sizeof ip->barrier);
+        for (int i = 0; i < NB; ++i)
+            ip->barrier[s->bound[i]] += weight[i] + weight[NLOWER + i];
+        if (!qp_factor(s, ip->barrier))
+            return 0;
+    }
     for (int i = 0; i < NX; ++i)
         initial[i] = s->initial[i] - s->z[i];
     qp_solve(s, gradient, (const double (*)[NX])ip->defect, initial, ip->dz, ip->dpi);
-    for (int m = 0; m < NSIDES; ++m) {
-        if (!side_exists(s, m))
-            continue;
-        const double w = ip->lambda[m] / ip->t[m];
-        const double move = side_sign(m) * ip->dz[s->bound[m / 2]];
-        ip->dv[m] = elastic[m] - w * inverse[m] * move;
-        ip->dt[m] = move + ip->dv[m] + gap[m];
-        ip->dlambda[m] = (pair[m] - ip->lambda[m] * ip->dt[m]) / ip->t[m];
-        ip->dsigma[m] = side_soft(s, m) ? (soft_pair[m] - ip->sigma[m] * ip->dv[m]) / ip->v[m] : 0.0;
+    for (int i = 0; i < NB; ++i) {
+        move[i] = ip->dz[s->bound[i]];
+        move[NLOWER + i] = -move[i];
+    }
+    for (int m = 0; m < 2 * NLOWER; ++m) {
+        const double exists = ip->exists[m], soft = ip->soft[m];
+        const double dv = soft * (elastic[m] - give[m] * move[m]), dt = exists * (move[m] + dv + gap[m]);
+        ip->dv[m] = dv;
+        ip->dt[m] = dt;
+        ip->dlambda[m] = (pair[m] - ip->lambda[m] * dt) * ip->per_t[m];
+        ip->dsigma[m] = (soft_pair[m] - ip->sigma[m] * dv) * ip->per_v[m];
     }
     return 1;
 }
 
-/* Largest step that keeps every distance and multiplier non-negative, at most 1. */
-static double ip_longest(const struct qp *s, const struct interior_point *ip)
+/* Longest step, at most 1, that goes no more than `part` of the way to where a distance or multiplier is zero. */
+static double ip_longest(const struct interior_point *restrict ip, double part)
 {
-    double step = 1.0;
-    for (int m = 0; m < NSIDES; ++m) {
-        if (!side_exists(s, m))
-            continue;
-        if (ip->dt[m] * step < -ip->t[m])
-            step = -ip->t[m] / ip->dt[m];
-        if (ip->dlambda[m] * step < -ip->lambda[m])
-            step = -ip->lambda[m] / ip->dlambda[m];
-        if (!side_soft(s, m))
-            continue;
-        if (ip->dv[m] * step < -ip->v[m])
-            step = -ip->v[m] / ip->dv[m];
-        if (ip->dsigma[m] * step < -ip->sigma[m])
-            step = -ip->sigma[m] / ip->dsigma[m];
+    double share[NSLOTS];                  /* of its way to zero that a full step goes */
+
+    for (int m = 0; m < 2 * NLOWER; ++m) {
+        const double t = -ip->dt[m] * ip->per_t[m], v = -ip->dv[m] * ip->per_v[m];
+        const double lambda = -ip->dlambda[m] / (ip->lambda[m] + (1.0 - ip->exists[m]));
+        const double sigma = -ip->dsigma[m] / (ip->sigma[m] + (1.0 - ip->soft[m]));
+        const double hard = t > lambda ? t : lambda, soft = v > sigma ? v : sigma;
+        share[m] = hard > soft ? hard : soft;
     }
-    return step;
+    const double largest_share = most(share);
+    return largest_share > part ? part / largest_share : 1.0;
 }
 
-/* Mean complementarity after a step of the given length. */
-static double ip_measure(const struct qp *s, const struct interior_point *ip, double step)
+static void ip_move(struct qp *restrict s, struct interior_point *restrict ip, double step)
 {
-    double sum = 0.0;
-    int pairs = 0;
-    for (int m = 0; m < NSIDES; ++m) {
-        if (!side_exists(s, m))
-            continue;
-        sum += (ip->t[m] + step * ip->dt[m]) * (ip->lambda[m] + step * ip->dlambda[m]);
-        ++pairs;
-        if (side_soft(s, m)) {
-            sum += (ip->v[m] + step * ip->dv[m]) * (ip->sigma[m] + step * ip->dsigma[m]);
-            ++pairs;
-        }
+    for (int i = 0; i < NZ; ++i)
+        s->z[i] += step * ip->dz[i];
+    for (int i = 0; i < (N + 1) * NX; ++i)
+        s->pi[i] += step * ip->dpi[i];
+    for (int m = 0; m < 2 * NLOWER; ++m) {
+        ip->t[m] += step * ip->dt[m];
+        ip->lambda[m] += step * ip->dlambda[m];
+        ip->v[m] += step * ip->dv[m];
+        ip->sigma[m] += step * ip->dsigma[m];
     }
-    return pairs > 0 ? sum / pairs : 0.0;
 }
 
 /* Do the multipliers prove that the hard bounds and the dynamics exclude each other? */
-static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
+static int ip_infeasible(const struct qp *s)
 {
     double gradient[NZ], defect[N][NX], value = 0.0, slack = 0.0, size[NX + NU] = {0.0};
 
@@ -170,11 +216,11 @@ static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
     for (int i = 0; i < NZ; ++i)
         size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
     for (int m = 0; m < NSIDES; ++m) {
-        if (!side_exists(s, m) || side_soft(s, m))
+        if (s->multiplier[m] == 0.0 || s->soft_linear[m / 2] < INFINITY)
             continue;
-        const double bound = m % 2 == 0 ? s->lower[m / 2] : -s->upper[m / 2];
-        gradient[s->bound[m / 2]] -= side_sign(m) * ip->lambda[m];
-        value += ip->lambda[m] * bound;
+        const double sign = m % 2 == 0 ? 1.0 : -1.0, bound = m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2];
+        gradient[s->bound[m / 2]] -= sign * s->multiplier[m];
+        value += sign * s->multiplier[m] * bound;
     }
     if (!FREE_INITIAL)
         for (int i = 0; i < NX; ++i) {     /* pi_0 takes whatever value makes the first state's entry vanish */
@@ -190,14 +236,6 @@ static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
     for (int i = 0; i < NZ; ++i)
         slack += fabs(gradient[i]) * size[kind_of(i)];
     return FARKAS_MARGIN * slack < value;
-}
-
-static void ip_publish(struct qp *s, const struct interior_point *ip)
-{
-    for (int m = 0; m < NSIDES; ++m) {
-        s->multiplier[m] = side_exists(s, m) ? ip->lambda[m] : 0.0;
-        s->violation[m] = side_exists(s, m) && side_soft(s, m) ? ip->v[m] : 0.0;
-    }
 }
 
 /* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
@@ -228,41 +266,28 @@ static int ip_restore(struct qp *s, const struct ip_answer *best)
 static int qp_interior_point(struct qp *s)
 {
     struct interior_point ip ON_STACK;
-    double mu = ip_start(s, &ip);
-    double step = 1.0;
     struct ip_answer best ON_STACK = {.kkt = INFINITY};
 
+    ip_start(s, &ip);
+    if (kkt_check(s, 1, ip.gradient, ip.defect) == NOT_FINITE)
+        return NOT_FINITE;
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS; ++s->iterations) {
-        kkt_residual(s, s->z, s->pi, 1.0, ip.gradient, ip.defect);
+        const double mu = ip_measure(&ip, 0.0);
+        ip_look(s, &ip);
         if (!ip_step(s, &ip, 0.0, 0.0, 1))
-            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : ip_infeasible(s, &ip) ? INFEASIBLE : NOT_FINITE;
-        const double last = step;
-        step = ip_longest(s, &ip);
-        const double affine = ip_measure(s, &ip, step);
-        const double ratio = affine / mu;
-        const int stalled = s->iterations % 5 == 0 && last < 0.7;   /* breaks the corrector's cycles */
-        ip_step(s, &ip, stalled ? mu : ratio * ratio * ratio * mu, stalled ? 0.0 : step * step, 0);
-        step = ip_longest(s, &ip);
-        step = step < 1.0 ? 0.995 * step : 1.0;
-        for (int i = 0; i < NZ; ++i)
-            s->z[i] += step * ip.dz[i];
-        for (int i = 0; i < (N + 1) * NX; ++i)
-            s->pi[i] += step * ip.dpi[i];
-        for (int m = 0; m < NSIDES; ++m) {
-            if (!side_exists(s, m))
-                continue;
-            ip.t[m] += step * ip.dt[m];
-            ip.lambda[m] += step * ip.dlambda[m];
-            if (side_soft(s, m)) {
-                ip.v[m] += step * ip.dv[m];
-                ip.sigma[m] += step * ip.dsigma[m];
-            }
+            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : ip_infeasible(s) ? INFEASIBLE : NOT_FINITE;
+        const double affine = ip_longest(&ip, 1.0), ratio = ip_measure(&ip, affine) / mu;
+        ip_step(s, &ip, ratio * ratio * ratio * mu, affine * affine, 0);
+        double step = ip_longest(&ip, BOUNDARY);
+        if (!(ip_measure(&ip, step) < mu)) {   /* the second-order term led astray, and would do so in a cycle */
+            ip_step(s, &ip, CENTRING * mu, 0.0, 0);
+            step = ip_longest(&ip, BOUNDARY);
         }
-        for (int m = 0; m < NSIDES; ++m)
-            ip.dt[m] = ip.dlambda[m] = ip.dv[m] = ip.dsigma[m] = 0.0;
-        mu = ip_measure(s, &ip, 0.0);
+        ip_move(s, &ip, step);
+        memset(ip.dt, 0, sizeof ip.dt);
+        memset(ip.dv, 0, sizeof ip.dv);
         ip_publish(s, &ip);
-        const int status = kkt_check(s, 1);
+        const int status = kkt_check(s, 1, ip.gradient, ip.defect);
         if (status == NOT_FINITE)
             return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : NOT_FINITE;
         if (s->kkt <= IP_TOLERANCE)
@@ -271,7 +296,7 @@ static int qp_interior_point(struct qp *s)
             return ip_restore(s, &best);
         if (status == SOLVED)
             ip_keep(s, &best);
-        if (ip_infeasible(s, &ip))
+        else if (s->iterations % FARKAS_EVERY == 0 && ip_infeasible(s))
             return INFEASIBLE;
     }
     return MAXIMUM_ITERATIONS;
@@ -281,6 +306,7 @@ static int qp_interior_point(struct qp *s)
  * point otherwise; the answer is judged by kkt_check. */
 static int qp_optimise(struct qp *s)
 {
+    double gradient[NZ], defect[N][NX];
     int invalid = 0, violated = 0;
 
     s->iterations = 0;
@@ -301,9 +327,9 @@ static int qp_optimise(struct qp *s)
         violated |= (value < s->lower[i]) | (value > s->upper[i]);
     }
     if (!violated)
-        return kkt_check(s, 0);
+        return kkt_check(s, 0, gradient, defect);
     if (qp_active_set(s)) {
-        if (kkt_check(s, 1) == SOLVED)
+        if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return SOLVED;
         memset(s->multiplier, 0, sizeof s->multiplier);
         qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);

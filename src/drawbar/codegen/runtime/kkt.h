@@ -133,7 +133,7 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
 /* What the bounds add: their multipliers to the gradient; returns their own worst relative residual. */
 static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *restrict scale, double *restrict gradient)
 {
-    double worst = 0.0, gap = 0.0;
+    double outside[NX + NU] = {0.0}, negative[NX + NU] = {0.0}, worst = 0.0, gap = 0.0;
 
     for (int m = 0; m < NSIDES; ++m) {
         const int i = m / 2, kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < INFINITY;
@@ -141,24 +141,27 @@ static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *re
         if (lambda == 0.0 && slack == 0.0 && distance >= 0.0)
             continue;
         gradient[s->bound[i]] -= m % 2 == 0 ? lambda : -lambda;
-        worst = largest(worst, distance < 0.0 ? distance / scale->primal[kind] : 0.0);
-        worst = largest(worst, slack < 0.0 || !soft ? slack / scale->primal[kind] : 0.0);
-        worst = largest(worst, lambda < 0.0 ? lambda / scale->dual[kind] : 0.0);
+        outside[kind] = largest(outside[kind], distance < 0.0 ? distance : 0.0);
+        outside[kind] = largest(outside[kind], slack < 0.0 || !soft ? slack : 0.0);
+        negative[kind] = largest(negative[kind], lambda < 0.0 ? lambda : 0.0);
         gap += fabs(lambda * distance);
         if (soft) {                        /* the multiplier of slack >= 0 is what remains of its cost */
             const double sigma = s->soft_linear[i] + s->soft_quadratic[i] * slack - lambda;
-            worst = largest(worst, sigma < 0.0 ? sigma / scale->dual[kind] : 0.0);
+            negative[kind] = largest(negative[kind], sigma < 0.0 ? sigma : 0.0);
             gap += fabs(sigma * slack);
         }
     }
+    for (int j = 0; j < NX + NU; ++j)
+        worst = largest(largest(worst, outside[j] / scale->primal[j]), negative[j] / scale->dual[j]);
     return largest(worst, gap / scale->objective);
 }
 
 /* Judge z, pi and (bounded: also) the multipliers: sets s->kkt, the largest residual relative to the sizes above, and
- * returns SOLVED, NOT_FINITE or CHECK_FAILED. Without `bounded` every bound must have been found respected. */
-static int kkt_check(struct qp *s, int bounded)
+ * returns SOLVED, NOT_FINITE or CHECK_FAILED. Leaves the gradient of the Lagrangian and the defects with the caller.
+ * Without `bounded` every bound must have been found respected. */
+static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defect)[NX])
 {
-    double gradient[NZ], defect[N][NX], stationarity[NX + NU] = {0.0}, feasibility[NX] = {0.0}, worst = 0.0;
+    double stationarity[NX + NU] = {0.0}, feasibility[NX] = {0.0}, worst = 0.0;
     struct kkt_scale scale ON_STACK;
 
     if (!all_finite(s->z, NZ) || !all_finite(s->pi, (N + 1) * NX) || (bounded && !all_finite(s->multiplier, NSIDES)))

@@ -28,13 +28,14 @@
 
 enum qp_status { SOLVED, MAXIMUM_ITERATIONS, INFEASIBLE, NOT_FINITE, CHECK_FAILED, BAD_INPUT };
 
-#define ACTIVE_MOST (NB < 16 ? NB : 16)    /* sweeps that cost less than the interior point */
+#define ACTIVE_MOST (NB < 24 ? NB : 24)    /* sweeps that cost less than the interior point */
 
 /* Work of active_set.h: the bounds that it holds, and one column for each that it ever held in this problem. */
 struct active_set {
     int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
     int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
     double column[AT_LEAST_ONE(ACTIVE_MOST)][NZ], column_pi[AT_LEAST_ONE(ACTIVE_MOST)][(N + 1) * NX];
+    double L[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(ACTIVE_MOST)], D[AT_LEAST_ONE(ACTIVE_MOST)];
     double nu[AT_LEAST_ONE(ACTIVE_MOST)];
 };
 

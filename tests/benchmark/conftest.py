@@ -1,0 +1,14 @@
+"""A short watched run of each shipped configuration, driven once for all tests of this folder."""
+
+import pytest
+
+from drawbar.benchmark.closed_loop import probed_run
+from drawbar.benchmark.probe import Probe
+
+STAGES, STEPS = 5, 30
+
+
+@pytest.fixture(scope="session", params=["paper", "articulated"])
+def probes(request: pytest.FixtureRequest) -> list[Probe]:
+    pytest.importorskip("daqp", reason="the other route needs daqp")
+    return probed_run(request.param, STAGES, STEPS, with_other_route=True)

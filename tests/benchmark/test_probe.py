@@ -1,0 +1,53 @@
+"""A probe watches without disturbing, and both routes answer the same problem."""
+
+import numpy as np
+
+from drawbar.autopilot.build import build_autopilot, build_machine, build_path
+from drawbar.benchmark.closed_loop import HORIZON, probed_run
+from drawbar.benchmark.condensing import CondensingRoute
+from drawbar.benchmark.probe import Probe
+from drawbar.config import load_configuration
+from drawbar.optimal import EstimationSolver
+from drawbar.optimal.transcription import transcribe
+
+STAGES, STEPS = 5, 30
+
+
+def test_every_step_is_timed_once(probes: list[Probe]) -> None:
+    assert [probe.name.split("-")[1] for probe in probes] == ["tractor", "trailer", "estimator"]
+    for probe in probes:
+        steps = STEPS + STAGES + 1
+        assert len(probe.feedback) == len(probe.prepare) == len(probe.floor) == len(probe.iterations) == steps
+        assert all(time > 0.0 for times in (probe.prepare, probe.feedback, probe.floor) for time in times)
+        assert len(probe.other_feedback) == len(probe.other_prepare) == steps // 10
+
+
+def test_the_watched_run_is_the_run(probes: list[Probe]) -> None:
+    changes = [f"controller.horizon={STAGES}", f"estimator.window={STAGES}", f"sample_time={HORIZON / STAGES}"]
+    changes += [f"machine.step={HORIZON / STAGES / 20}"]
+    configuration = load_configuration(probes[0].name.split("-")[0], changes)
+    path, _ = build_path(configuration)
+    autopilot = build_autopilot(configuration, path, build_machine(configuration, path, 0))
+    for _ in range(STEPS + STAGES + 1):
+        record = autopilot.step()
+    own = autopilot._estimator._solver
+    np.testing.assert_array_equal(own.x, probes[2].solver.x)
+    assert record.step == STEPS + STAGES
+
+
+def test_both_routes_take_the_same_step() -> None:
+    worst = 0.0
+    for name in ("paper", "articulated"):
+        for probe in probed_run(name, STAGES, 25, with_other_route=False):
+            solver = probe.solver
+            route = CondensingRoute(transcribe(solver.problem), solver)
+            solver.prepare()
+            x, u = solver.x.copy(), solver.u.copy()
+            route.prepare()
+            xi = route.feedback()
+            assert solver.feedback() == 0
+            moved = np.concatenate(
+                [(solver.x - x)[0] if isinstance(solver, EstimationSolver) else [], (solver.u - u).ravel()]
+            )
+            worst = max(worst, float(np.abs(xi - moved).max()))
+    assert worst < 1e-6
