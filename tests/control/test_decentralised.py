@@ -135,9 +135,6 @@ def test_with_planned_coupling_the_planned_trailer_hangs_on_the_planned_tractor(
     assert abs(measured[-1] - VEHICLE.drawbar_length) > 0.01
 
 
-@pytest.mark.xfail(
-    reason="kkt_check calls an answer of rounding size CHECK_FAILED: its scales are that small too", strict=True
-)
 def test_where_nothing_is_to_be_done_the_solver_says_solved(name, make, situation):
     for yaw in (0.0, 1.0, math.pi, -2.5):
         assert_solved(settled(make(name), situation().turned(yaw, (30.0, -4.0)), steps=3))

@@ -61,9 +61,19 @@ def build(name: str, source: str, flags: tuple[str, ...] = FLAGS) -> Path:
     return library
 
 
+def _workshop(folder: Path) -> tempfile.TemporaryDirectory[str]:
+    """Return a temporary folder within the cache folder, as a context."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return tempfile.TemporaryDirectory(dir=folder)
+    except OSError as error:
+        raise CompilerError(
+            f"{folder}: compiled solvers cannot be kept there ({error.strerror}); set DRAWBAR_CACHE to a writable folder."
+        ) from error
+
+
 def _compile(source: str, flags: tuple[str, ...], library: Path) -> None:
-    library.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=library.parent) as text:
+    with _workshop(library.parent) as text:
         folder = Path(text)
         for file, content in {**runtime_sources(), "unit.c": source}.items():
             (folder / file).write_text(content, "utf-8")

@@ -16,7 +16,8 @@ from drawbar.signals import Estimate
 class Preview(Guidance):
     """Stage j of each body is the path at its progress plus j mu v dt; it never moves back.
 
-    The offset that a body has at first is blended in and fades (see Approach)."""
+    The offset that a body has at first is blended in and fades (see Approach).
+    """
 
     def __init__(
         self,

@@ -1,11 +1,14 @@
 """Geometry and limits of the tractor-trailer system (figure 3 of the paper)."""
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
+
+SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
+"""A steering angle that still steers: wheels across the direction of motion do not roll."""
 
 
 class VehicleParameters(Settings):
@@ -22,10 +25,10 @@ class VehicleParameters(Settings):
     trailer_antenna: NonNegative = 0.25
     """c, trailer antenna ahead of the trailer axle, m"""
     joint_sign: Literal[-1, 1] = 1
-    """+1: a positive trailer command drives phi - psi positive; -1: the actuator turns the other way (the sensor does not)"""
-    tractor_steering_limit: PositiveAngle = math.radians(30.0)
+    """+1: a positive trailer command drives phi - psi positive; -1: the actuator (not the sensor) is reversed"""
+    tractor_steering_limit: SteeringAngle = math.radians(30.0)
     """largest |delta_t| that may be commanded, rad"""
-    trailer_steering_limit: PositiveAngle = math.radians(20.0)
+    trailer_steering_limit: SteeringAngle = math.radians(20.0)
     """largest |delta_i| that may be commanded, rad"""
     tractor_steering_rate: PositiveAngle = math.radians(25.0)
     """fastest the front wheels turn, rad/s"""

@@ -8,6 +8,8 @@
 #include "qp.h"
 
 #define CHECK_TOLERANCE 1e-8
+#define ROUNDING 1e-6                      /* a kind this much smaller than the largest is judged by the largest: their
+                                            * rounding errors mix in the factorisation */
 
 static inline double largest(double bound, double value)
 {
@@ -100,7 +102,8 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         for (int j = 0; j < NX; ++j) {
             const double x = STATE(s->z, k)[j], q = STATE(s->g, k)[j];
             primal[j] = largest(primal[j], x);
-            dual[j] = largest(largest(dual[j], q), k > 0 || !FREE_INITIAL ? STATE(s->pi, k)[j] : 0.0);
+            dual[j] = largest(largest(largest(dual[j], q), k > 0 || !FREE_INITIAL ? STATE(s->pi, k)[j] : 0.0),
+                              s->Q[k][j][j] * x);
             size[j] += fabs(q * x);
         }
     for (int k = 0; k < N; ++k)
@@ -119,8 +122,8 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         objective += fabs(net * s->z[s->bound[i]]);
     }
     for (int j = 0; j < NX + NU; ++j) {
-        least_primal = largest(least_primal, 1e-8 * primal[j]);
-        least_dual = largest(least_dual, 1e-8 * dual[j]);
+        least_primal = largest(least_primal, 0.01 * ROUNDING * primal[j]);
+        least_dual = largest(least_dual, ROUNDING * dual[j]);
         objective += size[j];
     }
     for (int j = 0; j < NX + NU; ++j) {    /* a variable that is zero throughout has no size of its own */
