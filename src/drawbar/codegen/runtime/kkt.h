@@ -122,7 +122,7 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         objective += fabs(net * s->z[s->bound[i]]);
     }
     for (int j = 0; j < NX + NU; ++j) {
-        least_primal = largest(least_primal, 0.01 * ROUNDING * primal[j]);
+        least_primal = largest(least_primal, ROUNDING * primal[j]);
         least_dual = largest(least_dual, ROUNDING * dual[j]);
         objective += size[j];
     }
