@@ -7,7 +7,7 @@ class SteeringActuator:
     """A first-order lag delta' = (u - delta) / tau, whose command u is held over a sample."""
 
     def __init__(self, *, lag: float, limit: float, sample_time: float, sign: int = 1) -> None:
-        """Take tau (s), the largest command (rad), the sample time (s), and -1 for an actuator that turns the other way."""
+        """Take tau (s), the largest command (rad), the sample time (s), -1 if the actuator is reversed."""
         self._lead = sample_time / (1.0 - math.exp(-sample_time / lag))
         self._limit, self._sign = limit, sign
 
