@@ -89,7 +89,7 @@ def test_steps_are_counted_from_zero_and_failures_with_them(faked):
     failed = replace(record.plan.tractor, status=SolverStatus.CHECK_FAILED)
     assert isinstance(failed, BodyPlan)
     plan = Plan(time=0.0, tractor=failed, trailer=replace(failed, status=SolverStatus.INFEASIBLE))
-    autopilot._controller = Part("controller", [], feedback=plan, times=(record.tractor_times, record.trailer_times))
+    autopilot.controller = Part("controller", [], feedback=plan, times=(record.tractor_times, record.trailer_times))
     assert autopilot.step().solver_failures == 2
 
 

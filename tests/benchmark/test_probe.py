@@ -30,7 +30,7 @@ def test_the_watched_run_is_the_run(probes: list[Probe]) -> None:
     autopilot = build_autopilot(configuration, path, build_machine(configuration, path, 0))
     for _ in range(STEPS + STAGES + 1):
         record = autopilot.step()
-    own = autopilot._estimator._solver
+    own = autopilot.estimator.solver
     np.testing.assert_array_equal(own.x, probes[2].solver.x)
     assert record.step == STEPS + STAGES
 

@@ -27,8 +27,8 @@ class Autopilot:
         """Take the parts and the set speed, m/s."""
         self.machine = machine
         self.guidance = guidance
-        self._estimator = estimator
-        self._controller = controller
+        self.estimator = estimator
+        self.controller = controller
         self._tractor_law, self._trailer_law = tractor_law, trailer_law
         self._gate = gate
         self._speed = speed
@@ -38,9 +38,9 @@ class Autopilot:
         """Read, estimate, plan, command; then prepare for the next sample."""
         truth = self.machine.truth()
         measurement = self.machine.read()
-        estimate = self._estimator.update(measurement)
+        estimate = self.estimator.update(measurement)
         reference = self.guidance.reference(estimate)
-        plan = self._controller.feedback(estimate, reference)
+        plan = self.controller.feedback(estimate, reference)
         tractor = self._tractor_law.apply(plan.tractor, estimate.tractor)
         trailer = self._trailer_law.apply(plan.trailer, estimate.trailer)
         command = self._gate.check(
@@ -52,10 +52,10 @@ class Autopilot:
             )
         )
         self.machine.write(command)
-        self._estimator.prepare()  # after actuation: the preparation phases cost no latency
-        self._controller.prepare()
+        self.estimator.prepare()  # after actuation: the preparation phases cost no latency
+        self.controller.prepare()
         outcomes = (estimate.status, plan.tractor.status, plan.trailer.status)
-        tractor_times, trailer_times = self._controller.times
+        tractor_times, trailer_times = self.controller.times
         self._step += 1
         return StepRecord(
             step=self._step - 1,
@@ -67,7 +67,7 @@ class Autopilot:
             trailer_steering=trailer,
             command=command,
             truth=truth,
-            estimator_times=self._estimator.times,
+            estimator_times=self.estimator.times,
             tractor_times=tractor_times,
             trailer_times=trailer_times,
             solver_failures=sum(outcome is not SolverStatus.SOLVED for outcome in outcomes),

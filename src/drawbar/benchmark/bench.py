@@ -67,7 +67,8 @@ def measure(progress: Progress, *, steps: int, growth_steps: int) -> dict[str, A
         "rows": table,
         "machine": machine(),
         "python_overhead_us": overhead,
-        "control_step_us": microseconds(run.step),
+        "control_step_us": microseconds(run.latency),
+        "control_step_preparation_us": microseconds(run.preparation),
         "real_time_factor": run.real_time_factor,
         "casadi_daqp": "measured" if with_other_route else 'left out: pip install "drawbar[test]" brings daqp',
     }
@@ -75,27 +76,29 @@ def measure(progress: Progress, *, steps: int, growth_steps: int) -> dict[str, A
 
 def solver_table(rows: list[dict[str, Any]]) -> Table:
     """Return the table of all problems at the base horizon."""
-    table = Table(title=f"one sample, N = {STAGES}, µs (medians unless said)", title_justify="left")
-    left = ("problem", "route")
-    for column in (*left, "prepare", "feedback", "total", "99 %", "max", "floor", "ratio", "bounds"):
-        table.add_column(column, justify="left" if column in left else "right", no_wrap=True)
+    table = _table(f"one sample, N = {STAGES}, µs, medians unless said", "problem and route")
+    for column in ("prep.", "feedb.", "total", "99 %", "max", "floor", "ratio", "bounds"):
+        table.add_column(column, justify="right", no_wrap=True)
     for row in rows:
         if row["stages"] == STAGES:
             total, floor = row["total_us"], row["floor_us"]
             medians = (row["prepare_us"]["median"], row["feedback_us"]["median"], *total.values(), floor)
             share = f"{row['bounded_share']:.0%}" if "bounded_share" in row else ""
-            numbers = (f"{value:.2f}" if value < 100.0 else f"{value:.0f}" for value in medians)
-            table.add_row(row["problem"], row["route"], *numbers, f"{total['median'] / floor:.2f}", share)
+            numbers = (f"{value:.2f}" if value < 10.0 else f"{value:.0f}" for value in medians)
+            name = row["problem"] if row["route"] == "drawbar" else f"  {row['route']}"
+            table.add_row(name, *numbers, f"{total['median'] / floor:.2f}", share)
+    return table
+
+
+def _table(title: str, first: str) -> Table:
+    table = Table(title=title, title_justify="left", title_style="bold", box=None, padding=(0, 1), pad_edge=False)
+    table.add_column(first, no_wrap=True)
     return table
 
 
 def growth_table(rows: list[dict[str, Any]]) -> Table:
     """Return the medians over the horizon."""
-    table = Table(
-        title="growth with the horizon, median total, µs; in brackets: bounds active in so many steps",
-        title_justify="left",
-    )
-    table.add_column("problem")
+    table = _table("growth with the horizon, median total, µs; in brackets: steps with bounds active", "problem")
     for stages in (STAGES, *GROWTH):
         table.add_column(f"N = {stages}", justify="right")
     table.add_column(f"{GROWTH[-1]} / {STAGES}", justify="right")
@@ -110,7 +113,8 @@ def growth_table(rows: list[dict[str, Any]]) -> Table:
 def _print_rest(console: Console, figures: dict[str, Any]) -> None:
     overhead = max(figures["python_overhead_us"].values())
     console.print(f"Python overhead per call   {overhead:.2f} µs at most")
-    console.print(f"control step, articulated  {_three(figures['control_step_us'])} µs, without the simulation")
+    console.print(f"measurement to command     {_three(figures['control_step_us'])} µs (median / 99 % / max)")
+    console.print(f"preparation after it       {_three(figures['control_step_preparation_us'])} µs")
     console.print(f"real-time factor           {figures['real_time_factor']:.0f}, simulation included")
     if figures["casadi_daqp"] != "measured":
         console.print(f"casadi-daqp                {figures['casadi_daqp']}", markup=False)

@@ -22,35 +22,33 @@ HORIZON = 3.0
 class WholeRun:
     """What a whole run costs outside the solvers too."""
 
-    step: list[float]
-    """one control step, measurement in, command out, and the preparation after it, without the simulation, s"""
+    latency: list[float]
+    """one control step, measurement in, command out, s"""
+    preparation: list[float]
+    """what a step does after its command is out, s"""
     real_time_factor: float
     """driven time over elapsed time, simulation included"""
 
 
 class _TimedMachine(Machine):
-    """Passes everything on and adds up how long the machine itself takes."""
+    """Passes everything on and takes down when measurements go in and commands come out."""
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
-        self.elapsed = 0.0
+        self.came = self.went = self.latency = 0.0
 
     def read(self) -> Measurement:
-        start = time.perf_counter()
         measurement = self._machine.read()
-        self.elapsed += time.perf_counter() - start
+        self.came = time.perf_counter()
         return measurement
 
     def write(self, command: Command) -> None:
-        start = time.perf_counter()
+        self.latency = time.perf_counter() - self.came
         self._machine.write(command)
-        self.elapsed += time.perf_counter() - start
+        self.went = time.perf_counter()
 
     def truth(self) -> Truth | None:
-        start = time.perf_counter()
-        truth = self._machine.truth()
-        self.elapsed += time.perf_counter() - start
-        return truth
+        return self._machine.truth()
 
 
 def probed_run(name: str, stages: int, steps: int, *, with_other_route: bool) -> list[Probe]:
@@ -67,13 +65,13 @@ def probed_run(name: str, stages: int, steps: int, *, with_other_route: bool) ->
     times = [f"sample_time={sample_time}", f"machine.step={sample_time / 20}"]
     configuration = load_configuration(name, [*lengths, *times])
     autopilot = _autopilot(configuration)
-    controller, estimator = autopilot._controller, autopilot._estimator
+    controller, estimator = autopilot.controller, autopilot.estimator
     if not isinstance(controller, DecentralisedController) or not isinstance(estimator, MovingHorizonEstimator):
         raise TypeError(f"{name} has no decentralised controllers or no moving horizon estimator to measure.")
     solvers: dict[str, ControlSolver | EstimationSolver] = {
-        "tractor": controller._tractor.solver,
-        "trailer": controller._trailer.solver,
-        "estimator": estimator._solver,
+        "tractor": controller.tractor.solver,
+        "trailer": controller.trailer.solver,
+        "estimator": estimator.solver,
     }
     probes = [Probe(f"{name}-{body}", solver, with_other_route=with_other_route) for body, solver in solvers.items()]
     for _ in range(steps + stages + 1):  # the first ones only fill the window
@@ -87,15 +85,13 @@ def whole_run(name: str) -> WholeRun:
     path, _ = build_path(configuration)
     machine = _TimedMachine(build_machine(configuration, path, 0))
     autopilot = build_autopilot(configuration, path, machine)
-    steps = []
-    start = before = time.perf_counter()
-    machine.elapsed = 0.0
+    latency, preparation = [], []
+    start = time.perf_counter()
     for _ in drive(autopilot, time_limit=60.0 + 3.0 * path.length / configuration.speed):
-        now = time.perf_counter()
-        steps.append(now - before - machine.elapsed)
-        before, machine.elapsed = now, 0.0
-    driven = len(steps) * configuration.sample_time
-    return WholeRun(step=steps, real_time_factor=driven / (time.perf_counter() - start))
+        preparation.append(time.perf_counter() - machine.went)
+        latency.append(machine.latency)
+    factor = len(latency) * configuration.sample_time / (time.perf_counter() - start)
+    return WholeRun(latency=latency, preparation=preparation, real_time_factor=factor)
 
 
 def _autopilot(configuration: Configuration) -> Autopilot:

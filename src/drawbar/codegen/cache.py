@@ -68,7 +68,7 @@ def _workshop(folder: Path) -> tempfile.TemporaryDirectory[str]:
         return tempfile.TemporaryDirectory(dir=folder)
     except OSError as error:
         raise CompilerError(
-            f"{folder}: compiled solvers cannot be kept there ({error.strerror}); set DRAWBAR_CACHE to a writable folder."
+            f"{folder}: compiled solvers cannot be kept there ({error.strerror}); set DRAWBAR_CACHE to another."
         ) from error
 
 

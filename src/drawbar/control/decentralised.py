@@ -13,20 +13,20 @@ class DecentralisedController(NominalController):
 
     def __init__(self, tractor: SubsystemController, trailer: SubsystemController) -> None:
         """Join the controllers of the two bodies."""
-        self._tractor, self._trailer = tractor, trailer
+        self.tractor, self.trailer = tractor, trailer
 
     def feedback(self, estimate: Estimate, reference: Reference) -> Plan:
         """Return both bodies' plans from the newest estimate."""
-        tractor = self._tractor.feedback(estimate, reference.tractor)
-        trailer = self._trailer.feedback(estimate, reference.trailer, tractor)
+        tractor = self.tractor.feedback(estimate, reference.tractor)
+        trailer = self.trailer.feedback(estimate, reference.trailer, tractor)
         return Plan(time=estimate.time, tractor=tractor, trailer=trailer)
 
     def prepare(self) -> None:
         """Prepare both solvers for the next sample."""
-        self._tractor.prepare()
-        self._trailer.prepare()
+        self.tractor.prepare()
+        self.trailer.prepare()
 
     @property
     def times(self) -> tuple[SolveTimes, SolveTimes]:
         """Wall-clock time of the last two phases for tractor and trailer, s."""
-        return self._tractor.times, self._trailer.times
+        return self.tractor.times, self.trailer.times

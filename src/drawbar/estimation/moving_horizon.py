@@ -19,7 +19,7 @@ class MovingHorizonEstimator(Estimator):
             CompilerError: the solver could not be compiled.
         """
         self._model = model
-        self._solver = EstimationSolver(model.problem, model.first_guess(first))
+        self.solver = EstimationSolver(model.problem, model.first_guess(first))
         self._prepare_time = self._feedback_time = 0.0
 
     def update(self, measurement: Measurement) -> Estimate:
@@ -27,7 +27,7 @@ class MovingHorizonEstimator(Estimator):
 
         When the solver fails the estimate is the prediction, and its status says so.
         """
-        solver, newest = self._solver, self._solver.newest
+        solver, newest = self.solver, self.solver.newest
         solver.y[newest] = self._model.outputs(measurement)
         start = perf_counter()
         status = solver.feedback()
@@ -37,7 +37,7 @@ class MovingHorizonEstimator(Estimator):
     def prepare(self) -> None:
         """Slide the window by one sample and linearise along the predicted trajectory."""
         start = perf_counter()
-        self._solver.advance()
+        self.solver.advance()
         self._prepare_time = perf_counter() - start
 
     @property
