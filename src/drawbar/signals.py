@@ -209,3 +209,5 @@ class StepRecord:
     trailer_times: SolveTimes
     solver_failures: int
     """solver calls of this step that did not end in SOLVED"""
+    command_refused: bool
+    """the gate let the last valid command pass instead of this step's"""

@@ -80,6 +80,7 @@ def test_one_step_is_the_block_diagram(faked):
     assert asked.time == record.measurement.time
     assert given["machine.write"] == (replace(asked, speed=0.7),)
     assert made.command == replace(asked, speed=0.7)
+    assert made.command_refused  # the gate gave another one
 
 
 def test_steps_are_counted_from_zero_and_failures_with_them(faked):

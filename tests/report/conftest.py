@@ -173,6 +173,7 @@ def fake_run(*, seed=0, truth=True, steps=None, outcome=None):
             tractor_times=solve[1],
             trailer_times=solve[2],
             solver_failures=0,
+            command_refused=False,
         )
 
     return RunLog(

@@ -43,14 +43,13 @@ class Autopilot:
         plan = self.controller.feedback(estimate, reference)
         tractor = self._tractor_law.apply(plan.tractor, estimate.tractor)
         trailer = self._trailer_law.apply(plan.trailer, estimate.trailer)
-        command = self._gate.check(
-            Command(
-                time=measurement.time,
-                tractor_steering=tractor.command,
-                trailer_steering=trailer.command,
-                speed=self._speed,
-            )
+        wanted = Command(
+            time=measurement.time,
+            tractor_steering=tractor.command,
+            trailer_steering=trailer.command,
+            speed=self._speed,
         )
+        command = self._gate.check(wanted)
         self.machine.write(command)
         self.estimator.prepare()  # after actuation: the preparation phases cost no latency
         self.controller.prepare()
@@ -71,4 +70,5 @@ class Autopilot:
             tractor_times=tractor_times,
             trailer_times=trailer_times,
             solver_failures=sum(outcome is not SolverStatus.SOLVED for outcome in outcomes),
+            command_refused=command is not wanted,
         )

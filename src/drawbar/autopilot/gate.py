@@ -13,15 +13,12 @@ class CommandGate:
         """Take the largest steering angles (rad) and speed (m/s) that may leave."""
         self._limits = (tractor_limit, trailer_limit, speed_limit)
         self._last = Command(time=math.nan, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
-        self.refused = 0
-        """commands that did not pass so far"""
 
     def check(self, command: Command) -> Command:
-        """Return the command, or the last valid one at this command's time."""
+        """Return the very command, or the last valid one at this command's time."""
         values = (command.tractor_steering, command.trailer_steering, command.speed)
         # `not (|x| <= limit)` also catches NaN, which would walk through a clamp
         if any(not (abs(value) <= limit) for value, limit in zip(values, self._limits, strict=True)):
-            self.refused += 1
             return replace(self._last, time=command.time)
         self._last = command
         return command

@@ -76,6 +76,8 @@ class Metrics:
     saturated_share: Bodies[float]
     """steps whose command was clipped, of all steps"""
     solver_failures: int
+    refused_commands: int
+    """commands that the gate did not let pass"""
     solve_time_s: SolverTimes
 
     def to_json(self) -> bytes:
@@ -160,6 +162,7 @@ def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
         ancillary_share=_of_both(_ancillary_share, log),
         saturated_share=_of_both(_saturated_share, log),
         solver_failures=sum(record.solver_failures for record in log.records),
+        refused_commands=sum(record.command_refused for record in log.records),
         solve_time_s=SolverTimes(
             estimator=_phase_times(log, "estimator"),
             tractor=_phase_times(log, "tractor"),

@@ -77,4 +77,5 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
         ("mean error, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
         ("mean error, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
         ("solver failures", f"{metrics.solver_failures}"),
+        ("refused commands", f"{metrics.refused_commands}"),
     ]
