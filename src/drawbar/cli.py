@@ -54,12 +54,13 @@ def run(
     settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
     config = load_configuration(configuration, [*settings, *(changes or [])])
     line, drivable = build_path(config)
-    if drivable is not None:
-        _tell_deviation(drivable, config)
+    note = _deviation(drivable, config) if drivable else ""
+    if note:
+        console.print(note)
     with console.status("compiling the solvers (the first time only) …"):
         autopilot = build_autopilot(config, line, build_machine(config, line, seed))
     folder = _new_folder(out, config, seed)
-    log = Recorder(folder / LOG_NAME, _header(config, line, seed))
+    log = Recorder(folder / LOG_NAME, _header(config, line, note, seed))
     stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
         with log as recorder, RunProgress(console, line.length) as live:
@@ -84,11 +85,12 @@ def bench(
     run_benchmark(console, json)
 
 
-def _tell_deviation(drivable: DrivablePath, config: Configuration) -> None:
-    worst = int(drivable.deviations.argmax())
-    console.print(
+def _deviation(drivable: DrivablePath, config: Configuration) -> str:
+    """Return how far a recorded line's points are from the path that will be driven."""
+    worst, limit = int(drivable.deviations.argmax()), config.guidance.path_tolerance
+    return (
         f"line made drivable: largest deviation {drivable.deviations[worst]:.2f} m at recorded point {worst + 1} of "
-        f"{len(drivable.deviations)} (allowed {config.guidance.path_tolerance:.2f} m)"
+        f"{len(drivable.deviations)} (allowed {limit:.2f} m)"
     )
 
 
@@ -108,7 +110,7 @@ def _new_folder(chosen: FilePath | None, config: Configuration, seed: int) -> Fi
     return folder
 
 
-def _header(config: Configuration, path: Path, seed: int) -> RunHeader:
+def _header(config: Configuration, path: Path, note: str, seed: int) -> RunHeader:
     return RunHeader(
         configuration_name=config.name,
         configuration=config.to_toml(),
@@ -116,6 +118,7 @@ def _header(config: Configuration, path: Path, seed: int) -> RunHeader:
         started=datetime.now(UTC),
         vehicle=config.vehicle,
         path_name=config.path.track or config.path.file or "figure-eights",
+        path_note=note,
         path=PathTable.of(path),
         estimate_bounds=config.estimator.bounds_by_estimate(),
     )

@@ -57,6 +57,7 @@ def header():
         vehicle=VehicleParameters(joint_sign=-1),
         path=PathTable.of(figure_eights([1.0], 1.0)),
         path_name="eights",
+        path_note="as recorded",
         estimate_bounds={"longitudinal_slip": (0.25, 1.0)},
     )
 

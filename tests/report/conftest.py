@@ -62,6 +62,7 @@ def fake_header(seed=0):
         vehicle=VEHICLE,
         path=PathTable.of(figure_eights([10.0, 8.0, 20.0 / 3.0], 20.0)),
         path_name="three figure-eights",
+        path_note="",
         estimate_bounds={
             "longitudinal_slip": (0.25, 1.0),
             "tractor_slip": (0.5, 1.1),

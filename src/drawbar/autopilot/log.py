@@ -86,6 +86,8 @@ class RunHeader:
     started: datetime
     vehicle: VehicleParameters
     path_name: str
+    path_note: str
+    """how a recorded line was made drivable; empty for other paths"""
     path: PathTable
     estimate_bounds: Mapping[str, tuple[float, float]]
     """lower and upper bound of the estimator by field name of Estimate, SI"""

@@ -14,6 +14,8 @@ from drawbar.report.style import Figure, axis, layout, line
 _NAMES = {"tractor": "Tractor", "trailer": "Trailer"}
 _SOLVERS = {"estimator": style.ESTIMATOR, "tractor": style.TRACTOR, "trailer": style.TRAILER}
 _BINS_PER_DECADE = 30
+_LABELLED = 0.04
+"""share of the path from which on a stretch has room for its label"""
 
 
 def along(log: RunLog, body: str) -> Floats:
@@ -36,6 +38,8 @@ def _section_shades(log: RunLog) -> dict[str, list[dict[str, Any]]]:
             {"type": "rect", "xref": "x", "yref": "paper", "x0": low, "x1": high, "y0": 0, "y1": 1}
             | {"fillcolor": "#F1F3F6", "line": {"width": 0}, "layer": "below"}
         )
+        if high - low < _LABELLED * path.arc_length[-1]:
+            continue
         labels.append(
             {"text": path.label_names[classes[start]], "x": 0.5 * (low + high), "y": 1, "yref": "paper"}
             | {"showarrow": False, "yanchor": "bottom", "font": {"size": 11, "color": style.REFERENCE}}

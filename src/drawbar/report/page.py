@@ -76,6 +76,7 @@ def render_page(log: RunLog, metrics: Metrics, errors: Bodies[PathErrors]) -> st
     return template.substitute(
         title=escape(f"{log.header.path_name}, {metrics.config}"),
         facts=escape(f"{started} · configuration {metrics.config} · seed {metrics.seed} · {len(log.records)} steps"),
+        note=escape(log.header.path_note),
         state="" if metrics.finished else "stopped",
         outcome=escape(f"{ending}: {metrics.outcome}"),
         tiles="".join(tiles),

@@ -14,7 +14,8 @@
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
 #define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
-#define FARKAS_MARGIN 1e1                  /* infeasible unless a point lies this much further out than the iterate */
+#define FARKAS_REACH 1e6                   /* infeasible unless a point lies this much further out than the iterate */
+#define FARKAS_ROUNDING 1e-10
 #define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
 #define BLOCK 8                            /* sides are worked on in blocks, for SIMD code */
 #define NLOWER ((NB + BLOCK - 1) / BLOCK * BLOCK)
@@ -207,35 +208,83 @@ static void ip_move(struct qp *restrict s, struct interior_point *restrict ip, d
     }
 }
 
-/* Do the multipliers prove that the hard bounds and the dynamics exclude each other? */
+/* Where a variable may be: within its hard bounds, and no further than FARKAS_REACH times its kind's size beyond them where
+ * there are none. Returns 0 when the bounds of one variable exclude each other. */
+static int ip_box(const struct qp *restrict s, double *restrict low, double *restrict high)
+{
+    double size[NX + NU] = {0.0};
+
+    for (int i = 0; i < NZ; ++i) {
+        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
+        low[i] = -INFINITY;
+        high[i] = INFINITY;
+    }
+    for (int i = 0; i < NB; ++i) {
+        const int at = s->bound[i], hard = !(s->soft_linear[i] < INFINITY);
+        low[at] = hard && s->lower[i] > low[at] ? s->lower[i] : low[at];
+        high[at] = hard && s->upper[i] < high[at] ? s->upper[i] : high[at];
+        if (low[at] > high[at])
+            return 0;
+    }
+    for (int i = 0; i < NZ; ++i) {
+        const double middle = low[i] > -INFINITY ? low[i] : high[i] < INFINITY ? high[i] : 0.0;
+        const double reach = FARKAS_REACH * largest(size[kind_of(i)], middle);
+        low[i] = low[i] > -INFINITY ? low[i] : middle - reach;
+        high[i] = high[i] < INFINITY ? high[i] : middle + reach;
+    }
+    return 1;
+}
+
+static inline double least_of(double slope, double low, double high)
+{
+    return slope > 0.0 ? slope * low : slope * high;
+}
+
+/* Do the state bounds' multipliers prove that no point lies within the hard bounds? Their sum is a half-space; with the
+ * states eliminated (pi by the recursion that makes their slopes vanish) only the inputs, and a free first state,
+ * remain, and not even the best point of their box reaches it. */
 static int ip_infeasible(const struct qp *s)
 {
-    double gradient[NZ], defect[N][NX], value = 0.0, slack = 0.0, size[NX + NU] = {0.0};
+    double low[NZ], high[NZ], net[NZ] = {0.0}, pi[NX] = {0.0}, before[NX], value = 0.0, terms = 0.0;
 
-    kkt_residual(s, s->z, s->pi, 0.0, gradient, defect);
-    for (int i = 0; i < NZ; ++i)
-        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
+    if (!ip_box(s, low, high))
+        return 1;
     for (int m = 0; m < NSIDES; ++m) {
-        if (s->multiplier[m] == 0.0 || s->soft_linear[m / 2] < INFINITY)
+        const int at = s->bound[m / 2];
+        const double lambda = m % 2 == 0 ? s->multiplier[m] : -s->multiplier[m];
+        const double part = lambda * (m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2]);
+        if (lambda == 0.0 || s->soft_linear[m / 2] < INFINITY || at >= (N + 1) * NX || (FREE_INITIAL && at < NX))
             continue;
-        const double sign = m % 2 == 0 ? 1.0 : -1.0, bound = m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2];
-        gradient[s->bound[m / 2]] -= sign * s->multiplier[m];
-        value += sign * s->multiplier[m] * bound;
+        net[at] += lambda;
+        value += part;
+        terms += fabs(part);
     }
-    if (!FREE_INITIAL)
-        for (int i = 0; i < NX; ++i) {     /* pi_0 takes whatever value makes the first state's entry vanish */
-            double pi_0 = 0.0;
-            for (int j = 0; j < NX; ++j)
-                pi_0 += (j < ND ? s->A[0][j][i] : (j == i ? 1.0 : 0.0)) * STATE(s->pi, 1)[j];
-            value += (pi_0 + gradient[i]) * s->initial[i];
-            gradient[i] = 0.0;
+    for (int i = 0; i < NX; ++i)
+        pi[i] = -STATE(net, N)[i];
+    for (int k = N - 1; k >= 0; --k) {
+        for (int i = 0; i < NX; ++i) {
+            before[i] = (i < ND ? 0.0 : pi[i]) - STATE(net, k)[i];
+            for (int m = 0; m < ND; ++m)
+                before[i] += s->A[k][m][i] * pi[m];
+            value += pi[i] * s->c[k][i];
+            terms += fabs(pi[i] * s->c[k][i]);
         }
-    for (int k = 0; k < N; ++k)
-        for (int i = 0; i < NX; ++i)
-            value += STATE(s->pi, k + 1)[i] * s->c[k][i];
-    for (int i = 0; i < NZ; ++i)
-        slack += fabs(gradient[i]) * size[kind_of(i)];
-    return FARKAS_MARGIN * slack < value;
+        for (int a = 0; a < NU; ++a) {
+            double slope = 0.0;
+            for (int m = 0; m < ND; ++m)
+                slope += s->B[k][m][a] * pi[m];
+            const double part = least_of(slope, INPUT(low, k)[a], INPUT(high, k)[a]);
+            value += part;
+            terms += fabs(part);
+        }
+        memcpy(pi, before, sizeof pi);
+    }
+    for (int i = 0; i < NX; ++i) {
+        const double part = FREE_INITIAL ? least_of(pi[i], low[i], high[i]) : pi[i] * s->initial[i];
+        value += part;
+        terms += fabs(part);
+    }
+    return value > FARKAS_ROUNDING * terms;
 }
 
 /* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
