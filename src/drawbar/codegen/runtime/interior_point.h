@@ -14,7 +14,7 @@
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
 #define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
-#define FARKAS_REACH 1e6                   /* infeasible unless a point lies this much further out than the iterate */
+#define FARKAS_REACH 1e2                   /* infeasible unless a point lies this much further out than the iterate */
 #define FARKAS_ROUNDING 1e-10
 #define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
 #define BLOCK 8                            /* sides are worked on in blocks, for SIMD code */
