@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.autopilot.log import PathTable, RunHeader
+from drawbar.autopilot.log import PathTable, RecordedPoints, RunHeader
 from drawbar.autopilot.recorder import Recorder
 from drawbar.autopilot.run import drive
 from drawbar.config import Configuration, load_configuration, shipped_names
@@ -54,13 +54,12 @@ def run(
     settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
     config = load_configuration(configuration, [*settings, *(changes or [])])
     line, drivable = build_path(config)
-    note = _deviation(drivable, config) if drivable else ""
-    if note:
-        console.print(note)
+    if drivable:
+        console.print(_deviation(drivable, config))
     with console.status("compiling the solvers (the first time only) …"):
         autopilot = build_autopilot(config, line, build_machine(config, line, seed))
     folder = _new_folder(out, config, seed)
-    log = Recorder(folder / LOG_NAME, _header(config, line, note, seed))
+    log = Recorder(folder / LOG_NAME, _header(config, line, drivable, seed))
     stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
         with log as recorder, RunProgress(console, line.length) as live:
@@ -89,8 +88,8 @@ def _deviation(drivable: DrivablePath, config: Configuration) -> str:
     """Return how far a recorded line's points are from the path that will be driven."""
     worst, limit = int(drivable.deviations.argmax()), config.guidance.path_tolerance
     return (
-        f"line made drivable: largest deviation {drivable.deviations[worst]:.2f} m at recorded point {worst + 1} of "
-        f"{len(drivable.deviations)} (allowed {limit:.2f} m)"
+        f"made drivable: off by up to {drivable.deviations[worst]:.2f} m, at recorded point {worst + 1} of "
+        f"{len(drivable.deviations)} ({limit:.2f} m allowed)"
     )
 
 
@@ -110,7 +109,7 @@ def _new_folder(chosen: FilePath | None, config: Configuration, seed: int) -> Fi
     return folder
 
 
-def _header(config: Configuration, path: Path, note: str, seed: int) -> RunHeader:
+def _header(config: Configuration, path: Path, drivable: DrivablePath | None, seed: int) -> RunHeader:
     return RunHeader(
         configuration_name=config.name,
         configuration=config.to_toml(),
@@ -118,8 +117,9 @@ def _header(config: Configuration, path: Path, note: str, seed: int) -> RunHeade
         started=datetime.now(UTC),
         vehicle=config.vehicle,
         path_name=config.path.track or config.path.file or "figure-eights",
-        path_note=note,
+        path_note=_deviation(drivable, config) if drivable else "",
         path=PathTable.of(path),
+        recorded=RecordedPoints.of(drivable.recorded, drivable.deviations) if drivable else None,
         estimate_bounds=config.estimator.bounds_by_estimate(),
     )
 

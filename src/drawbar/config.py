@@ -20,6 +20,10 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
 
+TrackLength = Annotated[float, Field(gt=0.0, le=1000.0)]
+"""A length of the figure-eights, m; longer tracks are recorded lines."""
+
+
 class PathSettings(Settings):
     """What to drive: a recorded line, or else figure-eights."""
 
@@ -27,9 +31,9 @@ class PathSettings(Settings):
     """AgOpenGPS field folder, CSV or GeoJSON file; empty: the figure-eights"""
     track: str = ""
     """name of the line, where the file holds several"""
-    radii: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
+    radii: Annotated[tuple[TrackLength, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
     """of the figure-eights, one after the other, m"""
-    straight_length: Positive = 20.0
+    straight_length: TrackLength = 20.0
     """of the figure-eights' straights, m"""
 
     @model_validator(mode="after")
@@ -53,11 +57,11 @@ class StartSettings(Settings):
 class Configuration(Settings):
     """Everything that makes a run."""
 
-    name: Annotated[str, Field(min_length=1)]
-    """how reports call it"""
-    sample_time: Positive = 0.2
+    name: Annotated[str, Field(pattern=r"^[^/\\\x00-\x1f]+$")]
+    """how reports and the folder of a run call it"""
+    sample_time: Annotated[float, Field(gt=0.0, le=1.0)] = 0.2
     """s; RTK GNSS at 5 Hz"""
-    speed: Positive = 1.0
+    speed: Annotated[float, Field(ge=0.05)] = 1.0
     """set wheel speed, m/s"""
     vehicle: VehicleParameters = VehicleParameters()
     sensors: SensorNoise = SensorNoise()
@@ -77,6 +81,14 @@ class Configuration(Settings):
             raise ValueError(
                 f"speed = {self.speed} m/s is more than machine.hydrostat.full_speed = {full_speed} m/s; lower it"
             )
+        for body in ("tractor", "trailer"):
+            limit = getattr(self.vehicle, f"{body}_steering_limit")
+            stop = getattr(self.machine.actuators, f"{body}_stop")
+            if not limit <= stop:
+                raise ValueError(
+                    f"vehicle.{body}_steering_limit = {limit} rad is beyond the machine's mechanical stop, "
+                    f"machine.actuators.{body}_stop = {stop} rad; lower it"
+                )
         return self
 
     def to_toml(self) -> str:
@@ -147,6 +159,7 @@ _REASONS = {
     "model_attributes_type": "must be a section with keys",
     "tuple_type": "must be a list",
     "too_short": "must hold at least {min_length} value(s)",
+    "string_pattern_mismatch": "must hold a letter or more, and no slash or control character",
 }
 """Where pydantic's own words would be those of a programmer."""
 

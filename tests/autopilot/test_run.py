@@ -3,7 +3,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from drawbar.autopilot.run import LOST, RunAborted, drive
+from drawbar.autopilot.run import BLIND, LOST, REFUSED, RunAborted, drive
 
 
 @dataclass
@@ -11,7 +11,13 @@ class Fake:
     """An autopilot whose steps are records of the given lateral errors, 0.2 s apart."""
 
     errors: list[float]
+    fixes: list[float] = field(default_factory=list)
+    """tractor_x of each step; 0 beyond the list's end"""
+    refusals: list[bool] = field(default_factory=list)
     steps: int = 0
+    tractor_y: float = 0.0
+    trailer_x: float = math.nan
+    trailer_y: float = math.nan
     guidance: "Fake" = field(init=False)
 
     def __post_init__(self):
@@ -25,6 +31,8 @@ class Fake:
 
     def step(self):
         self.lateral_error = self.errors[self.steps]
+        self.tractor_x = self.fixes[self.steps] if self.steps < len(self.fixes) else 0.0
+        self.command_refused = self.steps < len(self.refusals) and self.refusals[self.steps]
         self.steps += 1
         self.time = 0.2 * self.steps
         return self
@@ -55,3 +63,23 @@ def test_a_vehicle_that_does_not_arrive_is_given_up():
     with pytest.raises(RunAborted, match="not finished within 10 s"):
         list(drive(autopilot, time_limit=10.0))
     assert autopilot.steps == 51
+
+
+def test_a_vehicle_without_a_fix_is_given_up_in_time():
+    blind = round(BLIND / 0.2)
+    autopilot = Fake([0.0] * 1000, fixes=[0.0] * 10 + [math.nan] * 1000)
+    with pytest.raises(RunAborted, match="neither antenna had had a fix for more than 15 s"):
+        list(drive(autopilot, time_limit=100.0))
+    assert autopilot.steps in (10 + blind, 11 + blind)  # the last is beyond the limit, or at it but for rounding
+
+
+def test_one_fix_in_time_keeps_a_run_going():
+    autopilot = Fake([0.0] * 140, fixes=([math.nan] * 69 + [0.0]) * 2)
+    assert len(list(drive(autopilot, time_limit=100.0))) == 140
+
+
+def test_a_vehicle_whose_commands_are_refused_is_given_up():
+    autopilot = Fake([0.0] * 100, refusals=([True] * (REFUSED - 1) + [False]) * 3 + [True] * 100)
+    with pytest.raises(RunAborted, match="refused 5 commands in a row"):
+        list(drive(autopilot, time_limit=100.0))
+    assert autopilot.steps == 4 * REFUSED

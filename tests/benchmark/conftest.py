@@ -2,7 +2,7 @@
 
 import pytest
 
-from drawbar.benchmark.closed_loop import probed_run
+from drawbar.benchmark.closed_loop import probed_runs
 from drawbar.benchmark.probe import Probe
 
 STAGES, STEPS = 5, 30
@@ -11,4 +11,4 @@ STAGES, STEPS = 5, 30
 @pytest.fixture(scope="session", params=["paper", "articulated"])
 def probes(request: pytest.FixtureRequest) -> list[Probe]:
     pytest.importorskip("daqp", reason="the other route needs daqp")
-    return probed_run(request.param, STAGES, STEPS, with_other_route=True)
+    return probed_runs(request.param, [STAGES], STEPS, with_other_route=True)[0]

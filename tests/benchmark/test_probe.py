@@ -3,7 +3,7 @@
 import numpy as np
 
 from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.benchmark.closed_loop import HORIZON, probed_run
+from drawbar.benchmark.closed_loop import HORIZON, probed_runs
 from drawbar.benchmark.condensing import CondensingRoute
 from drawbar.benchmark.probe import Probe
 from drawbar.config import load_configuration
@@ -38,7 +38,7 @@ def test_the_watched_run_is_the_run(probes: list[Probe]) -> None:
 def test_both_routes_take_the_same_step() -> None:
     worst = 0.0
     for name in ("paper", "articulated"):
-        for probe in probed_run(name, STAGES, 25, with_other_route=False):
+        for probe in probed_runs(name, [STAGES], 25, with_other_route=False)[0]:
             solver = probe.solver
             route = CondensingRoute(transcribe(solver.problem), solver)
             solver.prepare()

@@ -49,6 +49,13 @@ def test_same_content_is_compiled_once(own_cache: Path, compilations: list[Any])
     assert answer(first) == 42
 
 
+@pytest.mark.parametrize("name", ["my robot", "field/../robot", "Räummaschine\n", "x" * 300])
+def test_any_name_makes_a_file_in_the_cache(name: str, own_cache: Path) -> None:
+    library = build(name, SOURCE.format(answer=7))
+    assert library.parent == own_cache
+    assert answer(library) == 7
+
+
 @pytest.mark.usefixtures("own_cache")
 def test_changed_content_is_compiled_again(compilations: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
     source = SOURCE.format(answer=1)

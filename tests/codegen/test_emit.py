@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drawbar.codegen import Workspace
-from drawbar.codegen.emit import Input, Output, emit
+from drawbar.codegen.emit import Input, Output, emit, emit_constants
 from drawbar.errors import ModelError
 
 BINARY = (
@@ -133,3 +133,13 @@ def test_operation_without_a_counterpart_is_refused(unknown: Callable[[Any], Any
     row = Input(place="work->x[{k}]", rows="1", symbol=x)
     with pytest.raises(ModelError, match=re.escape("the C runtime does not have; allowed are + - * /")):
         emit("f", [row], [Output(place="work->f[k]", rows="1", value=unknown(x))], "struct work *work")
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan])
+def test_constant_that_is_no_finite_number_is_refused(value: float) -> None:
+    x = ca.SX.sym("x")
+    row = Input(place="work->x[{k}]", rows="1", symbol=x)
+    with pytest.raises(ModelError, match="only finite numbers are allowed"):
+        emit("f", [row], [Output(place="work->f[k]", rows="1", value=ca.atan2(value, x))], "struct work *work")
+    with pytest.raises(ModelError, match="only finite numbers are allowed"):
+        emit_constants("f", [Output(place="work->f[k]", rows="1", value=ca.SX(value))], "struct work *work")

@@ -133,6 +133,27 @@ def test_a_straight_line_of_two_points_stays_straight() -> None:
     assert set(result.path.labels(samples[:, 0])) == {"straight"}
 
 
+@pytest.mark.parametrize("length", [3e-4, 0.1, 0.3, 1.0])
+def test_a_line_shorter_than_a_detail_keeps_its_ends_and_direction(length: float) -> None:
+    points = np.array([1.0, 1.0 + 0.25j * length, 1.0 + 1j * length])
+    result = drivable(line(points.real, points.imag), tolerance=1e-6)
+    assert result.path.length == pytest.approx(length, rel=1e-6)
+    np.testing.assert_allclose(result.path.sample(np.array([0.5 * length]))[0, 2], 0.5 * math.pi, atol=1e-5)
+
+
+def test_the_recorded_points_stay_with_the_path() -> None:
+    recorded = corner(30.0)
+    result = drivable(recorded)
+    assert result.recorded.shape == (*result.deviations.shape, 2)
+    np.testing.assert_array_equal(result.recorded.T, [recorded.x, recorded.y])
+
+
+def test_a_refused_place_west_of_the_origin_by_a_hair_is_not_minus_zero() -> None:
+    recorded = corner(90.0)
+    with pytest.raises(PathError, match=r"at \(0\.00, 0\.00\) m"):
+        drivable(line(recorded.x - 1e-9, recorded.y - 1e-9), tolerance=0.3)
+
+
 def test_a_circle_keeps_its_radius() -> None:
     angle = np.linspace(0.0, 1.9 * math.pi, 120)
     result = drivable(line(10.0 * np.cos(angle), 10.0 * np.sin(angle)), tolerance=0.02)

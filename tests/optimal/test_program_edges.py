@@ -96,12 +96,16 @@ def test_cost_without_a_minimum_is_not_solved(program: QuadraticProgram) -> None
 
 @pytest.mark.usefixtures("problem")
 def test_answer_that_rounding_has_spoilt_fails_the_check(program: QuadraticProgram) -> None:
-    rng = np.random.default_rng(0)
     program.array("lower")[:], program.array("upper")[:] = -np.inf, np.inf
-    program.array("A")[:] = 1e7 * rng.normal(size=(SIZES.stages, 2, 2))  # a state grows to 1e56, and must come back
     program.array("B")[:] *= 1e-3
-    assert program.solve() == SolverStatus.CHECK_FAILED
-    assert program.array("kkt")[0] > 1e-8
+    outcomes = set()
+    for seed in range(20):  # rounding differs between compilers: it may spoil the factorisation first
+        A = np.random.default_rng(seed).normal(size=(SIZES.stages, 2, 2))
+        program.array("A")[:] = 1e7 * A  # a state grows to 1e56, and must come back
+        outcomes.add(program.solve())
+        assert not program.array("kkt")[0] <= 1e-8
+    assert SolverStatus.CHECK_FAILED in outcomes
+    assert outcomes <= {SolverStatus.CHECK_FAILED, SolverStatus.NOT_FINITE}
 
 
 def test_hard_bounds_that_exclude_each_other_are_infeasible(problem: Any, program: QuadraticProgram) -> None:

@@ -32,6 +32,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 HEADER_NAME = "run.json"
 OUTCOME_NAME = "outcome"
 STEP_TOPIC = "/step"
+_DRAWN_POINTS = 3000
 _MAGIC = b"\x89MCAP0\r\n"
 _DAMAGE = (
     McapError,
@@ -76,6 +77,26 @@ class PathTable:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedPoints:
+    """The points of a recorded line to be drawn beside its path: at most a few thousand."""
+
+    points: Floats
+    """(n, 2): east and north, m"""
+    worst: int
+    """row of the point that is furthest from the path"""
+    deviation: float
+    """of the worst point from the path, m"""
+
+    @classmethod
+    def of(cls, points: Floats, deviations: Floats) -> Self:
+        """Choose from all points (n, 2) and their distances (n,) from the path, both in m; the worst stays."""
+        worst = int(deviations.argmax())
+        kept = np.union1d(np.arange(0, len(points), -(-len(points) // _DRAWN_POINTS)), worst)
+        row = int(np.searchsorted(kept, worst))
+        return cls(points=points[kept], worst=row, deviation=float(deviations[worst]))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RunHeader:
     """What is known before the first step; makes a log readable without the files it came from."""
 
@@ -89,6 +110,8 @@ class RunHeader:
     path_note: str
     """how a recorded line was made drivable; empty for other paths"""
     path: PathTable
+    recorded: RecordedPoints | None
+    """None where the path was not made from a recorded line"""
     estimate_bounds: Mapping[str, tuple[float, float]]
     """lower and upper bound of the estimator by field name of Estimate, SI"""
 

@@ -1,13 +1,18 @@
 """Drive a path from its start to its end, step by step."""
 
+import math
 from collections.abc import Iterator
 
 from drawbar.autopilot.autopilot import Autopilot
 from drawbar.errors import DrawbarError
-from drawbar.signals import StepRecord
+from drawbar.signals import Measurement, StepRecord
 
 LOST = 5.0
 """Distance from the path at which a run is given up, m."""
+BLIND = 15.0
+"""Time without a fix of either antenna after which a run is given up, s: dead reckoning is off by then."""
+REFUSED = 5
+"""Commands refused in a row after which a run is given up."""
 
 
 class RunAborted(DrawbarError):  # noqa: N818 -- an outcome, not a mistake
@@ -22,13 +27,26 @@ def drive(autopilot: Autopilot, *, time_limit: float) -> Iterator[StepRecord]:
         time_limit: s, after which the run is given up.
 
     Raises:
-        RunAborted: the vehicle left the path or did not arrive in time.
+        RunAborted: the vehicle left the path, had no fix for too long, had its commands refused, or did not arrive in
+            time.
     """
+    last_fix, refused = 0.0, 0
     while not autopilot.guidance.finished:
         record = autopilot.step()
         yield record
         time, error = record.measurement.time, record.reference.tractor.lateral_error
+        last_fix = time if _has_fix(record.measurement) else last_fix
+        refused = refused + 1 if record.command_refused else 0
         if not abs(error) <= LOST:  # also when it is NaN
             raise RunAborted(f"At {time:.1f} s the tractor was {abs(error):.2f} m from the path (limit {LOST} m).")
+        if time - last_fix > BLIND:
+            raise RunAborted(f"At {time:.1f} s neither antenna had had a fix for more than {BLIND:.0f} s.")
+        if refused >= REFUSED:
+            raise RunAborted(f"At {time:.1f} s the gate had refused {refused} commands in a row.")
         if time > time_limit:
             raise RunAborted(f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log.")
+
+
+def _has_fix(measurement: Measurement) -> bool:
+    tractor, trailer = measurement.tractor_x + measurement.tractor_y, measurement.trailer_x + measurement.trailer_y
+    return math.isfinite(tractor) or math.isfinite(trailer)

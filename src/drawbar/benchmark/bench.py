@@ -9,15 +9,14 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from drawbar.benchmark.closed_loop import probed_run, whole_run
+from drawbar.benchmark.closed_loop import probed_runs, whole_run
 from drawbar.benchmark.figures import machine, microseconds, one_core, rows
 from drawbar.errors import DrawbarError
 
 STAGES = 15
 GROWTH = (30, 60, 120)
 STEPS = 1000
-GROWTH_STEPS = 200
-CONFIGURATIONS = ("paper", "articulated")
+HORIZONS = {"paper": (STAGES, *GROWTH), "articulated": (STAGES,)}
 
 
 def run_benchmark(console: Console, json_path: Path | None = None) -> None:
@@ -33,7 +32,7 @@ def run_benchmark(console: Console, json_path: Path | None = None) -> None:
     """
     one_core()
     with Progress(console=console, transient=True) as progress:
-        figures = measure(progress, steps=STEPS, growth_steps=GROWTH_STEPS)
+        figures = measure(progress, steps=STEPS)
     console.print(solver_table(figures["rows"]))
     console.print(growth_table(figures["rows"]))
     _print_rest(console, figures)
@@ -46,20 +45,16 @@ def run_benchmark(console: Console, json_path: Path | None = None) -> None:
             ) from error
 
 
-def measure(progress: Progress, *, steps: int, growth_steps: int) -> dict[str, Any]:
+def measure(progress: Progress, *, steps: int) -> dict[str, Any]:
     """Return all figures; see the keys."""
     with_other_route = importlib.util.find_spec("daqp") is not None
-    task = progress.add_task("closed loops", total=len(CONFIGURATIONS) + len(GROWTH) + 1)
+    task = progress.add_task("closed loops", total=len(HORIZONS) + 1)
     table: list[dict[str, Any]] = []
-    overhead = {}
-    for name in CONFIGURATIONS:
-        for probe in probed_run(name, STAGES, steps, with_other_route=with_other_route):
-            table += rows(probe)
-            overhead[probe.name] = 1e6 * probe.call_overhead()
-        progress.advance(task)
-    for stages in GROWTH:
-        for probe in probed_run("paper", stages, growth_steps, with_other_route=False):
-            table += rows(probe)
+    overhead: dict[str, float] = {}
+    for name, horizons in HORIZONS.items():
+        first, *longer = probed_runs(name, horizons, steps, with_other_route=with_other_route)
+        overhead |= {probe.name: 1e6 * probe.call_overhead() for probe in first}
+        table += [row for probe in sum(longer, first) for row in rows(probe)]
         progress.advance(task)
     run = whole_run("articulated")
     progress.advance(task)

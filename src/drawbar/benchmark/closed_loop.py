@@ -1,6 +1,7 @@
 """The closed loops that the measurements are taken from: shipped configurations on the simulated machine."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drawbar.autopilot.autopilot import Autopilot
@@ -51,20 +52,37 @@ class _TimedMachine(Machine):
         return self._machine.truth()
 
 
-def probed_run(name: str, stages: int, steps: int, *, with_other_route: bool) -> list[Probe]:
-    """Drive a shipped configuration and return the probes of its three solvers.
+def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_other_route: bool) -> list[list[Probe]]:
+    """Drive a shipped configuration at several horizons in lockstep; return the probes of the three solvers of each.
+
+    In lockstep the machine's moods fall on all horizons alike, and their ratios mean something.
 
     Args:
         name: of the configuration.
-        stages: horizon and window; they span HORIZON seconds whatever their number, so that all have the same to do.
-        steps: samples to measure, from when the estimator's window is full.
-        with_other_route: also solve some of the problems by CasADi, condensing and DAQP.
+        horizons: samples in horizon and window; they span HORIZON seconds whatever their number, so that all have the
+            same to do.
+        steps: samples to measure, from when the longest window is full.
+        with_other_route: at the first horizon also solve some of the problems by CasADi, condensing and DAQP.
     """
+    autopilots = [_autopilot(_stretched(name, stages)) for stages in horizons]
+    probes = [
+        _probes(name, autopilot, with_other_route=with_other_route and not index)
+        for index, autopilot in enumerate(autopilots)
+    ]
+    for _ in range(steps + max(horizons) + 1):  # the first ones only fill the window
+        for autopilot in autopilots:
+            autopilot.step()
+    return probes
+
+
+def _stretched(name: str, stages: int) -> Configuration:
+    """Return a configuration with so many stages in HORIZON."""
     sample_time = HORIZON / stages
     lengths = [f"controller.horizon={stages}", f"estimator.window={stages}"]
-    times = [f"sample_time={sample_time}", f"machine.step={sample_time / 20}"]
-    configuration = load_configuration(name, [*lengths, *times])
-    autopilot = _autopilot(configuration)
+    return load_configuration(name, [*lengths, f"sample_time={sample_time}", f"machine.step={sample_time / 20}"])
+
+
+def _probes(name: str, autopilot: Autopilot, *, with_other_route: bool) -> list[Probe]:
     controller, estimator = autopilot.controller, autopilot.estimator
     if not isinstance(controller, DecentralisedController) or not isinstance(estimator, MovingHorizonEstimator):
         raise TypeError(f"{name} has no decentralised controllers or no moving horizon estimator to measure.")
@@ -73,10 +91,7 @@ def probed_run(name: str, stages: int, steps: int, *, with_other_route: bool) ->
         "trailer": controller.trailer.solver,
         "estimator": estimator.solver,
     }
-    probes = [Probe(f"{name}-{body}", solver, with_other_route=with_other_route) for body, solver in solvers.items()]
-    for _ in range(steps + stages + 1):  # the first ones only fill the window
-        autopilot.step()
-    return probes
+    return [Probe(f"{name}-{body}", solver, with_other_route=with_other_route) for body, solver in solvers.items()]
 
 
 def whole_run(name: str) -> WholeRun:

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import platform
+import re
 import subprocess
 import sys
 import tempfile
@@ -45,7 +46,7 @@ def build(name: str, source: str, flags: tuple[str, ...] = FLAGS) -> Path:
     """Compile one C source (it may include the runtime's headers) and return the shared library.
 
     Args:
-        name: readable part of the file name.
+        name: readable part of the file name; what a file system may not like is replaced.
         source: C99 text.
         flags: compiler flags.
 
@@ -55,7 +56,8 @@ def build(name: str, source: str, flags: tuple[str, ...] = FLAGS) -> Path:
     parts = [source, *(f"{k}\n{v}" for k, v in sorted(runtime_sources().items())), *flags]
     parts += [compiler_identity(), _processor(), platform.platform()]
     digest = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
-    library = cache_folder() / f"{name}-{digest}{_SUFFIX}"
+    readable = re.sub(r"[^A-Za-z0-9_]", "_", name)[:40]
+    library = cache_folder() / f"{readable}-{digest}{_SUFFIX}"
     if not library.exists():
         _compile(source, flags, library)
     return library

@@ -5,6 +5,7 @@ LANES values; the compiler turns each line into one vector instruction. Inputs a
 scattered to, time-major arrays; entries that are constant are not computed but laid down once (emit_constants).
 """
 
+import math
 from dataclasses import dataclass
 
 import casadi as ca
@@ -73,10 +74,14 @@ class Output:
 
 
 def emit_constants(name: str, outputs: list[Output], arguments: str) -> str:
-    """Return a C function that lays down the entries which never change, in every stage."""
+    """Return a C function that lays down the entries which never change, in every stage.
+
+    Raises:
+        ModelError: an entry is infinite or NaN.
+    """
     loops = []
     for output in outputs:
-        lines = [f"{place} = {float(value)!r};" for place, value in output.entries() if value.is_constant()]
+        lines = [f"{place} = {_literal(float(value))};" for place, value in output.entries() if value.is_constant()]
         if lines:
             loops.append(f"    for (int k = 0; k < {output.rows}; ++k) {{\n        {_join(lines, 8)}\n    }}\n")
     return f"static void {name}({arguments})\n{{\n    (void)work;\n{''.join(loops)}}}\n"
@@ -86,7 +91,8 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
     """Return a C function `name(arguments, first, count)` that evaluates stages first .. count-1.
 
     Raises:
-        ModelError: the expressions use an operation that the runtime does not have.
+        ModelError: the expressions use an operation that the runtime does not have, or a constant that is not
+            finite.
     """
     varying = [(out, place, value) for out in outputs for place, value in out.entries() if not value.is_constant()]
     function = ca.Function(name, [i.symbol for i in inputs], [ca.vertcat(*(value for _, _, value in varying))])
@@ -153,7 +159,11 @@ def _statements(function: ca.Function) -> tuple[list[str], list[tuple[int, int]]
 
 def _literal(value: float) -> str:
     text = repr(float(value))
-    return f"({text})" if value < 0 else text
+    if not math.isfinite(value):
+        raise ModelError(
+            f"The model or one of its derivatives has the constant {text}; only finite numbers are allowed."
+        )
+    return f"({text})" if text.startswith("-") else text
 
 
 def _expression(operation: int, arguments: list[str]) -> str:

@@ -76,6 +76,7 @@ def _places(library: ctypes.CDLL) -> dict[str, tuple[int, type[Any], tuple[int, 
         shape = tuple(field.shape)
         while len(shape) > 1 and shape[-1] == 0:
             shape = shape[:-1]
+        shape = tuple(max(size, 0) for size in shape)  # EMPTY
         places[field.name.decode().replace(" ", "")] = (
             field.offset,
             _KINDS[field.kind],

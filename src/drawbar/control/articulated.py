@@ -53,6 +53,13 @@ class ArticulatedTractor(SubsystemController):
         slope = self._wheelbase * samples[:, 3] + math.tan(estimate.tractor_crab)
         solver.y[:, 2] = (np.arctan(slope) - estimate.steering_offset) / estimate.tractor_slip
 
+    def _guess(self, reference: BodyReference) -> None:
+        """Linearise along the path itself, steered as its curvature asks."""
+        solver = self.solver
+        solver.x[:, :3], solver.x[:, 3], solver.u[:] = reference.samples[:, :3], solver.y[:, 2], 0.0
+        solver.x[0] = solver.initial
+        solver.prepare()
+
     def _steering(self) -> float:
         return self._actuator.command(float(self.solver.initial[3]), float(self.solver.u[0, 0]))
 

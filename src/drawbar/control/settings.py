@@ -57,7 +57,7 @@ class ArticulatedTrailerWeights(Settings):
     """1/m²"""
     steering: NonNegative = 0.002
     """1/rad²"""
-    steering_rate: Positive = 0.3
+    steering_rate: Positive = 1.0
     """s²/rad²"""
 
 
@@ -68,8 +68,8 @@ class ArticulatedControllerSettings(Settings):
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
-    widening: NonNegative = 0.035
-    """how far the tractor keeps outside a curve per curvature, m²: 3.5 mm at 0.1 1/m, since the trailer's
+    widening: NonNegative = 0.05
+    """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m, since the trailer's
     steering is exhausted there and cannot stop cutting in by itself"""
     tractor: ArticulatedTractorWeights = ArticulatedTractorWeights()
     trailer: ArticulatedTrailerWeights = ArticulatedTrailerWeights()

@@ -3,9 +3,14 @@
 from abc import ABC, abstractmethod
 from time import perf_counter
 
+import numpy as np
+
 from drawbar.geometry import Floats
 from drawbar.optimal import ControlProblem, ControlSolver
 from drawbar.signals import BodyPlan, BodyReference, Estimate, SolverStatus, SolveTimes
+
+_TORN = 0.5
+"""Gap between two intervals of a plan, m or rad, from which on a full Gauss-Newton step cannot be believed."""
 
 
 class SubsystemController(ABC):
@@ -19,7 +24,8 @@ class SubsystemController(ABC):
             CompilerError: no compiler, or it refused the code.
         """
         self.solver = ControlSolver(problem)
-        self._started = False
+        self._usable = False
+        self._torn = False
         self._prepare_time = self._feedback_time = 0.0
 
     @abstractmethod
@@ -48,24 +54,33 @@ class SubsystemController(ABC):
         """
         solver = self.solver
         self._fill(estimate, reference, neighbour)
-        if not self._started:
-            solver.start()
-            self._started = True
+        if not self._usable:
+            self._guess(reference)
         start = perf_counter()
-        status = solver.feedback()
+        status = SolverStatus(solver.feedback())
         self._feedback_time = perf_counter() - start
+        self._usable = status is SolverStatus.SOLVED
         return BodyPlan(
             steering=self._steering(),
             poses=self._poses(),
             steerings=self._steerings(),
-            status=SolverStatus(status),
+            status=SolverStatus.CHECK_FAILED if self._torn else status,
         )
 
     def prepare(self) -> None:
-        """Shift the plan by one sample and linearise along it."""
+        """Shift the plan by one sample and linearise along it.
+
+        A plan whose intervals do not nearly meet is none: the next one starts afresh, and says so in its status.
+        """
         start = perf_counter()
         self.solver.advance()
         self._prepare_time = perf_counter() - start
+        self._torn = not np.abs(self.solver.defects).max() <= _TORN
+        self._usable &= not self._torn
+
+    def _guess(self, reference: BodyReference) -> None:
+        """Linearise along a first guess: standing still."""
+        self.solver.start()
 
     @property
     def times(self) -> SolveTimes:

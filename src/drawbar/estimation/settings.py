@@ -114,7 +114,7 @@ class ArticulatedDrift(Settings):
     """of both steering angles, on top of the steering rates, rad"""
     longitudinal_slip: NonNegative = 0.01
     """mu"""
-    tractor_slip: NonNegative = 0.004
+    tractor_slip: NonNegative = 0.002
     """kappa"""
     steering_offset: NonNegativeAngle = 0.0002
     """b, rad"""

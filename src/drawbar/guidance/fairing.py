@@ -33,10 +33,11 @@ _LARGEST, _MEAN, _FAIR = 1e3, 1.0, 0.2
 def smooth(points: Complexes, length: float, *, step: float, movable: slice | None = None) -> Complexes:
     """Return the points that minimise sum |p - points|² + (length/step)⁶ sum |third difference of p|².
 
-    Details shorter than `length` (m) are smoothed away; step (m) is the distance between points. Only the
-    points in `movable`, where it is given, may move; the others keep their places.
+    Details shorter than `length` (m), or than the whole line, are smoothed away; step (m) is the distance
+    between points. Only the points in `movable`, where it is given, may move; the others keep their places.
     """
     n = len(points)
+    stiffness = min(length / step, n) ** 6  # beyond the line's own length there is only rounding to gain
     weight = np.ones(n)
     if movable is not None:
         weight[:] = 1e9
@@ -44,7 +45,7 @@ def smooth(points: Complexes, length: float, *, step: float, movable: slice | No
     bands = np.zeros((4, n))  # upper bands of the penalty's Hessian, as solveh_banded wants them
     for i, first in enumerate(_THIRD):
         for k, second in enumerate(_THIRD[i:]):
-            bands[3 - k, i + k : i + k + n - 3] += first * second * (length / step) ** 6
+            bands[3 - k, i + k : i + k + n - 3] += first * second * stiffness
     bands[3] += weight
     solved = solveh_banded(bands, _columns(points) * weight[:, None])
     smoothed: Complexes = solved[:, 0] + 1j * solved[:, 1]

@@ -44,6 +44,8 @@ class DrivablePath:
     """A recorded line made drivable, and how far it had to leave the recorded points."""
 
     path: Path
+    recorded: Floats
+    """(n, 2): the recorded points, east and north, m"""
     deviations: Floats
     """(n,): distance of each recorded point from the path, m"""
 
@@ -91,7 +93,7 @@ def make_drivable(
     deviations = _deviations(path, line_in_steps.recorded, arc_length[line_in_steps.vertices])
     _require_drivable(path, line.name, curvature_limit, curvature_rate_limit)
     _require_close(line, deviations, curvature_limit, tolerance)
-    return DrivablePath(path=path, deviations=deviations)
+    return DrivablePath(path=path, recorded=np.column_stack([line.x, line.y]), deviations=deviations)
 
 
 def _resample(recorded: Complexes) -> _Steps:
@@ -190,7 +192,7 @@ def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
     if len(points) * step > _LONGEST_STRETCH:
         raise PathError(
             f"line {line.name!r} is too tight for the vehicle over and over for {len(points) * step:.0f} m "
-            f"from ({points[0].real:.1f}, {points[0].imag:.1f}) m; {_LONGEST_STRETCH:g} m of kinks in a row "
+            f"from ({points[0].real:z.1f}, {points[0].imag:z.1f}) m; {_LONGEST_STRETCH:g} m of kinks in a row "
             f"are allowed: smooth or redraw it there"
         )
 
@@ -210,8 +212,8 @@ def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_r
         worst = int(values.argmax())
         if not values[worst] <= limit:
             raise PathError(
-                f"line {name!r} cannot be made drivable: near ({samples[worst, 0]:.1f}, "
-                f"{samples[worst, 1]:.1f}) m its {what} stays at {values[worst]:.2f} {unit}, {limit:g} "
+                f"line {name!r} cannot be made drivable: near ({samples[worst, 0]:z.1f}, "
+                f"{samples[worst, 1]:z.1f}) m its {what} stays at {values[worst]:.2f} {unit}, {limit:g} "
                 f"{unit} is allowed; redraw the line without this turn"
             )
 
@@ -222,7 +224,7 @@ def _require_close(line: RecordedLine, deviations: Floats, curvature_limit: floa
     if not deviations[worst] <= tolerance:
         raise PathError(
             f"line {line.name!r} is too tight for the vehicle: recorded point {worst} at "
-            f"({line.x[worst]:.2f}, {line.y[worst]:.2f}) m is {deviations[worst]:.3f} m from the closest "
+            f"({line.x[worst]:z.2f}, {line.y[worst]:z.2f}) m is {deviations[worst]:.3f} m from the closest "
             f"path within {curvature_limit:g} 1/m, {tolerance:g} m is allowed; raise path_tolerance, "
             f"or the vehicle's curvature_limit if it can steer tighter, or redraw the line there"
         )

@@ -113,7 +113,7 @@ class SensorSettings(Settings):
 class SimulatedMachineSettings(Settings):
     """Everything about the simulated machine that is not the vehicle's geometry."""
 
-    step: Positive = 0.01
+    step: Annotated[float, Field(ge=1e-4, le=0.1)] = 0.01
     """integration step of the world; the sample period must be a multiple, s"""
     actuators: ActuatorSettings = ActuatorSettings()
     hydrostat: HydrostatSettings = HydrostatSettings()

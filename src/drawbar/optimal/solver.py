@@ -75,6 +75,8 @@ class ControlSolver(_RealTimeIteration):
         """(N+1, np) known parameters"""
         self.initial: Floats = self.workspace.array("initial")
         """(nx,) the current state"""
+        self.defects: Floats = self.workspace.array("qp.c")
+        """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
         self.w[:-1] = problem.weights
         self.w[-1] = problem.terminal_weights
 
@@ -118,8 +120,7 @@ class EstimationSolver(_RealTimeIteration):
         """(nx, nx) upper triangular R of the arrival cost ||R (x_0 - prior)||²"""
         self.prior: Floats = array("prior")
         """(nx,) what the window's first state should be"""
-        self.root[:] = np.diag(1.0 / np.asarray(problem.prior_deviation))
-        self.prior[:] = prior
+        self._forget(prior)
         self.x[:] = prior
         self.y[:] = np.nan
         self.w[:] = problem.weights
@@ -127,11 +128,24 @@ class EstimationSolver(_RealTimeIteration):
         array("process")[:] = problem.process_deviation
         self.prepare()
 
-    def advance(self) -> None:
-        """Slide the window on by one sample, once it is full, and prepare the next feedback."""
+    def advance(self) -> SolverStatus:
+        """Slide the window on by one sample, once it is full, and prepare the next feedback.
+
+        Returns SOLVED, or what went wrong. When the oldest stage cannot be absorbed, the arrival cost starts anew: the
+        first prior's deviations around the present estimate of the window's new first state.
+        """
+        absorbed = int(SolverStatus.SOLVED)
         if self.newest < self.problem.horizon:
             self.newest += 1
         else:
-            self.absorb()
+            absorbed = self.absorb()
+            if absorbed != SolverStatus.SOLVED:
+                self._forget(self.x[1])
             self.shift()
-        self.prepare()
+        prepared = self.prepare()
+        return SolverStatus(absorbed or prepared)
+
+    def _forget(self, prior: Floats) -> None:
+        """Let the arrival cost be the first prior's, around another point (nx + np,)."""
+        self.root[:] = np.diag(1.0 / np.asarray(self.problem.prior_deviation))
+        self.prior[:] = prior

@@ -31,7 +31,7 @@ int64_t drawbar_size = sizeof(struct rti);
 const struct drawbar_field drawbar_fields[] = {{
     {{"x", offsetof(struct rti, z), 0, {{N + 1, NX, 0}}, 0}},
     {{"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {{N, NU, 0}}, 0}},
-    RTI(p, 0, N + 1, NP, 0) RTI(y, 0, N + 1, NY, 0) RTI(w, 0, N + 1, NY, 0)
+    RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) RTI(w, 0, N + 1, NY, 0)
     RTI(initial, 0, NX, 0, 0) RTI(lower, 0, NB, 0, 0) RTI(upper, 0, NB, 0, 0) RTI(root, 0, NX, NX, 0)
     RTI(prior, 0, NX, 0, 0) RTI(process, 0, NX, 0, 0) RTI(F, 0, N, NX, 0) RTI(status, 1, 1, 0, 0)
     QP_FIELDS(rti, qp.) {{NULL, 0, 0, {{0, 0, 0}}, 0}}

@@ -77,9 +77,9 @@ def progress_line(record: StepRecord, length: float, elapsed: float) -> Text:
     )
     return Text.assemble(
         (f"{share:4.0%} ", "bold"),
-        f"{driven:6.0f} of {length:.0f} m  {now:6.0f} s {factor}  ",
-        (f"tractor {tractor:+6.1f} ", "blue"),
-        (f"trailer {trailer:+6.1f}", "yellow"),
+        f"{driven:z6.0f} of {length:.0f} m  {now:6.0f} s {factor}  ",
+        (f"tractor {tractor:+z6.1f} ", "blue"),
+        (f"trailer {trailer:+z6.1f}", "yellow"),
         " cm",
     )
 

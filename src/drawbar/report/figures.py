@@ -8,43 +8,14 @@ import numpy as np
 from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
 from drawbar.report import style
+from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.shades import class_shades
 from drawbar.report.style import Figure, axis, layout, line
 
 _NAMES = {"tractor": "Tractor", "trailer": "Trailer"}
 _SOLVERS = {"estimator": style.ESTIMATOR, "tractor": style.TRACTOR, "trailer": style.TRAILER}
 _BINS_PER_DECADE = 30
-_LABELLED = 0.04
-"""share of the path from which on a stretch has room for its label"""
-
-
-def along(log: RunLog, body: str) -> Floats:
-    """Return where a body is along the path, as the controller saw it, (n,) in m."""
-    return log.column(f"reference.{body}.progress")
-
-
-def _section_shades(log: RunLog) -> dict[str, list[dict[str, Any]]]:
-    """Return plotly shapes and labels for the stretches of the path that are not of its first class."""
-    path = log.header.path
-    classes = path.label_of_piece
-    changes = np.flatnonzero(np.diff(classes)) + 1
-    starts, ends = np.concatenate([[0], changes]), np.concatenate([changes, [len(classes)]])
-    shapes, labels = [], []
-    for start, end in zip(starts, ends, strict=True):
-        if classes[start] == 0:
-            continue
-        low, high = float(path.arc_length[start]), float(path.arc_length[end])
-        shapes.append(
-            {"type": "rect", "xref": "x", "yref": "paper", "x0": low, "x1": high, "y0": 0, "y1": 1}
-            | {"fillcolor": "#F1F3F6", "line": {"width": 0}, "layer": "below"}
-        )
-        if high - low < _LABELLED * path.arc_length[-1]:
-            continue
-        labels.append(
-            {"text": path.label_names[classes[start]], "x": 0.5 * (low + high), "y": 1, "yref": "paper"}
-            | {"showarrow": False, "yanchor": "bottom", "font": {"size": 11, "color": style.REFERENCE}}
-        )
-    return {"shapes": shapes, "annotations": labels}
 
 
 def _along_figure(log: RunLog, traces: list[dict[str, Any]], title: str, **y_options: Any) -> Figure:
@@ -52,8 +23,8 @@ def _along_figure(log: RunLog, traces: list[dict[str, Any]], title: str, **y_opt
     span = [float(progress[0]), float(progress[-1])] if progress.size else [0.0, 1.0]
     hover = {"text": "<b>%{x:.1f} m</b>"}
     x = axis("Along the path, m", range=span, unifiedhovertitle=hover, zeroline=False)
-    sections = _section_shades(log)
-    return {"data": traces, "layout": layout(x, axis(title, **y_options), hovermode="x unified", **sections)}
+    shades = class_shades(log.header.path)
+    return {"data": traces, "layout": layout(x, axis(title, **y_options), hovermode="x unified", **shades)}
 
 
 def _of_step(
@@ -102,9 +73,7 @@ def error_figure(log: RunLog, errors: Bodies[PathErrors]) -> Figure:
 def steering_figure(log: RunLog, body: str) -> Figure:
     """Draw the commanded and the actual steering of one body with its limits, degrees."""
     limit = math.degrees(getattr(log.header.vehicle, f"{body}_steering_limit"))
-    measured = np.degrees(log.column(f"measurement.{body}_steering"))
-    true = np.degrees(log.column(f"truth.{body}_steering"))
-    actual = measured if np.isnan(true).all() else true
+    actual = np.degrees(actual_steering(log, body))
     command = np.degrees(log.column(f"{body}_steering.command"))
     colour = style.BODY_COLOURS[body]
     traces = [

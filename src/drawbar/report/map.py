@@ -4,28 +4,54 @@ from typing import Any
 
 import numpy as np
 
-from drawbar.autopilot.log import RunLog
+from drawbar.autopilot.log import PathTable, RecordedPoints, RunLog
 from drawbar.geometry import Floats
 from drawbar.report import style
+from drawbar.report.columns import track
 from drawbar.report.outline import tractor_outline, trailer_outline
+from drawbar.report.shades import KINK, stretches
 from drawbar.report.style import Figure, axis, layout, line
 from drawbar.signals import Pose, StepRecord
+from drawbar.vehicle.parameters import VehicleParameters
 
 _OUTLINES = 12
+"""at most so many of each body"""
+_SPACING = 2.0
+"""between two outlines along the track, in lengths of the vehicle"""
+_VERTICES = 4000
+"""most vertices that draw a path: no screen shows more, and a page must stay light"""
 
 
-def track(log: RunLog, body: str) -> Floats:
-    """Return where a body's antenna was, (n, 2) in m: the truth, or the estimate on a real machine."""
-    source = "estimate" if all(record.truth is None for record in log.records) else "truth"
-    return np.column_stack([log.column(f"{source}.{body}.{coordinate}") for coordinate in "xy"])
+def polyline(path: PathTable) -> Floats:
+    """Return nodes that draw the path, (n, 2) in m: all of a short one, else most where it turns most."""
+    nodes = np.column_stack([path.x, path.y])
+    if len(nodes) <= _VERTICES:
+        return nodes
+    turned = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path.yaw)))])
+    detail = path.arc_length / path.arc_length[-1] + turned / max(turned[-1], 1.0)
+    return nodes[np.unique(np.searchsorted(detail, np.linspace(0.0, detail[-1], _VERTICES)))]
 
 
 def outlines(log: RunLog) -> tuple[Floats, Floats]:
     """Return the outlines of tractor and trailer at moments spread over the run, (n, 2) each in m."""
-    steps = np.linspace(0, len(log.records) - 1, min(_OUTLINES, len(log.records))).round().astype(int)
-    pairs = [_outline_pair(log, log.records[step]) for step in steps]
+    pairs = [_outline_pair(log, log.records[step]) for step in _outlined_steps(log)]
     tractors, trailers = zip(*pairs, strict=True) if pairs else ([np.empty((0, 2))], [np.empty((0, 2))])
     return np.vstack(tractors), np.vstack(trailers)
+
+
+def _outlined_steps(log: RunLog) -> list[int]:
+    """Return steps at equal distances along the tractor's track, the last one first."""
+    if not log.records:
+        return []
+    moved = np.hypot(*np.diff(track(log, "tractor"), axis=0).T)
+    driven = np.concatenate([[0.0], np.cumsum(np.nan_to_num(moved))])
+    count = 1 + int(driven[-1] / (_SPACING * _length(log.header.vehicle)))
+    steps: list[int] = driven.searchsorted(np.linspace(driven[-1], 0.0, min(count, _OUTLINES))).tolist()
+    return steps
+
+
+def _length(vehicle: VehicleParameters) -> float:
+    return vehicle.wheelbase + vehicle.hitch_length + vehicle.trailer_length
 
 
 def _outline_pair(log: RunLog, record: StepRecord) -> tuple[Floats, Floats]:
@@ -47,40 +73,61 @@ def _outline_trace(points: Floats, name: str, colour: str) -> dict[str, Any]:
     return line(points[:, 0], points[:, 1], name, colour, showlegend=False, legendgroup="outlines", **look)
 
 
+def _marks(points: Floats, name: str, look: dict[str, Any], **options: Any) -> dict[str, Any]:
+    """Return a trace of points (n, 2) in m that are not joined."""
+    marks = line(points[:, 0], points[:, 1], name, look["color"], mode="markers", marker=look)
+    return marks | {"hoverinfo": "skip"} | options
+
+
+def _path_traces(path: PathTable) -> list[dict[str, Any]]:
+    """Return the path as a wide line, and its kinks over it."""
+    wide: dict[str, Any] = {"width": 5.0, "opacity": 0.35, "hoverinfo": "skip"}
+    drawn = polyline(path)
+    traces = [line(drawn[:, 0], drawn[:, 1], "Path", style.REFERENCE, **wide)]
+    kinks = [_nodes_between(path, each.low, each.high) for each in stretches(path) if each.label == KINK]
+    if kinks:
+        x, y = np.vstack(kinks).T
+        traces.append(line(x, y, "Kink", style.KINK, **wide))
+    return traces
+
+
+def _nodes_between(path: PathTable, low: float, high: float) -> Floats:
+    """Return the nodes from one arc length to another, (n, 2) in m, and a gap."""
+    first, last = path.arc_length.searchsorted((low, high)).tolist()
+    nodes = slice(first, last + 1)
+    return np.vstack([np.column_stack([path.x[nodes], path.y[nodes]]), np.full((1, 2), np.nan)])
+
+
+def _recorded_traces(recorded: RecordedPoints) -> list[dict[str, Any]]:
+    """Return the recorded points as dots, and a ring around the one furthest from the path."""
+    dots = {"size": 4, "color": style.INK}
+    ring = {"size": 14, "color": style.INK, "symbol": "circle-open", "line": {"width": 2}}
+    worst = recorded.points[recorded.worst : recorded.worst + 1]
+    text = {"mode": "markers+text", "text": [f"{recorded.deviation:.2f} m"], "textposition": "middle right"}
+    return [_marks(recorded.points, "Recorded points", dots), _marks(worst, "Furthest from the path", ring, **text)]
+
+
+def _cursor() -> dict[str, Any]:
+    """Return the dots that the page moves to where the pointer is along the path."""
+    look = {"size": 13, "color": list(style.BODY_COLOURS.values()), "line": {"color": "#FFF", "width": 2}}
+    return _marks(np.empty((0, 2)), "", look, showlegend=False)
+
+
 def map_figure(log: RunLog) -> Figure:
     """Draw the map, east to the right, both axes at the same scale; its last trace is the page's cursor."""
-    path = log.header.path
+    recorded = log.header.recorded
     tractor, trailer = outlines(log)
     fixes = np.column_stack([log.column(f"measurement.tractor_{coordinate}") for coordinate in "xy"])
-    fix_look = {"mode": "markers", "marker": {"size": 3, "color": style.REFERENCE}, "visible": "legendonly"}
-    cursor = {
-        "type": "scatter",
-        "mode": "markers",
-        "x": [],
-        "y": [],
-        "showlegend": False,
-        "hoverinfo": "skip",
-    }
-    cursor["marker"] = {
-        "size": 13,
-        "color": list(style.BODY_COLOURS.values()),
-        "line": {"color": "#FFF", "width": 2},
-    }
+    fix_look = {"size": 3, "color": style.REFERENCE}
     traces = [
-        line(path.x, path.y, "Path", style.REFERENCE, width=5.0, opacity=0.35, hoverinfo="skip"),
+        *_path_traces(log.header.path),
+        *(_recorded_traces(recorded) if recorded else []),
         _track_trace(log, "trailer", style.TRAILER),
         _track_trace(log, "tractor", style.TRACTOR),
         _outline_trace(trailer, "Trailer", style.TRAILER),
         _outline_trace(tractor, "Tractor", style.TRACTOR),
-        line(
-            fixes[:, 0],
-            fixes[:, 1],
-            "GPS fixes of the tractor",
-            style.REFERENCE,
-            hoverinfo="skip",
-            **fix_look,
-        ),
-        cursor,
+        _marks(fixes, "GPS fixes of the tractor", fix_look, visible="legendonly"),
+        _cursor(),
     ]
     legend = {"x": 0.01, "y": 0.99, "yanchor": "top", "bgcolor": "rgba(255,255,255,0.85)"}
     east, north = axis("East, m", zeroline=False), axis("North, m", zeroline=False, scaleanchor="x")

@@ -11,6 +11,7 @@ import numpy as np
 
 from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
+from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
 
 ALL = "all"
@@ -71,6 +72,8 @@ class Metrics:
     """absolute distance of the true antenna position to the path, by class of the path"""
     yaw_rmse_rad: Bodies[float]
     """estimate against truth"""
+    steering_rate_mean_rad_s: Bodies[float]
+    """mean of |steering rate| from step to step: how busy the actuators are"""
     ancillary_share: Bodies[float]
     """signed share of the steering: sum of the ancillary term in the command's direction over sum of |command|"""
     saturated_share: Bodies[float]
@@ -116,6 +119,11 @@ def _yaw_rmse(log: RunLog, body: str) -> float:
     return error_statistics(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi).rms
 
 
+def _steering_rate(log: RunLog, body: str) -> float:
+    turned = np.abs(np.diff(actual_steering(log, body)))
+    return float(_present(turned / np.diff(log.column("measurement.time"))).mean())
+
+
 def _ancillary_share(log: RunLog, body: str) -> float:
     command = log.column(f"{body}_steering.command")
     ancillary = log.column(f"{body}_steering.ancillary") * np.sign(command)
@@ -152,13 +160,14 @@ def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
         finished=log.outcome.finished,
         outcome=log.outcome.reason,
         duration_s=duration,
-        length_m=_span(log.column("reference.tractor.progress")),
+        length_m=_span(along(log, "tractor")),
         real_time_factor=_share(duration, wall_time),
         error_m=Bodies(
             tractor=_errors_by_class(errors.tractor, classes),
             trailer=_errors_by_class(errors.trailer, classes),
         ),
         yaw_rmse_rad=_of_both(_yaw_rmse, log),
+        steering_rate_mean_rad_s=_of_both(_steering_rate, log),
         ancillary_share=_of_both(_ancillary_share, log),
         saturated_share=_of_both(_saturated_share, log),
         solver_failures=sum(record.solver_failures for record in log.records),

@@ -9,7 +9,7 @@ from plotly.offline import get_plotlyjs  # type: ignore[import-untyped]
 
 from drawbar.autopilot.log import RunLog, encode_special
 from drawbar.report import style
-from drawbar.report.map import track
+from drawbar.report.columns import track
 from drawbar.report.metrics import Metrics
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.sections import Section, all_sections

@@ -8,8 +8,8 @@ import numpy as np
 from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
 from drawbar.report import style
-from drawbar.report.figures import along
-from drawbar.report.map import outlines, track
+from drawbar.report.columns import along, track
+from drawbar.report.map import outlines, polyline
 from drawbar.report.path_errors import Bodies, PathErrors
 
 _WIDTH, _HEIGHT = 880.0, 800.0
@@ -68,10 +68,10 @@ def _map_window(x: Floats, y: Floats) -> _Window:
 
 
 def _map(log: RunLog) -> list[str]:
-    path = log.header.path
+    path = polyline(log.header.path)
     tracks = {body: track(log, body) for body in style.BODY_COLOURS}
-    window = _map_window(*np.vstack([np.column_stack([path.x, path.y]), *tracks.values()]).T)
-    parts = [window.curve(path.x, path.y, _stroke("#D5DAE1", 5.0))]
+    window = _map_window(*np.vstack([path, *tracks.values()]).T)
+    parts = [window.curve(path[:, 0], path[:, 1], _stroke("#D5DAE1", 5.0))]
     for body, colour in reversed(style.BODY_COLOURS.items()):
         parts.append(window.curve(tracks[body][:, 0], tracks[body][:, 1], _stroke(colour, 1.3)))
     for outline, colour in zip(outlines(log), style.BODY_COLOURS.values(), strict=True):

@@ -54,13 +54,18 @@ def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
         Section(
             name="errors",
             title="Distance from the path",
-            note="Of the antennas. Curves are shaded, with their curvature in 1/m or their class.",
+            note="Of the antennas. Curves are shaded, with their curvature in 1/m where the path gives it.",
             figure=error_figure(log, errors),
         ),
     ]
 
 
 def _steering(log: RunLog) -> list[Section]:
+    reversed_actuator = (
+        " The actuator is reversed (joint_sign = -1): the joint goes to the mirror image of its command."
+        if log.header.vehicle.joint_sign == -1
+        else ""
+    )
     return [
         Section(
             name="tractor-steering",
@@ -71,7 +76,7 @@ def _steering(log: RunLog) -> list[Section]:
         Section(
             name="trailer-steering",
             title="Steering of the trailer",
-            note="Actuated joint between drawbar and trailer.",
+            note="Actuated joint between drawbar and trailer." + reversed_actuator,
             figure=steering_figure(log, "trailer"),
         ),
         Section(
@@ -102,7 +107,7 @@ def _estimates(log: RunLog) -> list[Section]:
 
 
 def all_sections(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
-    """Return everything the page shows of a run."""
+    """Return everything the page shows of a run; what its estimator does not have leaves no empty section."""
     solving = Section(
         name="solve-times",
         title="Solve times",
@@ -110,4 +115,5 @@ def all_sections(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
         figure=solve_time_figure(log),
         along_path=False,
     )
-    return [*_driving(log, errors), *_steering(log), *_estimates(log), solving]
+    sections = [*_driving(log, errors), *_steering(log), *_estimates(log), solving]
+    return [section for section in sections if section.figure["data"]]

@@ -12,7 +12,7 @@ from drawbar.geometry import Floats
 TRACTOR = "#0072B2"
 TRAILER = "#D55E00"
 ESTIMATOR = "#009E73"
-THIRD = "#CC79A7"
+KINK = "#CC79A7"
 REFERENCE = "#6B7280"
 INK = "#1F2933"
 GRID = "#E8EBEF"

@@ -12,8 +12,8 @@ Row = tuple[str, list[str]]
 
 
 def number(value: float, digits: int = 1, unit: str = "") -> str:
-    """Return the value with a fixed number of digits and its unit; NaN is a dash."""
-    return "–" if math.isnan(value) else f"{value:.{digits}f}{unit}"
+    """Return the value with a fixed number of digits and its unit; NaN is a dash, zero has no sign."""
+    return "–" if math.isnan(value) else f"{value:z.{digits}f}{unit}"
 
 
 def class_title(label: str) -> str:
@@ -57,14 +57,16 @@ def time_rows(metrics: Metrics) -> list[Row]:
 
 def body_rows(metrics: Metrics) -> list[Row]:
     """Return what is one figure per body, of the tractor, then of the trailer, each with its unit."""
-    shares = {"ancillary share": metrics.ancillary_share, "clipped commands": metrics.saturated_share}
-    yaw = metrics.yaw_rmse_rad
-    rows: list[Row] = [
-        ("yaw error, RMS", [number(math.degrees(value), 2, "°") for value in (yaw.tractor, yaw.trailer)])
+    figures = (
+        ("yaw error, RMS", metrics.yaw_rmse_rad, math.degrees(1.0), 2, "°"),
+        ("mean steering rate", metrics.steering_rate_mean_rad_s, math.degrees(1.0), 1, "°/s"),
+        ("ancillary share", metrics.ancillary_share, 100.0, 1, " %"),
+        ("clipped commands", metrics.saturated_share, 100.0, 1, " %"),
+    )
+    return [
+        (title, [number(scale * value, digits, unit) for value in (figure.tractor, figure.trailer)])
+        for title, figure, scale, digits, unit in figures
     ]
-    for title, share in shares.items():
-        rows.append((title, [number(100.0 * value, 1, " %") for value in (share.tractor, share.trailer)]))
-    return rows
 
 
 def key_figures(metrics: Metrics) -> list[tuple[str, str]]:

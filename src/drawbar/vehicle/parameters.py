@@ -1,9 +1,9 @@
 """Geometry and limits of the tractor-trailer system (figure 3 of the paper)."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
 
@@ -38,6 +38,20 @@ class VehicleParameters(Settings):
     """tau, time constant of both steering actuators, s"""
     curvature_limit: Positive = Field(default=0.3)
     """tightest path curvature that the guidance may ask for, 1/m"""
+
+    @model_validator(mode="after")
+    def _joints_in_order(self) -> Self:
+        if not self.trailer_antenna <= self.trailer_length:
+            raise ValueError(
+                f"trailer_antenna = {self.trailer_antenna} m ahead of the trailer axle is ahead of RJ2; "
+                f"at most trailer_length = {self.trailer_length} m is possible"
+            )
+        if not self.drawbar_length < self.hitch_length + self.wheelbase:
+            raise ValueError(
+                f"drawbar_length = {self.drawbar_length} m puts the free joint ahead of the front axle; it must be "
+                f"below hitch_length + wheelbase = {self.hitch_length + self.wheelbase} m"
+            )
+        return self
 
     @property
     def free_joint_offset(self) -> float:

@@ -4,19 +4,20 @@ import numpy as np
 import pytest
 
 from drawbar.errors import PathError
-from drawbar.guidance.importers.agopengps import origin
 from drawbar.guidance.importers.load import load_line
 
 FIELD = Path(__file__).parents[4] / "shared" / "data" / "agopengps-field"
 needs_field = pytest.mark.skipif(not FIELD.exists(), reason="the recorded field is not beside the repository")
 
 CURVE = ["Curve", "1.57", "0,0", "2,0", "0", "4", "True", "3", "0,0,1.57", "1,0.5,1.57", "2,0,1.57"]
+FIELD_FILE = "2024-March-02 08:41:36 PM\n$FieldDir\nHill\n$Offsets\n0,0\nConvergence\n0\nStartFix\n50.8,4.7\n"
 AB = ["AB 90°", "1.57", "1,2", "11,2", "0", "2", "True", "0"]
 
 
 def field(folder: Path, *rows: str, end: str = "\n", mark: str = "") -> Path:
     text = mark + end.join(["$TrackLines", *rows]) + end
     (folder / "TrackLines.txt").write_bytes(text.encode())
+    (folder / "Field.txt").write_text(FIELD_FILE)
     return folder
 
 
@@ -35,11 +36,6 @@ def test_the_recorded_field(track: str, count: int, last: tuple[float, float]) -
     assert (line.x[-1], line.y[-1]) == last
     same = load_line(FIELD / "TrackLines.txt", track)
     np.testing.assert_array_equal(line.x, same.x)
-
-
-@needs_field
-def test_the_recorded_fields_origin() -> None:
-    assert origin(FIELD) == (32.5919752709808, -87.1777821879624)
 
 
 @needs_field
@@ -95,17 +91,49 @@ def test_malformed_lines_are_refused_with_their_place(tmp_path: Path, rows: list
         load_line(field(tmp_path, *rows), None)
 
 
-def test_a_file_without_header_lines_or_origin_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PathError, match="cannot be read"):
-        load_line(tmp_path, None)
+def test_a_file_without_header_or_lines_is_refused(tmp_path: Path) -> None:
     with pytest.raises(PathError, match="has no line"):
         load_line(field(tmp_path), None)
     (tmp_path / "TrackLines.txt").write_text("$CurveLines\n")
     with pytest.raises(PathError, match=r"starts with \$TrackLines"):
         load_line(tmp_path, None)
-    (tmp_path / "Field.txt").write_text("$Offsets\n0,0\n")
-    with pytest.raises(PathError, match="no row 'StartFix'"):
-        origin(tmp_path)
-    (tmp_path / "Field.txt").write_text("StartFix\n132.5,-87.1\n")
-    with pytest.raises(PathError, match=r"Field\.txt:2"):
-        origin(tmp_path)
+
+
+@pytest.mark.parametrize("missing", ["Field.txt", "TrackLines.txt"])
+def test_a_folder_that_is_no_field_is_refused(tmp_path: Path, missing: str) -> None:
+    (field(tmp_path, *CURVE) / missing).unlink()
+    with pytest.raises(PathError, match=rf"has no {missing}; give the folder of one AgOpenGPS field"):
+        load_line(tmp_path, None)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"", r"Field\.txt: is empty"),
+        (b"\x89PNG\r\n", r"Field\.txt: byte 0 is not UTF-8"),
+        (b"$Offsets\n0,0\n", r"Field\.txt: has no row 'StartFix'"),
+        (b"$Offsets\nStartFix", r"Field\.txt: has no row 'StartFix'"),
+        (b"StartFix\n132.5,-87.1\n", r"Field\.txt:2: origin '132\.5,-87\.1'"),
+        (b"StartFix\nnan,-87.1\n", r"Field\.txt:2: origin 'nan,-87\.1'"),
+        (b"StartFix\n32,5,-87,1\n", r"Field\.txt:2: .*2 numbers with decimal points"),
+    ],
+)
+def test_a_field_without_a_readable_origin_is_refused(tmp_path: Path, content: bytes, reason: str) -> None:
+    (field(tmp_path, *CURVE) / "Field.txt").write_bytes(content)
+    with pytest.raises(PathError, match=reason):
+        load_line(tmp_path, None)
+
+
+def test_lines_of_one_name_are_told_apart_by_new_names_only(tmp_path: Path) -> None:
+    folder = field(tmp_path, *CURVE, *AB, *CURVE)
+    for track in (None, "Curve"):
+        with pytest.raises(PathError, match="has 2 lines named 'Curve'; give them different names"):
+            load_line(folder, track)
+    assert load_line(folder, "AB 90°").name == "AB 90°"
+
+
+def test_the_points_of_other_lines_are_not_looked_at(tmp_path: Path) -> None:
+    folder = field(tmp_path, *changed(9, "nan,0.5,1.57"), *AB)
+    assert load_line(folder, "AB 90°").name == "AB 90°"
+    with pytest.raises(PathError, match=r"point \(nan, 0\.5\) m .*finite"):
+        load_line(folder, "Curve")

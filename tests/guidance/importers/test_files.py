@@ -25,6 +25,9 @@ def written(folder: Path, name: str, content: str | bytes) -> Path:
         "\ufeff X , Y \r\n0,0\r\n\r\n1.5,-2e0\r\n3,0\r\n",
         "x;y\n0;0\n1,5;-2\n3;0\n",
         "0\t0\n1.5\t-2\n3\t0\n",
+        '"x","y"\n"0","0"\n"1.5", "-2"\n"3","0"\n',
+        '"0";"0"\n"1,5";"-2"\n"3";"0"\n',
+        "# made by hand\n\nx,y\n0,0\n# the middle; with, marks\n1.5,-2\n3,0\n",
     ],
 )
 def test_dialects_of_csv(tmp_path: Path, content: str) -> None:
@@ -45,7 +48,14 @@ def test_dialects_of_csv(tmp_path: Path, content: str) -> None:
         ("0,0\n", r"1 point\(s\)"),
         ("0,0\n0,0\n", r"1 point\(s\)"),
         ("0,0\n1,2,3\n", r"csv:2: .*3 columns"),
-        ("easting,northing\n0,0\n1,1\n", r"csv:1: x is 'easting'"),
+        ("# nothing\n#\n", r"0 point\(s\)"),
+        ("0 0\n1 1\n", r"csv:1: '0 0' has 1 column; two"),
+        ('"1,5"\n"2,5"\n', r"csv:1: x is"),
+        ("0,zero\n1,1\n", r"csv:1: y is 'zero'; a number"),
+        ("4.7,50.8\n4.7001,50.8\n4.7002,50.8001\n", r"csv:1: .*is 0\.00024 m long; .*metres.*degrees"),
+        ("0,0\n0.0999,0\n", r"csv:1: .*is 0\.1 m long; 0\.1 to 2e\+06 m"),
+        ("-1100000,-0\n1100000,-0\n", r"csv:1: .*is 2\.2e\+06 m long; 0\.1 to 2e\+06 m"),
+        ("0,0\n1,0\n2,0\n900,-0\n901,0\n", r"jumps 898 m to \(900, 0\) m"),
         ("0,0\n1,nan\n", r"csv:2: .*finite"),
         ("0,0\n1,1e300\n", r"csv:2: .*finite"),
         ("0,0\n1,0\n2,0\n900,0\n901,0\n", r"csv:4: .*jumps 898 m"),
@@ -54,6 +64,14 @@ def test_dialects_of_csv(tmp_path: Path, content: str) -> None:
 def test_malformed_csv_is_refused(tmp_path: Path, content: str | bytes, reason: str) -> None:
     with pytest.raises(PathError, match=reason):
         load_line(written(tmp_path, "line.csv", content), None)
+
+
+@pytest.mark.parametrize("header", ["easting,northing", "x [m],y [m]", "lon,lat", "y;x", '"x","y","z"', "x\tkind"])
+def test_a_header_that_names_something_else_is_refused(tmp_path: Path, header: str) -> None:
+    with pytest.raises(PathError) as refused:
+        load_line(written(tmp_path, "line.csv", f"# comment\n{header}\n0,0\n1,1\n"), None)
+    assert f"line.csv:2: header {header!r}; two columns are read, x (east) and y (north) in m" in str(refused.value)
+    assert "name them x,y in this order or remove the header; degrees belong in GeoJSON" in str(refused.value)
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)
@@ -108,8 +126,21 @@ def test_a_feature_is_chosen_by_name(tmp_path: Path) -> None:
     ("document", "reason"),
     [
         ("{", "not valid JSON"),
-        ("[1, 2]", "no LineString"),
-        (json.dumps({"type": "Polygon", "coordinates": []}), "no LineString"),
+        ("[" * 100_000, "not valid JSON"),
+        ("[1, 2]", "no LineString but 'nothing'"),
+        (json.dumps({"type": "FeatureCollection", "features": []}), "no LineString but no feature"),
+        (json.dumps({"type": "Polygon", "coordinates": []}), "no LineString but 'Polygon'"),
+        (
+            json.dumps(
+                {
+                    "type": "FeatureCollection",
+                    "features": [
+                        feature({"type": kind}) for kind in ("MultiLineString", "GeometryCollection", "Point")
+                    ],
+                }
+            ),
+            "no LineString but 'GeometryCollection', 'MultiLineString', 'Point'; give each line as a LineString",
+        ),
         (json.dumps({"type": "FeatureCollection"}), "'features' is None"),
         (json.dumps({"type": "LineString"}), "'coordinates' is None"),
         (json.dumps(string()), r"0 point\(s\)"),
@@ -119,11 +150,68 @@ def test_a_feature_is_chosen_by_name(tmp_path: Path) -> None:
         (json.dumps(string([4.7, 50.8], [True, 50.8])), "position 1"),
         ('{"type": "LineString", "coordinates": [[4.7, 50.8], [NaN, 50.8]]}', "position 1: longitude nan"),
         (json.dumps(string([4.7, 50.8], [500000.0, 5600000.0])), "position 1: longitude 500000"),
+        (json.dumps(string([4.7, 50.8], [4.7, 90.00001])), "position 1: longitude 4.7, latitude 90.00001; .* ±90°"),
+        (json.dumps(string([4.7, 50.8], [-180.00001, -0.0])), "position 1: longitude -180.00001, latitude 0; .* ±180°"),
+        (f'{{"type": "LineString", "coordinates": [[4.7, {"9" * 5000}]]}}', "position 0: longitude 4.7, latitude inf"),
+        (json.dumps(string([4.7, 50.8], [-130.0, 50.8])), r"0 is 9\.5e\+06 m long; .*in degrees, as GeoJSON"),
+        (json.dumps(string([4.7, 50.8], [4.7, -85.0])), r"point \(0, -\d+\.?\d*\) m .*within ±1e\+07 m"),
     ],
 )
 def test_malformed_geojson_is_refused(tmp_path: Path, document: str, reason: str) -> None:
     with pytest.raises(PathError, match=reason):
         load_line(written(tmp_path, "line.geojson", document), None)
+
+
+def test_a_line_crosses_the_date_line(tmp_path: Path) -> None:
+    there = string([179.9995, -17.0], [-179.9995, -17.0], [179.9995, -17.0])
+    here = string([4.6995, -17.0], [4.7005, -17.0], [4.6995, -17.0])
+    crossing, elsewhere = (
+        load_line(written(tmp_path, f"{name}.json", json.dumps(document)), None)
+        for name, document in (("there", there), ("here", here))
+    )
+    # WGS84 at 17°: 0.001° are 106.5 m of longitude
+    np.testing.assert_allclose(crossing.x, [0.0, 106.5, 0.0], atol=0.05)
+    np.testing.assert_allclose(crossing.x, elsewhere.x, atol=1e-6)
+
+
+def crs(name: str) -> dict[str, Any]:
+    return {"crs": {"type": "name", "properties": {"name": name}}}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "EPSG:4326",
+        "urn:ogc:def:crs:EPSG::4326",
+        "urn:ogc:def:crs:OGC:1.3:CRS84",
+        "urn:ogc:def:crs:OGC::CRS84",
+        "http://www.opengis.net/def/crs/OGC/1.3/CRS84",
+        "http://www.opengis.net/def/crs/EPSG/0/4326",
+    ],
+)
+def test_wgs84_may_be_named(tmp_path: Path, name: str) -> None:
+    document = {"type": "FeatureCollection", "features": [feature(GOOD)]} | crs(name)
+    assert len(load_line(written(tmp_path, "line.geojson", json.dumps(document)), None).x) == 3
+
+
+@pytest.mark.parametrize(
+    ("member", "named"),
+    [
+        (crs("EPSG:25832"), "'EPSG:25832'"),
+        (crs("urn:ogc:def:crs:EPSG::32632"), "EPSG::32632'"),
+        (crs("EPSG:14326"), "'EPSG:14326'"),
+        (crs("EPSG:43260"), "'EPSG:43260'"),
+        ({"crs": None}, "None"),
+        ({"crs": {"type": "link", "properties": {"href": "here.prj"}}}, "'link'"),
+    ],
+)
+@pytest.mark.parametrize("level", ["collection", "feature", "geometry"])
+def test_any_other_reference_system_is_refused(tmp_path: Path, member: dict[str, Any], named: str, level: str) -> None:
+    metres = string([0.0, 0.0], [30.0, 40.0])
+    inner = feature(metres | member if level == "geometry" else metres) | (member if level == "feature" else {})
+    document = {"type": "FeatureCollection", "features": [inner]} | (member if level == "collection" else {})
+    with pytest.raises(PathError, match=rf"its crs is .*{named}.*; only WGS84 is read"):
+        load_line(written(tmp_path, "line.geojson", json.dumps(document)), None)
 
 
 def test_unknown_names_types_and_files_are_refused(tmp_path: Path) -> None:

@@ -151,3 +151,30 @@ def test_estimator_starts_at_its_prior_without_measurements(named: Any) -> None:
     assert np.isnan(solver.y).all()
     np.testing.assert_array_equal(solver.x, np.tile(case.initial, (len(solver.x), 1)))
     np.testing.assert_allclose(np.diag(solver.root), 1.0 / np.array(case.problem.prior_deviation))
+
+
+def test_bound_on_a_variable_that_is_not_there_is_bad_input(case: Any) -> None:
+    for index in (-1, 2**31 - 1, -(2**31)):
+        solver = settled(case)
+        solver.workspace.array("qp.bound")[0] = index
+        solver.prepare()
+        assert solver.feedback() == SolverStatus.BAD_INPUT
+
+
+def test_known_parameters_are_an_array_of_their_own_even_when_there_are_none(case: Any) -> None:
+    p = case.solver().workspace.array("p")
+    assert p.shape == case.p.shape
+
+
+def test_oldest_stage_that_cannot_be_absorbed_starts_the_arrival_cost_anew(named: Any) -> None:
+    case = named("articulated_estimator")
+    solver = settled(case)
+    solver.newest = case.problem.horizon
+    assert solver.advance() == SolverStatus.SOLVED
+    solver.feedback()
+    following = solver.x[1].copy()
+    solver.workspace.array("process")[0] = 1e200  # its square is no number any more
+    assert solver.advance() == SolverStatus.NOT_FINITE
+    np.testing.assert_array_equal(solver.root, np.diag(1.0 / np.array(case.problem.prior_deviation)))
+    np.testing.assert_array_equal(solver.prior, following)
+    assert solver.feedback() == SolverStatus.SOLVED

@@ -18,7 +18,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
 
 HERE = Path(__file__).parent
-WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 SANITIZERS = ("-O1", "-march=native", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 VEHICLE = VehicleParameters()
 BOX = Bound(lower=-1.0, upper=1.0)

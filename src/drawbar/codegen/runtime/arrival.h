@@ -179,7 +179,8 @@ static inline void arrival_substitute(const double (*restrict B)[NU], const doub
     }
 }
 
-/* Absorb the oldest stage into the arrival cost; call after feedback, before rti_shift. */
+/* Absorb the oldest stage into the arrival cost, which stays as it is on failure; call after feedback, before
+ * rti_shift. */
 static int arrival_update(struct rti *s)
 {
     double T[NX + NY][OLD_WIDTH] = {{0.0}}, M[NX + NU][OLD_WIDTH] = {{0.0}}, Z[NX][WIDTH], d[NX];
@@ -202,12 +203,12 @@ static int arrival_update(struct rti *s)
             sum -= M[i][NU + j] * d[j];
         d[i] = sum / M[i][NU + i];
     }
-    if (!all_finite(d, NX))
+    if (!all_finite(&M[0][0], sizeof M / sizeof(double)) || !all_finite(d, NX))
         return NOT_FINITE;
     for (int i = 0; i < NX; ++i) {
         s->prior[i] = s->F[0][i] + d[i];
-        memset(s->root[i], 0, i * sizeof(double));
-        memcpy(s->root[i] + i, M[i] + NU + i, (NX - i) * sizeof(double));
+        memset(s->root[i], 0, (size_t)i * sizeof(double));
+        memcpy(s->root[i] + i, M[i] + NU + i, (size_t)(NX - i) * sizeof(double));
     }
     return SOLVED;
 }

@@ -9,10 +9,11 @@ struct drawbar_field {
     const char *name;
     int64_t offset;
     int32_t kind;                          /* 0: double, 1: int32 */
-    int32_t shape[3];                      /* as stored; trailing zeros are dropped */
+    int32_t shape[3];                      /* as stored; trailing zeros are dropped, EMPTY is a dimension of none */
     int32_t padding;                       /* numbers at the end of each row that only fill it up */
 };
 
+#define EMPTY (-1)
 #define FIELD(type, name, kind, a, b, c) {#name, (int64_t)offsetof(struct type, name), kind, {a, b, c}, 0},
 #define ROWS(type, name, a, b) {#name, (int64_t)offsetof(struct type, name), 0, {a, b, WIDTH}, WIDTH - NX},
 

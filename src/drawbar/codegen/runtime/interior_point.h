@@ -3,19 +3,18 @@
  * Each side m of a bound has a distance t > 0 to it and a multiplier lambda > 0; a soft side adds a violation
  * v > 0 with multiplier sigma > 0 and cost soft_linear v + 1/2 soft_quadratic v^2. All of them are eliminated, so that
  * a Newton step is one Riccati sweep with a changed diagonal. Infeasible start; infeasibility is only reported with a
- * certificate (Farkas): multipliers that no point within the bounds can satisfy.
+ * certificate (farkas.h).
  */
 #ifndef DRAWBAR_INTERIOR_POINT_H
 #define DRAWBAR_INTERIOR_POINT_H
 
 #include "active_set.h"
+#include "farkas.h"
 
 #define IP_ITERATIONS 60
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
 #define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
-#define FARKAS_REACH 1e2                   /* infeasible unless a point lies this much further out than the iterate */
-#define FARKAS_ROUNDING 1e-10
 #define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
 #define BLOCK 8                            /* sides are worked on in blocks, for SIMD code */
 #define NLOWER ((NB + BLOCK - 1) / BLOCK * BLOCK)
@@ -208,83 +207,11 @@ static void ip_move(struct qp *restrict s, struct interior_point *restrict ip, d
     }
 }
 
-/* Where a variable may be: within its hard bounds, and no further than FARKAS_REACH times its kind's size beyond them where
- * there are none. Returns 0 when the bounds of one variable exclude each other. */
-static int ip_box(const struct qp *restrict s, double *restrict low, double *restrict high)
+/* Do the multipliers' last steps prove that no point exists? Where none does the multipliers grow without end, along a
+ * certificate, while the cost stands still: their growth is the purer certificate. */
+static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
 {
-    double size[NX + NU] = {0.0};
-
-    for (int i = 0; i < NZ; ++i) {
-        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
-        low[i] = -INFINITY;
-        high[i] = INFINITY;
-    }
-    for (int i = 0; i < NB; ++i) {
-        const int at = s->bound[i], hard = !(s->soft_linear[i] < INFINITY);
-        low[at] = hard && s->lower[i] > low[at] ? s->lower[i] : low[at];
-        high[at] = hard && s->upper[i] < high[at] ? s->upper[i] : high[at];
-        if (low[at] > high[at])
-            return 0;
-    }
-    for (int i = 0; i < NZ; ++i) {
-        const double middle = low[i] > -INFINITY ? low[i] : high[i] < INFINITY ? high[i] : 0.0;
-        const double reach = FARKAS_REACH * largest(size[kind_of(i)], middle);
-        low[i] = low[i] > -INFINITY ? low[i] : middle - reach;
-        high[i] = high[i] < INFINITY ? high[i] : middle + reach;
-    }
-    return 1;
-}
-
-static inline double least_of(double slope, double low, double high)
-{
-    return slope > 0.0 ? slope * low : slope * high;
-}
-
-/* Do the state bounds' multipliers prove that no point lies within the hard bounds? Their sum is a half-space; with the
- * states eliminated (pi by the recursion that makes their slopes vanish) only the inputs, and a free first state,
- * remain, and not even the best point of their box reaches it. */
-static int ip_infeasible(const struct qp *s)
-{
-    double low[NZ], high[NZ], net[NZ] = {0.0}, pi[NX] = {0.0}, before[NX], value = 0.0, terms = 0.0;
-
-    if (!ip_box(s, low, high))
-        return 1;
-    for (int m = 0; m < NSIDES; ++m) {
-        const int at = s->bound[m / 2];
-        const double lambda = m % 2 == 0 ? s->multiplier[m] : -s->multiplier[m];
-        const double part = lambda * (m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2]);
-        if (lambda == 0.0 || s->soft_linear[m / 2] < INFINITY || at >= (N + 1) * NX || (FREE_INITIAL && at < NX))
-            continue;
-        net[at] += lambda;
-        value += part;
-        terms += fabs(part);
-    }
-    for (int i = 0; i < NX; ++i)
-        pi[i] = -STATE(net, N)[i];
-    for (int k = N - 1; k >= 0; --k) {
-        for (int i = 0; i < NX; ++i) {
-            before[i] = (i < ND ? 0.0 : pi[i]) - STATE(net, k)[i];
-            for (int m = 0; m < ND; ++m)
-                before[i] += s->A[k][m][i] * pi[m];
-            value += pi[i] * s->c[k][i];
-            terms += fabs(pi[i] * s->c[k][i]);
-        }
-        for (int a = 0; a < NU; ++a) {
-            double slope = 0.0;
-            for (int m = 0; m < ND; ++m)
-                slope += s->B[k][m][a] * pi[m];
-            const double part = least_of(slope, INPUT(low, k)[a], INPUT(high, k)[a]);
-            value += part;
-            terms += fabs(part);
-        }
-        memcpy(pi, before, sizeof pi);
-    }
-    for (int i = 0; i < NX; ++i) {
-        const double part = FREE_INITIAL ? least_of(pi[i], low[i], high[i]) : pi[i] * s->initial[i];
-        value += part;
-        terms += fabs(part);
-    }
-    return value > FARKAS_ROUNDING * terms;
+    return farkas_proves(s, ip->dlambda, ip->dlambda + NLOWER);
 }
 
 /* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
@@ -324,7 +251,7 @@ static int qp_interior_point(struct qp *s)
         const double mu = ip_measure(&ip, 0.0);
         ip_look(s, &ip);
         if (!ip_step(s, &ip, 0.0, 0.0, 1))
-            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : ip_infeasible(s) ? INFEASIBLE : NOT_FINITE;
+            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : ip_infeasible(s, &ip) ? INFEASIBLE : NOT_FINITE;
         const double affine = ip_longest(&ip, 1.0), ratio = ip_measure(&ip, affine) / mu;
         ip_step(s, &ip, ratio * ratio * ratio * mu, affine * affine, 0);
         double step = ip_longest(&ip, BOUNDARY);
@@ -345,7 +272,7 @@ static int qp_interior_point(struct qp *s)
             return ip_restore(s, &best);
         if (status == SOLVED)
             ip_keep(s, &best);
-        else if (s->iterations % FARKAS_EVERY == 0 && ip_infeasible(s))
+        else if (s->iterations % FARKAS_EVERY == 0 && ip_infeasible(s, &ip))
             return INFEASIBLE;
     }
     return MAXIMUM_ITERATIONS;
@@ -356,15 +283,15 @@ static int qp_interior_point(struct qp *s)
 static int qp_optimise(struct qp *s)
 {
     double gradient[NZ], defect[N][NX];
-    int invalid = 0, violated = 0;
+    int invalid = !bounds_exist(s), violated = 0;
 
     s->iterations = 0;
     s->kkt = INFINITY;
     memset(s->multiplier, 0, sizeof s->multiplier);
     memset(s->violation, 0, sizeof s->violation);
     for (int i = 0; i < NB; ++i)
-        invalid |= !(s->lower[i] <= s->upper[i]) | (s->bound[i] < 0) | (s->bound[i] >= NZ)
-            | !(s->soft_linear[i] > 0.0) | !(s->soft_quadratic[i] >= 0.0) | !(s->soft_quadratic[i] < INFINITY);
+        invalid |= !(s->lower[i] <= s->upper[i]) | !(s->soft_linear[i] > 0.0) | !(s->soft_quadratic[i] >= 0.0)
+            | !(s->soft_quadratic[i] < INFINITY);
     if (invalid)
         return BAD_INPUT;
     if (!s->factored && !qp_factor(s, NULL))

@@ -14,6 +14,9 @@
 #endif
 #endif
 #if PACK > 1
+#if !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"   /* packs are passed between inlined functions only */
+#endif
 typedef double pack __attribute__((vector_size(8 * PACK)));
 typedef double pack_in_memory __attribute__((vector_size(8 * PACK), aligned(8), may_alias));
 #define LANE_OF(value, l) ((value)[l])

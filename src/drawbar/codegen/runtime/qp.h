@@ -59,6 +59,15 @@ struct qp {
     struct active_set active;
 };
 
+/* Is every bounded variable one that there is? */
+static int bounds_exist(const struct qp *s)
+{
+    int missing = 0;
+    for (int i = 0; i < NB; ++i)
+        missing |= (s->bound[i] < 0) | (s->bound[i] >= NZ);
+    return !missing;
+}
+
 /* L D L' of a symmetric matrix (lower triangle read; D holds reciprocals); returns 0 when it is not positive definite. */
 #define DEFINE_LDL(name, n, columns)                                                          \
     static inline int name(const double (*restrict M)[columns], double (*restrict L)[n], double *restrict D) \

@@ -82,7 +82,7 @@ static int rti_prepare(struct rti *s)
 
 static int rti_inputs_valid(const struct rti *s)
 {
-    return all_finite(&s->p[0][0], (N + 1) * NP) && all_finite(&s->ym[0][0], (N + 1) * NY)
+    return bounds_exist(&s->qp) && all_finite(&s->p[0][0], (N + 1) * NP) && all_finite(&s->ym[0][0], (N + 1) * NY)
         && (FREE_INITIAL ? all_finite(s->prior, NX) : all_finite(s->initial, NX) && all_finite(&s->y[0][0], (N + 1) * NY));
 }
 
@@ -96,9 +96,6 @@ static int rti_feedback(struct rti *s)
         return s->status = BAD_INPUT;
     if (changed)
         rti_hessian(s);
-#if FREE_INITIAL
-    memset(s->qp.g, 0, NX * sizeof(double));   /* the arrival cost is added where no output may reach */
-#endif
 #if FREE_INITIAL                           /* entries that no output sees are not written by gradient */
     memset(STATE(s->qp.g, 0), 0, NX * sizeof(double));
 #endif

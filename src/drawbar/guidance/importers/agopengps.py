@@ -16,6 +16,7 @@ from drawbar.geometry import Floats
 from drawbar.guidance.importers.line import RecordedLine, choose
 from drawbar.guidance.importers.text import number, read_lines
 
+_ORIGIN, _LINES = "Field.txt", "TrackLines.txt"
 _HEADER = "$TrackLines"
 _HEAD = 8
 """rows of a line before its points"""
@@ -38,9 +39,16 @@ class _Track:
 def read_agopengps(folder: Path, track: str | None) -> RecordedLine:
     """Return a line of a field folder, east and north of the field's origin; None takes the only one.
 
-    Raises PathError with file and line number for anything that is not as AgOpenGPS writes it.
+    The points of the other lines are not looked at: not even a NaN there is refused. Raises PathError with
+    file and line number for anything else that is not as AgOpenGPS writes it.
     """
-    file = folder / "TrackLines.txt"
+    for name in (_ORIGIN, _LINES):
+        if not (folder / name).exists():
+            raise PathError(
+                f"{folder}: has no {name}; give the folder of one AgOpenGPS field, which holds {_ORIGIN} and {_LINES}"
+            )
+    _require_origin(folder / _ORIGIN)
+    file = folder / _LINES
     rows = read_lines(file)
     if rows[0] != _HEADER:
         raise PathError(f"{file}:1: is {rows[0][:40]!r}; an AgOpenGPS file of lines starts with {_HEADER}")
@@ -48,17 +56,18 @@ def read_agopengps(folder: Path, track: str | None) -> RecordedLine:
     return _line(file, rows, tracks[choose(file, [track.name for track in tracks], track)])
 
 
-def origin(folder: Path) -> tuple[float, float]:
-    """Return latitude and longitude (degrees) of the field's origin. Errors as read_agopengps."""
-    file = folder / "Field.txt"
+def _require_origin(file: Path) -> None:
+    """Refuse a field without the origin (latitude, longitude in degrees) that its metres count from."""
     rows = read_lines(file)
     if "StartFix" not in rows[:-1]:
-        raise PathError(f"{file}: has no row 'StartFix' with 'latitude,longitude' below; is it AgOpenGPS's file?")
+        raise PathError(
+            f"{file}: has no row 'StartFix' with the field's origin 'latitude,longitude' below; "
+            f"give a field folder as AgOpenGPS writes it"
+        )
     index = rows.index("StartFix") + 1
     latitude, longitude = _numbers(rows[index], 2, f"{file}:{index + 1}")
     if not (abs(latitude) < 90.0 and abs(longitude) <= 180.0):
         raise PathError(f"{file}:{index + 1}: origin {rows[index]!r}; degrees within ±90 and ±180 are allowed")
-    return latitude, longitude
 
 
 def _tracks(file: Path, rows: list[str]) -> list[_Track]:

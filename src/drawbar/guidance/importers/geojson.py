@@ -1,6 +1,8 @@
 """GeoJSON (RFC 7946): LineStrings in WGS84 degrees, longitude first."""
 
 import json
+import re
+import reprlib
 from pathlib import Path
 from typing import Any
 
@@ -11,27 +13,35 @@ from drawbar.geometry import east_north
 from drawbar.guidance.importers.line import RecordedLine, choose
 from drawbar.guidance.importers.text import read_text
 
+_WGS84 = re.compile(r".*\bCRS84|.*\bEPSG\b.*\b4326", re.IGNORECASE)
+"""the names that GeoJSON of before RFC 7946 gives to WGS84"""
+
 
 def read_geojson(path: Path, track: str | None) -> RecordedLine:
     """Return a LineString of a geometry, Feature or FeatureCollection; None takes the only one.
 
-    Lines are called by their "name" property, else by the file's name and their index. Raises PathError with
-    the file and the place in it.
+    Lines are called by their "name" property, else by the file's name and their index. Only the chosen one is
+    checked. Raises PathError with the file and the place in it.
     """
     try:
-        document = json.loads(read_text(path))
+        document = json.loads(read_text(path), parse_int=float)
     except (json.JSONDecodeError, RecursionError) as error:
         raise PathError(f"{path}: is not valid JSON: {error}") from None
     features = [document]
     if _type(document) == "FeatureCollection":
+        _require_wgs84(document, str(path))
         features = _list(document, "features", str(path))
     lines = [
-        (_name(feature, f"{path.stem} {index}" if index else path.stem), geometry, f"{path}, feature {index}")
+        (_name(feature, f"{path.stem} {index}" if index else path.stem), feature, f"{path}, feature {index}")
         for index, feature in enumerate(features)
-        if _type(geometry := _geometry(feature)) == "LineString"
+        if _type(_geometry(feature)) == "LineString"
     ]
     if not lines:
-        raise PathError(f"{path}: holds no LineString; give one as geometry, Feature or FeatureCollection")
+        found = sorted({reprlib.repr(_type(_geometry(feature)) or "nothing") for feature in features})
+        raise PathError(
+            f"{path}: holds no LineString but {', '.join(found) or 'no feature'}; give each line as a LineString: "
+            f"alone, as a Feature or in a FeatureCollection"
+        )
     return _line(*lines[choose(path, [name for name, _, _ in lines], track)])
 
 
@@ -45,12 +55,16 @@ def _name(feature: dict[str, Any], otherwise: str) -> str:
     return name if isinstance(name, str) and name else otherwise
 
 
-def _line(name: str, geometry: dict[str, Any], place: str) -> RecordedLine:
+def _line(name: str, feature: dict[str, Any], place: str) -> RecordedLine:
     """Return the line of a LineString, its first point being the origin."""
+    geometry = _geometry(feature)
+    for member in (feature, geometry):
+        _require_wgs84(member, place)
     positions = _list(geometry, "coordinates", place)
     places = [f"{place}, position {index}" for index in range(len(positions))]
     degrees = np.array([_position(*pair) for pair in zip(positions, places, strict=True)]).reshape(-1, 2)
-    longitude, latitude = degrees.T
+    longitude = np.unwrap(degrees[:, 0], period=360.0)  # the line may cross the date line
+    latitude = degrees[:, 1]
     origin = (float(latitude[0]), float(longitude[0])) if positions else (0.0, 0.0)
     return RecordedLine.checked(name, np.column_stack(east_north(latitude, longitude, origin)), places or [place])
 
@@ -58,15 +72,29 @@ def _line(name: str, geometry: dict[str, Any], place: str) -> RecordedLine:
 def _position(position: Any, place: str) -> list[float]:
     """Return longitude and latitude of one position, in degrees."""
     numbers = isinstance(position, list) and len(position) >= 2
-    if not numbers or not all(type(value) in (int, float) for value in position):
-        raise PathError(f"{place}: is {position!r}; [longitude, latitude] in degrees is needed")
+    if not numbers or not all(type(value) is float for value in position):
+        raise PathError(f"{place}: is {reprlib.repr(position)}; [longitude, latitude] in degrees is needed")
     longitude, latitude = position[:2]
     if not (abs(longitude) <= 180.0 and abs(latitude) < 90.0):
         raise PathError(
-            f"{place}: longitude {longitude}, latitude {latitude}; they must lie within ±180° and ±90°: "
+            f"{place}: longitude {longitude:z.10g}, latitude {latitude:z.10g}; they must lie within ±180° and ±90°: "
             f"GeoJSON is WGS84 in degrees, longitude first"
         )
-    return [float(longitude), float(latitude)]
+    return [longitude, latitude]
+
+
+def _require_wgs84(member: dict[str, Any], place: str) -> None:
+    """Refuse coordinates of another reference system than GeoJSON's own."""
+    if "crs" not in member:
+        return
+    crs = member["crs"]
+    properties = crs.get("properties") if isinstance(crs, dict) else None
+    name = properties.get("name") if isinstance(properties, dict) else None
+    if not (isinstance(name, str) and _WGS84.fullmatch(name)):
+        raise PathError(
+            f"{place}: its crs is {reprlib.repr(crs if name is None else name)}; only WGS84 is read (CRS84 or "
+            f"EPSG:4326, longitude first): convert the file to EPSG:4326"
+        )
 
 
 def _type(value: Any) -> Any:
@@ -76,5 +104,5 @@ def _type(value: Any) -> Any:
 def _list(value: dict[str, Any], key: str, place: str) -> list[Any]:
     member = value.get(key)
     if not isinstance(member, list):
-        raise PathError(f"{place}: {key!r} is {member!r}; a list is needed")
+        raise PathError(f"{place}: {key!r} is {reprlib.repr(member)}; a list is needed")
     return member

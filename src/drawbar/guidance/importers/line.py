@@ -1,6 +1,7 @@
 """A recorded line: what every importer returns, checked."""
 
 import logging
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -20,6 +21,8 @@ _JUMP = 50.0
 """... that is also this many times the median one, is taken for a faulty point"""
 _SAME_POINT = 1e-6
 """neighbouring points closer than this are one, m"""
+_SHORTEST, _LONGEST = 0.1, 2e6
+"""lengths between which a line may be one, m; outside, degrees were taken for metres or the reverse"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,18 +43,18 @@ class RecordedLine:
 
         places are (n,), or the line's own place where it has no points. Raises PathError, which names the
         place, for a point that is not finite, too far out or too far from its predecessor, and for a line
-        that has fewer than two different points.
+        that has fewer than two different points or is too short or too long to be one.
         """
         for bad in np.flatnonzero(~(np.abs(points) <= _LARGEST_COORDINATE).all(axis=1))[:1]:
             raise PathError(
-                f"{places[bad]}: point {points[bad].tolist()} of line {name!r}; coordinates must be "
-                f"finite and within ±{_LARGEST_COORDINATE:g} m of the origin: choose an origin in the field"
+                f"{places[bad]}: point {_pair(points[bad])} m of line {name!r}; coordinates must be finite and "
+                f"within ±{_LARGEST_COORDINATE:g} m of the origin: remove the point, or use an origin in the field"
             )
         step = np.hypot(*np.diff(points, axis=0).T)
         longest = max(_LARGEST_GAP, _JUMP * float(np.median(step))) if len(step) else 0.0
         for bad in np.flatnonzero(step > longest)[:1] + 1:
             raise PathError(
-                f"{places[bad]}: line {name!r} jumps {step[bad - 1]:.0f} m to {points[bad].tolist()}; "
+                f"{places[bad]}: line {name!r} jumps {step[bad - 1]:.0f} m to {_pair(points[bad])} m; "
                 f"at most {longest:.0f} m are allowed between its neighbours: remove the faulty point"
             )
         apart = np.concatenate([np.ones(min(len(points), 1), dtype=bool), step > _SAME_POINT])
@@ -61,22 +64,33 @@ class RecordedLine:
                 f"{places[0]}: line {name!r} has {len(kept)} point(s) "
                 f"that differ; a line needs at least two that are more than {_SAME_POINT:g} m apart"
             )
+        if not (_SHORTEST <= (length := float(step.sum())) <= _LONGEST):
+            raise PathError(
+                f"{places[0]}: line {name!r} is {length:.2g} m long; {_SHORTEST:g} to {_LONGEST:g} m are allowed: are "
+                f"its coordinates in metres, as CSV and AgOpenGPS have them, or in degrees, as GeoJSON has them?"
+            )
         if repeated:
             _LOGGER.warning("line %r: dropped %d repeated point(s)", name, repeated)
         return cls(name=name, x=kept[:, 0].copy(), y=kept[:, 1].copy(), repeated=repeated)
 
 
+def _pair(point: Floats) -> str:
+    return f"({point[0]:z.10g}, {point[1]:z.10g})"
+
+
 def choose(source: Path, names: list[str], wanted: str | None) -> int:
     """Return the index of the wanted line in a source; None wants the only one.
 
-    Raises PathError, which lists the names, when the name is missing, unknown or not unique.
+    Raises PathError, which names the lines, when the name is missing, unknown or not unique.
     """
     listed = ", ".join(map(repr, names)) or "none"
     found = [index for index, name in enumerate(names) if wanted in (None, name)]
     if not found:
         raise PathError(f"{source}: has no line {wanted or ''!r}; its lines: {listed}")
-    if len(found) > 1 and wanted is None:
-        raise PathError(f"{source}: holds {len(names)} lines: {listed}; choose one with --track NAME")
+    times = Counter(names[index] for index in found)
+    for name, count in times.most_common(1):
+        if count > 1:
+            raise PathError(f"{source}: has {count} lines named {name!r}; give them different names")
     if len(found) > 1:
-        raise PathError(f"{source}: has {len(found)} lines named {wanted!r}; give them different names")
+        raise PathError(f"{source}: holds {len(names)} lines: {listed}; choose one with --track NAME")
     return found[0]

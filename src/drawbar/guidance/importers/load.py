@@ -14,7 +14,8 @@ _READERS = {".csv": read_csv, ".geojson": read_geojson, ".json": read_geojson}
 def load_line(path: Path, track: str | None) -> RecordedLine:
     """Return the line `track` of a field folder, CSV or GeoJSON file; None takes the only one.
 
-    Raises PathError when nothing readable is there, or when the name is missing, unknown or not unique.
+    The points of a file's other lines are not looked at. Raises PathError when nothing readable is there, or
+    when the name is missing, unknown or not unique.
     """
     if path.is_dir():
         return read_agopengps(path, track)

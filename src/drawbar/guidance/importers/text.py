@@ -34,3 +34,12 @@ def number(text: str, place: str, what: str) -> float:
         return float(text)
     except ValueError:
         raise PathError(f"{place}: {what} is {text!r}; a number like -12.5 is needed") from None
+
+
+def is_number(text: str) -> bool:
+    """Tell whether `number` would return one."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
