@@ -88,8 +88,8 @@ def _deviation(drivable: DrivablePath, config: Configuration) -> str:
     """Return how far a recorded line's points are from the path that will be driven."""
     worst, limit = int(drivable.deviations.argmax()), config.guidance.path_tolerance
     return (
-        f"made drivable: off by up to {drivable.deviations[worst]:.2f} m, at recorded point {worst + 1} of "
-        f"{len(drivable.deviations)} ({limit:.2f} m allowed)"
+        f"made drivable: at most {drivable.deviations[worst]:.2f} m off, at recorded point {worst + 1} of "
+        f"{len(drivable.deviations)} (limit {limit:.2f} m)"
     )
 
 

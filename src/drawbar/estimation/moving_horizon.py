@@ -20,24 +20,28 @@ class MovingHorizonEstimator(Estimator):
         """
         self._model = model
         self.solver = EstimationSolver(model.problem, model.first_guess(first))
+        self._prepared = SolverStatus.SOLVED
         self._prepare_time = self._feedback_time = 0.0
 
     def update(self, measurement: Measurement) -> Estimate:
         """Return the estimate at the window's newest stage.
 
-        When the solver fails the estimate is the prediction, and its status says so.
+        When the solver fails the estimate is the prediction, and its status says so; a failure of the preparation
+        before it shows here too.
         """
         solver, newest = self.solver, self.solver.newest
         solver.y[newest] = self._model.outputs(measurement)
         start = perf_counter()
-        status = solver.feedback()
+        status = SolverStatus(solver.feedback())
         self._feedback_time = perf_counter() - start
-        return self._model.estimate(solver.x[newest].tolist(), measurement, SolverStatus(status))
+        if status is SolverStatus.SOLVED:
+            status = self._prepared
+        return self._model.estimate(solver.x[newest].tolist(), measurement, status)
 
     def prepare(self) -> None:
         """Slide the window by one sample and linearise along the predicted trajectory."""
         start = perf_counter()
-        self.solver.advance()
+        self._prepared = self.solver.advance()
         self._prepare_time = perf_counter() - start
 
     @property

@@ -66,7 +66,7 @@ class RecordedLine:
             )
         if not (_SHORTEST <= (length := float(step.sum())) <= _LONGEST):
             raise PathError(
-                f"{places[0]}: line {name!r} is {length:.2g} m long; {_SHORTEST:g} to {_LONGEST:g} m are allowed: are "
+                f"{places[0]}: line {name!r} is {length:.4g} m long; {_SHORTEST:g} to {_LONGEST:g} m are allowed: are "
                 f"its coordinates in metres, as CSV and AgOpenGPS have them, or in degrees, as GeoJSON has them?"
             )
         if repeated:
