@@ -1,15 +1,17 @@
-"""Print the tables of docs/theory.md, "Readings of the paper" and "Disturbances": python docs/readings.py [TEXT ...].
+"""Print the tables of docs/theory.md: python docs/readings.py [TEXT ...].
 
 Each row is one change of a shipped configuration, or of what joins its parts, driven with seeds 0 to 4. Distances are
 those of each body's true antenna position from the path, in cm, tractor / trailer: means by curvature over all seeds,
 and the largest of all seeds; then the largest RMS error of the estimated yaw of any seed, and the solver failures of
-all. With TEXT only the rows whose name contains one of the texts.
+all. With TEXT only the rows whose name contains one of the texts. The table of recorded lines needs the AgOpenGPS field
+that lies beside the repository in ../shared/data, and is left out without it.
 """
 
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path as FilePath
 
 import numpy as np
 
@@ -26,6 +28,8 @@ from drawbar.report.path_errors import project_track
 from drawbar.signals import Command, Measurement, StepRecord, Truth
 
 SEEDS = range(5)
+FIELD = FilePath(__file__).parents[2] / "shared/data/agopengps-field"
+TRACKS = ("Cu 275.4°", "Cu 49.9°", "Cu 183.7°")
 Build = Callable[[Configuration, Path, SimulatedMachine], Autopilot]
 
 
@@ -219,6 +223,26 @@ def event_row(name: str, event: str) -> str:
     return f"| {name} | {' | '.join(cells)} |"
 
 
+def line_row(track: str) -> str:
+    """Return the row of one recorded line: means by class, the largest distance, and what making it drivable cost."""
+    where = (f'path.file="{FIELD.as_posix()}"', f'path.track="{track}"')
+    runs = [run(Reading(name=track, base="articulated", changes=where), seed) for seed in SEEDS]
+    straight, curve, kink = 100.0 * np.mean([each.means for each in runs], axis=0).T
+    tractor, trailer = 100.0 * np.max([each.largest for each in runs], axis=0)
+    cells = [f"{pair[0]:.1f} / {pair[1]:.1f}" for pair in (straight, curve, kink)]
+    cells.append(f"{tractor:.0f} / {trailer:.0f}")
+    cells.append(" / ".join(f"{_deviation(where, limit):.3f}" for limit in (0.3, 0.41)))
+    return f"| {track} | {' | '.join(cells)} |"
+
+
+def _deviation(where: tuple[str, ...], limit: float) -> float:
+    """Return the largest deviation of a line's points from its drivable path under a curvature limit (1/m), m."""
+    changes = (*where, f"vehicle.curvature_limit={limit}", "guidance.path_tolerance=1.0")
+    _, drivable = build_path(load_configuration("articulated", changes))
+    assert drivable is not None
+    return float(drivable.deviations.max())
+
+
 def main(wanted: Sequence[str]) -> None:
     """Print the rows whose name contains one of the wanted texts, or all of them."""
     print("| reading | straight | 0.1 | 0.125 | 0.15 | largest, cm | yaw, ° | failures |")
@@ -230,6 +254,11 @@ def main(wanted: Sequence[str]) -> None:
     for name, event in EVENTS.items():
         if not wanted or any(text in name for text in wanted):
             print(event_row(name, event), flush=True)
+    print("\n| line | straights | curves | kinks | largest | deviation at 0.3 / 0.41 1/m, m |")
+    print("|---|---|---|---|---|---|")
+    for track in TRACKS if FIELD.exists() else ():
+        if not wanted or any(text in track for text in wanted):
+            print(line_row(track), flush=True)
 
 
 if __name__ == "__main__":

@@ -210,7 +210,7 @@ def test_a_crash_leaves_a_log_up_to_the_last_step(
 @pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
 def test_a_process_that_is_stopped_leaves_a_readable_log(tmp_path: Path, sent: signal.Signals, code: int) -> None:
     # a tiny speed, so that the run would go on for hours
-    command = [sys.executable, "-c", "from drawbar.cli import main; main()", "run", "--set=speed=1e-6", "--out=out"]
+    command = [sys.executable, "-c", "from drawbar.cli import main; main()", "run", "--set=speed=0.05", "--out=out"]
     with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
         log = tmp_path / "out" / "log.mcap"
         while process.poll() is None and not (log.exists() and log.stat().st_size > 500_000):

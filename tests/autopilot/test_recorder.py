@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from drawbar.autopilot.log import PathTable, RunHeader, read_log
+from drawbar.autopilot.log import PathTable, RecordedPoints, RunHeader, read_log
 from drawbar.autopilot.recorder import Recorder
 from drawbar.errors import DrawbarError
 from drawbar.guidance.figure_eight import figure_eights
@@ -58,6 +58,7 @@ def header():
         path=PathTable.of(figure_eights([1.0], 1.0)),
         path_name="eights",
         path_note="as recorded",
+        recorded=RecordedPoints.of(np.array([[0.0, 0.1], [3.0, 0.2]]), np.array([0.1, 0.2])),
         estimate_bounds={"longitudinal_slip": (0.25, 1.0)},
     )
 
@@ -142,6 +143,32 @@ def test_an_exception_becomes_the_outcome_and_travels_on(tmp_path):
     assert len(log.records) == 1
     assert not log.outcome.finished
     assert log.outcome.reason == "ZeroDivisionError: division by zero"
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (DrawbarError("At 3.0 s it was lost."), "At 3.0 s it was lost."),
+        (KeyboardInterrupt(), "interrupted at the keyboard"),
+    ],
+)
+def test_what_a_user_is_meant_to_read_has_no_class_name(tmp_path, error, reason):
+    with pytest.raises(type(error)), Recorder(tmp_path / "log.mcap", header()):
+        raise error
+    assert read_log(tmp_path / "log.mcap").outcome.reason == reason
+
+
+@pytest.mark.parametrize("count", [2, 3000, 3001, 100_003])
+def test_recorded_points_are_few_and_the_worst_is_among_them(count):
+    points = np.column_stack([np.arange(count), -np.arange(count)]).astype(float)
+    worst = count * 2 // 3
+    deviations = np.where(np.arange(count) == worst, 0.4, 0.1)
+    recorded = RecordedPoints.of(points, deviations)
+    assert min(count, 1500) <= len(recorded.points) <= 3001
+    assert recorded.points[recorded.worst, 0] == worst
+    assert recorded.deviation == 0.4
+    assert recorded.points[0, 0] == 0.0
+    assert np.diff(recorded.points[:, 0]).max() <= np.ceil(count / 3000)
 
 
 def test_a_killed_process_leaves_every_step(tmp_path):

@@ -1,5 +1,6 @@
 """A made-up run of the figure-eights: no machine, no controller, only signals that look like one."""
 
+import dataclasses
 from datetime import UTC, datetime
 
 import numpy as np
@@ -28,6 +29,7 @@ DT = 0.2
 VEHICLE = VehicleParameters()
 TRAILER_BEHIND = 2.15
 NOTHING = np.zeros((2, 4))
+NO_PLAN = BodyPlan(steering=0.0, poses=NOTHING[:, :3], steerings=NOTHING[0, :1], status=SolverStatus.SOLVED)
 
 
 def slow_noise(rng, count, deviation, seconds):
@@ -49,10 +51,6 @@ def body_signals(path, progress, rng, deviation):
     return pose, error, samples[:, 3]
 
 
-def pose_of(row):
-    return Pose(x=float(row[0]), y=float(row[1]), yaw=float(row[2]))
-
-
 def fake_header(seed=0):
     return RunHeader(
         configuration_name="articulated",
@@ -63,6 +61,7 @@ def fake_header(seed=0):
         path=PathTable.of(figure_eights([10.0, 8.0, 20.0 / 3.0], 20.0)),
         path_name="three figure-eights",
         path_note="",
+        recorded=None,
         estimate_bounds={
             "longitudinal_slip": (0.25, 1.0),
             "tractor_slip": (0.5, 1.1),
@@ -73,103 +72,137 @@ def fake_header(seed=0):
     )
 
 
-def fake_run(*, seed=0, truth=True, steps=None, outcome=None):
-    rng = np.random.default_rng(seed)
-    header = fake_header(seed)
-    path = header.path.path()
-    progress = np.arange(0.0, path.length, 0.95 * DT)[:steps]
-    count = len(progress)
-    tractor, tractor_error, curvature = body_signals(path, progress, rng, 0.016)
-    trailer, trailer_error, _ = body_signals(path, progress - TRAILER_BEHIND, rng, 0.011)
-    mu, kappa = 0.95 + slow_noise(rng, count, 0.02, 20), 0.92 + slow_noise(rng, count, 0.03, 20)
-    crab = np.radians(0.4) * np.column_stack([slow_noise(rng, count, 1.0, 5) for _ in range(4)])
-    steer = np.arctan(VEHICLE.wheelbase * curvature) / 0.92
-    ancillary = slow_noise(rng, count, np.radians(0.2), 0.6), slow_noise(rng, count, np.radians(0.7), 0.6)
-    nominal = steer + slow_noise(rng, count, 0.01, 1.0), curvature * 1.8 + slow_noise(rng, count, 0.02, 1.0)
-    limits = VEHICLE.tractor_steering_limit, VEHICLE.trailer_steering_limit
-    asked = [n + a for n, a in zip(nominal, ancillary, strict=True)]
-    commands = [np.clip(a, -limit, limit) for a, limit in zip(asked, limits, strict=True)]
-    lagged = [np.concatenate([[0.0], c[:-1]]) * 0.6 + c * 0.4 for c in commands]
-    times = rng.lognormal(np.log([14e-6, 5e-6, 3e-6, 1e-6, 4e-6, 1.4e-6]), 0.15, size=(count, 6))
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Body:
+    """What one body does: n steps."""
 
-    def record(k):
-        t = k * DT
-        bodies = {"tractor": pose_of(tractor[k]), "trailer": pose_of(trailer[k])}
-        steerings = {"tractor_steering": float(lagged[0][k]), "trailer_steering": float(lagged[1][k])}
-        noise = rng.normal(size=6)
-        lost = 300 < k < 315
-        gps = np.nan if lost else 0.03
-        measurement = Measurement(
-            time=t,
-            tractor_x=tractor[k, 0] + gps * noise[0],
-            tractor_y=tractor[k, 1] + gps * noise[1],
-            trailer_x=trailer[k, 0] + gps * noise[2],
-            trailer_y=trailer[k, 1] + gps * noise[3],
-            hitch_angle=0.0,
-            speed=1.0,
-            **steerings,
+    pose: np.ndarray
+    progress: np.ndarray
+    error: np.ndarray
+    nominal: np.ndarray
+    ancillary: np.ndarray
+    command: np.ndarray
+    steering: np.ndarray
+
+    @classmethod
+    def along(cls, path, progress, rng, *, deviation, feed_forward, restless, limit):
+        """Follow the path almost; the steering is feed_forward times its curvature, and restless (rad)."""
+        pose, error, curvature = body_signals(path, progress, rng, deviation)
+        nominal = feed_forward * curvature + slow_noise(rng, len(progress), 0.02, 1.0)
+        ancillary = slow_noise(rng, len(progress), restless, 0.6)
+        command = np.clip(nominal + ancillary, -limit, limit)
+        steering = 0.6 * np.concatenate([[0.0], command[:-1]]) + 0.4 * command
+        return cls(
+            pose=pose,
+            progress=progress,
+            error=error,
+            nominal=nominal,
+            ancillary=ancillary,
+            command=command,
+            steering=steering,
         )
-        estimate = Estimate(
-            time=t,
-            tractor=Pose(x=bodies["tractor"].x, y=bodies["tractor"].y, yaw=bodies["tractor"].yaw + 0.008 * noise[4]),
-            trailer=Pose(x=bodies["trailer"].x, y=bodies["trailer"].y, yaw=bodies["trailer"].yaw + 0.006 * noise[5]),
+
+    def pose_at(self, k, turned=0.0):
+        x, y, yaw = self.pose[k].tolist()
+        return Pose(x=x, y=y, yaw=yaw + turned)
+
+    def reference_at(self, k, noise):
+        error = float(self.error[k] + 0.005 * noise)
+        return BodyReference(progress=float(self.progress[k]), lateral_error=error, samples=NOTHING)
+
+    def steering_at(self, k):
+        nominal, ancillary, command = (float(each[k]) for each in (self.nominal, self.ancillary, self.command))
+        saturated = command != nominal + ancillary
+        return BodySteering(nominal=nominal, ancillary=ancillary, command=command, saturated=saturated)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Drive:
+    """Everything that a made-up run is made of: n steps."""
+
+    tractor: Body
+    trailer: Body
+    mu: np.ndarray
+    kappa: np.ndarray
+    crab: np.ndarray
+    noise: np.ndarray
+    times: np.ndarray
+
+    @classmethod
+    def along(cls, path, rng, steps):
+        progress = np.arange(0.0, path.length, 0.95 * DT)[:steps]
+        count = len(progress)
+        front = {"deviation": 0.016, "feed_forward": 1.5, "restless": np.radians(0.2)}
+        back = {"deviation": 0.011, "feed_forward": 1.8, "restless": np.radians(0.7)}
+        return cls(
+            tractor=Body.along(path, progress, rng, limit=VEHICLE.tractor_steering_limit, **front),
+            trailer=Body.along(path, progress - TRAILER_BEHIND, rng, limit=VEHICLE.trailer_steering_limit, **back),
+            mu=0.95 + slow_noise(rng, count, 0.02, 20),
+            kappa=0.92 + slow_noise(rng, count, 0.03, 20),
+            crab=np.radians(0.4) * np.column_stack([slow_noise(rng, count, 1.0, 5) for _ in range(2)]),
+            noise=rng.normal(size=(count, 6)),
+            times=rng.lognormal(np.log([14e-6, 5e-6, 3e-6, 1e-6, 4e-6, 1.4e-6]), 0.15, size=(count, 6)),
+        )
+
+    def motion_at(self, k):
+        """Return what truth, estimate and measurement agree on."""
+        steerings = {
+            "tractor_steering": float(self.tractor.steering[k]),
+            "trailer_steering": float(self.trailer.steering[k]),
+        }
+        return {"time": k * DT, "speed": 1.0, **steerings}
+
+    def measurement_at(self, k):
+        gps = np.nan if 300 < k < 315 else 0.03  # the fix is lost for a while
+        fixes = np.concatenate([self.tractor.pose[k, :2], self.trailer.pose[k, :2]]) + gps * self.noise[k, :4]
+        names = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
+        return Measurement(hitch_angle=0.0, **dict(zip(names, fixes.tolist(), strict=True)), **self.motion_at(k))
+
+    def estimate_at(self, k):
+        return Estimate(
+            tractor=self.tractor.pose_at(k, turned=0.008 * self.noise[k, 4]),
+            trailer=self.trailer.pose_at(k, turned=0.006 * self.noise[k, 5]),
             hitch_angle=0.0,
-            speed=1.0,
-            **steerings,
-            longitudinal_slip=min(mu[k] + 0.006 * noise[0], 1.0),
-            tractor_slip=kappa[max(k - 8, 0)],
+            longitudinal_slip=min(self.mu[k] + 0.006 * self.noise[k, 0], 1.0),
+            tractor_slip=self.kappa[max(k - 8, 0)],
             trailer_slip=1.0,
             steering_offset=0.002,
-            tractor_crab=0.7 * crab[max(k - 4, 0), 0],
-            trailer_crab=0.7 * crab[max(k - 4, 0), 1],
+            tractor_crab=0.7 * self.crab[max(k - 4, 0), 0],
+            trailer_crab=0.7 * self.crab[max(k - 4, 0), 1],
             status=SolverStatus.SOLVED,
+            **self.motion_at(k),
         )
-        real = Truth(
-            time=t,
-            **bodies,
-            speed=1.0,
-            **steerings,
-            longitudinal_slip=mu[k],
-            tractor_slip=kappa[k],
+
+    def truth_at(self, k):
+        return Truth(
+            tractor=self.tractor.pose_at(k),
+            trailer=self.trailer.pose_at(k),
+            longitudinal_slip=self.mu[k],
+            tractor_slip=self.kappa[k],
             steering_offset=0.0,
-            tractor_crab=crab[k, 0],
-            trailer_crab=crab[k, 1],
+            tractor_crab=self.crab[k, 0],
+            trailer_crab=self.crab[k, 1],
+            **self.motion_at(k),
         )
-        plan = BodyPlan(steering=0.0, poses=NOTHING[:, :3], steerings=NOTHING[0, :1], status=SolverStatus.SOLVED)
-        steering = [
-            BodySteering(
-                nominal=float(nominal[i][k]),
-                ancillary=float(ancillary[i][k]),
-                command=float(commands[i][k]),
-                saturated=bool(commands[i][k] != asked[i][k]),
-            )
-            for i in (0, 1)
-        ]
-        solve = [SolveTimes(prepare=float(a), feedback=float(b)) for a, b in times[k].reshape(3, 2)]
+
+    def record_at(self, k, truth):
+        time, tractor, trailer = k * DT, self.tractor.steering_at(k), self.trailer.steering_at(k)
+        wheels = {"tractor_steering": tractor.command, "trailer_steering": trailer.command}
+        solve = [SolveTimes(prepare=float(a), feedback=float(b)) for a, b in self.times[k].reshape(3, 2)]
         return StepRecord(
             step=k,
-            measurement=measurement,
-            estimate=estimate,
+            measurement=self.measurement_at(k),
+            estimate=self.estimate_at(k),
             reference=Reference(
-                time=t,
-                tractor=BodyReference(
-                    progress=float(progress[k]),
-                    lateral_error=tractor_error[k] + 0.005 * noise[2],
-                    samples=NOTHING,
-                ),
-                trailer=BodyReference(
-                    progress=float(progress[k] - TRAILER_BEHIND),
-                    lateral_error=trailer_error[k] + 0.005 * noise[3],
-                    samples=NOTHING,
-                ),
+                time=time,
+                tractor=self.tractor.reference_at(k, self.noise[k, 2]),
+                trailer=self.trailer.reference_at(k, self.noise[k, 3]),
             ),
-            plan=Plan(time=t, tractor=plan, trailer=plan),
-            tractor_steering=steering[0],
-            trailer_steering=steering[1],
-            command=Command(
-                time=t, tractor_steering=steering[0].command, trailer_steering=steering[1].command, speed=1.0
-            ),
-            truth=real if truth else None,
+            plan=Plan(time=time, tractor=NO_PLAN, trailer=NO_PLAN),
+            tractor_steering=tractor,
+            trailer_steering=trailer,
+            command=Command(time=time, speed=1.0, **wheels),
+            truth=self.truth_at(k) if truth else None,
             estimator_times=solve[0],
             tractor_times=solve[1],
             trailer_times=solve[2],
@@ -177,9 +210,14 @@ def fake_run(*, seed=0, truth=True, steps=None, outcome=None):
             command_refused=False,
         )
 
+
+def fake_run(*, seed=0, truth=True, steps=None, outcome=None):
+    header = fake_header(seed)
+    drive = Drive.along(header.path.path(), np.random.default_rng(seed), steps)
+    count = len(drive.times)
     return RunLog(
         header=header,
-        records=tuple(record(k) for k in range(count)),
+        records=tuple(drive.record_at(k, truth) for k in range(count)),
         wall_time=1.8e9 + np.arange(count) * DT / 700,
         outcome=outcome or Outcome(finished=True, reason="the path was driven to its end"),
     )

@@ -10,6 +10,7 @@ from drawbar.report import console as module
 from drawbar.report.console import RunProgress, progress_line, summary
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.path_errors import true_path_errors
+from drawbar.report.tables import number
 
 
 def printed(renderable):
@@ -54,6 +55,16 @@ def test_the_progress_line_fits_80_columns(run, length):
     line = progress_line(dataclasses.replace(record, reference=reference), length, 0.5).plain
     assert cell_len(line) <= 80
     assert "100%" in line
+
+
+def test_zero_has_no_sign(run):
+    record = run.records[0]
+    nothing = dataclasses.replace(record.reference.tractor, progress=-0.2, lateral_error=-1e-4)
+    reference = dataclasses.replace(record.reference, tractor=nothing)
+    line = progress_line(dataclasses.replace(record, reference=reference), 344.0, 0.5).plain
+    assert "     0 of 344 m" in line
+    assert "tractor   +0.0" in line
+    assert number(-0.04, 1, " %") == "0.0 %"
 
 
 def test_without_a_terminal_there_are_plain_lines_and_few(run, monkeypatch):

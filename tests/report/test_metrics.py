@@ -69,6 +69,15 @@ def test_yaw_error_does_not_see_whole_turns(make_run):
     assert compute_metrics(log, true_path_errors(log)).yaw_rmse_rad.tractor == pytest.approx(0.1, rel=1e-12)
 
 
+def test_the_steering_rate_is_that_of_the_true_angle(make_run):
+    log = with_column(small(make_run), "truth.trailer_steering", [0.0, 0.04, 0.0, -0.02])
+    log = with_column(log, "measurement.time", [0.0, 0.2, 0.4, 0.5])
+    assert compute_metrics(log, true_path_errors(log)).steering_rate_mean_rad_s.trailer == pytest.approx(0.2, rel=1e-12)
+    log = make_run(steps=4, truth=False)
+    log = with_column(log, "measurement.tractor_steering", [0.0, 0.02, np.nan, -0.02])
+    assert compute_metrics(log, true_path_errors(log)).steering_rate_mean_rad_s.tractor == pytest.approx(0.1, rel=1e-12)
+
+
 def test_times_and_totals_by_hand(make_run):
     log = small(make_run, 101)
     log = with_column(log, "estimator_times.feedback", [k * 1e-6 for k in range(101)])
@@ -104,7 +113,14 @@ def test_the_json_holds_every_promised_key(run):
     written = json.loads(compute_metrics(run, true_path_errors(run)).to_json())
     promised = {
         *("config", "seed", "finished", "duration_s", "length_m", "real_time_factor", "error_m"),
-        *("yaw_rmse_rad", "ancillary_share", "saturated_share", "solver_failures", "solve_time_s"),
+        *(
+            "yaw_rmse_rad",
+            "steering_rate_mean_rad_s",
+            "ancillary_share",
+            "saturated_share",
+            "solver_failures",
+            "solve_time_s",
+        ),
     }
     assert promised <= written.keys()
     assert written["error_m"]["trailer"].keys() == {"straight", "0.1", "0.125", "0.15", "all"}

@@ -81,6 +81,22 @@ def test_what_the_estimator_does_not_have_is_not_shown(page):
     assert "η" not in names  # no bounds: not a parameter of this run's model
 
 
+def test_a_figure_without_curves_has_no_section(make_run):
+    log = make_run(steps=5)
+    factors = {"longitudinal_slip": (0.25, 1.0)}
+    page = render(dataclasses.replace(log, header=dataclasses.replace(log.header, estimate_bounds=factors)))
+    assert list(data_of(page)["figures"]) == [name for name in SECTIONS if name != "angles"]
+    assert "Steering offset and side-slip" not in page
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_reversed_actuator_is_told(make_run, sign):
+    log = make_run(steps=5)
+    vehicle = log.header.vehicle.model_copy(update={"joint_sign": sign})
+    page = render(dataclasses.replace(log, header=dataclasses.replace(log.header, vehicle=vehicle)))
+    assert ("The actuator is reversed (joint_sign = -1)" in page) == (sign == -1)
+
+
 def test_missing_fixes_are_gaps(page):
     fixes = next(t for t in data_of(page)["figures"]["map"]["data"] if t.get("name", "").startswith("GPS"))
     assert fixes["x"][305] is None
@@ -99,8 +115,8 @@ def test_a_closing_tag_in_the_data_cannot_end_the_script(make_run):
     path = dataclasses.replace(log.header.path, label_names=("straight", "</script>", *log.header.path.label_names[2:]))
     header = dataclasses.replace(log.header, path=path)
     page = render(dataclasses.replace(log, header=header))
-    labels = [note["text"] for note in data_of(page)["figures"]["errors"]["layout"]["annotations"]]
-    assert labels[0] == "</script>"
+    shapes = data_of(page)["figures"]["errors"]["layout"]["shapes"]
+    assert shapes[0]["legendgroup"] == "</script>"
 
 
 def test_a_real_machine_shows_what_was_believed(make_run):

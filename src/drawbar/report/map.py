@@ -80,14 +80,14 @@ def _marks(points: Floats, name: str, look: dict[str, Any], **options: Any) -> d
 
 
 def _path_traces(path: PathTable) -> list[dict[str, Any]]:
-    """Return the path as a wide line, and its kinks over it."""
-    wide: dict[str, Any] = {"width": 5.0, "opacity": 0.35, "hoverinfo": "skip"}
+    """Return the path as a wide line, and its kinks as a wider one that shows on the whole map."""
+    look: dict[str, Any] = {"opacity": 0.35, "hoverinfo": "skip"}
     drawn = polyline(path)
-    traces = [line(drawn[:, 0], drawn[:, 1], "Path", style.REFERENCE, **wide)]
+    traces = [line(drawn[:, 0], drawn[:, 1], "Path", style.REFERENCE, width=5.0, **look)]
     kinks = [_nodes_between(path, each.low, each.high) for each in stretches(path) if each.label == KINK]
     if kinks:
         x, y = np.vstack(kinks).T
-        traces.append(line(x, y, "Kink", style.KINK, **wide))
+        traces.append(line(x, y, "Kink", style.KINK, width=14.0, **look))
     return traces
 
 
@@ -100,10 +100,10 @@ def _nodes_between(path: PathTable, low: float, high: float) -> Floats:
 
 def _recorded_traces(recorded: RecordedPoints) -> list[dict[str, Any]]:
     """Return the recorded points as dots, and a ring around the one furthest from the path."""
-    dots = {"size": 4, "color": style.INK}
+    dots = {"size": 3, "color": style.INK}
     ring = {"size": 14, "color": style.INK, "symbol": "circle-open", "line": {"width": 2}}
     worst = recorded.points[recorded.worst : recorded.worst + 1]
-    text = {"mode": "markers+text", "text": [f"{recorded.deviation:.2f} m"], "textposition": "middle right"}
+    text = {"mode": "markers+text", "text": [f"<b>{recorded.deviation:.2f} m</b>"], "textposition": "top center"}
     return [_marks(recorded.points, "Recorded points", dots), _marks(worst, "Furthest from the path", ring, **text)]
 
 

@@ -153,7 +153,10 @@ def test_a_feature_is_chosen_by_name(tmp_path: Path) -> None:
         (json.dumps(string([4.7, 50.8], [4.7, 90.00001])), "position 1: longitude 4.7, latitude 90.00001; .* ±90°"),
         (json.dumps(string([4.7, 50.8], [-180.00001, -0.0])), "position 1: longitude -180.00001, latitude 0; .* ±180°"),
         (f'{{"type": "LineString", "coordinates": [[4.7, {"9" * 5000}]]}}', "position 0: longitude 4.7, latitude inf"),
-        (json.dumps(string([4.7, 50.8], [-130.0, 50.8])), r"position 0: line 'line' is 9\.\d+e\+06 m long; .*in degrees, as GeoJSON"),
+        (
+            json.dumps(string([4.7, 50.8], [-130.0, 50.8])),
+            r"position 0: line 'line' is 9\.\d+e\+06 m long; .*in degrees, as GeoJSON",
+        ),
         (json.dumps(string([4.7, 50.8], [4.7, -85.0])), r"point \(0, -\d+\.?\d*\) m .*within ±1e\+07 m"),
     ],
 )
