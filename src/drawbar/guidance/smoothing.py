@@ -223,7 +223,7 @@ def _require_close(line: RecordedLine, deviations: Floats, curvature_limit: floa
     worst = int(deviations.argmax())
     if not deviations[worst] <= tolerance:
         raise PathError(
-            f"line {line.name!r} is too tight for the vehicle: recorded point {worst} at "
+            f"line {line.name!r} is too tight for the vehicle: recorded point {worst + 1} at "
             f"({line.x[worst]:z.2f}, {line.y[worst]:z.2f}) m is {deviations[worst]:.3f} m from the closest "
             f"path within {curvature_limit:g} 1/m, {tolerance:g} m is allowed; raise path_tolerance, "
             f"or the vehicle's curvature_limit if it can steer tighter, or redraw the line there"
