@@ -90,7 +90,7 @@ def test_a_corner_costs_little_more_than_geometry_demands(degrees: float, limit:
 
 
 def test_a_line_that_is_too_tight_is_refused_with_place_and_amount() -> None:
-    with pytest.raises(PathError, match=r"point 40 at \(0\.00, 0\.00\) m is 0\.\d+ m .* 0\.3 m is allowed"):
+    with pytest.raises(PathError, match=r"point 41 at \(0\.00, 0\.00\) m is 0\.\d+ m .* 0\.3 m is allowed"):
         drivable(corner(90.0), tolerance=0.3)
 
 

@@ -92,6 +92,7 @@ class ArticulatedTrailer(SubsystemController):
         self._vehicle, self._coupling = vehicle, settings.coupling
         self._interval = sample_time
         self._times = sample_time * np.arange(settings.horizon + 1)
+        self._imaginary_times = 1j * self._times[:-1]
         back = vehicle.trailer_length - vehicle.trailer_antenna
         self._lengths = np.array([vehicle.free_joint_offset, vehicle.drawbar_length, back])
 
@@ -125,9 +126,10 @@ class ArticulatedTrailer(SubsystemController):
         chord = speed / math.cos(crab) * self._interval * (math.sin(half) / half if half else 1.0)
         first = cmath.rect(chord, pose.yaw + crab + half)
         turns = omega * self._times
+        rotations = np.exp(omega * self._imaginary_times)
         p[:, 4] = omega
         p[0, 5:7] = pose.x, pose.y
-        track = complex(pose.x, pose.y) + np.cumsum(first * np.exp(1j * turns[:-1]))
+        track = complex(pose.x, pose.y) + np.cumsum(first * rotations)
         p[1:, 5], p[1:, 6] = track.real, track.imag
         p[:, 7] = pose.yaw + turns
 

@@ -4,6 +4,8 @@ Without it a controller that is handed a far-off path steers to its limits, and 
 the vehicle across (2 m off: more than a metre of overshoot).
 """
 
+import math
+
 import numpy as np
 
 from drawbar.geometry import Floats
@@ -18,12 +20,11 @@ class Approach:
     def __init__(self, *, start: float, offset: float, length: float) -> None:
         """Begin at arc length start (m) with the offset (m, left positive), fading over length (m)."""
         self._start, self._offset, self._length = start, offset, length
-        self._end = start - length * np.log(_FADED)
+        self.end: float = start - length * math.log(_FADED)
+        """arc length beyond which there is nothing left to bend, m"""
 
     def bend(self, arc_length: Floats, samples: Floats) -> None:
         """Move samples (n, 4: x, y, yaw, curvature) at arc lengths (n,), m, onto the approach, in place."""
-        if arc_length[0] > self._end:
-            return
         offset = self._offset * np.exp(np.minimum(self._start - arc_length, 0.0) / self._length)
         yaw = samples[:, 2]
         samples[:, 0] -= offset * np.sin(yaw)

@@ -87,7 +87,7 @@ class Path:
         distance = (arc_length - self.anchors.take(row)).astype(np.complex128)  # cast once, not in each product
         start, forward, square, cube = self.cubics.take(row, 1)
         slope = distance * cube
-        bend = square + slope + slope + slope  # half the second derivative
+        bend = square + 3.0 * slope  # half the second derivative
         inner = distance * (square + slope)
         position = start + distance * (forward + inner)
         tangent = forward + inner + inner + distance * slope

@@ -32,24 +32,26 @@ class Preview(Guidance):
         """Prepare references of stages + 1 samples, interval (s) apart; otherwise as Guidance."""
         super().__init__(path, settings, tractor=tractor, trailer=trailer)
         self._times = interval * np.arange(stages + 1)
-        self._furthest = np.full((2, 1), -np.inf)
-        self._approaches: tuple[Approach, ...] = ()
+        self._furthest = [-math.inf, -math.inf]
+        self._approaches: tuple[Approach, ...] | None = None
 
     def _stages(self, estimate: Estimate) -> Floats:
         speed = estimate.longitudinal_slip * estimate.speed
         if not math.isfinite(speed):
             raise PathError(f"guidance: the estimated speed over ground is {speed} m/s; stop the vehicle")
-        np.maximum(self._furthest, self._progress(), out=self._furthest)
-        ahead: Floats = np.multiply(speed, self._times)
-        return self._furthest + ahead
+        now = (self._tractor_progress, self._trailer_progress)
+        self._furthest = [max(pair) for pair in zip(self._furthest, now, strict=True)]
+        stages: Floats = np.add.outer(self._furthest, speed * self._times)
+        return stages
 
     def _samples(self, stages: Floats, offsets: tuple[float, float]) -> Floats:
         samples = super()._samples(stages, offsets)
-        if not self._approaches:
+        if self._approaches is None:
             self._approaches = tuple(
                 Approach(start=start, offset=offset, length=self.settings.approach_length)
-                for start, offset in zip(stages[:, 0].tolist(), offsets, strict=True)
+                for start, offset in zip(self._furthest, offsets, strict=True)
             )
-        for approach, arc_length, body in zip(self._approaches, stages, samples, strict=True):
-            approach.bend(arc_length, body)
+        for approach, furthest, arc_length, body in zip(self._approaches, self._furthest, stages, samples, strict=True):
+            if furthest <= approach.end:
+                approach.bend(arc_length, body)
         return samples
