@@ -15,10 +15,9 @@ from drawbar.errors import ConfigurationError
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, TricycleEstimatorSettings
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.settings import SimulatedMachineSettings
-from drawbar.settings import Angle, Positive, Settings
+from drawbar.settings import Angle, Settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
-
 
 TrackLength = Annotated[float, Field(gt=0.0, le=1000.0)]
 """A length of the figure-eights, m; longer tracks are recorded lines."""
