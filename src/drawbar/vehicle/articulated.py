@@ -10,6 +10,7 @@ import casadi as ca
 
 from drawbar.vehicle.model import Model, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import MEASURED
 
 
 def trailer_yaw_rate(
@@ -76,18 +77,7 @@ def articulated(vehicle: VehicleParameters) -> Model:
         speed="m/s",
         tractor_crab="rad",
     )
-    outputs = variables(
-        tractor_x="m",
-        tractor_y="m",
-        trailer_x="m",
-        trailer_y="m",
-        hitch_angle="rad",
-        speed="m/s",
-        tractor_steering="rad",
-        trailer_steering="rad",
-        tractor_steering_rate="rad/s",
-        trailer_steering_rate="rad/s",
-    )
+    outputs = (*MEASURED, *variables(tractor_steering_rate="rad/s", trailer_steering_rate="rad/s"))
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     x_t, y_t, theta, psi, delta_t, delta_i = ca.vertsplit(x)
     mu, kappa, offset, trailer_crab, v, crab = ca.vertsplit(p)

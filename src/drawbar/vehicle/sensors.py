@@ -1,6 +1,19 @@
-"""The sensors' noise, shared by the estimator's weights and the simulated machine."""
+"""What the sensors measure and how noisily, shared by models, estimator and simulated machine."""
 
 from drawbar.settings import Positive, PositiveAngle, Settings
+from drawbar.vehicle.model import variables
+
+MEASURED = variables(
+    tractor_x="m",
+    tractor_y="m",
+    trailer_x="m",
+    trailer_y="m",
+    hitch_angle="rad",
+    speed="m/s",
+    tractor_steering="rad",
+    trailer_steering="rad",
+)
+"""The measured quantities, in the order in which both models of the whole vehicle have them as outputs."""
 
 
 class SensorNoise(Settings):

@@ -7,6 +7,7 @@ import casadi as ca
 
 from drawbar.vehicle.model import Model, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import MEASURED
 
 
 def tricycle(vehicle: VehicleParameters) -> Model:
@@ -17,16 +18,6 @@ def tricycle(vehicle: VehicleParameters) -> Model:
     states = variables(tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_x="m", trailer_y="m", trailer_yaw="rad")
     inputs = variables(tractor_steering="rad", trailer_steering="rad")
     parameters = variables(longitudinal_slip="1", tractor_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s")
-    outputs = variables(
-        tractor_x="m",
-        tractor_y="m",
-        trailer_x="m",
-        trailer_y="m",
-        hitch_angle="rad",
-        speed="m/s",
-        tractor_steering="rad",
-        trailer_steering="rad",
-    )
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     x_t, y_t, theta, x_i, y_i, psi = ca.vertsplit(x)
     delta_t, delta_i = ca.vertsplit(u)
@@ -45,7 +36,7 @@ def tricycle(vehicle: VehicleParameters) -> Model:
         states=states,
         inputs=inputs,
         parameters=parameters,
-        outputs=outputs,
+        outputs=MEASURED,
         x=x,
         u=u,
         p=p,
