@@ -35,16 +35,6 @@ def declared(**changes: Any) -> Model:
     return Model(**{**whole, **changes})
 
 
-def test_index_finds_states_by_name() -> None:
-    model = articulated(VehicleParameters())
-    assert [model.index(state.name) for state in model.states] == list(range(6))
-
-
-def test_unknown_state_is_refused_with_those_there_are() -> None:
-    with pytest.raises(ModelError, match=re.escape("'cart' has no state 'yaw'; it has position")):
-        declared().index("yaw")
-
-
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [

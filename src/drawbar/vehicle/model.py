@@ -68,17 +68,6 @@ class Model:
                 f"Model {self.name!r} uses symbols that are neither state, input nor parameter: {sorted(names)}."
             )
 
-    def index(self, name: str) -> int:
-        """Return the position of a state by name.
-
-        Raises:
-            ModelError: no such state; lists those there are.
-        """
-        names = [state.name for state in self.states]
-        if name not in names:
-            raise ModelError(f"Model {self.name!r} has no state {name!r}; it has {', '.join(names)}.")
-        return names.index(name)
-
 
 def symbols(declared: tuple[Variable, ...]) -> Any:
     """Return a column of SX symbols, one for each variable, under their names."""
