@@ -34,7 +34,7 @@ console = Console(highlight=False, markup=False)  # names of files and lines may
 def run(
     configuration: Annotated[
         str,
-        typer.Argument(metavar="[CONFIG]", help=f"TOML file or shipped name: {', '.join(shipped_names())}"),
+        typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}"),
     ] = "articulated",
     path: Annotated[
         str,

@@ -94,7 +94,8 @@ class ArticulatedTrailer(SubsystemController):
         self._times = sample_time * np.arange(settings.horizon + 1)
         self._imaginary_times = 1j * self._times[:-1]
         back = vehicle.trailer_length - vehicle.trailer_antenna
-        self._lengths = np.array([vehicle.free_joint_offset, vehicle.drawbar_length, back])
+        self._back = -np.array([vehicle.free_joint_offset, vehicle.drawbar_length, back], complex)
+        self._angles = np.zeros((3, settings.horizon + 1), complex)
 
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
         solver = self.solver
@@ -142,9 +143,9 @@ class ArticulatedTrailer(SubsystemController):
     def _poses(self) -> Floats:
         p, x = self.solver.p, self.solver.x
         poses = np.empty((len(p), 3))
-        theta, psi = p[:, 7], np.subtract(p[:, 7], x[:, 0], out=poses[:, 2])
-        joints = np.exp(1j * np.array((theta, psi + x[:, 1], psi)))
-        antenna = -(self._lengths @ joints)
+        theta, psi, angles = p[:, 7], np.subtract(p[:, 7], x[:, 0], out=poses[:, 2]), self._angles.imag
+        angles[0], angles[1], angles[2] = theta, psi + x[:, 1], psi
+        antenna = self._back @ np.exp(self._angles)
         poses[:, 0] = p[:, 5] + antenna.real
         poses[:, 1] = p[:, 6] + antenna.imag
         return poses
