@@ -77,7 +77,7 @@ def solver_table(rows: list[dict[str, Any]]) -> Table:
     for row in rows:
         if row["stages"] == STAGES:
             total, floor = row["total_us"], row["floor_us"]
-            medians = (row["prepare_us"]["median"], row["feedback_us"]["median"], *total.values(), floor)
+            medians = (row["prepare_us"], row["feedback_us"], *total.values(), floor)
             share = f"{row['bounded_share']:.0%}" if "bounded_share" in row else ""
             numbers = (f"{value:.2f}" if value < 10.0 else f"{value:.0f}" for value in medians)
             name = row["problem"] if row["route"] == "drawbar" else f"  {row['route']}"

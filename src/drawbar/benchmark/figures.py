@@ -63,9 +63,10 @@ def _row(probe: Probe, route: str, prepare: Any, feedback: Any) -> dict[str, Any
         "problem": probe.name,
         "stages": probe.stages,
         "route": route,
-        "prepare_us": microseconds(prepare),
-        "feedback_us": microseconds(feedback),
+        "prepare_us": float(1e6 * np.median(prepare)),
+        "feedback_us": float(1e6 * np.median(feedback)),
         "total_us": microseconds(prepare + feedback),
+        "phases_us": {"prepare": microseconds(prepare), "feedback": microseconds(feedback)},
         "floor_us": float(1e6 * np.median(probe.floor)),
     }
 
