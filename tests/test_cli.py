@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from time import sleep
 from typing import Any
@@ -211,7 +212,10 @@ def test_a_crash_leaves_a_log_up_to_the_last_step(
 def test_a_process_that_is_stopped_leaves_a_readable_log(tmp_path: Path, sent: signal.Signals, code: int) -> None:
     # a tiny speed, so that the run would go on for hours
     command = [sys.executable, "-c", "from drawbar.cli import main; main()", "run", "--set=speed=0.05", "--out=out"]
-    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    # a shell's background job ignores the interrupt, and so would its children
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(command, cwd=tmp_path, preexec_fn=heed, **pipes) as process:
         log = tmp_path / "out" / "log.mcap"
         while process.poll() is None and not (log.exists() and log.stat().st_size > 500_000):
             sleep(0.02)
