@@ -260,8 +260,6 @@ static int qp_interior_point(struct qp *s)
             step = ip_longest(&ip, BOUNDARY);
         }
         ip_move(s, &ip, step);
-        memset(ip.dt, 0, sizeof ip.dt);
-        memset(ip.dv, 0, sizeof ip.dv);
         ip_publish(s, &ip);
         const int status = kkt_check(s, 1, ip.gradient, ip.defect);
         if (status == NOT_FINITE)
@@ -275,7 +273,7 @@ static int qp_interior_point(struct qp *s)
         else if (s->iterations % FARKAS_EVERY == 0 && ip_infeasible(s, &ip))
             return INFEASIBLE;
     }
-    return MAXIMUM_ITERATIONS;
+    return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : MAXIMUM_ITERATIONS;
 }
 
 /* One sweep (factored beforehand if s->factored) when no bound is active, the active set when few are, the interior
