@@ -175,7 +175,10 @@ def _explain(problem: Any, data: dict[str, Any]) -> str:
 
 
 def _key(problem: Any, data: Any) -> str:
-    """Return the dotted key of a problem in the data, without the names of models that pydantic puts between."""
+    """Return the dotted key of a problem in the data, without the names of models that pydantic puts between.
+
+    For `loc` ("estimator", "articulated", "window") and data {"estimator": {"window": 1}} this is "estimator.window".
+    """
     parts = []
     for part in problem["loc"]:
         if (isinstance(data, dict) and part in data) or (isinstance(data, list) and isinstance(part, int)):

@@ -1,5 +1,8 @@
 """A workspace is a view into the C struct, one for each instance."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -28,6 +31,19 @@ def test_arrays_share_the_memory_of_their_own_instance() -> None:
     np.testing.assert_array_equal(other.array("counts"), [0, 0])
     assert other.array("grid").shape == (2, 3)
     assert one.memory.ctypes.data % 64 == 0
+
+
+def test_a_function_keeps_the_memory_it_works_on() -> None:
+    workspace = Workspace(build("views", UNIT))
+    counts, bump, memory = workspace.array("counts"), workspace.function("bump"), weakref.ref(workspace.memory)
+    assert bump() == 1
+    del workspace, counts
+    gc.collect()
+    assert memory() is not None
+    assert bump() == 2
+    del bump
+    gc.collect()
+    assert memory() is None
 
 
 def test_unknown_names_are_errors() -> None:

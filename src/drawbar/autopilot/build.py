@@ -125,11 +125,8 @@ def _controller(configuration: Configuration) -> NominalController:
 
 
 def _guidance(configuration: Configuration, path: Path, first: Measurement) -> Guidance:
-    settings, stages, interval = (
-        configuration.guidance,
-        configuration.controller.horizon,
-        configuration.sample_time,
-    )
+    settings, interval = configuration.guidance, configuration.sample_time
+    stages = configuration.controller.horizon
     tractor, trailer = (first.tractor_x, first.tractor_y), (first.trailer_x, first.trailer_y)
     if settings.mode == "look_ahead":
         return LookAhead(

@@ -31,7 +31,7 @@ class _Field(ctypes.Structure):
 class Workspace:
     """One instance of a compiled unit's state: its memory, its fields as arrays, its functions bound to it.
 
-    The unit exports `drawbar_size()` (bytes), `drawbar_fields` (terminated by a null name) and functions that take
+    The unit exports `drawbar_size` (bytes), `drawbar_fields` (terminated by a null name) and functions that take
     a pointer to the workspace and return an int.
     """
 
@@ -59,9 +59,9 @@ class Workspace:
         function = getattr(self._library, name)
         function.argtypes = [ctypes.c_void_p]
         function.restype = ctypes.c_int
-        address = self._address
+        address, memory = self._address, self.memory
 
-        def call() -> int:
+        def call(_owner: NDArray[np.uint8] = memory) -> int:  # the function may outlive the workspace, not its memory
             return function(address)  # type: ignore[no-any-return]
 
         return call
