@@ -3,9 +3,12 @@
 Positions are those of the two antennas as the paper takes them; see docs/theory.md for what this model gets wrong.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import casadi as ca
 
-from drawbar.vehicle.model import Model, symbols, variables
+from drawbar.vehicle.model import Model, Variable, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
 
@@ -46,44 +49,44 @@ def tricycle(vehicle: VehicleParameters) -> Model:
 
 
 def tricycle_tractor(vehicle: VehicleParameters) -> Model:
-    """Return the tractor subsystem f_1: states x, y, theta; input delta_t; parameters mu, kappa, v.
-
-    The outputs are those the paper weighs: position and steering (its weight on yaw is zero).
-    """
-    states = variables(x="m", y="m", yaw="rad")
-    inputs = variables(steering="rad")
+    """Return the tractor subsystem f_1: states x, y, theta; input delta_t; parameters mu, kappa, v."""
     parameters = variables(longitudinal_slip="1", tractor_slip="1", speed="m/s")
-    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    mu, kappa, v = ca.vertsplit(p)
-    return Model(
-        name="tricycle_tractor",
-        states=states,
-        inputs=inputs,
-        parameters=parameters,
-        outputs=variables(x="m", y="m", steering="rad"),
-        x=x,
-        u=u,
-        p=p,
-        derivative=ca.vertcat(
-            mu * v * ca.cos(x[2]), mu * v * ca.sin(x[2]), mu * v * ca.tan(kappa * u[0]) / vehicle.wheelbase
-        ),
-        output=ca.vertcat(x[0], x[1], u[0]),
-    )
+
+    def motion(delta: Any, mu: Any, kappa: Any, v: Any) -> tuple[Any, Any]:
+        return mu * v, mu * v * ca.tan(kappa * delta) / vehicle.wheelbase
+
+    return _body("tricycle_tractor", parameters, motion)
 
 
 def tricycle_trailer(vehicle: VehicleParameters) -> Model:
-    """Return the trailer subsystem f_2: states x, y, psi; input delta_i; parameters mu, eta, beta, v and the coupling.
+    """Return the trailer subsystem f_2: states x, y, psi; input delta_i; parameters mu, eta, beta, v, coupling.
 
     The coupling is l/L_t tan(kappa delta_t) of g_2: zero where it is neglected, as in the paper.
     """
-    states = variables(x="m", y="m", yaw="rad")
-    inputs = variables(steering="rad")
     parameters = variables(longitudinal_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s", coupling="1")
+
+    def motion(delta: Any, mu: Any, eta: Any, beta: Any, v: Any, coupling: Any) -> tuple[Any, Any]:
+        angle = eta * delta + beta
+        return mu * v, mu * v / vehicle.trailer_length * (ca.sin(angle) - coupling * ca.cos(angle))
+
+    return _body("tricycle_trailer", parameters, motion)
+
+
+def _body(name: str, parameters: tuple[Variable, ...], motion: Callable[..., tuple[Any, Any]]) -> Model:
+    """Return the model of one body that moves along its own heading.
+
+    The outputs are what the paper weighs: position and steering (its weight on yaw is zero).
+
+    Args:
+        name: of the model.
+        parameters: of the motion.
+        motion: ground speed (m/s) and yaw rate (rad/s) from the steering angle (rad) and the parameters.
+    """
+    states, inputs = variables(x="m", y="m", yaw="rad"), variables(steering="rad")
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    mu, eta, beta, v, coupling = ca.vertsplit(p)
-    angle = eta * u[0] + beta
+    speed, yaw_rate = motion(u[0], *ca.vertsplit(p))
     return Model(
-        name="tricycle_trailer",
+        name=name,
         states=states,
         inputs=inputs,
         parameters=parameters,
@@ -91,10 +94,6 @@ def tricycle_trailer(vehicle: VehicleParameters) -> Model:
         x=x,
         u=u,
         p=p,
-        derivative=ca.vertcat(
-            mu * v * ca.cos(x[2]),
-            mu * v * ca.sin(x[2]),
-            mu * v / vehicle.trailer_length * (ca.sin(angle) - coupling * ca.cos(angle)),
-        ),
+        derivative=ca.vertcat(speed * ca.cos(x[2]), speed * ca.sin(x[2]), yaw_rate),
         output=ca.vertcat(x[0], x[1], u[0]),
     )
