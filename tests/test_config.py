@@ -159,10 +159,10 @@ def test_all_wrong_values_are_told_at_once() -> None:
 
 def test_missing_keys_are_named(write: Write) -> None:
     message = refusal(write(""))
-    for key in ("name", "estimator", "controller", "tube"):
+    for key in ("name", "estimator", "controller"):
         assert f"  {key}: is missing" in message
-    assert "  tube.trailer.yaw: is missing" in refusal(
-        write(SMALLEST.replace("trailer = { yaw = 0.3 }", "trailer = {}"))
+    assert "  machine.ground.longitudinal_slip.mean: is missing" in refusal(
+        write(SMALLEST + "[machine.ground]\nlongitudinal_slip = {}")
     )
 
 
@@ -227,3 +227,28 @@ def test_no_number_passes_but_positive_finite_ones(value: float, key: str) -> No
         assert getattr(load_configuration("articulated", changes).vehicle, key) == value
     else:
         assert f"vehicle.{key}" in refusal("articulated", *changes)
+
+
+def test_a_file_extends_another_with_only_what_differs(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text('extends = "articulated"\nname = "base"\nestimator.window = 7\n')
+    (tmp_path / "mine.toml").write_text('extends = "base.toml"\nname = "mine"\nspeed = 0.5\ntube.tractor.yaw = -1.0\n')
+    mine, shipped = load_configuration(str(tmp_path / "mine.toml")), load_configuration("articulated")
+    assert (mine.name, mine.speed, mine.estimator.window) == ("mine", 0.5, 7)
+    assert (mine.tube.tractor.yaw, mine.tube.tractor.lateral) == (-1.0, shipped.tube.tractor.lateral)
+    assert (
+        mine.model_copy(
+            update={"name": "articulated", "speed": 1.0, "estimator": shipped.estimator, "tube": shipped.tube}
+        )
+        == shipped
+    )
+
+
+def test_an_extended_section_of_another_model_starts_anew(write: Write) -> None:
+    mine = load_configuration(write('extends = "paper"\nname = "mine"\nestimator.model = "articulated"\n'))
+    assert mine.estimator == load_configuration("articulated").estimator
+    assert mine.controller == load_configuration("paper").controller
+
+
+@pytest.mark.parametrize("base", ['"nowhere"', "3", '"mine.toml"'])
+def test_a_base_that_is_none_is_refused(write: Write, base: str) -> None:
+    assert "articulated, paper" in refusal(write(f'extends = {base}\nname = "mine"\n'))

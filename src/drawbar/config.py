@@ -10,9 +10,19 @@ from typing import Annotated, Any, Self
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
-from drawbar.control.settings import ArticulatedControllerSettings, TricycleControllerSettings, TubeSettings
+from drawbar.control.settings import (
+    ArticulatedControllerSettings,
+    LqrSettings,
+    PurePursuitSettings,
+    TricycleControllerSettings,
+    TubeSettings,
+)
 from drawbar.errors import ConfigurationError
-from drawbar.estimation.settings import ArticulatedEstimatorSettings, TricycleEstimatorSettings
+from drawbar.estimation.settings import (
+    ArticulatedEstimatorSettings,
+    IdealEstimatorSettings,
+    TricycleEstimatorSettings,
+)
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.settings import SimulatedMachineSettings
 from drawbar.settings import Angle, Settings
@@ -65,9 +75,15 @@ class Configuration(Settings):
     vehicle: VehicleParameters = VehicleParameters()
     sensors: SensorNoise = SensorNoise()
     """what the estimator believes of the sensors; the simulated ones are machine.sensors"""
-    estimator: Annotated[ArticulatedEstimatorSettings | TricycleEstimatorSettings, Field(discriminator="model")]
-    controller: Annotated[ArticulatedControllerSettings | TricycleControllerSettings, Field(discriminator="model")]
-    tube: TubeSettings
+    estimator: Annotated[
+        ArticulatedEstimatorSettings | TricycleEstimatorSettings | IdealEstimatorSettings,
+        Field(discriminator="model"),
+    ]
+    controller: Annotated[
+        ArticulatedControllerSettings | TricycleControllerSettings | PurePursuitSettings | LqrSettings,
+        Field(discriminator="model"),
+    ]
+    tube: TubeSettings = TubeSettings()
     guidance: GuidanceSettings = GuidanceSettings()
     path: PathSettings = PathSettings()
     start: StartSettings = StartSettings()
@@ -103,6 +119,8 @@ def shipped_names() -> list[str]:
 def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuration:
     """Read a configuration file, or a shipped one by name, with changes applied.
 
+    A file may start with `extends = "articulated"` (a shipped name, or a file beside it) and give only what differs.
+
     Args:
         source: path of a TOML file, or a shipped name.
         changes: texts `key.key=value`, the value in TOML (a bare word is taken as a string).
@@ -110,12 +128,7 @@ def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuratio
     Raises:
         ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; says which and why.
     """
-    text, origin = _read(source)
-    try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # also digits without end, brackets without end
-        reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
-        raise ConfigurationError(f"{origin}: is not valid TOML: {reason}.") from error
+    data, origin = _resolved(source, ())
     configuration = _validated(data, origin)
     if not changes:
         return configuration
@@ -123,6 +136,37 @@ def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuratio
     for change in changes:
         _apply(resolved, change)
     return _validated(resolved, f"{origin} with --set {' '.join(changes)}")
+
+
+def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], str]:
+    """Return a file's keys on top of those of the configuration that it extends, and where they came from."""
+    text, origin = _read(source)
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also digits without end, brackets without end
+        reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
+        raise ConfigurationError(f"{origin}: is not valid TOML: {reason}.") from error
+    if "extends" not in data:
+        return data, origin
+    base = data.pop("extends")
+    if not isinstance(base, str) or str(Path(source).parent / base) in (source, *extending):
+        raise ConfigurationError(
+            f"{origin}: extends = {base!r} must name another configuration, and not one that extends this one: "
+            f"a shipped one ({', '.join(shipped_names())}) or a file beside this one."
+        )
+    beside = str(Path(source).parent / base)
+    basis, _ = _resolved(beside if Path(beside).is_file() else base, (source, *extending))
+    return _merged(basis, data), origin
+
+
+def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
+    """Return the basis with data on top; a section of another model starts anew."""
+    merged = dict(basis)
+    for key, value in data.items():
+        old = basis.get(key)
+        same = isinstance(old, dict) and isinstance(value, dict) and value.get("model") in (None, old.get("model"))
+        merged[key] = _merged(old, value) if same else value  # type: ignore[arg-type]
+    return merged
 
 
 def _shipped() -> Any:

@@ -12,13 +12,14 @@ from drawbar.control.ancillary import AncillaryLaw
 from drawbar.control.articulated import ArticulatedTractor, ArticulatedTrailer
 from drawbar.control.decentralised import DecentralisedController
 from drawbar.control.nominal import NominalController
-from drawbar.control.settings import TricycleControllerSettings
+from drawbar.control.settings import ArticulatedControllerSettings, TricycleControllerSettings
 from drawbar.control.tricycle import TricycleTractor, TricycleTrailer
 from drawbar.errors import PathError
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
+from drawbar.estimation.estimator import Estimator
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
-from drawbar.estimation.settings import TricycleEstimatorSettings
+from drawbar.estimation.settings import ArticulatedEstimatorSettings, TricycleEstimatorSettings
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.guidance import Guidance
@@ -84,7 +85,7 @@ def build_autopilot(configuration: Configuration, path: Path, machine: Machine) 
     """
     vehicle, tube = configuration.vehicle, configuration.tube
     first = machine.read()
-    estimator = MovingHorizonEstimator(_estimation_model(configuration), first)
+    estimator = _estimator(configuration, machine, first)
     return Autopilot(
         machine=machine,
         estimator=estimator,
@@ -101,11 +102,16 @@ def build_autopilot(configuration: Configuration, path: Path, machine: Machine) 
     )
 
 
+def _estimator(configuration: Configuration, machine: Machine, first: Measurement) -> Estimator:
+    return MovingHorizonEstimator(_estimation_model(configuration), first)
+
+
 def _estimation_model(configuration: Configuration) -> EstimationModel:
     vehicle, noise, sample_time = configuration.vehicle, configuration.sensors, configuration.sample_time
     settings = configuration.estimator
     if isinstance(settings, TricycleEstimatorSettings):
         return TricycleEstimation(vehicle, noise, settings, sample_time)
+    assert isinstance(settings, ArticulatedEstimatorSettings)
     return ArticulatedEstimation(vehicle, noise, settings, sample_time)
 
 
@@ -119,6 +125,7 @@ def _controller(configuration: Configuration) -> NominalController:
         return DecentralisedController(
             TricycleTractor(vehicle, settings, sample_time), TricycleTrailer(vehicle, settings, sample_time)
         )
+    assert isinstance(settings, ArticulatedControllerSettings)
     return DecentralisedController(
         ArticulatedTractor(vehicle, settings, sample_time), ArticulatedTrailer(vehicle, settings, sample_time)
     )

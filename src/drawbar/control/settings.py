@@ -22,10 +22,15 @@ class Coupling(StrEnum):
 CouplingSetting = Annotated[Coupling, Field(strict=False)]
 
 
+Structure = Literal["decentralised", "centralised"]
+"""One small problem for each body, or one large problem for both (the paper's CeNMPC)"""
+
+
 class TricycleControllerSettings(Settings):
     """The paper's nominal controllers (section IV-B): weights on position and on the change of steering."""
 
     model: Literal["tricycle"]
+    structure: Structure = "decentralised"
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.NEGLECTED
@@ -65,6 +70,7 @@ class ArticulatedControllerSettings(Settings):
     """The product's nominal controllers: lateral errors along a preview of the path."""
 
     model: Literal["articulated"]
+    structure: Structure = "decentralised"
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
@@ -75,17 +81,52 @@ class ArticulatedControllerSettings(Settings):
     trailer: ArticulatedTrailerWeights = ArticulatedTrailerWeights()
 
 
+class TrailerProportionalIntegral(Settings):
+    """The textbook's way to steer a trailer: PI on its lateral error. Both gains zero: the joint is held straight."""
+
+    proportional: NonNegative = 0.0
+    """rad/m"""
+    integral: NonNegative = 0.0
+    """rad/(m s)"""
+
+
+class PurePursuitSettings(Settings):
+    """Pure pursuit (Coulter 1992) for the tractor, a PI controller on the lateral error for the trailer."""
+
+    model: Literal["pure_pursuit"]
+    horizon: Horizon = 20
+    """samples of the path ahead that the guidance hands over; the look-ahead point must lie within"""
+    look_ahead: Positive = 1.6
+    """distance of the pursued point, m"""
+    trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
+
+
+class LqrSettings(Settings):
+    """Linear quadratic regulator of the tractor in path coordinates, PI on the lateral error for the trailer."""
+
+    model: Literal["lqr"]
+    horizon: Horizon = 20
+    """samples of the path ahead that the guidance hands over"""
+    lateral: Positive = 1.0
+    """weight of the lateral error, 1/m²"""
+    heading: NonNegative = 1.0
+    """weight of the heading error, 1/rad²"""
+    steering: Positive = 1.0
+    """weight of the steering beyond the curvature's, 1/rad²"""
+    trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
+
+
 class AncillaryGain(Settings):
     """One body's K: steering per error of the pose against its prediction, in the predicted heading's frame."""
 
     lateral: float = 0.0
     """rad/m"""
-    yaw: float
+    yaw: float = 0.0
     """rad/rad"""
 
 
 class TubeSettings(Settings):
-    """The ancillary law u = ū + K (x - x̄) with x̄ the prediction made one sample ago."""
+    """The ancillary law u = ū + K (x - x̄) with x̄ the prediction made one sample ago; no gains, no law."""
 
-    tractor: AncillaryGain
-    trailer: AncillaryGain
+    tractor: AncillaryGain = AncillaryGain()
+    trailer: AncillaryGain = AncillaryGain()

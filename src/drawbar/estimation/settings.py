@@ -7,6 +7,9 @@ from pydantic import model_validator
 
 from drawbar.settings import Horizon, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
 
+Method = Literal["moving_horizon", "extended_kalman"]
+"""Over a window with bounds, or recursively with clipping to the bounds"""
+
 
 class SlipBounds(Settings):
     """Range of a slip factor."""
@@ -60,6 +63,7 @@ class TricycleEstimatorSettings(Settings):
     """Moving horizon estimation on the paper's model (section IV-A)."""
 
     model: Literal["tricycle"]
+    method: Method = "moving_horizon"
     window: Horizon = 15
     """N, samples in the window besides the newest; 3 s at 5 Hz"""
     weighting: Literal["paper", "statistical"] = "paper"
@@ -128,6 +132,7 @@ class ArticulatedEstimatorSettings(Settings):
     """Moving horizon estimation on the exact chain."""
 
     model: Literal["articulated"]
+    method: Method = "moving_horizon"
     window: Horizon = 15
     """N, samples in the window besides the newest; 3 s at 5 Hz"""
     steering_rate: PositiveAngle = 0.15
@@ -159,3 +164,13 @@ class ArticulatedEstimatorSettings(Settings):
             "tractor_crab": angle,
             "trailer_crab": angle,
         }
+
+
+class IdealEstimatorSettings(Settings):
+    """The simulated machine's true state in place of an estimate: the upper limit of what estimation can give."""
+
+    model: Literal["ideal"]
+
+    def bounds_by_estimate(self) -> dict[str, tuple[float, float]]:
+        """Return no bounds: nothing is estimated."""
+        return {}

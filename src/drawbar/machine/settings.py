@@ -110,6 +110,15 @@ class SensorSettings(Settings):
     """both steering angles are rounded to multiples of this, rad"""
 
 
+class LengthFactors(Settings):
+    """True lengths per those that the vehicle section states: the tape measure was wrong."""
+
+    wheelbase: Positive = 1.0
+    hitch_length: Positive = 1.0
+    drawbar_length: Positive = 1.0
+    trailer_length: Positive = 1.0
+
+
 class SimulatedMachineSettings(Settings):
     """Everything about the simulated machine that is not the vehicle's geometry."""
 
@@ -117,6 +126,7 @@ class SimulatedMachineSettings(Settings):
     """integration step of the world; the sample period must be a multiple, s"""
     actuators: ActuatorSettings = ActuatorSettings()
     hydrostat: HydrostatSettings = HydrostatSettings()
+    lengths: LengthFactors = LengthFactors()
     ground: GroundSettings = GroundSettings()
     sensors: SensorSettings = SensorSettings()
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()

@@ -1,0 +1,1 @@
+"""Experiments and tuning: many seeded runs as tasks of a Dask cluster."""
