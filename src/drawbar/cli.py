@@ -1,7 +1,6 @@
-"""The command line: `drawbar run` drives a path in simulation, `drawbar bench` measures the solvers."""
+"""The command line: `drawbar run` drives a path in simulation, other commands measure, compare, tune and explain."""
 
 import sys
-from datetime import UTC, datetime
 from json import dumps
 from pathlib import Path as FilePath
 from typing import Annotated
@@ -11,13 +10,11 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.autopilot.log import PathTable, RecordedPoints, RunHeader
+from drawbar.autopilot.header import deviation_note, run_header
 from drawbar.autopilot.recorder import Recorder
-from drawbar.autopilot.run import drive
+from drawbar.autopilot.run import drive, longest_time
 from drawbar.config import Configuration, load_configuration, shipped_names
 from drawbar.errors import DrawbarError
-from drawbar.guidance.path import Path
-from drawbar.guidance.smoothing import DrivablePath
 from drawbar.report.console import RunProgress, summary
 from drawbar.report.folder import LOG_NAME, write_report
 
@@ -55,15 +52,15 @@ def run(
     config = load_configuration(configuration, [*settings, *(changes or [])])
     line, drivable = build_path(config)
     if drivable:
-        console.print(_deviation(drivable, config))
+        console.print(deviation_note(config, drivable))
     with console.status("compiling the solvers (the first time only) …"):
-        autopilot = build_autopilot(config, line, build_machine(config, line, seed))
+        autopilot = build_autopilot(config, line, build_machine(config, line, seed), seed)
     folder = _new_folder(out, config, seed)
-    log = Recorder(folder / LOG_NAME, _header(config, line, drivable, seed))
+    log = Recorder(folder / LOG_NAME, run_header(config, line, drivable, seed))
     stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
         with log as recorder, RunProgress(console, line.length) as live:
-            for record in drive(autopilot, time_limit=60.0 + 3.0 * line.length / config.speed):
+            for record in drive(autopilot, time_limit=longest_time(line.length, config.speed)):
                 recorder.write(record)
                 live.show(record)
     except (DrawbarError, KeyboardInterrupt) as error:
@@ -72,6 +69,30 @@ def run(
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
     if stopped is not None:
         raise SystemExit(130 if isinstance(stopped, KeyboardInterrupt) else 1)
+
+
+@app.command()
+def tube(
+    configuration: Annotated[
+        str,
+        typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}"),
+    ] = "articulated",
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. tube.nominal=propagated"),
+    ] = None,
+    logs: Annotated[
+        list[FilePath] | None,
+        typer.Option("--from-log", metavar="RUN.mcap", help="hold a recorded run against the declared bounds"),
+    ] = None,
+    out: Annotated[FilePath | None, typer.Option(help="folder for the pictures; default: runs/NAME-tube")] = None,
+) -> None:
+    """Compute the invariant sets of both bodies and what they leave of every bound."""
+    from drawbar.report.tube.command import show_tubes  # what it draws with is of no use elsewhere
+
+    config = load_configuration(configuration, changes or [])
+    if not show_tubes(console, config, out or FilePath("runs") / f"{config.name}-tube", logs or []):
+        raise SystemExit(1)
 
 
 @app.command()
@@ -84,13 +105,73 @@ def bench(
     run_benchmark(console, json)
 
 
-def _deviation(drivable: DrivablePath, config: Configuration) -> str:
-    """Return how far a recorded line's points are from the path that will be driven."""
-    worst, limit = int(drivable.deviations.argmax()), config.guidance.path_tolerance
-    return (
-        f"made drivable: at most {drivable.deviations[worst]:.2f} m off, at recorded point {worst + 1} of "
-        f"{len(drivable.deviations)} (limit {limit:.2f} m)"
-    )
+@app.command()
+def experiment(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="folder in experiments/, or its path; all: every one")],
+    seeds: Annotated[int | None, typer.Option(min=1, help="runs of each case; default: as the experiment says")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")] = None,
+    cluster: Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")] = "",
+) -> None:
+    """Drive every case of an experiment with many seeds, and write its tables and figures into its folder."""
+    from drawbar.campaign.extras import require_extras
+
+    require_extras()
+    from drawbar.campaign.command import run_experiments  # Dask and matplotlib, that no other command needs
+
+    _one_cluster(jobs, cluster)
+    try:
+        met = run_experiments(console, name, seeds=seeds, jobs=jobs, address=cluster)
+    except KeyboardInterrupt:
+        console.print("\ninterrupted; the same command goes on from the runs that are finished")
+        raise SystemExit(130) from None
+    raise SystemExit(0 if met else 1)
+
+
+@app.command()
+def tune(
+    configuration: Annotated[
+        str,
+        typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}"),
+    ],
+    more: Annotated[list[str] | None, typer.Argument(metavar="[KEY=LOW..HIGH ...]", show_default=False)] = None,
+    parameters: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=LOW..HIGH", help="what is searched, e.g. guidance.look_ahead=0.4..3.0; :log behind it"
+        ),
+    ] = None,
+    trials: Annotated[int, typer.Option(min=1, help="in all; the configuration's own values are the first")] = 64,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. tuning.seeds=10"),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of the search")] = 0,
+    jobs: Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")] = None,
+    cluster: Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")] = "",
+    out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: runs/NAME-tune")] = None,
+) -> None:
+    """Search weights or look-ahead for the least error and the least steering; the same command goes on."""
+    from drawbar.campaign.extras import require_extras
+
+    require_extras()
+    from drawbar.campaign.tuning.command import Budget, tune  # Dask, Optuna and matplotlib
+    from drawbar.campaign.tuning.parameters import read_space
+
+    _one_cluster(jobs, cluster)
+    space = read_space(configuration, changes or [], [*(parameters or []), *(more or [])])
+    folder = out or FilePath("runs") / f"{space.configuration.name}-tune"
+    try:
+        tune(console, space, folder, Budget(trials=trials, seed=seed, jobs=jobs, address=cluster))
+    except KeyboardInterrupt:
+        console.print("\ninterrupted; the same command goes on from the runs that are finished")
+        raise SystemExit(130) from None
+
+
+def _one_cluster(jobs: int | None, cluster: str) -> None:
+    if jobs and cluster:
+        raise DrawbarError(
+            f"--jobs {jobs} and --cluster {cluster}: a running cluster has its own workers; leave one out."
+        )
 
 
 def _new_folder(chosen: FilePath | None, config: Configuration, seed: int) -> FilePath:
@@ -107,21 +188,6 @@ def _new_folder(chosen: FilePath | None, config: Configuration, seed: int) -> Fi
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
     return folder
-
-
-def _header(config: Configuration, path: Path, drivable: DrivablePath | None, seed: int) -> RunHeader:
-    return RunHeader(
-        configuration_name=config.name,
-        configuration=config.to_toml(),
-        seed=seed,
-        started=datetime.now(UTC),
-        vehicle=config.vehicle,
-        path_name=config.path.track or config.path.file or "figure-eights",
-        path_note=_deviation(drivable, config) if drivable else "",
-        path=PathTable.of(path),
-        recorded=RecordedPoints.of(drivable.recorded, drivable.deviations) if drivable else None,
-        estimate_bounds=config.estimator.bounds_by_estimate(),
-    )
 
 
 def main() -> None:

@@ -5,11 +5,12 @@ import tomllib
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
+from drawbar.bounded import BoundedErrors
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     LqrSettings,
@@ -63,8 +64,20 @@ class StartSettings(Settings):
     """from the path's first direction, rad"""
 
 
+class TuningSettings(Settings):
+    """What `drawbar tune` makes small, error and steering effort, and over which runs."""
+
+    error: Literal["mean", "rms", "max"] = "mean"
+    """statistic of the distance from the path over a run, m, mean of both bodies; the effort is the mean |steering
+    rate|, rad/s, mean of both bodies"""
+    seeds: Annotated[int, Field(ge=1)] = 5
+    """runs of a trial, with the seeds 0, 1, …"""
+    fresh_seeds: Annotated[int, Field(ge=2)] = 10
+    """runs of everything that the search found, with the seeds that follow: what it owes to luck does not come again"""
+
+
 class Configuration(Settings):
-    """Everything that makes a run."""
+    """Everything that makes a run, and what to tune it for."""
 
     name: Annotated[str, Field(pattern=r"^[^/\\\x00-\x1f]+$")]
     """how reports and the folder of a run call it"""
@@ -88,6 +101,8 @@ class Configuration(Settings):
     path: PathSettings = PathSettings()
     start: StartSettings = StartSettings()
     machine: SimulatedMachineSettings = SimulatedMachineSettings()
+    bounded_errors: BoundedErrors = BoundedErrors()
+    tuning: TuningSettings = TuningSettings()
 
     @model_validator(mode="after")
     def _within_reach_of_the_machine(self) -> Self:
@@ -119,7 +134,8 @@ def shipped_names() -> list[str]:
 def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuration:
     """Read a configuration file, or a shipped one by name, with changes applied.
 
-    A file may start with `extends = "articulated"` (a shipped name, or a file beside it) and give only what differs.
+    A file may start with `extends = "articulated"` (a shipped name, or a file beside it) and give only what differs;
+    an empty section, `tube = {}`, takes back all that the other says of it.
 
     Args:
         source: path of a TOML file, or a shipped name.
@@ -160,13 +176,17 @@ def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], 
 
 
 def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    """Return the basis with data on top; a section of another model starts anew."""
+    """Return the basis with data on top; a section of another model starts anew, an empty one at its defaults."""
     merged = dict(basis)
     for key, value in data.items():
-        old = basis.get(key)
-        same = isinstance(old, dict) and isinstance(value, dict) and value.get("model") in (None, old.get("model"))
-        merged[key] = _merged(old, value) if same else value  # type: ignore[arg-type]
+        merged[key] = _merged(basis[key], value) if _goes_on(basis.get(key), value) else value
     return merged
+
+
+def _goes_on(old: Any, new: Any) -> bool:
+    """Return whether both are sections of the same model and the new one says anything."""
+    both = isinstance(old, dict) and isinstance(new, dict) and new
+    return bool(both) and new.get("model") in (None, old.get("model"))
 
 
 def _shipped() -> Any:

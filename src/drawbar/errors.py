@@ -9,6 +9,10 @@ class ConfigurationError(DrawbarError):
     """A configuration has an unknown, missing, duplicate or impossible value."""
 
 
+class TubeError(ConfigurationError):
+    """The declared disturbances leave nothing of a bound, or have no invariant set."""
+
+
 class ModelError(DrawbarError):
     """A vehicle model is declared wrongly."""
 

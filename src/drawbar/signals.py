@@ -3,8 +3,11 @@
 Positions are those of the two antennas; yaw is continuous along a run. A missing value is NaN.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from enum import IntEnum
+
+import numpy as np
 
 from drawbar.geometry import Floats
 
@@ -18,6 +21,18 @@ class SolverStatus(IntEnum):
     NOT_FINITE = 3
     CHECK_FAILED = 4
     BAD_INPUT = 5
+
+
+class FixStatus(IntEnum):
+    """What an estimator made of one antenna's position fix."""
+
+    ACCEPTED = 0
+    MISSING = 1
+    """the receiver reported none"""
+    STALE = 2
+    """the receiver repeated an old one while the vehicle moved"""
+    REJECTED = 3
+    """further from where it was expected than it can be"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +97,8 @@ class Estimate:
     trailer_crab: float
     """alpha_i, side-slip angle of the trailer's axle, rad (0 where the model has none)"""
     status: SolverStatus
+    tractor_fix: FixStatus = FixStatus.ACCEPTED
+    trailer_fix: FixStatus = FixStatus.ACCEPTED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,6 +109,8 @@ class BodyReference:
     """arc length of the closest point, m"""
     lateral_error: float
     """signed distance of the body from the path, left positive, m"""
+    closest: Floats
+    """(4,): the path at the closest point: x (m), y (m), yaw (rad, on any branch), curvature (1/m)"""
     samples: Floats
     """(N+1, 4): x (m), y (m), yaw (rad, on the branch of the estimate), curvature (1/m)"""
 
@@ -116,6 +135,8 @@ class BodyPlan:
     """(N+1, 3): predicted x (m), y (m), yaw (rad) of the antenna"""
     steerings: Floats
     """(N,): planned steering, rad"""
+    deviation: Floats = field(default_factory=lambda: np.zeros(0))
+    """x̂ - x̄ in the error coordinates of this body's controller; empty where it holds the vehicle to no nominal state"""
     status: SolverStatus
 
 
@@ -180,11 +201,13 @@ class BodySteering:
     command: float
     """after the bound, rad"""
     saturated: bool
+    margin: float = math.nan
+    """how far inside its tube the body is: 1 at its centre, 0 on its boundary, negative outside; NaN: none declared"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolveTimes:
-    """Wall-clock time of one solver's two phases, s."""
+    """Wall-clock time of one solver's two phases, s; NaN where a body has no solver of its own."""
 
     prepare: float
     feedback: float
@@ -208,6 +231,6 @@ class StepRecord:
     tractor_times: SolveTimes
     trailer_times: SolveTimes
     solver_failures: int
-    """solver calls of this step that did not end in SOLVED"""
+    """estimate and plans of this step that did not end in SOLVED; a centralised solver makes the plans of both"""
     command_refused: bool
     """the gate let the last valid command pass instead of this step's"""

@@ -14,6 +14,7 @@ from drawbar.machine.base import Machine
 from drawbar.signals import BodyPlan, BodySteering, Plan, SolverStatus
 
 STEPS = 150
+AHEAD, ACTING = "where the commands under way lead", "the command that acts"
 
 
 class Part:
@@ -46,6 +47,7 @@ def faked(simulate):
     autopilot = Autopilot(
         machine=Part("machine", calls, read=record.measurement, truth=record.truth),
         estimator=Part("estimator", calls, update=record.estimate, times=record.estimator_times),
+        predictor=Part("predictor", calls, ahead=AHEAD, sent=ACTING),
         guidance=Part("guidance", calls, reference=record.reference),
         controller=Part("controller", calls, feedback=record.plan, times=(record.tractor_times, record.trailer_times)),
         tractor_law=Part("tractor_law", calls, apply=steering(0.11)),
@@ -60,25 +62,28 @@ def test_one_step_is_the_block_diagram(faked):
     autopilot, calls, record = faked
     made = autopilot.step()
     names = [name for name, _ in calls]
-    order = ["machine.read", "estimator.update", "guidance.reference", "controller.feedback"]
+    order = ["machine.read", "estimator.update", "predictor.ahead", "guidance.reference", "controller.feedback"]
     laws = ["tractor_law.apply", "trailer_law.apply", "gate.check", "machine.write"]
     assert [name for name in names if name != "machine.truth"] == [
         *order,
         *laws,
+        "predictor.sent",
         "estimator.prepare",
         "controller.prepare",
     ]
     assert names.index("machine.truth") < names.index("machine.write")  # the truth is that of the measurement
     given = dict(calls)
     assert given["estimator.update"] == (record.measurement,)
-    assert given["guidance.reference"] == (record.estimate,)
-    assert given["controller.feedback"] == (record.estimate, record.reference)
-    assert given["tractor_law.apply"] == (record.plan.tractor, record.estimate.tractor)
-    assert given["trailer_law.apply"] == (record.plan.trailer, record.estimate.trailer)
+    assert given["predictor.ahead"] == (record.estimate,)
+    assert given["guidance.reference"] == (AHEAD,)
+    assert given["controller.feedback"] == (AHEAD, record.reference)
+    assert given["tractor_law.apply"] == (record.plan.tractor,)
+    assert given["trailer_law.apply"] == (record.plan.trailer,)
     (asked,) = given["gate.check"]
     assert (asked.tractor_steering, asked.trailer_steering, asked.speed) == (0.11, -0.22, 1.2)
     assert asked.time == record.measurement.time
-    assert given["machine.write"] == (replace(asked, speed=0.7),)
+    assert given["machine.write"] == given["predictor.sent"] == (replace(asked, speed=0.7),)
+    assert given["estimator.prepare"] == (ACTING,)
     assert made.command == replace(asked, speed=0.7)
     assert made.command_refused  # the gate gave another one
 

@@ -21,7 +21,7 @@ from drawbar.guidance.figure_eight import figure_eights
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
 
-SHAPES = {"samples": (3, 4), "poses": (3, 3), "steerings": (2,)}
+SHAPES = {"closest": (4,), "samples": (3, 4), "poses": (3, 3), "steerings": (2,), "deviation": (3,)}
 
 
 def arbitrary(kind, name, rng):

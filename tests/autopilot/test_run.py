@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from drawbar.autopilot.run import BLIND, LOST, REFUSED, RunAborted, drive
+from drawbar.signals import FixStatus
 
 
 @dataclass
@@ -11,18 +12,16 @@ class Fake:
     """An autopilot whose steps are records of the given lateral errors, 0.2 s apart."""
 
     errors: list[float]
-    fixes: list[float] = field(default_factory=list)
-    """tractor_x of each step; 0 beyond the list's end"""
+    fixes: list[FixStatus] = field(default_factory=list)
+    """of the tractor's antenna at each step; accepted beyond the list's end"""
     refusals: list[bool] = field(default_factory=list)
     steps: int = 0
-    tractor_y: float = 0.0
-    trailer_x: float = math.nan
-    trailer_y: float = math.nan
+    trailer_fix: FixStatus = FixStatus.MISSING
     guidance: "Fake" = field(init=False)
 
     def __post_init__(self):
         self.guidance = self
-        self.measurement = self.reference = self.tractor = self
+        self.measurement = self.estimate = self.reference = self.tractor = self
         self.time = self.lateral_error = 0.0
 
     @property
@@ -31,7 +30,7 @@ class Fake:
 
     def step(self):
         self.lateral_error = self.errors[self.steps]
-        self.tractor_x = self.fixes[self.steps] if self.steps < len(self.fixes) else 0.0
+        self.tractor_fix = self.fixes[self.steps] if self.steps < len(self.fixes) else FixStatus.ACCEPTED
         self.command_refused = self.steps < len(self.refusals) and self.refusals[self.steps]
         self.steps += 1
         self.time = 0.2 * self.steps
@@ -65,16 +64,17 @@ def test_a_vehicle_that_does_not_arrive_is_given_up():
     assert autopilot.steps == 51
 
 
-def test_a_vehicle_without_a_fix_is_given_up_in_time():
+@pytest.mark.parametrize("status", [FixStatus.MISSING, FixStatus.STALE, FixStatus.REJECTED])
+def test_a_vehicle_without_a_fix_is_given_up_in_time(status):
     blind = round(BLIND / 0.2)
-    autopilot = Fake([0.0] * 1000, fixes=[0.0] * 10 + [math.nan] * 1000)
-    with pytest.raises(RunAborted, match="neither antenna had had a fix for more than 15 s"):
+    autopilot = Fake([0.0] * 1000, fixes=[FixStatus.ACCEPTED] * 10 + [status] * 1000)
+    with pytest.raises(RunAborted, match="neither antenna had had a valid fix for more than 15 s"):
         list(drive(autopilot, time_limit=100.0))
     assert autopilot.steps in (10 + blind, 11 + blind)  # the last is beyond the limit, or at it but for rounding
 
 
 def test_one_fix_in_time_keeps_a_run_going():
-    autopilot = Fake([0.0] * 140, fixes=([math.nan] * 69 + [0.0]) * 2)
+    autopilot = Fake([0.0] * 140, fixes=([FixStatus.STALE] * 69 + [FixStatus.ACCEPTED]) * 2)
     assert len(list(drive(autopilot, time_limit=100.0))) == 140
 
 

@@ -22,6 +22,13 @@ def test_every_step_is_timed_once(probes: list[Probe]) -> None:
         assert len(probe.other_feedback) == len(probe.other_prepare) == steps // 10
 
 
+def test_beside_a_centralised_controller_only_its_one_solver_is_measured() -> None:
+    (probe,) = probed_runs("paper-centralised", [STAGES], 3, with_other_route=False)[0]
+    assert probe.name == "paper-centralised"
+    assert [variable.name for variable in probe.solver.problem.model.inputs] == ["tractor_steering", "trailer_steering"]
+    assert len(probe.feedback) == len(probe.floor) == 3 + STAGES + 1
+
+
 def test_the_watched_run_is_the_run(probes: list[Probe]) -> None:
     changes = [f"controller.horizon={STAGES}", f"estimator.window={STAGES}", f"sample_time={HORIZON / STAGES}"]
     changes += [f"machine.step={HORIZON / STAGES / 20}"]
@@ -37,7 +44,7 @@ def test_the_watched_run_is_the_run(probes: list[Probe]) -> None:
 
 def test_both_routes_take_the_same_step() -> None:
     worst = 0.0
-    for name in ("paper", "articulated"):
+    for name in ("paper", "articulated", "paper-centralised", "articulated-centralised"):
         for probe in probed_runs(name, [STAGES], 25, with_other_route=False)[0]:
             solver = probe.solver
             route = CondensingRoute(transcribe(solver.problem), solver)

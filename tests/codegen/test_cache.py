@@ -10,7 +10,7 @@ import pytest
 
 from drawbar.codegen import Workspace, build, cache
 from drawbar.codegen.cache import cache_folder
-from drawbar.codegen.compiler import FLAGS
+from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.errors import CompilerError
 
 SOURCE = """
@@ -87,7 +87,14 @@ def test_folder_is_the_users_unless_chosen(monkeypatch: pytest.MonkeyPatch) -> N
     assert cache_folder() == Path("elsewhere")
 
 
-def test_two_processes_build_the_same_library_at_once(own_cache: Path) -> None:
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX locks")
+def test_two_processes_that_need_the_same_library_build_it_once(
+    own_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiler, calls = tmp_path / "compiler", tmp_path / "calls"
+    compiler.write_text(f'#!/bin/sh\necho once >> "{calls}"\nsleep 0.5\nexec {" ".join(find_compiler())} "$@"\n')
+    compiler.chmod(0o755)
+    monkeypatch.setenv("CC", str(compiler))
     program = (
         "import sys; from drawbar.codegen import Workspace, build; sys.stdin.readline();"
         f"print(Workspace(build('unit', {SOURCE.format(answer=7)!r})).function('answer')())"
@@ -101,3 +108,4 @@ def test_two_processes_build_the_same_library_at_once(own_cache: Path) -> None:
     answers = [process.communicate(timeout=60)[0].strip() for process in both]
     assert answers == ["7", "7"]
     assert len(list(own_cache.iterdir())) == 1
+    assert calls.read_text() == "once\n"

@@ -9,8 +9,15 @@ import pytest
 
 from drawbar.control.articulated import ArticulatedTractor, ArticulatedTrailer
 from drawbar.control.decentralised import DecentralisedController
-from drawbar.control.settings import ArticulatedControllerSettings, Coupling, TricycleControllerSettings
+from drawbar.control.settings import (
+    ArticulatedControllerSettings,
+    Coupling,
+    SharingSettings,
+    TricycleControllerSettings,
+    TubeSettings,
+)
 from drawbar.control.tricycle import TricycleTractor, TricycleTrailer
+from drawbar.control.tube.tube import Tubes, tubes_of
 from drawbar.geometry import Floats
 from drawbar.signals import BodyReference, Estimate, Pose, Reference, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
@@ -20,26 +27,45 @@ HORIZON = 20
 VEHICLE = VehicleParameters()
 
 
+@pytest.fixture(scope="session")
+def untightened() -> Callable[..., Tubes]:
+    """Return a function that makes the tubes of a controller's settings when no bounds are declared."""
+
+    def untightened(
+        settings: ArticulatedControllerSettings | TricycleControllerSettings, vehicle: VehicleParameters = VEHICLE
+    ) -> Tubes:
+        return tubes_of(vehicle, settings, TubeSettings(), speed=1.0, sample_time=SAMPLE_TIME)
+
+    return untightened
+
+
 @pytest.fixture(scope="session", params=["articulated", "tricycle"])
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
 @pytest.fixture(scope="session")
-def make() -> Callable[..., DecentralisedController]:
+def make(untightened: Callable[..., Tubes]) -> Callable[..., DecentralisedController]:
     """Return a function that makes a new pair of controllers of a model."""
 
     def make(name: str, coupling: str = "measured") -> DecentralisedController:
         if name == "tricycle":
             paper = TricycleControllerSettings(model="tricycle", horizon=HORIZON, coupling=Coupling(coupling))
+            tubes = untightened(paper)
             return DecentralisedController(
-                TricycleTractor(VEHICLE, paper, SAMPLE_TIME), TricycleTrailer(VEHICLE, paper, SAMPLE_TIME)
+                TricycleTractor(VEHICLE, paper, SAMPLE_TIME, tubes.tractor),
+                TricycleTrailer(VEHICLE, paper, SAMPLE_TIME, tubes.trailer),
             )
         settings = ArticulatedControllerSettings(
-            model="articulated", horizon=HORIZON, coupling=Coupling(coupling), widening=0.0
+            model="articulated",
+            horizon=HORIZON,
+            coupling=Coupling(coupling),
+            sharing=SharingSettings(share=0.0, widening=0.0),
         )
+        tubes = untightened(settings)
         return DecentralisedController(
-            ArticulatedTractor(VEHICLE, settings, SAMPLE_TIME), ArticulatedTrailer(VEHICLE, settings, SAMPLE_TIME)
+            ArticulatedTractor(VEHICLE, settings, SAMPLE_TIME, tubes.tractor),
+            ArticulatedTrailer(VEHICLE, settings, SAMPLE_TIME, tubes.trailer),
         )
 
     return make
@@ -60,7 +86,7 @@ class Situation:
             samples[:, :2] = position(samples[:, :2])
             samples[:, 2] = sign * samples[:, 2] + turn
             samples[:, 3] *= sign
-            return replace(old, samples=samples, lateral_error=sign * old.lateral_error)
+            return replace(old, closest=samples[0], samples=samples, lateral_error=sign * old.lateral_error)
 
         e, r = self.estimate, self.reference
         angles = (
@@ -131,15 +157,18 @@ def situation() -> Callable[..., Situation]:
         behind = math.hypot(trailer.x - tractor.x, trailer.y - tractor.y)
         if curvature:
             behind = 2.0 / abs(curvature) * math.asin(0.5 * behind * abs(curvature))
+        tractor_samples, trailer_samples = (arc(curvature, start + pace) for start in (ahead, ahead - behind))
         return Situation(
             estimate=Estimate(
                 time=0.0, tractor=tractor, trailer=trailer, hitch_angle=hitch, status=SolverStatus.SOLVED, **numbers
             ),
             reference=Reference(
                 time=0.0,
-                tractor=BodyReference(progress=ahead, lateral_error=left, samples=arc(curvature, ahead + pace)),
+                tractor=BodyReference(
+                    progress=ahead, lateral_error=left, closest=tractor_samples[0], samples=tractor_samples
+                ),
                 trailer=BodyReference(
-                    progress=ahead - behind, lateral_error=left, samples=arc(curvature, ahead - behind + pace)
+                    progress=ahead - behind, lateral_error=left, closest=trailer_samples[0], samples=trailer_samples
                 ),
             ),
         )

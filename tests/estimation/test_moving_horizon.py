@@ -103,7 +103,7 @@ def test_a_sample_that_is_missing_altogether_is_predicted(model, travel, measure
 
 
 def test_a_failing_solver_leaves_the_prediction_and_says_so(model, recording, follow):
-    broken = [*recording[:60], replace(recording[60], tractor_x=1e308)]  # finite, but not once it is weighed
+    broken = [*recording[:60], replace(recording[60], speed=1e308)]  # finite, but not once it is weighed
     estimates = follow(model, broken)
     assert estimates[59].status is SolverStatus.SOLVED
     assert estimates[60].status is not SolverStatus.SOLVED

@@ -11,6 +11,7 @@ from drawbar.guidance.path import Path
 from drawbar.guidance.preview import Preview
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.signals import Estimate, Pose, SolverStatus
+from drawbar.vehicle.parameters import VehicleParameters
 
 SETTINGS = GuidanceSettings()
 EIGHT = figure_eights((8.0,), 20.0)
@@ -18,7 +19,8 @@ TRAILER_BEHIND = 2.2
 
 
 def preview(path: Path = EIGHT, x: float = 0.0) -> Preview:
-    return Preview(path, SETTINGS, stages=15, interval=0.2, tractor=(x, 0.0), trailer=(x - TRAILER_BEHIND, 0.0))
+    start = {"tractor": (x, 0.0), "trailer": (x - TRAILER_BEHIND, 0.0)}
+    return Preview(path, SETTINGS, vehicle=VehicleParameters(), stages=15, interval=0.2, **start)
 
 
 def look_ahead(path: Path = EIGHT) -> LookAhead:
@@ -107,7 +109,7 @@ def test_yaw_is_on_the_branch_of_the_estimate(turns: int) -> None:
 
 def test_the_search_does_not_reach_beyond_its_window() -> None:
     guidance = preview()
-    assert guidance.reference(along(20.0)).tractor.progress <= SETTINGS.window_ahead
+    assert guidance.reference(along(15.0)).tractor.progress <= SETTINGS.window_ahead
 
 
 def test_a_start_behind_the_path_is_seen_on_its_straight_continuation() -> None:
@@ -138,3 +140,34 @@ def test_a_speed_that_is_not_finite_is_refused() -> None:
     pose = beside(EIGHT, 0.5, 0.0)
     with pytest.raises(PathError, match="speed over ground is nan"):
         preview().reference(estimate(pose, pose, speed=math.nan))
+
+
+def facing(x: float, yaw: float) -> Estimate:
+    return estimate(Pose(x=x, y=0.0, yaw=yaw), Pose(x=x - TRAILER_BEHIND * math.cos(yaw), y=0.0, yaw=yaw))
+
+
+def test_a_tractor_that_faces_away_is_led_by_turns_and_then_by_the_path_again() -> None:
+    guidance = preview()
+    pose = facing(0.0, math.pi).tractor
+    for _ in range(400):
+        samples = guidance.reference(estimate(pose, pose, speed=0.4)).tractor.samples
+        assert abs(samples[0, 2] - pose.yaw) < 0.1  # each next pose is the one that was asked for
+        pose = Pose(x=samples[1, 0], y=samples[1, 1], yaw=samples[1, 2])
+    assert pose.y == pytest.approx(0.0, abs=1e-3)
+    assert math.cos(pose.yaw) == pytest.approx(1.0, abs=1e-6)
+    expected = EIGHT.sample(pose.x + 0.4 * 0.9 * 0.2 * np.arange(16))
+    np.testing.assert_allclose(samples[:, 3], expected[:, 3], atol=1e-3)
+
+
+def test_a_heading_that_turns_out_right_after_all_ends_the_turns() -> None:
+    guidance = preview()
+    assert np.abs(guidance.reference(facing(0.0, math.pi)).tractor.samples[:, 1]).max() > 0.1
+    for x in np.arange(0.2, 12.0, 0.2):
+        reference = guidance.reference(along(float(x)))
+    expected = EIGHT.sample(11.8 + 0.9 * 0.2 * np.arange(16))
+    np.testing.assert_allclose(reference.tractor.samples, expected, atol=1e-2)
+
+
+@pytest.mark.parametrize("yaw", [-0.9, 0.9])
+def test_up_to_sixty_degrees_the_path_itself_is_followed(yaw: float) -> None:
+    np.testing.assert_allclose(preview().reference(facing(1.0, yaw)).tractor.samples[:, 1], 0.0, atol=1e-9)

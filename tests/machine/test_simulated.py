@@ -9,7 +9,13 @@ import pytest
 
 from drawbar.errors import ConfigurationError, HardwareError
 from drawbar.machine.events import Bump, Event, GpsJump, GpsLoss, SideSlope, SlipStep
-from drawbar.machine.settings import CrabProcess, GroundSettings, SensorSettings, SimulatedMachineSettings
+from drawbar.machine.settings import (
+    CrabProcess,
+    GroundSettings,
+    LengthFactors,
+    SensorSettings,
+    SimulatedMachineSettings,
+)
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.signals import Command, Measurement, Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
@@ -94,6 +100,44 @@ def test_reversed_joint_takes_the_command_the_other_way_and_reports_as_before(bu
             machine.write(Command(time=0.2 * k, tractor_steering=0.1, trailer_steering=sign * angle, speed=1.0))
         assert reverse.truth() == plain.truth()
         assert reverse.read() == plain.read()
+
+
+WRONG = [
+    LengthFactors(wheelbase=1.1),
+    LengthFactors(hitch_length=0.9),
+    LengthFactors(drawbar_length=1.1),
+    LengthFactors(trailer_length=0.9),
+    LengthFactors(wheelbase=0.9, hitch_length=1.1, drawbar_length=0.9, trailer_length=1.1),
+]
+
+
+@pytest.mark.parametrize("factors", WRONG, ids=str)
+def test_a_machine_of_other_lengths_than_stated_is_the_machine_that_has_them(
+    build: Build, factors: LengthFactors
+) -> None:
+    stated, settings = VehicleParameters(), SimulatedMachineSettings()
+    true = VehicleParameters(
+        wheelbase=stated.wheelbase * factors.wheelbase,
+        hitch_length=stated.hitch_length * factors.hitch_length,
+        drawbar_length=stated.drawbar_length * factors.drawbar_length,
+        trailer_length=stated.trailer_length * factors.trailer_length,
+    )
+    wrong = weave(build(settings.model_copy(update={"lengths": factors})), 50)
+    assert wrong == weave(build(settings, vehicle=true), 50)
+    assert wrong[-1][1].trailer != weave(build(settings), 50)[-1][1].trailer
+
+
+@pytest.mark.parametrize(
+    ("factors", "reason"),
+    [
+        (LengthFactors(trailer_length=0.1), "trailer_antenna = 0.25 m .* is ahead of RJ2"),
+        (LengthFactors(drawbar_length=20.0), "drawbar_length = 4.0 m puts the free joint ahead"),
+    ],
+)
+def test_lengths_that_no_vehicle_has_are_refused(build: Build, factors: LengthFactors, reason: str) -> None:
+    settings = SimulatedMachineSettings(lengths=factors)
+    with pytest.raises(ConfigurationError, match=rf"machine\.lengths makes .*{reason}"):
+        build(settings)
 
 
 def mirrored(settings: SimulatedMachineSettings, side: float) -> SimulatedMachineSettings:

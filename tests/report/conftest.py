@@ -108,12 +108,13 @@ class Body:
 
     def reference_at(self, k, noise):
         error = float(self.error[k] + 0.005 * noise)
-        return BodyReference(progress=float(self.progress[k]), lateral_error=error, samples=NOTHING)
+        return BodyReference(progress=float(self.progress[k]), lateral_error=error, closest=NOTHING[0], samples=NOTHING)
 
     def steering_at(self, k):
         nominal, ancillary, command = (float(each[k]) for each in (self.nominal, self.ancillary, self.command))
         saturated = command != nominal + ancillary
-        return BodySteering(nominal=nominal, ancillary=ancillary, command=command, saturated=saturated)
+        margin = 1.0 - abs(ancillary) / 0.05
+        return BodySteering(nominal=nominal, ancillary=ancillary, command=command, saturated=saturated, margin=margin)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from drawbar.report.figures import error_figure
 from drawbar.report.metrics import compute_metrics, error_statistics
 from drawbar.report.path_errors import Bodies, PathErrors, project_track, true_path_errors
+from drawbar.signals import FixStatus
 
 
 def paths_errors(error, labels):
@@ -50,6 +52,20 @@ def test_errors_are_told_apart_by_class(make_run):
     assert math.isnan(error.trailer["0.125"].mean)
 
 
+def test_masked_fixes_of_both_antennas_are_counted(make_run):
+    log = small(make_run)
+    accepted, missing, stale, rejected = FixStatus
+    log = with_column(log, "estimate.tractor_fix", [accepted, stale, rejected, missing])
+    log = with_column(log, "estimate.trailer_fix", [stale, stale, accepted, accepted])
+    metrics = compute_metrics(log, true_path_errors(log))
+    assert (metrics.stale_fixes, metrics.rejected_fixes) == (3, 1)
+    crosses = [trace for trace in error_figure(log, true_path_errors(log))["data"] if trace.get("mode") == "markers"]
+    assert [(trace["name"], len(trace["x"])) for trace in crosses] == [
+        ("Tractor, fix not believed", 2),
+        ("Trailer, fix not believed", 2),
+    ]
+
+
 def test_shares_by_hand(make_run):
     log = small(make_run)
     log = with_column(log, "tractor_steering.command", [0.2, -0.2, 0.1, 0.0])
@@ -60,6 +76,15 @@ def test_shares_by_hand(make_run):
     assert metrics.ancillary_share.tractor == pytest.approx(0.2, rel=1e-12)
     assert math.isnan(metrics.ancillary_share.trailer)  # nothing was commanded: no share
     assert metrics.saturated_share == Bodies(tractor=0.0, trailer=0.25)
+
+
+def test_the_least_margin_is_that_of_the_steps_with_a_tube(make_run):
+    log = small(make_run)
+    log = with_column(log, "tractor_steering.margin", [0.5, -0.25, math.nan, 1.0])
+    log = with_column(log, "trailer_steering.margin", [math.nan] * 4)
+    margin = compute_metrics(log, true_path_errors(log)).tube_margin_min
+    assert margin.tractor == -0.25
+    assert math.isnan(margin.trailer)
 
 
 def test_yaw_error_does_not_see_whole_turns(make_run):
@@ -118,6 +143,7 @@ def test_the_json_holds_every_promised_key(run):
             "steering_rate_mean_rad_s",
             "ancillary_share",
             "saturated_share",
+            "tube_margin_min",
             "solver_failures",
             "solve_time_s",
         ),

@@ -7,18 +7,31 @@ import numpy as np
 import pytest
 
 from drawbar.geometry import Floats
-from drawbar.vehicle.articulated import articulated, articulated_tractor, articulated_trailer
+from drawbar.vehicle.articulated import (
+    articulated,
+    articulated_tracking,
+    articulated_tractor,
+    articulated_trailer,
+)
 from drawbar.vehicle.model import Model, Variable
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
-MODELS = (tricycle, tricycle_tractor, tricycle_trailer, articulated, articulated_tractor, articulated_trailer)
+MODELS = (
+    tricycle,
+    tricycle_tractor,
+    tricycle_trailer,
+    articulated,
+    articulated_tracking,
+    articulated_tractor,
+    articulated_trailer,
+)
 Sample = Callable[..., tuple[Floats, Floats, Floats]]
 
 
 def mirrored(group: tuple[Variable, ...], values: Floats) -> Floats:
     """Flip the y axis: y, lateral errors, angles, their rates and the curvature-like coupling change sign."""
-    odd = [v.unit.startswith("rad") or v.name.endswith("y") or v.name in ("lateral_error", "coupling") for v in group]
+    odd = [v.unit.startswith("rad") or v.name.endswith(("y", "lateral_error", "coupling")) for v in group]
     return np.where(odd, -values, values)
 
 

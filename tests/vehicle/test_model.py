@@ -9,12 +9,25 @@ from scipy.integrate import solve_ivp
 
 from drawbar.errors import ModelError
 from drawbar.geometry import Floats
-from drawbar.vehicle.articulated import articulated, articulated_tractor, articulated_trailer
+from drawbar.vehicle.articulated import (
+    articulated,
+    articulated_tracking,
+    articulated_tractor,
+    articulated_trailer,
+)
 from drawbar.vehicle.model import Model, integrate, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
-MODELS = (tricycle, tricycle_tractor, tricycle_trailer, articulated, articulated_tractor, articulated_trailer)
+MODELS = (
+    tricycle,
+    tricycle_tractor,
+    tricycle_trailer,
+    articulated,
+    articulated_tracking,
+    articulated_tractor,
+    articulated_trailer,
+)
 
 
 def declared(**changes: Any) -> Model:

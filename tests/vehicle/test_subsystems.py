@@ -4,7 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from drawbar.vehicle.articulated import articulated, articulated_tractor, articulated_trailer
+from drawbar.vehicle.articulated import (
+    articulated,
+    articulated_tracking,
+    articulated_tractor,
+    articulated_trailer,
+)
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
@@ -63,3 +68,20 @@ def test_articulated_outputs_are_signed_errors_from_the_reference(evaluate: Any,
     known = np.array([0.9, crab, 0.0, 1.0, 0.1, *x[:3], *(antenna - offset * left), yaw])
     errors = evaluate(trailer, trailer.output, np.array([x[2] - x[3], x[5]]), np.array([0.3]), known)
     np.testing.assert_allclose(errors, [offset, x[5], 0.3], atol=1e-12)
+
+
+def test_what_the_centralised_controller_weighs_is_what_both_subsystems_weigh(evaluate: Any, draw: Any) -> None:
+    whole, chain = articulated_tracking(VEHICLE), articulated(VEHICLE)
+    tractor, trailer = articulated_tractor(VEHICLE), articulated_trailer(VEHICLE)
+    rng = np.random.default_rng(13)
+    for _ in range(20):
+        x, u, p = draw(whole, rng)
+        mu, kappa, offset, trailer_crab, v, crab = p[:6]
+        rates = evaluate(chain, chain.derivative, x, u, p[:6])
+        np.testing.assert_array_equal(evaluate(whole, whole.derivative, x, u, p), rates)
+        known = np.array([mu, kappa, offset, crab, v, *p[6:9]])
+        front = evaluate(tractor, tractor.output, x[[0, 1, 2, 4]], u[:1], known)
+        known = np.array([mu, crab, trailer_crab, v, rates[2], *x[:3], *p[9:]])
+        back = evaluate(trailer, trailer.output, np.array([x[2] - x[3], x[5]]), u[1:], known)
+        errors = evaluate(whole, whole.output, x, u, p)
+        np.testing.assert_allclose(errors, np.concatenate([front, back]), atol=1e-12)

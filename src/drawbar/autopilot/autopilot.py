@@ -1,5 +1,6 @@
 """One control step, in the order of the block diagram."""
 
+from drawbar.autopilot.dead_time import DeadTimePredictor
 from drawbar.autopilot.gate import CommandGate
 from drawbar.control.ancillary import AncillaryLaw
 from drawbar.control.nominal import NominalController
@@ -10,13 +11,14 @@ from drawbar.signals import Command, SolverStatus, StepRecord
 
 
 class Autopilot:
-    """Machine, estimator, guidance, controllers, ancillary laws and gate, wired together."""
+    """Machine, estimator, dead-time predictor, guidance, controllers, ancillary laws and gate, wired together."""
 
     def __init__(
         self,
         *,
         machine: Machine,
         estimator: Estimator,
+        predictor: DeadTimePredictor,
         guidance: Guidance,
         controller: NominalController,
         tractor_law: AncillaryLaw,
@@ -29,6 +31,7 @@ class Autopilot:
         self.guidance = guidance
         self.estimator = estimator
         self.controller = controller
+        self._predictor = predictor
         self._tractor_law, self._trailer_law = tractor_law, trailer_law
         self._gate = gate
         self._speed = speed
@@ -39,10 +42,11 @@ class Autopilot:
         truth = self.machine.truth()
         measurement = self.machine.read()
         estimate = self.estimator.update(measurement)
-        reference = self.guidance.reference(estimate)
-        plan = self.controller.feedback(estimate, reference)
-        tractor = self._tractor_law.apply(plan.tractor, estimate.tractor)
-        trailer = self._trailer_law.apply(plan.trailer, estimate.trailer)
+        ahead = self._predictor.ahead(estimate)  # where the vehicle is when the next command begins to act
+        reference = self.guidance.reference(ahead)
+        plan = self.controller.feedback(ahead, reference)
+        tractor = self._tractor_law.apply(plan.tractor)
+        trailer = self._trailer_law.apply(plan.trailer)
         wanted = Command(
             time=measurement.time,
             tractor_steering=tractor.command,
@@ -51,7 +55,8 @@ class Autopilot:
         )
         command = self._gate.check(wanted)
         self.machine.write(command)
-        self.estimator.prepare()  # after actuation: the preparation phases cost no latency
+        acting = self._predictor.sent(command)
+        self.estimator.prepare(acting)  # after actuation: the preparation phases cost no latency
         self.controller.prepare()
         outcomes = (estimate.status, plan.tractor.status, plan.trailer.status)
         tractor_times, trailer_times = self.controller.times

@@ -6,7 +6,7 @@ JSON has neither NaN nor infinity: both are written as null and read back as NaN
 """
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields
 from datetime import datetime
@@ -123,6 +123,16 @@ class Outcome:
     finished: bool
     reason: str
 
+    @classmethod
+    def of(cls, error: BaseException | None) -> Self:
+        """Say what ended a run; only an error that no user was meant to read shows the name of its class."""
+        if error is None:
+            return cls(finished=True, reason="the path was driven to its end")
+        if isinstance(error, KeyboardInterrupt):
+            return cls(finished=False, reason="interrupted at the keyboard")
+        reason = str(error) if isinstance(error, DrawbarError) else f"{type(error).__name__}: {error}"
+        return cls(finished=False, reason=reason)
+
 
 _KILLED = Outcome(finished=False, reason="the log just stops: the program was killed or still runs")
 
@@ -140,14 +150,24 @@ class RunLog:
     def column(self, name: str) -> Floats:
         """Return one number of every step, (n,); NaN where the step has no truth.
 
-        The name is that of the field in StepRecord, as in `estimate.tractor.x`.
+        The name is that of the field in StepRecord, as in `estimate.tractor.x`; of an array with the place in it, as in
+        `plan.tractor.deviation.0`.
         """
-        value = attrgetter(name)
+        value = _number(name)
         of_truth = name.startswith("truth.")
         return np.array(
             [np.nan if of_truth and record.truth is None else value(record) for record in self.records],
             dtype=float,
         )
+
+
+def _number(name: str) -> Callable[[StepRecord], Any]:
+    """Return what reads one number of a step."""
+    head, _, place = name.rpartition(".")
+    if not place.isdigit():
+        return attrgetter(name)
+    array, index = attrgetter(head), int(place)
+    return lambda record: array(record)[index]
 
 
 def encode_special(value: Any) -> Any:

@@ -22,15 +22,6 @@ def _step_schema() -> bytes:
     return schema.replace(b'{"type":"number"}', b'{"type":["number","null"]}')  # NaN is written as null
 
 
-def _reason(error: BaseException | None) -> str:
-    """Say how a run ended; only an error that no user was meant to read shows the name of its class."""
-    if error is None:
-        return "the path was driven to its end"
-    if isinstance(error, KeyboardInterrupt):
-        return "interrupted at the keyboard"
-    return str(error) if isinstance(error, DrawbarError) else f"{type(error).__name__}: {error}"
-
-
 class Recorder:
     """The log of one run as a context: open at construction, complete with its outcome on leaving.
 
@@ -79,7 +70,7 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._finish(Outcome(finished=error is None, reason=_reason(error)))
+        self._finish(Outcome.of(error))
 
     def _finish(self, outcome: Outcome) -> None:
         with self._stream:

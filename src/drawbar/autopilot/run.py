@@ -1,11 +1,10 @@
 """Drive a path from its start to its end, step by step."""
 
-import math
 from collections.abc import Iterator
 
 from drawbar.autopilot.autopilot import Autopilot
 from drawbar.errors import DrawbarError
-from drawbar.signals import Measurement, StepRecord
+from drawbar.signals import Estimate, FixStatus, StepRecord
 
 LOST = 5.0
 """Distance from the path at which a run is given up, m."""
@@ -35,18 +34,23 @@ def drive(autopilot: Autopilot, *, time_limit: float) -> Iterator[StepRecord]:
         record = autopilot.step()
         yield record
         time, error = record.measurement.time, record.reference.tractor.lateral_error
-        last_fix = time if _has_fix(record.measurement) else last_fix
+        last_fix = time if _has_fix(record.estimate) else last_fix
         refused = refused + 1 if record.command_refused else 0
         if not abs(error) <= LOST:  # also when it is NaN
             raise RunAborted(f"At {time:.1f} s the tractor was {abs(error):.2f} m from the path (limit {LOST} m).")
         if time - last_fix > BLIND:
-            raise RunAborted(f"At {time:.1f} s neither antenna had had a fix for more than {BLIND:.0f} s.")
+            raise RunAborted(f"At {time:.1f} s neither antenna had had a valid fix for more than {BLIND:.0f} s.")
         if refused >= REFUSED:
             raise RunAborted(f"At {time:.1f} s the gate had refused {refused} commands in a row.")
         if time > time_limit:
             raise RunAborted(f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log.")
 
 
-def _has_fix(measurement: Measurement) -> bool:
-    tractor, trailer = measurement.tractor_x + measurement.tractor_y, measurement.trailer_x + measurement.trailer_y
-    return math.isfinite(tractor) or math.isfinite(trailer)
+def longest_time(length: float, speed: float) -> float:
+    """Return the time (s) after which a run along a path of this length (m) at this set speed (m/s) is given up."""
+    return 60.0 + 3.0 * length / speed
+
+
+def _has_fix(estimate: Estimate) -> bool:
+    """Return whether a fix was believed; one that a receiver repeats is none."""
+    return FixStatus.ACCEPTED in (estimate.tractor_fix, estimate.trailer_fix)

@@ -16,7 +16,12 @@ from drawbar.errors import DrawbarError
 STAGES = 15
 GROWTH = (30, 60, 120)
 STEPS = 1000
-HORIZONS = {"paper": (STAGES, *GROWTH), "articulated": (STAGES,)}
+HORIZONS = {
+    "paper": (STAGES, *GROWTH),
+    "paper-centralised": (STAGES,),
+    "articulated": (STAGES,),
+    "articulated-centralised": (STAGES,),
+}
 
 
 def run_benchmark(console: Console, json_path: Path | None = None) -> None:

@@ -9,6 +9,7 @@ from drawbar.autopilot.build import build_autopilot, build_machine, build_path
 from drawbar.autopilot.run import drive
 from drawbar.benchmark.probe import Probe
 from drawbar.config import Configuration, load_configuration
+from drawbar.control.centralised import CentralisedController
 from drawbar.control.decentralised import DecentralisedController
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.machine.base import Machine
@@ -53,7 +54,7 @@ class _TimedMachine(Machine):
 
 
 def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_other_route: bool) -> list[list[Probe]]:
-    """Drive a shipped configuration at several horizons in lockstep; return the probes of the three solvers of each.
+    """Drive a shipped configuration at several horizons in lockstep; return the probes of the solvers of each.
 
     In lockstep the machine's moods fall on all horizons alike, and their ratios mean something.
 
@@ -83,15 +84,25 @@ def _stretched(name: str, stages: int) -> Configuration:
 
 
 def _probes(name: str, autopilot: Autopilot, *, with_other_route: bool) -> list[Probe]:
+    solvers = _solvers(name, autopilot)
+    return [Probe(problem, solver, with_other_route=with_other_route) for problem, solver in solvers.items()]
+
+
+def _solvers(name: str, autopilot: Autopilot) -> dict[str, ControlSolver | EstimationSolver]:
+    """Return what a configuration has to measure, by the problem's name.
+
+    Beside a centralised controller that is its solver alone: the estimator is the decentralised configuration's.
+    """
     controller, estimator = autopilot.controller, autopilot.estimator
+    if isinstance(controller, CentralisedController):
+        return {name: controller.solver}
     if not isinstance(controller, DecentralisedController) or not isinstance(estimator, MovingHorizonEstimator):
-        raise TypeError(f"{name} has no decentralised controllers or no moving horizon estimator to measure.")
-    solvers: dict[str, ControlSolver | EstimationSolver] = {
-        "tractor": controller.tractor.solver,
-        "trailer": controller.trailer.solver,
-        "estimator": estimator.solver,
+        raise TypeError(f"{name} has no compiled controllers or no moving horizon estimator to measure.")
+    return {
+        f"{name}-tractor": controller.tractor.solver,
+        f"{name}-trailer": controller.trailer.solver,
+        f"{name}-estimator": estimator.solver,
     }
-    return [Probe(f"{name}-{body}", solver, with_other_route=with_other_route) for body, solver in solvers.items()]
 
 
 def whole_run(name: str) -> WholeRun:

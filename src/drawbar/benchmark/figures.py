@@ -2,7 +2,8 @@
 
 import os
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -56,6 +57,20 @@ def one_core() -> None:
     """Stay on one core for the rest of the process, where the system lets a process choose."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+
+
+@contextmanager
+def on_one_core() -> Iterator[None]:
+    """Stay on one core for a while, this thread alone, where the system lets it choose."""
+    if not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    allowed = os.sched_getaffinity(0)
+    one_core()
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 def _row(probe: Probe, route: str, prepare: Any, feedback: Any) -> dict[str, Any]:

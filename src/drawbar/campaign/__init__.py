@@ -1,1 +1,1 @@
-"""Experiments and tuning: many seeded runs as tasks of a Dask cluster."""
+"""Many runs at once: experiments over cases and seeds on a Dask cluster, resumable, with tables and figures."""

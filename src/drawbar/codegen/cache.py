@@ -7,6 +7,8 @@ import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -74,8 +76,27 @@ def _workshop(folder: Path) -> tempfile.TemporaryDirectory[str]:
         ) from error
 
 
+@contextmanager
+def _turn(library: Path) -> Iterator[None]:
+    """Wait until no other process builds this library; where there are no such locks, both build it, to no harm."""
+    if sys.platform == "win32":
+        yield
+        return
+    import fcntl  # POSIX alone has it
+
+    lock = library.with_suffix(".lock")
+    with lock.open("w") as stream:
+        fcntl.flock(stream, fcntl.LOCK_EX)  # ends with the process, however that ends
+        try:
+            yield
+        finally:
+            lock.unlink(missing_ok=True)
+
+
 def _compile(source: str, flags: tuple[str, ...], library: Path) -> None:
-    with _workshop(library.parent) as text:
+    with _workshop(library.parent) as text, _turn(library):
+        if library.exists():
+            return
         folder = Path(text)
         for file, content in {**runtime_sources(), "unit.c": source}.items():
             (folder / file).write_text(content, "utf-8")
@@ -85,4 +106,4 @@ def _compile(source: str, flags: tuple[str, ...], library: Path) -> None:
         if done.returncode != 0:
             lines = "\n".join(done.stderr.splitlines()[:12])
             raise CompilerError(f"{' '.join(command[:2])} … could not compile {library.stem}:\n{lines}")
-        os.replace(built, library)  # atomic: two processes may build the same library at once
+        os.replace(built, library)  # atomic: no process sees half a library

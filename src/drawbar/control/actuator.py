@@ -18,3 +18,7 @@ class SteeringActuator:
         """
         wanted = self._sign * (steering + self._lead * rate)
         return math.copysign(min(abs(wanted), self._limit), wanted) if math.isfinite(wanted) else wanted
+
+    def rate(self, steering: float, command: float) -> float:
+        """Return the mean rate (rad/s) over a sample by which the steering (rad) follows a command (rad)."""
+        return (self._sign * command - steering) / self._lead

@@ -2,42 +2,33 @@
 
 import math
 
-from drawbar.control.settings import AncillaryGain
-from drawbar.geometry import wrap
-from drawbar.signals import BodyPlan, BodySteering, Pose
+from drawbar.control.tube.tube import SubsystemTube
+from drawbar.signals import BodyPlan, BodySteering
 
 
 class AncillaryLaw:
-    """Holds one body to what was predicted for it one sample ago, whatever the neighbour and the ground did.
+    """Holds one body to its nominal state, whatever the neighbour and the ground did, and watches its tube.
 
-    The error acts in the predicted heading's frame, which is the paper's "linear time varying" remark. The sum may
-    exceed the bounds that the nominal plan respects; it is clipped to them and the clip is reported.
+    While the deviation is in the tube, and the plan within its tightened bounds, the sum respects the bound on the
+    command by itself. Outside, or where no tube is declared, it is clipped to the bound and the clip is reported.
     """
 
-    def __init__(self, gain: AncillaryGain, limit: float) -> None:
-        """Take the gain and the largest steering angle that may be commanded, rad."""
-        self._gain, self._limit = gain, limit
-        self._predicted: tuple[float, float, float] | None = None
+    def __init__(self, tube: SubsystemTube | None, limit: float) -> None:
+        """Take gain and tube (None: no law), and the largest steering angle that may be commanded, rad."""
+        self._tube, self._limit = tube, limit
 
-    def apply(self, plan: BodyPlan, pose: Pose) -> BodySteering:
-        """Return the steering to command now, and remember the plan's prediction for the next sample.
-
-        Args:
-            plan: the newest nominal plan.
-            pose: the estimated pose now.
-        """
-        ancillary = self._correction(pose)
-        x, y, yaw = plan.poses[1].tolist()
-        self._predicted = (x, y, yaw)
+    def apply(self, plan: BodyPlan) -> BodySteering:
+        """Return the steering to command now, from the newest nominal plan and the deviation that it states."""
+        tube, ancillary, margin = self._tube, 0.0, math.nan
+        if tube is not None and plan.deviation.size:
+            ancillary, margin = float(tube.gain @ plan.deviation), tube.margin(plan.deviation)
         total = plan.steering + ancillary
         # what is not finite is no command to clip: it goes on to the gate, which refuses it
         command = min(max(total, -self._limit), self._limit) if math.isfinite(total) else total
-        saturated = abs(total) > self._limit
-        return BodySteering(nominal=plan.steering, ancillary=ancillary, command=command, saturated=saturated)
-
-    def _correction(self, pose: Pose) -> float:
-        if self._predicted is None:
-            return 0.0
-        x, y, yaw = self._predicted
-        lateral = math.cos(yaw) * (pose.y - y) - math.sin(yaw) * (pose.x - x)
-        return self._gain.lateral * lateral + self._gain.yaw * wrap(pose.yaw - yaw)
+        return BodySteering(
+            nominal=plan.steering,
+            ancillary=ancillary,
+            command=command,
+            saturated=abs(total) > self._limit,
+            margin=margin,
+        )

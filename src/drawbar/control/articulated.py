@@ -6,24 +6,32 @@ import math
 import numpy as np
 
 from drawbar.control.actuator import SteeringActuator
+from drawbar.control.chain import TrailerPoses, curvature_steering, steering_bounds
+from drawbar.control.nominal_state import plain_deviation
+from drawbar.control.off_tracking import SharedError
+from drawbar.control.optimised_start import OptimisedStart
 from drawbar.control.settings import ArticulatedControllerSettings, Coupling
 from drawbar.control.subsystem import SubsystemController
+from drawbar.control.tube.tube import SubsystemTube
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem
 from drawbar.signals import BodyPlan, BodyReference, Estimate
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
 from drawbar.vehicle.parameters import VehicleParameters
 
-_OVERSTEER = 1e3
-"""Penalty per radian on a planned steering angle beyond its limit: soft, since the estimate may lie beyond it."""
-
 
 class ArticulatedTractor(SubsystemController):
     """Tractor with slip, crab and a steering of limited rate, held near the path's own curvature."""
 
-    def __init__(self, vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float) -> None:
-        """Compile the controller for this vehicle."""
-        weights, limit = settings.tractor, vehicle.tractor_steering_limit
+    def __init__(
+        self,
+        vehicle: VehicleParameters,
+        settings: ArticulatedControllerSettings,
+        sample_time: float,
+        tube: SubsystemTube,
+    ) -> None:
+        """Compile the controller for this vehicle, with what the tube leaves of the bounds."""
+        weights = settings.tractor
         super().__init__(
             ControlProblem(
                 model=articulated_tractor(vehicle),
@@ -31,16 +39,22 @@ class ArticulatedTractor(SubsystemController):
                 sample_time=sample_time,
                 weights=(weights.lateral, weights.heading, weights.steering, weights.steering_rate),
                 terminal_weights=(weights.lateral, weights.heading, weights.steering, 0.0),
-                bounds=_steering_bounds(limit, vehicle.tractor_steering_rate),
-            )
+                bounds=_bounds(tube),
+            ),
+            tube,
         )
-        self._wheelbase = vehicle.wheelbase
-        self._widening = settings.widening
-        self._actuator = SteeringActuator(lag=vehicle.steering_lag, limit=limit, sample_time=sample_time)
+        self._vehicle = vehicle
+        self._shared = SharedError(vehicle, settings.sharing, sample_time)
+        self._actuator = SteeringActuator(
+            lag=vehicle.steering_lag, limit=tube.bounds["command"].tightened, sample_time=sample_time
+        )
+
+    def _state(self, estimate: Estimate) -> Floats:
+        pose = estimate.tractor
+        return np.array([pose.x, pose.y, pose.yaw, estimate.tractor_steering])
 
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
-        solver, pose, samples = self.solver, estimate.tractor, reference.samples
-        solver.initial[:] = pose.x, pose.y, pose.yaw, estimate.tractor_steering
+        solver, samples = self.solver, reference.samples
         solver.p[:, :5] = (
             estimate.longitudinal_slip,
             estimate.tractor_slip,
@@ -49,19 +63,21 @@ class ArticulatedTractor(SubsystemController):
             estimate.speed,
         )
         solver.p[:, 5:] = samples[:, :3]
-        solver.y[:, 0] = -self._widening * samples[:, 3]
-        slope = self._wheelbase * samples[:, 3] + math.tan(estimate.tractor_crab)
-        solver.y[:, 2] = (np.arctan(slope) - estimate.steering_offset) / estimate.tractor_slip
+        solver.y[:, 0] = self._shared.targets(estimate, samples[:, 3])
+        solver.y[:, 2] = curvature_steering(self._vehicle, estimate, samples[:, 3])
 
-    def _guess(self, reference: BodyReference) -> None:
+    def _guess(self) -> None:
         """Linearise along the path itself, steered as its curvature asks."""
         solver = self.solver
-        solver.x[:, :3], solver.x[:, 3], solver.u[:] = reference.samples[:, :3], solver.y[:, 2], 0.0
+        solver.x[:, :3], solver.x[:, 3], solver.u[:] = solver.p[:, 5:], solver.y[:, 2], 0.0
         solver.x[0] = solver.initial
         solver.prepare()
 
     def _steering(self) -> float:
-        return self._actuator.command(float(self.solver.initial[3]), float(self.solver.u[0, 0]))
+        steering, rate = float(self.solver.x[0, 3]), float(self.solver.u[0, 0])
+        command = self._actuator.command(steering, rate)
+        self.solver.u[0, 0] = self._actuator.rate(steering, command)
+        return command
 
     def _steerings(self) -> Floats:
         return self.solver.x[1:, 3].copy()
@@ -73,9 +89,15 @@ class ArticulatedTractor(SubsystemController):
 class ArticulatedTrailer(SubsystemController):
     """Trailer on the chain behind a tractor whose motion is given by the coupling."""
 
-    def __init__(self, vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float) -> None:
-        """Compile the controller for this vehicle."""
-        weights, limit = settings.trailer, vehicle.trailer_steering_limit
+    def __init__(
+        self,
+        vehicle: VehicleParameters,
+        settings: ArticulatedControllerSettings,
+        sample_time: float,
+        tube: SubsystemTube,
+    ) -> None:
+        """Compile the controller for this vehicle, with what the tube leaves of the bounds."""
+        weights = settings.trailer
         super().__init__(
             ControlProblem(
                 model=articulated_trailer(vehicle),
@@ -83,23 +105,38 @@ class ArticulatedTrailer(SubsystemController):
                 sample_time=sample_time,
                 weights=(weights.lateral, weights.steering, weights.steering_rate),
                 terminal_weights=(weights.lateral, weights.steering, 0.0),
-                bounds=_steering_bounds(limit, vehicle.trailer_steering_rate),
-            )
+                bounds=_bounds(tube),
+            ),
+            tube,
         )
         self._actuator = SteeringActuator(
-            lag=vehicle.steering_lag, limit=limit, sample_time=sample_time, sign=vehicle.joint_sign
+            lag=vehicle.steering_lag,
+            limit=tube.bounds["command"].tightened,
+            sample_time=sample_time,
+            sign=vehicle.joint_sign,
         )
         self._vehicle, self._coupling = vehicle, settings.coupling
         self._interval = sample_time
         self._times = sample_time * np.arange(settings.horizon + 1)
         self._imaginary_times = 1j * self._times[:-1]
-        back = vehicle.trailer_length - vehicle.trailer_antenna
-        self._back = -np.array([vehicle.free_joint_offset, vehicle.drawbar_length, back], complex)
-        self._angles = np.zeros((3, settings.horizon + 1), complex)
+        self._trailer_poses = TrailerPoses(vehicle, settings.horizon + 1)
+
+    def _state(self, estimate: Estimate) -> Floats:
+        return np.array([estimate.tractor.yaw - estimate.trailer.yaw, estimate.trailer_steering])
+
+    def _enter(
+        self, choice: OptimisedStart, estimate: Estimate, reference: BodyReference
+    ) -> tuple[Estimate, BodyReference]:
+        return estimate, reference  # the states are angles of the body itself
+
+    def _beside(self, state: Floats, reference: BodyReference) -> Floats:
+        return state
+
+    def _deviation(self, estimated: Floats, nominal: Floats) -> Floats:
+        return plain_deviation(estimated, nominal)
 
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
         solver = self.solver
-        solver.initial[:] = estimate.tractor.yaw - estimate.trailer.yaw, estimate.trailer_steering
         solver.p[:, :4] = (
             estimate.longitudinal_slip,
             estimate.tractor_crab,
@@ -135,24 +172,18 @@ class ArticulatedTrailer(SubsystemController):
         p[:, 7] = pose.yaw + turns
 
     def _steering(self) -> float:
-        return self._actuator.command(float(self.solver.initial[1]), float(self.solver.u[0, 0]))
+        steering, rate = float(self.solver.x[0, 1]), float(self.solver.u[0, 0])
+        command = self._actuator.command(steering, rate)
+        self.solver.u[0, 0] = self._actuator.rate(steering, command)
+        return command
 
     def _steerings(self) -> Floats:
         return self.solver.x[1:, 1].copy()
 
     def _poses(self) -> Floats:
         p, x = self.solver.p, self.solver.x
-        poses = np.empty((len(p), 3))
-        theta, psi, angles = p[:, 7], np.subtract(p[:, 7], x[:, 0], out=poses[:, 2]), self._angles.imag
-        angles[0], angles[1], angles[2] = theta, psi + x[:, 1], psi
-        antenna = self._back @ np.exp(self._angles)
-        poses[:, 0] = p[:, 5] + antenna.real
-        poses[:, 1] = p[:, 6] + antenna.imag
-        return poses
+        return self._trailer_poses.behind(p[:, 5:8], p[:, 7] - x[:, 0], x[:, 1])
 
 
-def _steering_bounds(limit: float, rate: float) -> dict[str, Bound]:
-    return {
-        "steering": Bound(lower=-limit, upper=limit, linear_penalty=_OVERSTEER),
-        "steering_rate": Bound(lower=-rate, upper=rate),
-    }
+def _bounds(tube: SubsystemTube) -> dict[str, Bound]:
+    return steering_bounds(tube.bounds["steering"].tightened, tube.bounds["steering_rate"].tightened)

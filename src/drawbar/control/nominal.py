@@ -1,8 +1,12 @@
 """The nominal controllers of the whole vehicle behind one interface."""
 
+import math
 from abc import ABC, abstractmethod
 
 from drawbar.signals import Estimate, Plan, Reference, SolveTimes
+
+NO_SOLVER = SolveTimes(prepare=math.nan, feedback=math.nan)
+"""The times of a body that has no solver of its own."""
 
 
 class NominalController(ABC):
@@ -19,4 +23,4 @@ class NominalController(ABC):
     @property
     @abstractmethod
     def times(self) -> tuple[SolveTimes, SolveTimes]:
-        """Wall-clock time of the last two phases for tractor and trailer, s."""
+        """Wall-clock time of the last two phases for tractor and trailer, s; NaN for a body without a solver."""

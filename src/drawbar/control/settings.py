@@ -1,11 +1,12 @@
 """The controller and tube sections of a configuration."""
 
+from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from drawbar.settings import Horizon, NonNegative, Positive, Settings
+from drawbar.settings import Horizon, NonNegative, Positive, PositiveAngle, Settings, Share
 
 
 class Coupling(StrEnum):
@@ -23,7 +24,8 @@ CouplingSetting = Annotated[Coupling, Field(strict=False)]
 
 
 Structure = Literal["decentralised", "centralised"]
-"""One small problem for each body, or one large problem for both (the paper's CeNMPC)"""
+"""One small problem for each body, or one large problem for both (the paper's CeNMPC), which does not
+need `coupling` and `sharing`"""
 
 
 class TricycleControllerSettings(Settings):
@@ -47,11 +49,11 @@ class ArticulatedTractorWeights(Settings):
 
     lateral: Positive = 40.0
     """1/m²"""
-    heading: NonNegative = 1.0
-    """1/rad²"""
+    heading: NonNegative = 70.0
+    """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(70/40) m"""
     steering: NonNegative = 0.1
     """on the distance to the curvature feed-forward, 1/rad²"""
-    steering_rate: Positive = 0.3
+    steering_rate: Positive = 0.6
     """s²/rad²"""
 
 
@@ -62,8 +64,19 @@ class ArticulatedTrailerWeights(Settings):
     """1/m²"""
     steering: NonNegative = 0.002
     """1/rad²"""
-    steering_rate: Positive = 1.0
+    steering_rate: Positive = 0.3
     """s²/rad²"""
+
+
+class SharingSettings(Settings):
+    """How far the tractor leaves its line for a trailer whose steering is exhausted; all zero: not at all."""
+
+    share: Share = 0.7
+    """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
+    accepted_error: NonNegative = 0.03
+    """steady error that stays with the trailer, m"""
+    widening: NonNegative = 0.05
+    """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m"""
 
 
 class ArticulatedControllerSettings(Settings):
@@ -74,9 +87,8 @@ class ArticulatedControllerSettings(Settings):
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
-    widening: NonNegative = 0.05
-    """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m, since the trailer's
-    steering is exhausted there and cannot stop cutting in by itself"""
+    sharing: SharingSettings = SharingSettings()
+    """Decentralised structure only"""
     tractor: ArticulatedTractorWeights = ArticulatedTractorWeights()
     trailer: ArticulatedTrailerWeights = ArticulatedTrailerWeights()
 
@@ -95,9 +107,9 @@ class PurePursuitSettings(Settings):
 
     model: Literal["pure_pursuit"]
     horizon: Horizon = 20
-    """samples of the path ahead that the guidance hands over; the look-ahead point must lie within"""
-    look_ahead: Positive = 1.6
-    """distance of the pursued point, m"""
+    """samples of the path ahead that the guidance hands over; beyond them it goes on in an arc"""
+    look_ahead: Positive = 1.3
+    """distance of the pursued point along the path, m"""
     trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
 
 
@@ -109,24 +121,76 @@ class LqrSettings(Settings):
     """samples of the path ahead that the guidance hands over"""
     lateral: Positive = 1.0
     """weight of the lateral error, 1/m²"""
-    heading: NonNegative = 1.0
+    heading: NonNegative = 3.0
     """weight of the heading error, 1/rad²"""
-    steering: Positive = 1.0
+    steering: Positive = 0.3
     """weight of the steering beyond the curvature's, 1/rad²"""
+    lead: NonNegative = 0.4
+    """how far ahead the path's curvature is fed forward, since the steering lags, s"""
+    approach_angle: PositiveAngle = 0.5
+    """steepest angle at which the path is approached from afar, rad"""
     trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
 
 
+class Nominal(StrEnum):
+    """What the ancillary law holds the vehicle to: the nominal state x̄ of the tube."""
+
+    PREDICTED = "predicted"
+    """what was predicted for now one sample ago; the nominal problem starts at the estimate"""
+    PROPAGATED = "propagated"
+    """the nominal model running on its own (Mayne 2004)"""
+    OPTIMISED = "optimised"
+    """a decision variable within the invariant set around the estimate (Mayne 2005, 2006)"""
+
+
 class AncillaryGain(Settings):
-    """One body's K: steering per error of the pose against its prediction, in the predicted heading's frame."""
+    """One body's K: command per error against the nominal state, in its heading's frame."""
 
     lateral: float = 0.0
     """rad/m"""
     yaw: float = 0.0
     """rad/rad"""
+    articulation: float = 0.0
+    """of the articulated trailer, in place of lateral and yaw, rad/rad"""
+    steering: float = 0.0
+    """where the model has the steering angle as a state, rad/rad"""
+
+
+Declared = Mapping[str, NonNegative]
+"""bounds by name; `drawbar tube CONFIG` lists the names and units that a model knows"""
+
+
+class BodyTubeSettings(AncillaryGain):
+    """One body's ancillary gain, and the bounds from which its invariant set is computed; none declared, no set."""
+
+    lqr: Mapping[str, Positive] = {}
+    """weights of states and `command` from which the gain follows instead of being given, 1/unit²"""
+    disturbances: Declared = {}
+    """largest error, over one sample, of what the nominal model assumes, in the unit of each"""
+    estimation: Declared = {}
+    """largest error of the estimate of each state, in its unit"""
+    increments: Declared = {}
+    """largest part of a new estimate that the last one did not foretell, by state, in its unit; where not given it
+    follows from `estimation` as if the errors of successive estimates had nothing to do with each other"""
+
+
+class TubeWorkRange(Settings):
+    """Where the errors are linearised: at the middle of these ranges, and allowing for all of them."""
+
+    speed: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.85, 1.05)
+    """speed over ground per set speed"""
+    tractor_slip: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.8, 1.0)
+    """kappa"""
+    trailer_slip: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.8, 1.0)
+    """eta, where the model has it"""
 
 
 class TubeSettings(Settings):
-    """The ancillary law u = ū + K (x - x̄) with x̄ the prediction made one sample ago; no gains, no law."""
+    """The ancillary laws u = ū + K (x - x̄), and what the invariant sets are computed from."""
 
-    tractor: AncillaryGain = AncillaryGain()
-    trailer: AncillaryGain = AncillaryGain()
+    nominal: Annotated[Nominal, Field(strict=False)] = Nominal.PREDICTED
+    tighten: bool = True
+    """let the nominal problems keep to what the sets leave of their bounds; false: to see what that is worth"""
+    tractor: BodyTubeSettings = BodyTubeSettings()
+    trailer: BodyTubeSettings = BodyTubeSettings()
+    work: TubeWorkRange = TubeWorkRange()

@@ -1,40 +1,57 @@
 """One body's nominal controller: what all of them share."""
 
 from abc import ABC, abstractmethod
-from time import perf_counter
+from dataclasses import replace
 
-import numpy as np
-
+from drawbar.control.iteration import RealTimeIteration
+from drawbar.control.nominal_state import beside, pose_deviation
+from drawbar.control.optimised_start import OptimisedStart
+from drawbar.control.settings import Nominal
+from drawbar.control.tube.inner_box import initial_choice
+from drawbar.control.tube.tube import SubsystemTube
 from drawbar.geometry import Floats
 from drawbar.optimal import ControlProblem, ControlSolver
 from drawbar.signals import BodyPlan, BodyReference, Estimate, SolverStatus, SolveTimes
 
-_TORN = 0.5
-"""Gap between two intervals of a plan, m or rad, from which on a full Gauss-Newton step cannot be believed."""
-
 
 class SubsystemController(ABC):
-    """Solves one subsystem's problem by the real-time iteration; a subclass fills in what its model needs."""
+    """Solves one subsystem's problem by the real-time iteration; a subclass fills in what its model needs.
 
-    def __init__(self, problem: ControlProblem) -> None:
-        """Compile the solver and prepare it at rest.
+    The states of a subclass are a pose and what follows it, unless it overrides `_beside` and `_deviation`.
+    """
+
+    def __init__(self, problem: ControlProblem, tube: SubsystemTube) -> None:
+        """Compile the solver.
+
+        Args:
+            problem: with the bounds that the tube leaves, starting from a given state.
+            tube: says where the problem starts at each sample.
 
         Raises:
+            ConfigurationError: the nominal state shall be optimised, but there is no set to choose it from.
             SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
+        self._restarts = tube.nominal is Nominal.PREDICTED
+        self._choice: OptimisedStart | None = None
+        if tube.nominal is Nominal.OPTIMISED:
+            self._choice = OptimisedStart(initial_choice(tube), len(problem.model.states))
+            problem = replace(problem, initial_weights=self._choice.weights)
         self.solver = ControlSolver(problem)
-        self._usable = False
-        self._torn = False
-        self._prepare_time = self._feedback_time = 0.0
+        self._iteration = RealTimeIteration(self.solver, self._guess)
+        self._successor: Floats | None = None
+
+    @abstractmethod
+    def _state(self, estimate: Estimate) -> Floats:
+        """Return the estimate (nx,) in the states of this body's model."""
 
     @abstractmethod
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
-        """Write initial state, parameters and references into the solver."""
+        """Write parameters and references into the solver."""
 
     @abstractmethod
     def _steering(self) -> float:
-        """Return the nominal command of the plan's first sample, rad."""
+        """Return the nominal command of the plan's first sample, rad; let the plan's first input be what it does."""
 
     @abstractmethod
     def _steerings(self) -> Floats:
@@ -52,37 +69,59 @@ class SubsystemController(ABC):
             reference: this body's path samples, one per stage.
             neighbour: the other body's plan, where the coupling is planned.
         """
-        solver = self.solver
+        if self._choice is not None:
+            estimate, reference = self._enter(self._choice, estimate, reference)
+        estimated = self._state(estimate)
+        nominal = estimated if self._successor is None else self._beside(self._successor, reference)
+        self._begin(estimated, nominal)
         self._fill(estimate, reference, neighbour)
-        if not self._usable:
-            self._guess(reference)
-        start = perf_counter()
-        status = SolverStatus(solver.feedback())
-        self._feedback_time = perf_counter() - start
-        self._usable = status is SolverStatus.SOLVED
+        status = self._iteration.feedback()
+        if status is not SolverStatus.SOLVED:
+            self.solver.x[0] = self.solver.initial  # of a plan that failed only its begin is known
+        steering = self._steering()
+        self._successor = self.solver.successor() if status is SolverStatus.SOLVED else None
         return BodyPlan(
-            steering=self._steering(),
-            poses=self._poses(),
+            steering=steering,
+            poses=self._poses() if self._choice is None else self._choice.placed(self._poses()),
             steerings=self._steerings(),
-            status=SolverStatus.CHECK_FAILED if self._torn else status,
+            deviation=self._deviation(estimated, nominal if self._choice is None else self.solver.x[0]),
+            status=status,
         )
 
+    def _begin(self, estimated: Floats, nominal: Floats) -> None:
+        """Let the problem start where the tube wants it to: all its states are (nx,)."""
+        self.solver.initial[:] = estimated if self._restarts else nominal
+        if self._choice is not None:
+            self.solver.initial_lower[:], self.solver.initial_upper[:] = self._choice.between(estimated, nominal)
+
     def prepare(self) -> None:
-        """Shift the plan by one sample and linearise along it.
+        """Shift the plan by one sample and linearise along it."""
+        self._iteration.prepare()
 
-        A plan whose intervals do not nearly meet is none: the next one starts afresh, and says so in its status.
-        """
-        start = perf_counter()
-        self.solver.advance()
-        self._prepare_time = perf_counter() - start
-        self._torn = not np.abs(self.solver.defects).max() <= _TORN
-        self._usable &= not self._torn
+    def _enter(
+        self, choice: OptimisedStart, estimate: Estimate, reference: BodyReference
+    ) -> tuple[Estimate, BodyReference]:
+        """State the problem, and all that is remembered of it, in the frame in which its start is chosen."""
+        old = choice.enter(reference)
+        self.solver.x[:] = choice.seen_again(old, self.solver.x)
+        if self._successor is not None:
+            self._successor = choice.seen_again(old, self._successor[None])[0]
+        self.solver.prepare()
+        return choice.seen(estimate, reference)
 
-    def _guess(self, reference: BodyReference) -> None:
-        """Linearise along a first guess: standing still."""
+    def _beside(self, state: Floats, reference: BodyReference) -> Floats:
+        """Return the nominal state (nx,) without what separates it from the estimate along the path."""
+        return beside(state, reference.closest)
+
+    def _deviation(self, estimated: Floats, nominal: Floats) -> Floats:
+        """Return x̂ - x̄ in the coordinates in which the ancillary law acts."""
+        return pose_deviation(estimated, nominal)
+
+    def _guess(self) -> None:
+        """Linearise along a first guess, made of what was filled in: standing still."""
         self.solver.start()
 
     @property
     def times(self) -> SolveTimes:
         """Wall-clock time of the last two phases, s."""
-        return SolveTimes(prepare=self._prepare_time, feedback=self._feedback_time)
+        return self._iteration.times

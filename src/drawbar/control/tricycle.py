@@ -4,6 +4,7 @@ import numpy as np
 
 from drawbar.control.settings import Coupling, TricycleControllerSettings
 from drawbar.control.subsystem import SubsystemController
+from drawbar.control.tube.tube import SubsystemTube
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem
 from drawbar.signals import BodyPlan, BodyReference, Estimate
@@ -12,8 +13,10 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle_tractor, tricycle_trailer
 
 
-def _problem(model: Model, settings: TricycleControllerSettings, sample_time: float, limit: float) -> ControlProblem:
-    q, s = settings.position_weight, settings.terminal_weight
+def _problem(
+    model: Model, settings: TricycleControllerSettings, sample_time: float, tube: SubsystemTube
+) -> ControlProblem:
+    q, s, limit = settings.position_weight, settings.terminal_weight, tube.bounds["command"].tightened
     return ControlProblem(
         model=model,
         horizon=settings.horizon,
@@ -40,13 +43,22 @@ class _Tricycle(SubsystemController):
 class TricycleTractor(_Tricycle):
     """Tractor: f_1 of the paper; the steering reference is the last measured angle."""
 
-    def __init__(self, vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float) -> None:
-        """Compile the controller for this vehicle."""
-        super().__init__(_problem(tricycle_tractor(vehicle), settings, sample_time, vehicle.tractor_steering_limit))
+    def __init__(
+        self,
+        vehicle: VehicleParameters,
+        settings: TricycleControllerSettings,
+        sample_time: float,
+        tube: SubsystemTube,
+    ) -> None:
+        """Compile the controller for this vehicle, with what the tube leaves of the bound."""
+        super().__init__(_problem(tricycle_tractor(vehicle), settings, sample_time, tube), tube)
+
+    def _state(self, estimate: Estimate) -> Floats:
+        pose = estimate.tractor
+        return np.array([pose.x, pose.y, pose.yaw])
 
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
-        solver, pose = self.solver, estimate.tractor
-        solver.initial[:] = pose.x, pose.y, pose.yaw
+        solver = self.solver
         solver.p[:] = estimate.longitudinal_slip, estimate.tractor_slip, estimate.speed
         solver.y[:, :2] = reference.samples[:, :2]
         solver.y[:, 2] = estimate.tractor_steering
@@ -55,15 +67,24 @@ class TricycleTractor(_Tricycle):
 class TricycleTrailer(_Tricycle):
     """Trailer: f_2 of the paper, with g_2 as the coupling says."""
 
-    def __init__(self, vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float) -> None:
-        """Compile the controller for this vehicle."""
-        super().__init__(_problem(tricycle_trailer(vehicle), settings, sample_time, vehicle.trailer_steering_limit))
+    def __init__(
+        self,
+        vehicle: VehicleParameters,
+        settings: TricycleControllerSettings,
+        sample_time: float,
+        tube: SubsystemTube,
+    ) -> None:
+        """Compile the controller for this vehicle, with what the tube leaves of the bound."""
+        super().__init__(_problem(tricycle_trailer(vehicle), settings, sample_time, tube), tube)
         self._coupling = settings.coupling
         self._leverage = vehicle.hitch_length / vehicle.wheelbase
 
+    def _state(self, estimate: Estimate) -> Floats:
+        pose = estimate.trailer
+        return np.array([pose.x, pose.y, pose.yaw])
+
     def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
-        solver, pose = self.solver, estimate.trailer
-        solver.initial[:] = pose.x, pose.y, pose.yaw
+        solver = self.solver
         solver.p[:, :4] = (
             estimate.longitudinal_slip,
             estimate.trailer_slip,

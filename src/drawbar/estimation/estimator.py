@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 
-from drawbar.signals import Estimate, Measurement, SolveTimes
+from drawbar.signals import Command, Estimate, Measurement, SolveTimes
 
 
 class Estimator(ABC):
@@ -13,8 +13,11 @@ class Estimator(ABC):
         """Return the estimate at the measurement's time; missing values are NaN."""
 
     @abstractmethod
-    def prepare(self) -> None:
-        """Do what can be done before the next measurement is known."""
+    def prepare(self, command: Command | None = None) -> None:
+        """Do what can be done before the next measurement is known.
+
+        command: what the actuators are asked for until then; None where nobody tells.
+        """
 
     @property
     @abstractmethod

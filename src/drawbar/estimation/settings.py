@@ -1,11 +1,11 @@
 """The estimator section of a configuration: standard deviations only; weights are derived from them."""
 
 import math
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
-from drawbar.settings import Horizon, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
+from drawbar.settings import Angle, Horizon, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
 
 Method = Literal["moving_horizon", "extended_kalman"]
 """Over a window with bounds, or recursively with clipping to the bounds"""
@@ -27,6 +27,42 @@ class SlipBounds(Settings):
         """Refuse a first guess outside the range by a ValueError."""
         if not self.lower <= first_slip <= self.upper:
             raise ValueError(f"first_slip = {first_slip} must be within {self.lower} .. {self.upper}")
+
+
+class ScreeningSettings(Settings):
+    """Which position fixes are masked before the estimator sees them (docs/theory.md).
+
+    A deviation is that of one coordinate: `sensors.position`, or what the fixes show where that is more.
+    """
+
+    lateral: Positive = 4.0
+    """furthest that a fix may lie from its prediction across the vehicle, deviations"""
+    longitudinal: Positive = 0.5
+    """the same along the vehicle, m: hard acceleration takes both antennas ahead of their predictions"""
+    growth: NonNegative = 0.1
+    """by how much both grow while neither antenna has a fix, m/s: dead reckoning loses its way"""
+    single_growth: NonNegative = 0.0
+    """by how much an antenna's own grow while it has no fix, m/s: for models that do not tie the antennas together"""
+    shift: Positive = 2.3
+    """mean disagreement of the antennas about where the vehicle is that makes one suspect, deviations"""
+    release: Positive = 1.7
+    """mean disagreement below which a suspect is believed again, deviations"""
+    memory: Annotated[int, Field(ge=1)] = 5
+    """samples over which the disagreement is averaged"""
+    long_memory: Annotated[int, Field(ge=1)] = 100
+    """samples over which the deviation and the error of the antennas' distance (wrong lengths) are averaged"""
+    length: Positive = 0.2
+    """largest change of the antennas' distance with which they still agree with each other, m"""
+    repetition: Positive = 0.05
+    """a fix that repeats exactly while the vehicle moved by more than this is stale, m"""
+    patience: Positive = 1.0
+    """time for which both antennas must agree with each other against the estimate to be believed, s"""
+
+    @model_validator(mode="after")
+    def _release_below_shift(self) -> Self:
+        if not self.release <= self.shift:
+            raise ValueError(f"release = {self.release} must not be above shift = {self.shift}; lower it")
+        return self
 
 
 class TricyclePrior(Settings):
@@ -70,6 +106,10 @@ class TricycleEstimatorSettings(Settings):
     """H = diag(sigma)^-1 as printed, or diag(sigma)^-2 as least squares wants it"""
     first_slip: Positive = 0.9
     """first guess of mu, kappa and eta"""
+    first_yaw_error: Angle = 0.0
+    """added to the first guess of both yaws, to see the estimator recover, rad"""
+    screening: ScreeningSettings = ScreeningSettings(lateral=10.0, single_growth=0.1, shift=30.0, release=30.0)
+    """wide: nothing ties the two antennas of this model together, so neither can vouch for the other"""
     prior: TricyclePrior = TricyclePrior()
     drift: TricycleDrift = TricycleDrift()
     slip_bounds: SlipBounds = SlipBounds(lower=0.25, upper=1.0)
@@ -120,9 +160,9 @@ class ArticulatedDrift(Settings):
     """mu"""
     tractor_slip: NonNegative = 0.002
     """kappa"""
-    steering_offset: NonNegativeAngle = 0.0002
+    steering_offset: NonNegativeAngle = 0.002
     """b, rad"""
-    crab: NonNegativeAngle = 0.002
+    crab: NonNegativeAngle = 0.003
     """of both axles, rad"""
     speed: NonNegative = 0.02
     """m/s"""
@@ -135,10 +175,16 @@ class ArticulatedEstimatorSettings(Settings):
     method: Method = "moving_horizon"
     window: Horizon = 15
     """N, samples in the window besides the newest; 3 s at 5 Hz"""
-    steering_rate: PositiveAngle = 0.15
-    """standard deviation of both steering rates within a sample, rad/s"""
+    steering_rate: PositiveAngle = 0.04
+    """standard deviation of both steering rates from what the last command asks of lag and rate limit, rad/s"""
+    crab: PositiveAngle = 0.05
+    """standard deviation with which each sample that lacks a fix takes both crab angles for zero, rad; with drift.crab
+    it sets how soon an angle that nothing shows any more is forgotten: within some crab / drift.crab samples"""
     first_slip: Positive = 0.9
     """first guess of mu and kappa"""
+    first_yaw_error: Angle = 0.0
+    """added to the first guess of both yaws, to see the estimator recover, rad"""
+    screening: ScreeningSettings = ScreeningSettings()
     prior: ArticulatedPrior = ArticulatedPrior()
     drift: ArticulatedDrift = ArticulatedDrift()
     longitudinal_slip_bounds: SlipBounds = SlipBounds(lower=0.25, upper=1.0)

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
-from drawbar.estimation.description import EstimationModel, known, measured, yaws_at_rest
+from drawbar.estimation.antennas import Antennas
+from drawbar.estimation.description import EstimationModel, known, measured, trailer_antenna, yaws_at_rest
 from drawbar.estimation.settings import TricycleEstimatorSettings
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, EstimationProblem
-from drawbar.signals import Estimate, Measurement, Pose, SolverStatus
+from drawbar.signals import Command, Estimate, Measurement, Pose, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 from drawbar.vehicle.tricycle import tricycle
@@ -16,6 +17,8 @@ from drawbar.vehicle.tricycle import tricycle
 
 class TricycleEstimation(EstimationModel):
     """States x_t, y_t, theta, x_i, y_i, psi; parameters mu, kappa, eta, beta, v; both steering angles are inputs."""
+
+    yaws = (2, 5)
 
     def __init__(
         self,
@@ -27,6 +30,8 @@ class TricycleEstimation(EstimationModel):
         """Declare the window problem for this vehicle and these sensors."""
         self._vehicle, self._first_slip = vehicle, settings.first_slip
         self._steering = (0.0, 0.0)
+        self.screening, self.first_yaw_error = settings.screening, settings.first_yaw_error
+        self.position_deviation = noise.position
         deviations = (
             *(noise.position,) * 4,
             noise.hitch_angle,
@@ -46,8 +51,8 @@ class TricycleEstimation(EstimationModel):
             bounds=dict.fromkeys(("longitudinal_slip", "tractor_slip", "trailer_slip"), slip),
         )
 
-    def first_guess(self, measurement: Measurement) -> Floats:
-        """Return the state at rest that explains the first measurement; see the base class."""
+    def at_rest(self, measurement: Measurement) -> Floats:
+        """Return the state at rest that explains one measurement; see the base class."""
         theta, psi = yaws_at_rest(self._vehicle, measurement)
         hitch, speed = known(measurement.hitch_angle), known(measurement.speed)
         positions = (
@@ -63,6 +68,18 @@ class TricycleEstimation(EstimationModel):
     def outputs(self, measurement: Measurement) -> tuple[float, ...]:
         """Return the measurement."""
         return measured(measurement)
+
+    def antennas(self, state: list[float]) -> Antennas:
+        """Return where both antennas are; the trailer's by yaws and joints, which ties it to the tractor's.
+
+        Its own position is a state that would follow any fix.
+        """
+        x, y, theta, _, _, psi, *_, beta, _ = state
+        return (x, y), trailer_antenna(self._vehicle, x, y, theta, theta - beta, psi)
+
+    def steering_rates(self, state: list[float], command: Command) -> tuple[float, ...]:
+        """Return nothing: the steering angles are inputs, and measured."""
+        return ()
 
     def estimate(self, state: list[float], measurement: Measurement, status: SolverStatus) -> Estimate:
         """Return the Estimate; the steering angles are the newest measured ones, since no later output sees them."""

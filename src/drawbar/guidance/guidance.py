@@ -48,22 +48,23 @@ class Guidance(ABC):
         tractor, tractor_error = self._closest(estimate.tractor, self._tractor_progress)
         trailer, trailer_error = self._closest(estimate.trailer, self._trailer_progress)
         self._tractor_progress, self._trailer_progress = tractor, trailer
-        samples = self._samples(self._stages(estimate), (tractor_error, trailer_error))
+        closest = self.path.sample(self._progress()[:, 0])
+        samples = self._samples(estimate)
         _to_branch(samples[0, :, 2], estimate.tractor.yaw)
         _to_branch(samples[1, :, 2], estimate.trailer.yaw)
         return Reference(
             time=estimate.time,
-            tractor=BodyReference(progress=tractor, lateral_error=tractor_error, samples=samples[0]),
-            trailer=BodyReference(progress=trailer, lateral_error=trailer_error, samples=samples[1]),
+            tractor=BodyReference(
+                progress=tractor, lateral_error=tractor_error, closest=closest[0], samples=samples[0]
+            ),
+            trailer=BodyReference(
+                progress=trailer, lateral_error=trailer_error, closest=closest[1], samples=samples[1]
+            ),
         )
 
     @abstractmethod
-    def _stages(self, estimate: Estimate) -> Floats:
-        """Return the arc lengths (2, N+1) of the stages of tractor and trailer, m."""
-
-    def _samples(self, stages: Floats, offsets: tuple[float, float]) -> Floats:
-        """Return the path (2, N+1, 4) at the stages (2, N+1), m, for bodies at these lateral offsets, m."""
-        return self.path.sample(stages)
+    def _samples(self, estimate: Estimate) -> Floats:
+        """Return what tractor and trailer shall follow, (2, N+1, 4): as Path.sample, one row per stage."""
 
     def _progress(self) -> Floats:
         """Return the progress (2, 1) of tractor and trailer, m."""

@@ -28,5 +28,5 @@ class LookAhead(Guidance):
         advance = speed * interval * np.arange(stages + 1)
         self._offsets = settings.look_ahead + np.stack([advance, np.zeros_like(advance)])
 
-    def _stages(self, estimate: Estimate) -> Floats:
-        return self._offsets + self._progress()
+    def _samples(self, estimate: Estimate) -> Floats:
+        return self.path.sample(self._offsets + self._progress())

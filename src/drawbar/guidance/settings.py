@@ -12,8 +12,8 @@ class GuidanceSettings(Settings):
     """preview: stage j at the closest point plus j V dt; look_ahead: the paper's references"""
     look_ahead: NonNegative = 1.6
     """distance of the paper's references ahead of the closest point, m"""
-    approach_length: Positive = 2.5
-    """distance over which the offset at the start fades to a third in preview mode, m"""
+    turning_room: Positive = 4.0
+    """how far beside the path the turns may lead by which a vehicle that faces away gets onto it in preview mode, m"""
     window_behind: NonNegative = 1.0
     """how far behind the last progress the closest point is searched, m"""
     window_ahead: Positive = 3.0
@@ -23,4 +23,5 @@ class GuidanceSettings(Settings):
     path_tolerance: Positive = 0.50
     """largest deviation of a recorded point from the drivable path, m"""
     curvature_rate_limit: Positive = 0.3
-    """largest change of a recorded line's curvature per metre, so that the steering can follow, 1/m²"""
+    """largest change of curvature per metre of recorded lines and of turns onto the path, so that the steering can
+    follow, 1/m²"""

@@ -3,10 +3,12 @@
 import math
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
+from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
 from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings
+from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
 _NOISE = SensorNoise()
@@ -114,9 +116,28 @@ class LengthFactors(Settings):
     """True lengths per those that the vehicle section states: the tape measure was wrong."""
 
     wheelbase: Positive = 1.0
+    """of L_t"""
     hitch_length: Positive = 1.0
+    """of l"""
     drawbar_length: Positive = 1.0
+    """of d"""
     trailer_length: Positive = 1.0
+    """of L_i"""
+
+    def applied_to(self, vehicle: VehicleParameters) -> VehicleParameters:
+        """Return the vehicle as it truly is, everything but these lengths as stated.
+
+        Raises ConfigurationError when no vehicle has such lengths.
+        """
+        stated = vehicle.model_dump()
+        lengths = {name: factor * stated[name] for name, factor in self}
+        try:
+            return VehicleParameters.model_validate(stated | lengths)
+        except ValidationError as error:
+            reasons = "; ".join(each["msg"] for each in error.errors())
+            raise ConfigurationError(
+                f"machine.lengths makes the true vehicle impossible ({reasons}); bring its factors nearer to 1"
+            ) from None
 
 
 class SimulatedMachineSettings(Settings):

@@ -1,11 +1,13 @@
 """The simulated machine: moves the true world from sample to sample, reports it through faulty sensors."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from drawbar.codegen import CompiledFunction
 from drawbar.errors import ConfigurationError, HardwareError
+from drawbar.geometry import Floats
 from drawbar.machine.base import Machine
 from drawbar.machine.ground import Ground
 from drawbar.machine.plant import COMMANDS, EFFECTS, STATES, plant
@@ -21,8 +23,9 @@ _BLOCK = 64
 class SimulatedMachine(Machine):
     """A tractor and trailer in a computer. Same settings and seed: the identical run.
 
-    It starts at rest with the trailer straight behind it. Raises ConfigurationError when the sample time is
-    not a multiple of the integration step, or the start is not finite.
+    It starts at rest with the trailer straight behind it; its lengths are the vehicle's times `settings.lengths`.
+    Raises ConfigurationError when the sample time is not a multiple of the integration step, the start is not finite,
+    or no vehicle has such lengths.
     """
 
     def __init__(
@@ -33,21 +36,35 @@ class SimulatedMachine(Machine):
         sample_time: float,
         start: Pose,
         seed: int,
+        unknown: Callable[[], Floats] | None = None,
     ) -> None:
-        self._vehicle, self._settings, self._sample_time = vehicle, settings, sample_time
+        """Place the machine.
+
+        Args:
+            vehicle: lengths as stated, and limits.
+            settings: everything else.
+            sample_time: s.
+            start: of the tractor.
+            seed: of everything random.
+            unknown: gives what is added to mu, kappa, b, alpha_r, alpha_i during a sample, and that not even the truth
+                tells.
+        """
+        self._vehicle = settings.lengths.applied_to(vehicle)
+        self._settings, self._sample_time = settings, sample_time
         self._steps = _steps_per_sample(sample_time, settings.step)
         if not all(map(math.isfinite, (start.x, start.y, start.yaw))):
             raise ConfigurationError(f"the simulated machine cannot start at {start}; give finite m and rad")
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
-        self._plant = CompiledFunction(plant(vehicle, settings, self._steps))
+        self._plant = CompiledFunction(plant(self._vehicle, settings, self._steps))
         self._state = self._plant.inputs[0]
         self._state[:4] = start.x, start.y, start.yaw, start.yaw
         self._inputs = self._plant.inputs[1].reshape(self._steps, COMMANDS + EFFECTS)
         self._states = self._plant.outputs[0].reshape(self._steps, STATES)
         delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
         self._commands = np.zeros((delay + self._steps, COMMANDS))
+        self._unknown = unknown
         self._sample = 0
         self._fix = [math.nan] * 4
         self._measurement = self._sense()
@@ -64,6 +81,8 @@ class SimulatedMachine(Machine):
         self._accept(command)
         self._inputs[:, :COMMANDS] = self._commands[: self._steps]
         self._inputs[:, COMMANDS:] = self._effects[self._sample % _BLOCK]
+        if self._unknown is not None:
+            self._inputs[:, COMMANDS : COMMANDS + 5] += self._unknown()
         self._plant()
         self._state[:] = self._states[-1]
         self._sample += 1

@@ -48,11 +48,15 @@ class ControlProblem:
     """by name of a state (stages 1..N) or input (stages 0..N-1)"""
     integration_steps: int = 1
     """Runge-Kutta steps per sample"""
+    initial_weights: tuple[float, ...] = ()
+    """none: the first state is given; else per state, on the distance of a free first state from what it should be"""
 
     def __post_init__(self) -> None:
         _check_time(self.horizon, self.sample_time, self.integration_steps)
         _check_weights("weights", self.weights, len(self.model.outputs))
         _check_weights("terminal_weights", self.terminal_weights, len(self.model.outputs))
+        if self.initial_weights:
+            _check_weights("initial_weights", self.initial_weights, len(self.model.states))
         _check_bounds(self.model, self.bounds, "state or input")
 
 

@@ -73,17 +73,36 @@ class ControlSolver(_RealTimeIteration):
         super().__init__(transcribe(problem))
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
-        self.initial: Floats = self.workspace.array("initial")
-        """(nx,) the current state"""
+        free = bool(problem.initial_weights)
+        self.initial: Floats = self.workspace.array("prior" if free else "initial")
+        """(nx,) the current state, or what a free first state should be"""
+        size = len(problem.initial_weights)
+        self.initial_lower: Floats = self.workspace.array("lower")[:size]
+        """(nx,) least first state where it is free; infinite at first"""
+        self.initial_upper: Floats = self.workspace.array("upper")[:size]
+        """(nx,) largest first state where it is free; infinite at first"""
         self.defects: Floats = self.workspace.array("qp.c")
         """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
+        self._predict = self.workspace.function("predict")
+        self._predicted: Floats = self.workspace.array("F")
         self.w[:-1] = problem.weights
         self.w[-1] = problem.terminal_weights
+        if free:
+            self.workspace.array("root")[:] = np.diag(np.sqrt(problem.initial_weights))
 
     def start(self) -> None:
         """Linearise along a trajectory that rests at `initial` under zero input."""
         self.x[:], self.u[:] = self.initial, 0.0
         self.prepare()
+
+    def successor(self) -> Floats:
+        """Return F(x_0, u_0, p_0) (nx,), where the model gets by the first sample's state, input and parameters.
+
+        Between feedback() and advance() only: it takes the place of the first interval's linearisation.
+        """
+        self._predict()
+        successor: Floats = self._predicted[0].copy()
+        return successor
 
     def advance(self) -> None:
         """Move the plan on by one sample and prepare the next feedback."""
@@ -120,12 +139,16 @@ class EstimationSolver(_RealTimeIteration):
         """(nx, nx) upper triangular R of the arrival cost ||R (x_0 - prior)||²"""
         self.prior: Floats = array("prior")
         """(nx,) what the window's first state should be"""
-        self._forget(prior)
-        self.x[:] = prior
-        self.y[:] = np.nan
         self.w[:] = problem.weights
         self.w[-1, list(transcription.input_outputs)] = 0.0
         array("process")[:] = problem.process_deviation
+        self.restart(prior)
+
+    def restart(self, prior: Floats) -> None:
+        """Begin an empty window at a first guess (nx + np,) of states and parameters."""
+        self._forget(prior)
+        self.newest = 0
+        self.x[:], self.u[:], self.y[:] = prior, 0.0, np.nan
         self.prepare()
 
     def advance(self) -> SolverStatus:

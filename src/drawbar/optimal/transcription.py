@@ -1,5 +1,6 @@
 """Multiple shooting: from a problem declaration to the C source of its solver."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,6 +42,7 @@ int prepare(struct rti *work) {{ return rti_prepare(work); }}
 int feedback(struct rti *work) {{ return rti_feedback(work); }}
 int shift(struct rti *work) {{ rti_shift(work); return SOLVED; }}
 int linearise(struct rti *work) {{ dynamics(work, 0, N); return SOLVED; }}
+int predict(struct rti *work) {{ dynamics(work, 0, 1); return SOLVED; }}
 """
 _ARRIVAL = "int absorb(struct rti *work) { return work->status = arrival_update(work); }\n"
 
@@ -61,6 +63,9 @@ class Transcription:
     constants: int
     """trailing states that do not change"""
     free_initial: bool
+    """the first state is a variable"""
+    arrival: bool
+    """its cost sums up what the window has left behind"""
     bounds: tuple[tuple[int, Bound], ...]
     """(index into x_0 .. x_N, u_0 .. u_{N-1}; bound)"""
 
@@ -81,9 +86,9 @@ class Transcription:
             bounds=len(self.bounds),
             constants=self.constants,
             free=int(self.free_initial),
-            header="arrival.h" if self.free_initial else "rti.h",
+            header="arrival.h" if self.arrival else "rti.h",
             functions=self._functions(),
-        ) + (_ARRIVAL if self.free_initial else "")
+        ) + (_ARRIVAL if self.arrival else "")
 
     def _functions(self) -> str:
         nx = self.x.numel()
@@ -123,7 +128,7 @@ class Transcription:
                 Output(place="INPUT(work->qp.g, k)", rows="N", value=residual[nx:]),
             ],
         }
-        if self.free_initial:
+        if self.arrival:
             functions["outputs"] = [
                 Output(place="work->h[k]", rows="1", value=self.output),
                 Output(place="((double *)work->J[k])", rows="1", value=jacobian),
@@ -149,7 +154,8 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
         next_state=ca.vertcat(step, model.p) if estimation else step,
         output=model.output,
         constants=constants,
-        free_initial=estimation,
+        free_initial=isinstance(problem, EstimationProblem) or bool(problem.initial_weights),
+        arrival=estimation,
         bounds=tuple(_bounded(problem, names, model.inputs, constants)),
     )
     if isinstance(problem, ControlProblem):
@@ -167,10 +173,15 @@ def _bounded(
     inputs: tuple[Variable, ...],
     constants: int,
 ) -> list[tuple[int, Bound]]:
-    """Return the bounded scalars: constant states only once, a given first state not at all."""
+    """Return the bounded scalars: constant states only once, a given first state not at all.
+
+    A controller's free first state comes before all others, with bounds of its own that are not known yet.
+    """
     horizon, nx, nu = problem.horizon, len(states), len(inputs)
-    first = 0 if isinstance(problem, EstimationProblem) else 1
-    found = []
+    first, found = 0, []
+    if isinstance(problem, ControlProblem):
+        first = 1
+        found = [(j, Bound(lower=-math.inf, upper=math.inf)) for j in range(len(problem.initial_weights))]
     for j, name in enumerate(states):
         if name in problem.bounds:
             stages = range(first, horizon + 1) if j < nx - constants else range(1)

@@ -12,6 +12,7 @@ from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.shades import class_shades
 from drawbar.report.style import Figure, axis, layout, line
+from drawbar.signals import FixStatus
 
 _NAMES = {"tractor": "Tractor", "trailer": "Trailer"}
 _SOLVERS = {"estimator": style.ESTIMATOR, "tractor": style.TRACTOR, "trailer": style.TRAILER}
@@ -67,7 +68,21 @@ def error_figure(log: RunLog, errors: Bodies[PathErrors]) -> Figure:
         shown = {"visible": "legendonly" if known else True, "dash": "dot", "width": 1.2}
         name = f"{_NAMES[body]}, estimated"
         traces.append(_of_step(log, body, believed, name, colour, " cm", **shown))
-    return _along_figure(log, traces, "Left of the path, cm")
+    return _along_figure(log, traces + _masked_fixes(log), "Left of the path, cm")
+
+
+def _masked_fixes(log: RunLog) -> list[dict[str, Any]]:
+    """Return crosses on the path where an antenna had a fix that the estimator did not believe."""
+    traces = []
+    for body, colour in style.BODY_COLOURS.items():
+        masked = log.column(f"estimate.{body}_fix") >= FixStatus.STALE
+        if masked.any():
+            name = f"{_NAMES[body]}, fix not believed"
+            place, cross = along(log, body)[masked], {"symbol": "x-thin-open", "size": 6}
+            traces.append(
+                line(place, np.zeros(len(place)), name, colour, mode="markers", marker=cross, hoverinfo="skip")
+            )
+    return traces
 
 
 def steering_figure(log: RunLog, body: str) -> Figure:
@@ -113,6 +128,17 @@ def ancillary_figure(log: RunLog) -> Figure:
     return _along_figure(log, traces, "Ancillary steering, °")
 
 
+def margin_figure(log: RunLog) -> Figure:
+    """Draw the margins of both bodies' tubes, %; a body without a tube is left out."""
+    traces = []
+    for body, colour in style.BODY_COLOURS.items():
+        margin = 100.0 * log.column(f"{body}_steering.margin")
+        if not np.isnan(margin).all():
+            traces.append(_of_step(log, body, margin, _NAMES[body], colour, " %", width=1.2))
+    span = _span_of(traces)
+    return _along_figure(log, traces, "Margin, %", range=span and [min(span[0], 0.0), 105.0])
+
+
 def _histogram(time: Floats, edges: Floats) -> tuple[Floats, Floats]:
     """Return the outline of a histogram over logarithmic bins: edges, and the share of steps in %."""
     counts, _ = np.histogram(time, edges)
@@ -121,13 +147,14 @@ def _histogram(time: Floats, edges: Floats) -> tuple[Floats, Floats]:
 
 
 def solve_time_figure(log: RunLog) -> Figure:
-    """Draw how long the two phases of the three solvers took, µs, on a logarithmic axis."""
-    times = {
+    """Draw how long the two phases of the solvers that there are took, µs, on a logarithmic axis."""
+    columns = {
         (solver, phase): log.column(f"{solver}_times.{phase}") * 1e6
         for solver in _SOLVERS
         for phase in ("prepare", "feedback")
     }
-    taken = np.concatenate(list(times.values()))
+    times = {name: time for name, time in columns.items() if not np.isnan(time).any()}
+    taken = np.concatenate([*times.values(), np.empty(0)])
     taken = taken[taken > 0.0]
     low, high = (np.log10(taken.min()), np.log10(taken.max())) if taken.size else (0.0, 1.0)
     edges = 10.0 ** np.arange(low - 0.1, high + 0.1, 1.0 / _BINS_PER_DECADE)

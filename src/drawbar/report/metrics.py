@@ -13,6 +13,7 @@ from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
 from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.signals import FixStatus
 
 ALL = "all"
 """the class of every position of the path"""
@@ -46,7 +47,10 @@ class PhaseTimes:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolverTimes:
-    """Of the three solvers of a control step."""
+    """Of the solvers of a control step; a body without a solver of its own has NaN, null in JSON.
+
+    A centralised controller's one solver counts as the tractor's.
+    """
 
     estimator: PhaseTimes
     tractor: PhaseTimes
@@ -78,6 +82,12 @@ class Metrics:
     """signed share of the steering: sum of the ancillary term in the command's direction over sum of |command|"""
     saturated_share: Bodies[float]
     """steps whose command was clipped, of all steps"""
+    tube_margin_min: Bodies[float]
+    """how far inside its tube a body was at the worst: 1 at the centre, negative outside; NaN where none is declared"""
+    stale_fixes: int
+    """of both antennas: the receiver repeated an old one"""
+    rejected_fixes: int
+    """of both antennas: further from where they were expected than they can be"""
     solver_failures: int
     refused_commands: int
     """commands that the gate did not let pass"""
@@ -134,6 +144,15 @@ def _saturated_share(log: RunLog, body: str) -> float:
     return _share(float(log.column(f"{body}_steering.saturated").sum()), len(log.records))
 
 
+def _tube_margin(log: RunLog, body: str) -> float:
+    return float(_present(log.column(f"{body}_steering.margin")).min())
+
+
+def _fixes(log: RunLog, status: FixStatus) -> int:
+    estimates = [record.estimate for record in log.records]
+    return sum((estimate.tractor_fix, estimate.trailer_fix).count(status) for estimate in estimates)
+
+
 def _time_statistics(time: Floats) -> TimeStatistics:
     median, p99, largest = np.percentile(_present(time), (50.0, 99.0, 100.0))
     return TimeStatistics(median=float(median), p99=float(p99), max=float(largest))
@@ -170,6 +189,9 @@ def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
         steering_rate_mean_rad_s=_of_both(_steering_rate, log),
         ancillary_share=_of_both(_ancillary_share, log),
         saturated_share=_of_both(_saturated_share, log),
+        tube_margin_min=_of_both(_tube_margin, log),
+        stale_fixes=_fixes(log, FixStatus.STALE),
+        rejected_fixes=_fixes(log, FixStatus.REJECTED),
         solver_failures=sum(record.solver_failures for record in log.records),
         refused_commands=sum(record.command_refused for record in log.records),
         solve_time_s=SolverTimes(

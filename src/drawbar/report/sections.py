@@ -9,6 +9,7 @@ from drawbar.report.figures import (
     ancillary_figure,
     error_figure,
     estimate_figure,
+    margin_figure,
     solve_time_figure,
     steering_figure,
 )
@@ -84,6 +85,13 @@ def _steering(log: RunLog) -> list[Section]:
             title="What the ancillary law adds",
             note="The part of each command that answers the deviation from the nominal prediction.",
             figure=ancillary_figure(log),
+        ),
+        Section(
+            name="margin",
+            title="Margin of the tubes",
+            note="How far inside its tube each body is: 100 % at the centre, 0 on the boundary; negative outside, "
+            "where declared bounds do not hold.",
+            figure=margin_figure(log),
         ),
     ]
 

@@ -62,6 +62,7 @@ def body_rows(metrics: Metrics) -> list[Row]:
         ("mean steering rate", metrics.steering_rate_mean_rad_s, math.degrees(1.0), 1, "°/s"),
         ("ancillary share", metrics.ancillary_share, 100.0, 1, " %"),
         ("clipped commands", metrics.saturated_share, 100.0, 1, " %"),
+        ("least tube margin", metrics.tube_margin_min, 100.0, 0, " %"),
     )
     return [
         (title, [number(scale * value, digits, unit) for value in (figure.tractor, figure.trailer)])
@@ -78,6 +79,7 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
         ("real-time factor", number(metrics.real_time_factor, 0, "×")),
         ("mean error, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
         ("mean error, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
+        ("fixes masked, stale / false", f"{metrics.stale_fixes} / {metrics.rejected_fixes}"),
         ("solver failures", f"{metrics.solver_failures}"),
         ("refused commands", f"{metrics.refused_commands}"),
     ]

@@ -4,11 +4,12 @@ Geometry (theory.md sections 2 and 3.2): the free joint RJ1 sits a behind the tr
 leads to the actuated joint RJ2, the trailer axle is L_i behind it. J is the actuated angle phi - psi.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 
-from drawbar.vehicle.model import Model, symbols, variables
+from drawbar.vehicle.model import Model, declare, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
 
@@ -54,55 +55,106 @@ def trailer_antenna(vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi:
     )
 
 
+def tractor_rates(
+    vehicle: VehicleParameters, theta: Any, steering: Any, mu: Any, kappa: Any, offset: Any, crab: Any, v: Any
+) -> Any:
+    """Return the column x', y' (m/s), theta' (rad/s) of the tractor.
+
+    Args:
+        vehicle: lengths.
+        theta: tractor yaw, rad.
+        steering: delta_t, rad.
+        mu: longitudinal slip factor.
+        kappa: factor on the steering angle.
+        offset: b, rad.
+        crab: alpha_r, rad.
+        v: wheel speed, m/s.
+    """
+    speed, slide = mu * v, mu * v * ca.tan(crab)
+    return ca.vertcat(
+        speed * ca.cos(theta) - slide * ca.sin(theta),
+        speed * ca.sin(theta) + slide * ca.cos(theta),
+        speed * (ca.tan(kappa * steering + offset) - ca.tan(crab)) / vehicle.wheelbase,
+    )
+
+
 def articulated(vehicle: VehicleParameters) -> Model:
     """Return the whole chain with the measured quantities, then both steering rates, as outputs.
 
     States x_t, y_t, theta, psi, delta_t, delta_i; inputs the steering rates; parameters mu, kappa, b, alpha_i, v,
     alpha_r. The hitch angle is an output: beta = theta - psi - delta_i.
     """
-    states = variables(
-        tractor_x="m",
-        tractor_y="m",
-        tractor_yaw="rad",
-        trailer_yaw="rad",
-        tractor_steering="rad",
-        trailer_steering="rad",
+
+    def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
+        x_t, y_t, theta, psi, delta_t, delta_i = ca.vertsplit(x)
+        mu, kappa, offset, trailer_crab, v, crab = ca.vertsplit(p)
+        tractor = tractor_rates(vehicle, theta, delta_t, mu, kappa, offset, crab, v)
+        psi_rate = trailer_yaw_rate(vehicle, mu * v, tractor[2], theta - psi, delta_i, u[1], crab, trailer_crab)
+        x_i, y_i = trailer_antenna(vehicle, x_t, y_t, theta, psi, delta_i)
+        output = ca.vertcat(x_t, y_t, x_i, y_i, theta - psi - delta_i, v, delta_t, delta_i, u)
+        return ca.vertcat(tractor, psi_rate, u), output
+
+    rates = variables(tractor_steering_rate="rad/s", trailer_steering_rate="rad/s")
+    return declare(
+        "articulated",
+        states=variables(
+            tractor_x="m",
+            tractor_y="m",
+            tractor_yaw="rad",
+            trailer_yaw="rad",
+            tractor_steering="rad",
+            trailer_steering="rad",
+        ),
+        inputs=rates,
+        parameters=variables(
+            longitudinal_slip="1",
+            tractor_slip="1",
+            steering_offset="rad",
+            trailer_crab="rad",
+            speed="m/s",
+            tractor_crab="rad",
+        ),
+        outputs=(*MEASURED, *rates),
+        equations=equations,
     )
-    inputs = variables(tractor_steering_rate="rad/s", trailer_steering_rate="rad/s")
-    parameters = variables(
-        longitudinal_slip="1",
-        tractor_slip="1",
-        steering_offset="rad",
-        trailer_crab="rad",
-        speed="m/s",
-        tractor_crab="rad",
+
+
+def articulated_tracking(vehicle: VehicleParameters) -> Model:
+    """Return the whole chain with what both subsystems' costs weigh as outputs: for centralised control.
+
+    States, inputs and first parameters are those of `articulated`; then come both reference poses x, y, yaw, the
+    tractor's first. Outputs: those of `articulated_tractor`, then those of `articulated_trailer`.
+    """
+    chain = articulated(vehicle)
+    references = variables(
+        tractor_reference_x="m",
+        tractor_reference_y="m",
+        tractor_reference_yaw="rad",
+        trailer_reference_x="m",
+        trailer_reference_y="m",
+        trailer_reference_yaw="rad",
     )
-    outputs = (*MEASURED, *variables(tractor_steering_rate="rad/s", trailer_steering_rate="rad/s"))
-    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    x_t, y_t, theta, psi, delta_t, delta_i = ca.vertsplit(x)
-    mu, kappa, offset, trailer_crab, v, crab = ca.vertsplit(p)
-    speed = mu * v
-    omega = speed * (ca.tan(kappa * delta_t + offset) - ca.tan(crab)) / vehicle.wheelbase
-    slide = speed * ca.tan(crab)
-    derivative = ca.vertcat(
-        speed * ca.cos(theta) - slide * ca.sin(theta),
-        speed * ca.sin(theta) + slide * ca.cos(theta),
-        omega,
-        trailer_yaw_rate(vehicle, speed, omega, theta - psi, delta_i, u[1], crab, trailer_crab),
-        u,
-    )
-    x_i, y_i = trailer_antenna(vehicle, x_t, y_t, theta, psi, delta_i)
-    return Model(
-        name="articulated",
-        states=states,
-        inputs=inputs,
-        parameters=parameters,
-        outputs=outputs,
-        x=x,
-        u=u,
-        p=p,
-        derivative=derivative,
-        output=ca.vertcat(x_t, y_t, x_i, y_i, theta - psi - delta_i, v, delta_t, delta_i, u),
+    known = symbols(references)
+    x_t, y_t, x_i, y_i = ca.vertsplit(chain.output)[:4]
+    delta_t, delta_i = chain.x[4], chain.x[5]
+    heading = chain.x[2] + chain.p[5] - known[2]
+    tractor = _lateral_error(x_t, y_t, *ca.vertsplit(known[:3])), heading, delta_t, chain.u[0]
+    trailer = _lateral_error(x_i, y_i, *ca.vertsplit(known[3:])), delta_i, chain.u[1]
+    return replace(
+        chain,
+        name="articulated_tracking",
+        parameters=(*chain.parameters, *references),
+        outputs=variables(
+            tractor_lateral_error="m",
+            tractor_heading_error="rad",
+            tractor_steering="rad",
+            tractor_steering_rate="rad/s",
+            trailer_lateral_error="m",
+            trailer_steering="rad",
+            trailer_steering_rate="rad/s",
+        ),
+        p=ca.vertcat(chain.p, known),
+        output=ca.vertcat(*tractor, *trailer),
     )
 
 
@@ -112,38 +164,30 @@ def articulated_tractor(vehicle: VehicleParameters) -> Model:
     States x, y, theta, delta_t; input the steering rate; parameters mu, kappa, b, alpha_r, v and the reference pose
     x, y, yaw. Outputs: lateral error (m), heading error of the direction of motion (rad), steering, steering rate.
     """
-    states = variables(x="m", y="m", yaw="rad", steering="rad")
-    inputs = variables(steering_rate="rad/s")
-    parameters = variables(
-        longitudinal_slip="1",
-        tractor_slip="1",
-        steering_offset="rad",
-        tractor_crab="rad",
-        speed="m/s",
-        reference_x="m",
-        reference_y="m",
-        reference_yaw="rad",
-    )
-    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    px, py, theta, delta = ca.vertsplit(x)
-    mu, kappa, offset, crab, v, rx, ry, yaw = ca.vertsplit(p)
-    speed, slide = mu * v, mu * v * ca.tan(crab)
-    return Model(
-        name="articulated_tractor",
-        states=states,
-        inputs=inputs,
-        parameters=parameters,
-        outputs=variables(lateral_error="m", heading_error="rad", steering="rad", steering_rate="rad/s"),
-        x=x,
-        u=u,
-        p=p,
-        derivative=ca.vertcat(
-            speed * ca.cos(theta) - slide * ca.sin(theta),
-            speed * ca.sin(theta) + slide * ca.cos(theta),
-            speed * (ca.tan(kappa * delta + offset) - ca.tan(crab)) / vehicle.wheelbase,
-            u,
+
+    def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
+        px, py, theta, delta = ca.vertsplit(x)
+        mu, kappa, offset, crab, v, rx, ry, yaw = ca.vertsplit(p)
+        rates = tractor_rates(vehicle, theta, delta, mu, kappa, offset, crab, v)
+        errors = _lateral_error(px, py, rx, ry, yaw), theta + crab - yaw
+        return ca.vertcat(rates, u), ca.vertcat(*errors, delta, u)
+
+    return declare(
+        "articulated_tractor",
+        states=variables(x="m", y="m", yaw="rad", steering="rad"),
+        inputs=variables(steering_rate="rad/s"),
+        parameters=variables(
+            longitudinal_slip="1",
+            tractor_slip="1",
+            steering_offset="rad",
+            tractor_crab="rad",
+            speed="m/s",
+            reference_x="m",
+            reference_y="m",
+            reference_yaw="rad",
         ),
-        output=ca.vertcat(_lateral_error(px, py, rx, ry, yaw), theta + crab - yaw, delta, u),
+        outputs=variables(lateral_error="m", heading_error="rad", steering="rad", steering_rate="rad/s"),
+        equations=equations,
     )
 
 
@@ -154,36 +198,33 @@ def articulated_trailer(vehicle: VehicleParameters) -> Model:
     yaw rate (the coupling), its pose at the stage, and the reference pose. Outputs: lateral error of the trailer
     antenna (m), steering, steering rate.
     """
-    states = variables(articulation="rad", steering="rad")
-    inputs = variables(steering_rate="rad/s")
-    parameters = variables(
-        longitudinal_slip="1",
-        tractor_crab="rad",
-        trailer_crab="rad",
-        speed="m/s",
-        tractor_yaw_rate="rad/s",
-        tractor_x="m",
-        tractor_y="m",
-        tractor_yaw="rad",
-        reference_x="m",
-        reference_y="m",
-        reference_yaw="rad",
-    )
-    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    gamma, delta = ca.vertsplit(x)
-    mu, crab, trailer_crab, v, omega, tx, ty, theta, rx, ry, yaw = ca.vertsplit(p)
-    px, py = trailer_antenna(vehicle, tx, ty, theta, theta - gamma, delta)
-    return Model(
-        name="articulated_trailer",
-        states=states,
-        inputs=inputs,
-        parameters=parameters,
+
+    def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
+        gamma, delta = ca.vertsplit(x)
+        mu, crab, trailer_crab, v, omega, tx, ty, theta, rx, ry, yaw = ca.vertsplit(p)
+        psi_rate = trailer_yaw_rate(vehicle, mu * v, omega, gamma, delta, u, crab, trailer_crab)
+        px, py = trailer_antenna(vehicle, tx, ty, theta, theta - gamma, delta)
+        return ca.vertcat(omega - psi_rate, u), ca.vertcat(_lateral_error(px, py, rx, ry, yaw), delta, u)
+
+    return declare(
+        "articulated_trailer",
+        states=variables(articulation="rad", steering="rad"),
+        inputs=variables(steering_rate="rad/s"),
+        parameters=variables(
+            longitudinal_slip="1",
+            tractor_crab="rad",
+            trailer_crab="rad",
+            speed="m/s",
+            tractor_yaw_rate="rad/s",
+            tractor_x="m",
+            tractor_y="m",
+            tractor_yaw="rad",
+            reference_x="m",
+            reference_y="m",
+            reference_yaw="rad",
+        ),
         outputs=variables(lateral_error="m", steering="rad", steering_rate="rad/s"),
-        x=x,
-        u=u,
-        p=p,
-        derivative=ca.vertcat(omega - trailer_yaw_rate(vehicle, mu * v, omega, gamma, delta, u, crab, trailer_crab), u),
-        output=ca.vertcat(_lateral_error(px, py, rx, ry, yaw), delta, u),
+        equations=equations,
     )
 
 

@@ -1,5 +1,6 @@
 """A model declared once, symbolically: from this the solvers, filters and simulations are derived."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,6 +73,36 @@ class Model:
 def symbols(declared: tuple[Variable, ...]) -> Any:
     """Return a column of SX symbols, one for each variable, under their names."""
     return ca.vertcat(*(ca.SX.sym(v.name) for v in declared)) if declared else ca.SX(0, 1)
+
+
+def declare(
+    name: str,
+    *,
+    states: tuple[Variable, ...],
+    inputs: tuple[Variable, ...],
+    parameters: tuple[Variable, ...],
+    outputs: tuple[Variable, ...],
+    equations: Callable[[Any, Any, Any], tuple[Any, Any]],
+) -> Model:
+    """Return a model from what its variables are called and a function (x, u, p) -> (derivative, output).
+
+    Raises:
+        ModelError: the expressions do not fit the variables.
+    """
+    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
+    derivative, output = equations(x, u, p)
+    return Model(
+        name=name,
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=outputs,
+        x=x,
+        u=u,
+        p=p,
+        derivative=derivative,
+        output=output,
+    )
 
 
 def integrate(model: Model, sample_time: float, steps: int = 1) -> Any:

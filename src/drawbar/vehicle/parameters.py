@@ -36,6 +36,8 @@ class VehicleParameters(Settings):
     """fastest the actuated joint turns, rad/s"""
     steering_lag: Positive = 0.3
     """tau, time constant of both steering actuators, s"""
+    dead_time: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    """between a command and the first reaction of any actuator, as far as it is known, s"""
     curvature_limit: Positive = Field(default=0.3)
     """tightest path curvature that the guidance may ask for, 1/m"""
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import casadi as ca
 
-from drawbar.vehicle.model import Model, Variable, symbols, variables
+from drawbar.vehicle.model import Model, Variable, declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
 
@@ -18,33 +18,31 @@ def tricycle(vehicle: VehicleParameters) -> Model:
 
     States x_t, y_t, theta, x_i, y_i, psi; inputs delta_t, delta_i; parameters mu, kappa, eta, beta, v.
     """
-    states = variables(tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_x="m", trailer_y="m", trailer_yaw="rad")
-    inputs = variables(tractor_steering="rad", trailer_steering="rad")
-    parameters = variables(longitudinal_slip="1", tractor_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s")
-    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    x_t, y_t, theta, x_i, y_i, psi = ca.vertsplit(x)
-    delta_t, delta_i = ca.vertsplit(u)
-    mu, kappa, eta, beta, v = ca.vertsplit(p)
-    pull = vehicle.hitch_length / vehicle.wheelbase * ca.tan(kappa * delta_t)
-    derivative = ca.vertcat(
-        mu * v * ca.cos(theta),
-        mu * v * ca.sin(theta),
-        mu * v * ca.tan(kappa * delta_t) / vehicle.wheelbase,
-        mu * v * ca.cos(psi),
-        mu * v * ca.sin(psi),
-        mu * v / vehicle.trailer_length * (ca.sin(eta * delta_i + beta) - pull * ca.cos(eta * delta_i + beta)),
-    )
-    return Model(
-        name="tricycle",
-        states=states,
-        inputs=inputs,
-        parameters=parameters,
+
+    def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
+        x_t, y_t, theta, x_i, y_i, psi = ca.vertsplit(x)
+        delta_t, delta_i = ca.vertsplit(u)
+        mu, kappa, eta, beta, v = ca.vertsplit(p)
+        pull = vehicle.hitch_length / vehicle.wheelbase * ca.tan(kappa * delta_t)
+        derivative = ca.vertcat(
+            mu * v * ca.cos(theta),
+            mu * v * ca.sin(theta),
+            mu * v * ca.tan(kappa * delta_t) / vehicle.wheelbase,
+            mu * v * ca.cos(psi),
+            mu * v * ca.sin(psi),
+            mu * v / vehicle.trailer_length * (ca.sin(eta * delta_i + beta) - pull * ca.cos(eta * delta_i + beta)),
+        )
+        return derivative, ca.vertcat(x_t, y_t, x_i, y_i, beta, v, delta_t, delta_i)
+
+    return declare(
+        "tricycle",
+        states=variables(
+            tractor_x="m", tractor_y="m", tractor_yaw="rad", trailer_x="m", trailer_y="m", trailer_yaw="rad"
+        ),
+        inputs=variables(tractor_steering="rad", trailer_steering="rad"),
+        parameters=variables(longitudinal_slip="1", tractor_slip="1", trailer_slip="1", hitch_angle="rad", speed="m/s"),
         outputs=MEASURED,
-        x=x,
-        u=u,
-        p=p,
-        derivative=derivative,
-        output=ca.vertcat(x_t, y_t, x_i, y_i, beta, v, delta_t, delta_i),
+        equations=equations,
     )
 
 
@@ -82,18 +80,16 @@ def _body(name: str, parameters: tuple[Variable, ...], motion: Callable[..., tup
         parameters: of the motion.
         motion: ground speed (m/s) and yaw rate (rad/s) from the steering angle (rad) and the parameters.
     """
-    states, inputs = variables(x="m", y="m", yaw="rad"), variables(steering="rad")
-    x, u, p = symbols(states), symbols(inputs), symbols(parameters)
-    speed, yaw_rate = motion(u[0], *ca.vertsplit(p))
-    return Model(
-        name=name,
-        states=states,
-        inputs=inputs,
+
+    def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
+        speed, yaw_rate = motion(u[0], *ca.vertsplit(p))
+        return ca.vertcat(speed * ca.cos(x[2]), speed * ca.sin(x[2]), yaw_rate), ca.vertcat(x[0], x[1], u[0])
+
+    return declare(
+        name,
+        states=variables(x="m", y="m", yaw="rad"),
+        inputs=variables(steering="rad"),
         parameters=parameters,
         outputs=variables(x="m", y="m", steering="rad"),
-        x=x,
-        u=u,
-        p=p,
-        derivative=ca.vertcat(speed * ca.cos(x[2]), speed * ca.sin(x[2]), yaw_rate),
-        output=ca.vertcat(x[0], x[1], u[0]),
+        equations=equations,
     )

@@ -1,4 +1,4 @@
-"""The six problems that drawbar solves, with data that make them work: beside the path, noisy, bounds in the way."""
+"""The eight problems that drawbar solves, with data that make them work: beside the path, noisy, bounds in the way."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,7 +10,12 @@ import pytest
 
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem, ControlSolver, EstimationProblem, EstimationSolver
-from drawbar.vehicle.articulated import articulated, articulated_tractor, articulated_trailer
+from drawbar.vehicle.articulated import (
+    articulated,
+    articulated_tracking,
+    articulated_tractor,
+    articulated_trailer,
+)
 from drawbar.vehicle.model import Model, integrate
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
@@ -49,14 +54,14 @@ class Case:
         return solver
 
 
-def _control(model: Model, weights: Any, terminal: Any, limit: float, **data: Floats) -> Case:
+def _control(model: Model, weights: Any, terminal: Any, *limits: float, **data: Floats) -> Case:
     problem = ControlProblem(
         model=model,
         horizon=N,
         sample_time=SAMPLE,
         weights=weights,
         terminal_weights=terminal,
-        bounds={model.inputs[0].name: Bound(lower=-limit, upper=limit)},
+        bounds={v.name: Bound(lower=-limit, upper=limit) for v, limit in zip(model.inputs, limits, strict=True)},
     )
     return Case(problem=problem, **data)
 
@@ -84,6 +89,35 @@ def _articulated_trailer() -> Case:
     p = np.column_stack([own, tractor, reference])
     data = {"initial": np.array([0.05, -0.05]), "p": p, "y": np.zeros((N + 1, 3))}
     return _control(articulated_trailer(VEHICLE), (20.0, 0.02, 0.5), (20.0, 0.0, 0.0), 0.12, **data)
+
+
+def _tricycle_centralised() -> Case:
+    ahead = 0.4 + SAMPLE * np.arange(N + 1)
+    paths = [column for along in (ahead, ahead - 2.2) for column in (along, 0.05 * np.sin(along))]
+    y = np.column_stack([*paths, np.zeros((N + 1, 4))])
+    data = {
+        "initial": np.array([0.0, 0.5, 0.1, -2.2, 0.4, 0.1]),
+        "p": np.tile((0.95, 0.92, 0.9, -0.05, 1.0), (N + 1, 1)),
+        "y": y,
+    }
+    weights = (1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0)
+    terminal = (10.0, 10.0, 10.0, 10.0, 0.0, 0.0, 0.0, 0.0)
+    return _control(tricycle(VEHICLE), weights, terminal, 0.3, 0.2, **data)
+
+
+def _articulated_centralised() -> Case:
+    own = np.tile((0.95, 0.92, 0.01, 0.01, 1.0, 0.02), (N + 1, 1))
+    along = SAMPLE * np.arange(N + 1)
+    tractor = np.column_stack([along, 0.02 * along**2, 0.04 * along])
+    trailer = np.column_stack([along - 2.15, np.full(N + 1, -0.05), np.zeros(N + 1)])
+    data = {
+        "initial": np.array([0.1, 0.4, 0.05, 0.0, 0.1, -0.05]),
+        "p": np.column_stack([own, tractor, trailer]),
+        "y": np.full((N + 1, 7), 0.01),
+    }
+    weights = (10.0, 1.0, 0.1, 5.0, 20.0, 0.02, 0.5)
+    terminal = (10.0, 1.0, 0.0, 0.0, 20.0, 0.0, 0.0)
+    return _control(articulated_tracking(VEHICLE), weights, terminal, 0.15, 0.12, **data)
 
 
 def simulated(model: Model, x: Floats, u: Floats, p: Floats) -> Floats:
@@ -154,6 +188,8 @@ CASES: dict[str, Callable[[], Case]] = {
     "tricycle_trailer": lambda: _tricycle(tricycle_trailer, (0.95, 0.92, -0.05, 1.0, 0.05), (-2.2, 0.4, 0.1), 0.2),
     "articulated_tractor": _articulated_tractor,
     "articulated_trailer": _articulated_trailer,
+    "tricycle_centralised": _tricycle_centralised,
+    "articulated_centralised": _articulated_centralised,
     "tricycle_estimator": _tricycle_estimator,
     "articulated_estimator": _articulated_estimator,
 }
@@ -161,7 +197,7 @@ CASES: dict[str, Callable[[], Case]] = {
 
 @pytest.fixture(scope="session", params=CASES)
 def case(request: pytest.FixtureRequest) -> Case:
-    """Each of the six problems in turn."""
+    """Each of the eight problems in turn."""
     return CASES[request.param]()
 
 

@@ -27,7 +27,7 @@ def moved(group: tuple[Variable, ...], values: Floats, angle: float, shift: Floa
 
 def mirrored(group: tuple[Variable, ...], values: Floats) -> Floats:
     """Flip the y axis."""
-    odd = [v.unit.startswith("rad") or v.name.endswith("y") or v.name in ("lateral_error", "coupling") for v in group]
+    odd = [v.unit.startswith("rad") or v.name.endswith(("y", "lateral_error", "coupling")) for v in group]
     return np.where(odd, -values, values)
 
 

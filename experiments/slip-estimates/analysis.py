@@ -1,0 +1,172 @@
+"""How well slips and yaws are known, and how well the estimators know how well."""
+
+import tomllib
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from drawbar.campaign.campaign import Campaign
+from drawbar.campaign.parts import Part, Picture, Table
+from drawbar.campaign.task import Result
+from drawbar.config import Configuration
+from drawbar.report.style import ESTIMATOR, INK, REFERENCE
+
+SLIPS = {"longitudinal_slip": "μ", "tractor_slip": "κ", "trailer_slip": "η"}
+YAWS = {"tractor": "tractor yaw", "trailer": "trailer yaw"}
+SETTLED = 10.0
+"""what comes before is the start, and does not count, s"""
+TRUE_ETA = 1.0
+"""the simulated joint's angle acts as it is"""
+DASHED, DOTTED = (0, (4, 2)), (0, (1, 1))
+PICTURES = {
+    "paper": ("the paper's model", {"paper": "moving horizon", "paper-ekf": "extended Kalman filter"}),
+    "articulated": (
+        "the product's model",
+        {"articulated": "moving horizon", "articulated-ekf": "extended Kalman filter"},
+    ),
+}
+
+
+def figures(result: Result) -> dict[str, float]:
+    """Return, by symbol, RMS error, mean standard deviation and the share (%) of the truth inside three of them.
+
+    Slips as they are, yaws in degrees; NaN for a slip that the estimator's model does not have.
+    """
+    values: dict[str, float] = {}
+    for name, symbol in SLIPS.items():
+        error = result.columns[f"estimate.{name}"] - _truth(result, name)
+        values |= _quality(result, symbol, error, result.columns[f"deviation.{name}"])
+    for body, symbol in YAWS.items():
+        turn = result.columns[f"estimate.{body}.yaw"] - result.columns[f"truth.{body}.yaw"]
+        error = np.degrees(np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi)
+        values |= _quality(result, symbol, error, np.degrees(result.columns[f"deviation.{body}_yaw"]))
+    return values
+
+
+def _quality(result: Result, symbol: str, error: np.ndarray, deviation: np.ndarray) -> dict[str, float]:
+    late = result.columns["measurement.time"] >= SETTLED
+    error = np.where(np.isnan(deviation), np.nan, error)[late]
+    inside = np.where(np.isnan(error), np.nan, np.abs(error) <= 3.0 * deviation[late])
+    return {
+        f"{symbol} error": float(np.sqrt(np.mean(error**2))),
+        f"{symbol} deviation": float(np.mean(deviation[late])),
+        f"{symbol} inside": 100.0 * float(np.mean(inside)),
+    }
+
+
+def _truth(result: Result, name: str) -> np.ndarray:
+    if name == "trailer_slip":
+        return np.full_like(result.columns["measurement.time"], TRUE_ETA)
+    return result.columns[f"truth.{name}"]
+
+
+def report(campaign: Campaign) -> Iterator[Part]:
+    """Yield the paper's figure for both models, and the tables of slips and yaws."""
+    for name, (title, cases) in PICTURES.items():
+        yield Picture(
+            name=f"slips-{name}",
+            caption=f"Slips estimated with {title}, seed 0. Band: three standard deviations as the estimator computes "
+            "them; where it fills the panel it is wider than the bounds. Dotted: truth. Dashed: bounds.",
+            draw=lambda figure, cases=cases: _draw(figure, campaign, cases),
+            size=(9.0, 1.9 * len(_slips(campaign, name)) + 0.6),
+        )
+    yield _slip_table(campaign)
+    yield _yaw_table(campaign)
+
+
+def _bounds(campaign: Campaign, case: str) -> dict[str, tuple[float, float]]:
+    configuration = Configuration.model_validate(tomllib.loads(campaign.experiment.configurations[case]))
+    return configuration.estimator.bounds_by_estimate()
+
+
+def _slips(campaign: Campaign, case: str) -> list[str]:
+    """Return the slips that the estimator's model has."""
+    return [name for name in SLIPS if name in _bounds(campaign, case)]
+
+
+def _slip_table(campaign: Campaign) -> Table:
+    rows = []
+    for case in campaign.cases:
+        cells = [cell for name in SLIPS for cell in _slip_cells(campaign, case, name)]
+        rows.append([case, campaign.finished(case), *cells])
+    return Table(
+        name="slips",
+        caption="RMS error of the slips (mean standard deviation as the estimator computes it), share of samples on a "
+        "bound, and share of the truth inside three standard deviations (99.7 % would be consistent); mean over the "
+        "seeds ± 95 % interval. The true η is 1.",
+        header=[
+            "",
+            "finished",
+            *(f"{symbol}{what}" for symbol in SLIPS.values() for what in (" error", " on bound", " inside")),
+        ],
+        rows=rows,
+    )
+
+
+def _slip_cells(campaign: Campaign, case: str, name: str) -> list[str]:
+    if name not in _bounds(campaign, case):
+        return [""] * 3
+    symbol = SLIPS[name]
+    return [_error(campaign, case, symbol, 3), _on_bound(campaign, case, name), _inside(campaign, case, symbol)]
+
+
+def _error(campaign: Campaign, case: str, symbol: str, digits: int) -> str:
+    deviation = campaign.statistic(case, f"{symbol} deviation").mean
+    return f"{campaign.statistic(case, f'{symbol} error').text(digits)} ({deviation:.{digits}f})"
+
+
+def _inside(campaign: Campaign, case: str, symbol: str) -> str:
+    return f"{campaign.statistic(case, f'{symbol} inside').mean:.1f} %"
+
+
+def _on_bound(campaign: Campaign, case: str, name: str) -> str:
+    bounds = np.array(_bounds(campaign, case)[name])
+    estimates = np.concatenate([result.columns[f"estimate.{name}"] for result in campaign.runs[case].results])
+    return f"{100.0 * np.mean(np.abs(estimates[:, None] - bounds).min(axis=1) < 1e-6):.1f} %"
+
+
+def _yaw_table(campaign: Campaign) -> Table:
+    rows = []
+    for case in campaign.cases:
+        cells = [
+            cell
+            for symbol in YAWS.values()
+            for cell in (_error(campaign, case, symbol, 2), _inside(campaign, case, symbol))
+        ]
+        rows.append([case, *cells])
+    return Table(
+        name="yaws",
+        caption="RMS error of both yaws, ° (mean standard deviation as the estimator computes it), and share of the "
+        "truth inside three of them; mean over the seeds ± 95 % interval.",
+        header=["", *(f"{symbol}{what}" for symbol in YAWS.values() for what in (", °", " inside"))],
+        rows=rows,
+    )
+
+
+def _draw(figure: Figure, campaign: Campaign, cases: dict[str, str]) -> None:
+    slips = _slips(campaign, next(iter(cases)))
+    panels = figure.subplots(len(slips), len(cases), sharex=True, sharey="row", squeeze=False)
+    for row, name in zip(panels, slips, strict=True):
+        for axes, case in zip(row, cases, strict=True):
+            _draw_slip(axes, campaign, case, name)
+        row[0].set_ylabel(SLIPS[name])
+    for axes, title in zip(panels[0], cases.values(), strict=True):
+        axes.set_title(title)
+    for axes in panels[-1]:
+        axes.set_xlabel("time, s")
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=4)
+
+
+def _draw_slip(axes: Axes, campaign: Campaign, case: str, name: str) -> None:
+    result, (low, high) = campaign.runs[case].results[0], _bounds(campaign, case)[name]
+    time, estimate = result.columns["measurement.time"], result.columns[f"estimate.{name}"]
+    band = 3.0 * result.columns[f"deviation.{name}"]
+    axes.fill_between(time, estimate - band, estimate + band, color=ESTIMATOR, alpha=0.2, lw=0.0, label="3σ")
+    axes.plot(time, estimate, color=ESTIMATOR, label="estimate")
+    axes.plot(time, _truth(result, name), color=INK, ls=DOTTED, lw=1.2, label="truth")
+    axes.axhline(low, color=REFERENCE, ls=DASHED, lw=0.9, label="bounds")
+    axes.axhline(high, color=REFERENCE, ls=DASHED, lw=0.9)
+    room = 0.08 * (high - low)
+    axes.set(ylim=(low - room, high + room), xlim=(time[0], time[-1]))

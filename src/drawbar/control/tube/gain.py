@@ -1,0 +1,61 @@
+"""The gain K of an ancillary law: given, or of the discrete linear quadratic regulator at the nominal work point."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.linalg import LinAlgError, solve_discrete_are
+
+from drawbar.control.settings import AncillaryGain, BodyTubeSettings
+from drawbar.control.tube.error_model import ErrorModel
+from drawbar.errors import ConfigurationError, TubeError
+from drawbar.geometry import Floats
+
+COMMAND = "command"
+
+
+def gain_of(body: str, model: ErrorModel, settings: BodyTubeSettings) -> Floats:
+    """Return K (n,): command (rad) per error of each state, such that u = ū + K e.
+
+    Raises:
+        ConfigurationError: a gain or weight belongs to no state of this model, or both are given.
+        TubeError: the weights have no regulator.
+    """
+    given = {name: getattr(settings, name) for name in AncillaryGain.model_fields if getattr(settings, name)}
+    if not settings.lqr:
+        check_names(f"tube.{body}", given, model.states)
+        return np.array([given.get(state, 0.0) for state in model.states])
+    if given:
+        raise ConfigurationError(
+            f"tube.{body} gives {', '.join(given)} and lqr weights as well; a gain is either given or follows from "
+            f"weights: leave one out"
+        )
+    check_names(f"tube.{body}.lqr", settings.lqr, (*model.states, COMMAND))
+    if COMMAND not in settings.lqr:
+        raise ConfigurationError(f"tube.{body}.lqr gives no weight of the {COMMAND}; give one, 1/rad²")
+    return regulator(body, model, [settings.lqr.get(name, 0.0) for name in (*model.states, COMMAND)])
+
+
+def regulator(body: str, model: ErrorModel, weights: list[float]) -> Floats:
+    """Return K of the regulator that minimises the sum of weight times square of every state, then of the command."""
+    A, B = model.A[0], model.B[0][:, None]
+    *Q, R = weights
+    try:
+        P = solve_discrete_are(A, B, np.diag(Q), np.array([[R]]))
+    except (LinAlgError, ValueError) as error:
+        raise TubeError(
+            f"tube.{body}.lqr has no regulator ({error}); give weights that differ by fewer orders of magnitude"
+        ) from error
+    return np.asarray(-np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)[0])
+
+
+def check_names(section: str, given: Iterable[str], known: tuple[str, ...]) -> None:
+    """Refuse names that the model of this body does not have.
+
+    Raises:
+        ConfigurationError: says which, and which there are.
+    """
+    unknown = [name for name in given if name not in known]
+    if unknown:
+        raise ConfigurationError(
+            f"{section} has no {', '.join(unknown)} with this controller's model; it has: {', '.join(known)}"
+        )

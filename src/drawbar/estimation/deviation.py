@@ -1,0 +1,23 @@
+"""How well the window knows its newest state: the covariance that a moving horizon estimator does not need itself."""
+
+import numpy as np
+
+from drawbar.geometry import Floats
+from drawbar.optimal import EstimationSolver
+
+
+def newest_deviation(solver: EstimationSolver) -> Floats:
+    """Return standard deviations (nx + np,) of states and parameters at the window's newest stage.
+
+    The window's Gauss-Newton Hessian is the information of its trajectory, the arrival cost included. Each step takes
+    the information on (x_k, u_k) to the covariance of x_{k+1} = A x_k + B u_k, and adds what stage k+1 measured. Bounds
+    are not counted. After feedback() it holds for the estimate, after advance() for its prediction.
+    """
+    A, B, Q, S, R = (solver.workspace.array(f"qp.{name}") for name in "ABQSR")
+    information = Q[0]
+    for k in range(solver.newest):
+        joint = np.block([[information, S[k].T], [S[k], R[k]]])
+        step = np.hstack([A[k], B[k]])
+        information = np.linalg.inv(step @ np.linalg.solve(joint, step.T)) + Q[k + 1]
+    deviation: Floats = np.sqrt(np.diag(np.linalg.inv(information)))
+    return deviation

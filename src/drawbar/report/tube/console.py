@@ -1,0 +1,78 @@
+"""What `drawbar tube` prints."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import tomli_w
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from drawbar.control.tube.tube import SubsystemTube
+from drawbar.report.tables import Row
+from drawbar.report.tube.recorded import CONFIDENCE, SECTIONS, Finding, coverage
+from drawbar.report.tube.tables import (
+    FINDING_COLUMNS,
+    SET_COLUMNS,
+    bound_columns,
+    bound_rows,
+    finding_rows,
+    law_text,
+    set_rows,
+    unbounded_text,
+    undeclared_text,
+)
+
+_UNVIOLATED = {True: Text("None is violated.", "green"), False: Text("None is declared.")}
+_COLOURS = {"tractor": "blue", "trailer": "yellow"}
+
+
+def _table(title: str, columns: Iterable[str], rows: list[Row], width: int = 34) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 1), title_justify="left")
+    table.add_column(title, min_width=width)
+    for name in columns:
+        table.add_column(name, justify="right", min_width=9)
+    for name, cells in rows:
+        table.add_row(name, *(Text(cell, "bold red" if cell.startswith("nothing") else "") for cell in cells))
+    return table
+
+
+def tube_text(body: str, tube: SubsystemTube, advice: Iterable[str]) -> RenderableType:
+    """Return the tube of one body for the console, at most 80 columns wide."""
+    parts: list[RenderableType] = ["", Text(body, f"bold {_COLOURS[body]}"), law_text(tube)]
+    if tube.invariant_set is not None:
+        parts += ["", _table("set", SET_COLUMNS, set_rows(tube))]
+        parts += ["", _table("bounds", bound_columns(tube), bound_rows(tube))]
+    notes = [note for note in (unbounded_text(tube), undeclared_text(tube)) if note]
+    return Group(*parts, "", *notes, *(Text(text, "bold red") for text in advice))
+
+
+def findings_text(body: str, findings: list[Finding]) -> RenderableType:
+    """Return what logs say of the bounds of one body, for the console."""
+    samples = min(len(finding.magnitudes) for finding in findings)
+    declared = any(finding.declared for finding in findings)
+    violated = [f"{finding.section}.{finding.name}" for finding in findings if finding.declared and finding.beyond]
+    verdict = Text(f"Violated: {', '.join(violated)}", "bold red") if violated else _UNVIOLATED[declared]
+    confidence = (
+        f"{samples} samples: the largest of them bounds {coverage(samples):.1%} of all samples like these with "
+        f"{CONFIDENCE:.0%} confidence, were they independent (Wilks 1941)."
+    )
+    tables = [
+        _table(section, FINDING_COLUMNS, finding_rows(rows), 20)
+        for section in SECTIONS
+        if (rows := [finding for finding in findings if finding.section == section])
+    ]
+    return Group("", Text(f"{body}, recorded", f"bold {_COLOURS[body]}"), *tables, verdict, confidence)
+
+
+def proposal(findings: Mapping[str, list[Finding]]) -> str:
+    """Return the recorded bounds of both bodies as TOML for a configuration."""
+    tube: dict[str, Any] = {
+        body: {
+            section: {finding.name: finding.proposed for finding in of_body if finding.section == section}
+            for section in SECTIONS
+            if any(finding.section == section for finding in of_body)
+        }
+        for body, of_body in findings.items()
+    }
+    return tomli_w.dumps({"tube": tube})

@@ -1,0 +1,95 @@
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from drawbar.control.lqr import LinearQuadraticRegulator, path_dynamics, regulator_gain
+from drawbar.control.settings import LqrSettings
+from drawbar.vehicle.parameters import VehicleParameters
+
+VEHICLE, SAMPLE_TIME = VehicleParameters(), 0.2
+
+
+def regulator(speed=1.0, **weights):
+    return LinearQuadraticRegulator(VEHICLE, LqrSettings(model="lqr", **weights), SAMPLE_TIME, speed)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_gain_is_the_limit_of_value_iteration(seed):
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(1, 6)), int(rng.integers(1, 3))
+    A, B = rng.normal(size=(n, n)), rng.normal(size=(n, m))
+    root = rng.normal(size=(n, n))
+    Q, R = root @ root.T + 0.1 * np.eye(n), np.diag(rng.uniform(0.1, 2.0, m))
+    P = Q
+    for _ in range(2000):
+        K = np.linalg.inv(R + B.T @ P @ B) @ B.T @ P @ A
+        P = Q + K.T @ R @ K + (A - B @ K).T @ P @ (A - B @ K)
+    assert regulator_gain(A, B, Q, R) == pytest.approx(K, rel=1e-8, abs=1e-10)
+
+
+def test_gain_of_a_scalar_system_is_the_root_of_its_quadratic():
+    a, b, q, r = 1.1, 0.4, 2.0, 0.5
+    half = 0.5 * (q * b**2 + r * (a**2 - 1.0))
+    p = (half + math.sqrt(half**2 + q * r * b**2)) / b**2
+    gain = regulator_gain(*(np.array([[value]]) for value in (a, b, q, r)))
+    assert gain[0, 0] == pytest.approx(a * b * p / (r + b**2 * p), rel=1e-12)
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 2.5])
+def test_gain_tends_to_the_double_integrators_closed_form(speed):
+    # e' = V h, h' = V / L_t v: the algebraic Riccati equation by hand
+    lateral, heading, steering = 2.0, 3.0, 0.5
+    A, B = path_dynamics(speed, VEHICLE.wheelbase, 1e-4)
+    gain = regulator_gain(A, B, 1e-4 * np.diag([lateral, heading]), np.array([[1e-4 * steering]]))
+    first = math.sqrt(lateral / steering)
+    assert gain[0] == pytest.approx([first, math.sqrt(heading / steering + 2.0 * VEHICLE.wheelbase * first)], rel=1e-3)
+
+
+@pytest.mark.parametrize("speed", [0.3, 1.0, 3.0])
+def test_errors_move_as_the_matrix_exponential_says(speed):
+    A, B = path_dynamics(speed, VEHICLE.wheelbase, SAMPLE_TIME)
+    joint = expm(SAMPLE_TIME * speed * np.array([[0, 1, 0], [0, 0, 1 / VEHICLE.wheelbase], [0, 0, 0]]))
+    assert np.hstack([A, B]) == pytest.approx(joint[:2], abs=1e-14)
+
+
+@pytest.mark.parametrize("speed", [0.1, 1.0, 3.0])
+@pytest.mark.parametrize("steering", [1e-3, 0.1, 10.0])
+def test_the_loop_is_stable(speed, steering):
+    A, B = path_dynamics(speed, VEHICLE.wheelbase, SAMPLE_TIME)
+    gain = regulator(speed, steering=steering).gain
+    assert np.abs(np.linalg.eigvals(A - B @ gain)).max() < 1.0
+
+
+def test_small_errors_are_answered_by_the_gain(situation):
+    law = regulator()
+    for left, yaw in ((0.01, 0.0), (0.0, 0.01), (-0.02, 0.03)):
+        here = situation(left=left, yaw=yaw)
+        plan = law.feedback(here.estimate, here.reference)
+        assert plan.tractor.steering == pytest.approx(-float(law.gain[0] @ (left, yaw)), abs=1e-12)
+
+
+@pytest.mark.parametrize("left", [-50.0, -3.0, 3.0, 50.0])
+def test_from_afar_the_path_is_approached_at_the_approach_angle(situation, left):
+    # there lateral and heading error balance, however far it is
+    here = situation(left=left, yaw=-math.copysign(0.4, left))
+    plan = regulator(approach_angle=0.4).feedback(here.estimate, here.reference)
+    assert plan.tractor.steering == pytest.approx(0.0, abs=1e-12)
+
+
+def test_on_the_path_slips_and_curvature_are_fed_forward(situation):
+    # on a circle the steering is that which holds it: tan(kappa delta + b) = L_t k + tan(alpha_r)
+    slips = {"tractor_slip": 0.9, "steering_offset": 0.01, "tractor_crab": 0.02}
+    here = situation(curvature=0.1, yaw=-0.02, **slips)
+    delta = regulator().feedback(here.estimate, here.reference).tractor.steering
+    assert math.tan(0.9 * delta + 0.01) == pytest.approx(VEHICLE.wheelbase * 0.1 + math.tan(0.02), abs=1e-12)
+
+
+def test_curvature_is_read_ahead_by_the_lead(situation):
+    here = situation()
+    samples = here.reference.tractor.samples
+    samples[:, 3] = 0.01 * np.arange(len(samples))
+    for lead, curvature in ((0.0, 0.0), (0.4, 0.02), (0.5, 0.025)):
+        delta = regulator(lead=lead).feedback(here.estimate, here.reference).tractor.steering
+        assert math.tan(delta) == pytest.approx(VEHICLE.wheelbase * curvature, abs=1e-12)

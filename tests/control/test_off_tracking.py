@@ -1,0 +1,143 @@
+"""What the trailer's steering leaves of its off-tracking, against exact circles and the simulated machine."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drawbar.control.off_tracking import OffTracking, SharedError
+from drawbar.control.settings import SharingSettings
+from drawbar.machine.settings import CrabProcess, GroundSettings, SensorSettings, SimulatedMachineSettings, SlipProcess
+from drawbar.machine.simulated import SimulatedMachine
+from drawbar.signals import Command, Pose
+from drawbar.vehicle.parameters import VehicleParameters
+
+VEHICLE = VehicleParameters()
+SAMPLE_TIME = 0.2
+TRAILER = VEHICLE.trailer_length + VEHICLE.drawbar_length
+
+
+def exact_error(curvature, tractor_crab, trailer_crab, joint):
+    """Return the lateral error of the trailer's antenna when everything turns about one centre, m.
+
+    All distances are measured from that centre, which lies across each axle's direction of motion.
+    """
+    a, c, d, length = VEHICLE.free_joint_offset, VEHICLE.trailer_antenna, VEHICLE.drawbar_length, VEHICLE.trailer_length
+    radius = 1.0 / curvature
+    centre = radius * complex(-math.sin(tractor_crab), math.cos(tractor_crab))  # seen from the rear axle
+    to_joint = abs(centre + a)
+    free_joint = complex(length + d * math.cos(joint), d * math.sin(joint))  # seen from the trailer's axle
+    across = complex(-math.sin(trailer_crab), math.cos(trailer_crab))
+    # |across * axle_radius - free_joint| = to_joint, the root on the tractor's side
+    projection = (across.conjugate() * free_joint).real
+    root = math.sqrt(projection**2 - abs(free_joint) ** 2 + to_joint**2)
+    axle_radius = projection + math.copysign(root, radius)
+    return radius - math.copysign(abs(across * axle_radius - c), radius)
+
+
+@pytest.mark.parametrize("curvature", [1e-4, 0.1, 0.125, -0.15])
+@pytest.mark.parametrize("crabs", [(0.0, 0.0), (0.0524, 0.0524), (-0.0524, -0.0524), (0.03, -0.05)])
+def test_the_remainder_is_what_the_turned_joint_leaves_on_a_circle(curvature, crabs):
+    limit = VEHICLE.trailer_steering_limit
+    ends = sorted(exact_error(curvature, *crabs, joint) for joint in (-limit, limit))
+    left = max(ends[0], 0.0) + min(ends[1], 0.0)
+    remainder = OffTracking(VEHICLE).remainder(np.array([curvature]), *crabs)
+    assert remainder == pytest.approx([left], abs=0.015 * abs(curvature))
+
+
+def steady_error(curvature, tractor_crab, trailer_crab):
+    """Return how far inside its tractor's circle the simulated trailer runs, joint at its limit outwards, m."""
+    firm = SlipProcess(mean=1.0, deviation=0.0)
+    ground = GroundSettings(
+        longitudinal_slip=firm,
+        tractor_slip=firm,
+        tractor_crab=CrabProcess(mean=tractor_crab, deviation=0.0),
+        trailer_crab=CrabProcess(mean=trailer_crab, deviation=0.0),
+    )
+    settings = SimulatedMachineSettings(ground=ground, sensors=SensorSettings(position=0.0))
+    start = Pose(x=0.0, y=0.0, yaw=0.0)
+    machine = SimulatedMachine(vehicle=VEHICLE, settings=settings, sample_time=SAMPLE_TIME, start=start, seed=0)
+    steering = math.atan(VEHICLE.wheelbase * curvature / math.cos(tractor_crab) + math.tan(tractor_crab))
+    for _ in range(200):
+        machine.write(Command(time=0.0, tractor_steering=steering, trailer_steering=math.radians(20.0), speed=1.0))
+    truth = machine.truth()
+    course = truth.tractor.yaw + tractor_crab
+    centre = complex(truth.tractor.x, truth.tractor.y) + 1j * complex(math.cos(course), math.sin(course)) / curvature
+    return 1.0 / curvature - abs(complex(truth.trailer.x, truth.trailer.y) - centre)
+
+
+@pytest.mark.parametrize("crab", [0.0, 0.0524])
+def test_the_simulated_trailer_keeps_the_remainder(crab):
+    remainder = OffTracking(VEHICLE).remainder(np.array([0.125]), crab, crab)
+    assert remainder == pytest.approx([steady_error(0.125, crab, crab)], abs=1.5e-3)
+    assert remainder[0] > 0.01
+
+
+def test_what_the_trailer_can_steer_away_is_no_remainder():
+    gentle = np.linspace(-0.09, 0.09, 7)
+    assert OffTracking(VEHICLE).remainder(gentle, 0.0, 0.0) == pytest.approx(np.zeros(7), abs=0.0)
+    # hung to one side by a slope, the trailer's cut-in to the other side cancels
+    assert OffTracking(VEHICLE).remainder(np.array([-0.125]), 0.0524, 0.0524) == 0.0
+
+
+def test_the_remainder_is_mirrored_with_the_world():
+    curvatures = np.linspace(-0.3, 0.3, 13)
+    here = OffTracking(VEHICLE).remainder(curvatures, 0.03, -0.02)
+    assert OffTracking(VEHICLE).remainder(-curvatures, -0.03, 0.02) == pytest.approx(-here, abs=1e-15)
+
+
+def shared(**settings):
+    return SharedError(VEHICLE, SharingSettings(**({"widening": 0.0} | settings)), SAMPLE_TIME)
+
+
+def test_on_an_endless_curve_the_tractor_takes_its_share_beyond_the_accepted_error(situation):
+    for curvature in (0.2, -0.25):
+        estimate = situation(curvature=curvature).estimate
+        curvatures = np.full(400, curvature)
+        remainder = OffTracking(VEHICLE).remainder(curvatures[:1], 0.0, 0.0)[0]
+        target = shared(share=0.6, accepted_error=0.02).targets(estimate, curvatures)[-1]
+        assert target * remainder < 0.0, "the tractor goes to the other side"
+        assert abs(target) == pytest.approx(0.6 * (abs(remainder) - 0.02), rel=1e-9)
+
+
+def test_an_accepted_error_stays_with_the_trailer(situation):
+    curvatures = np.full(400, 0.15)
+    remainder = OffTracking(VEHICLE).remainder(curvatures[:1], 0.0, 0.0)[0]
+    targets = shared(accepted_error=1.01 * float(remainder)).targets(situation().estimate, curvatures)
+    assert targets == pytest.approx(np.zeros(400), abs=0.0)
+
+
+def test_the_tractor_keeps_outside_of_every_curve(situation):
+    for curvature in (0.05, -0.1):
+        targets = shared(share=0.0, widening=0.05).targets(situation().estimate, np.full(400, curvature))
+        assert targets[-1] == pytest.approx(-0.05 * curvature, rel=1e-9)
+
+
+def test_without_sharing_the_tractor_keeps_to_the_path(situation):
+    targets = shared(share=0.0).targets(situation(tractor_crab=0.05, trailer_crab=0.05).estimate, np.full(21, 0.15))
+    assert targets == pytest.approx(np.zeros(21), abs=0.0)
+
+
+def test_the_target_lags_by_the_trailers_length_at_any_speed(situation):
+    for speed in (0.5, 2.0):
+        curvatures = np.full(400, 0.15)
+        targets = shared().targets(situation(speed=speed).estimate, curvatures)
+        travelled = speed * SAMPLE_TIME * np.arange(400)
+        assert targets == pytest.approx(targets[-1] * -np.expm1(-travelled / TRAILER), abs=1e-12)
+
+
+def test_what_is_planned_for_the_next_sample_is_its_target(situation):
+    estimate, curvatures = situation().estimate, np.full(22, 0.15)
+    part = shared()
+    first = part.targets(estimate, curvatures[:21])
+    second = part.targets(estimate, curvatures[1:])
+    assert first[0] == 0.0
+    assert second[:20] == pytest.approx(first[1:], abs=1e-15)
+
+
+def test_standing_still_the_target_stays(situation):
+    part = shared()
+    part.targets(situation().estimate, np.full(21, 0.15))
+    targets = part.targets(situation(speed=0.0).estimate, np.full(21, -0.15))
+    assert np.ptp(targets) == 0.0
+    assert targets[0] < 0.0

@@ -1,0 +1,202 @@
+"""What receivers do wrong is masked, what they do right is not: on a straight drive with white noise."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drawbar.estimation.screening import Screening
+from drawbar.estimation.settings import ScreeningSettings
+from drawbar.signals import FixStatus, Measurement
+
+OK, MISSING, STALE, REJECTED = FixStatus
+DEVIATION, LENGTH, STEP = 0.03, 2.15, 0.2
+NAMES = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
+LATER = 100
+"""sample by which the estimate has long been confirmed"""
+
+
+def place(k, heading=0.4):
+    """Return where both antennas are expected at sample k, 0.2 m further along the heading with each."""
+    ahead = np.array([math.cos(heading), math.sin(heading)])
+    tractor = 5.0 + STEP * k * ahead
+    return tuple(tractor.tolist()), tuple((tractor - LENGTH * ahead).tolist())
+
+
+def drive(count, errors=None, *, noise=DEVIATION, seed=1, speed=1.0):
+    """Return measurements that lie around the expected places; errors (count, 4) are added, m."""
+    rng = np.random.default_rng(seed)
+    positions = np.array([np.ravel(place(speed * k)) for k in range(count)])
+    positions += noise * rng.normal(size=positions.shape) + (0.0 if errors is None else errors)
+    others = dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), 0.0)
+    return [
+        Measurement(time=STEP * k, **dict(zip(NAMES, row.tolist(), strict=True)), **others)
+        for k, row in enumerate(positions)
+    ]
+
+
+def screened(measurements, screening=None, *, speed=1.0):
+    screening = screening or Screening(ScreeningSettings(), DEVIATION)
+    return [screening.screen(measurement, place(speed * k)) for k, measurement in enumerate(measurements)]
+
+
+def shift(count, first, last, antenna, east, north):
+    errors = np.zeros((count, 4))
+    errors[first:last, 2 * antenna : 2 * antenna + 2] = east, north
+    return errors
+
+
+def held(measurements, first, last, names=NAMES):
+    old = {name: getattr(measurements[first - 1], name) for name in names}
+    return [replace(m, **old) if first <= k < last else m for k, m in enumerate(measurements)]
+
+
+def test_honest_fixes_pass_as_they_are():
+    measurements = drive(1000)
+    results = screened(measurements)
+    assert [result.measurement for result in results] == measurements
+    assert {result.fixes for result in results} == {(OK, OK)}
+    assert not any(result.restart for result in results)
+
+
+@pytest.mark.parametrize("noise", [0.06, 0.09])
+def test_noise_that_is_larger_than_believed_is_found_out_and_passes(noise):
+    results = screened(drive(1000, noise=noise))
+    wrong = sum(result.fixes != (OK, OK) for result in results)
+    assert wrong <= 10
+    assert not any(result.restart for result in results[LATER:])
+
+
+def test_what_is_missing_is_missing_and_a_half_fix_is_none():
+    measurements = drive(10)
+    measurements[5] = replace(measurements[5], tractor_x=math.nan)
+    measurements[6] = replace(measurements[6], trailer_y=math.inf)
+    results = screened(measurements)
+    assert [result.fixes for result in results[5:7]] == [(MISSING, OK), (OK, MISSING)]
+    assert math.isnan(results[5].measurement.tractor_y)
+    assert math.isnan(results[6].measurement.trailer_x)
+    assert results[5].measurement.trailer_x == measurements[5].trailer_x
+
+
+@pytest.mark.parametrize(
+    ("names", "fixes"), [(NAMES, (STALE, STALE)), (NAMES[:2], (STALE, OK)), (NAMES[2:], (OK, STALE))]
+)
+def test_a_repeated_fix_is_stale_once_the_vehicle_has_moved(names, fixes):
+    results = screened(held(drive(160), 100, 150, names))
+    assert {result.fixes for result in results[:100]} == {(OK, OK)}
+    assert {result.fixes for result in results[100:150]} == {fixes}
+    assert {result.fixes for result in results[150:]} == {(OK, OK)}
+
+
+def test_a_repeated_fix_is_no_fault_at_rest_nor_is_one_repeated_coordinate():
+    at_rest = held(drive(100, speed=0.0), 20, 100)
+    assert {result.fixes for result in screened(at_rest, speed=0.0)} == {(OK, OK)}
+    measurements = drive(40)
+    same_north = [
+        replace(m, tractor_y=measurements[19].tractor_y) if k == 20 else m for k, m in enumerate(measurements)
+    ]
+    assert {result.fixes[0] for result in screened(same_north)} == {OK}
+
+
+def test_a_stale_fix_stays_stale_when_nothing_comes_between():
+    measurements = held(drive(60), 20, 40)
+    nothing = dict.fromkeys(NAMES, math.nan)
+    measurements[30:33] = [replace(m, **nothing) for m in measurements[30:33]]
+    found = [result.fixes[0] for result in screened(measurements)]
+    assert found[20:40] == [STALE] * 10 + [MISSING] * 3 + [STALE] * 7
+
+
+@pytest.mark.parametrize("antenna", [0, 1])
+@pytest.mark.parametrize("direction", np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False))
+@pytest.mark.parametrize("size", [0.3, 1.0, 5.0])
+def test_a_jump_of_one_antenna_masks_that_antenna_for_as_long_as_it_lasts(antenna, direction, size):
+    jump = shift(300, LATER, 200, antenna, size * math.cos(direction), size * math.sin(direction))
+    results = screened(drive(300, jump))
+    masked = np.array([result.fixes[antenna] is REJECTED for result in results])
+    assert masked[LATER + 1 : 200].all()
+    assert not masked[:LATER].any()
+    assert not masked[212:].any()  # its mean needs some samples to forget
+    assert {result.fixes[1 - antenna] for result in results} == {OK}
+    assert not any(result.restart for result in results)
+
+
+def test_a_small_lasting_jump_is_exposed_with_the_samples_before_it():
+    jump = shift(200, LATER, 200, 0, 0.12 * math.sin(0.4), -0.12 * math.cos(0.4))  # across the vehicle
+    results = screened(drive(200, jump))
+    exposed = [k for k, result in enumerate(results) if result.exposed is not None]
+    assert len(exposed) == 1
+    assert results[exposed[0]].exposed == 0
+    assert LATER <= exposed[0] <= LATER + ScreeningSettings().memory
+
+
+def test_what_moves_both_antennas_accuses_neither():
+    errors = np.zeros((200, 4))
+    errors[LATER:104] = np.tile([0.025, -0.06], 2)  # a blow to the right, until the estimator has followed
+    assert {result.fixes for result in screened(drive(200, errors))} == {(OK, OK)}
+
+
+def test_wrong_lengths_are_learned():
+    along = 0.12 * np.array([math.cos(0.4), math.sin(0.4)])
+    results = screened(drive(600, np.tile([*along, *-along], (600, 1))))
+    assert sum(result.fixes != (OK, OK) for result in results) <= 6
+
+
+def test_after_a_loss_the_gate_is_as_wide_as_dead_reckoning_is_wrong():
+    """Ten seconds without a fix make room for one metre more."""
+    for offset, accepted in ((0.8, True), (1.5, False)):
+        errors = np.tile([0.0, offset], (200, 2))
+        measurements = drive(200, errors * (np.arange(200) >= 150)[:, None])
+        nothing = dict.fromkeys(NAMES, math.nan)
+        measurements[100:150] = [replace(m, **nothing) for m in measurements[100:150]]
+        assert (screened(measurements)[150].fixes == (OK, OK)) is accepted
+
+
+def test_two_antennas_that_agree_with_each_other_prevail():
+    errors = np.zeros((200, 4))
+    errors[LATER:] = 3.0
+    results = screened(drive(200, errors))
+    restarts = [k for k, result in enumerate(results) if result.restart]
+    patience = round(ScreeningSettings().patience / STEP)
+    assert restarts[0] == LATER + patience
+    assert results[restarts[0]].fixes == (OK, OK)
+    assert {result.fixes for result in results[LATER : restarts[0]]} == {(REJECTED, REJECTED)}
+
+
+def test_two_antennas_that_contradict_each_other_do_not_prevail():
+    errors = np.zeros((200, 4))
+    errors[LATER:, 0], errors[LATER:, 3] = 30.0, -20.0
+    results = screened(drive(200, errors))
+    assert not any(result.restart for result in results)
+    assert {result.fixes for result in results[LATER:]} == {(REJECTED, REJECTED)}
+
+
+@pytest.mark.parametrize("error", [0.3, math.pi / 4, math.pi / 2, math.pi, -math.pi / 2])
+def test_a_yaw_that_was_wrong_from_the_start_is_overruled_by_one_antenna(error):
+    screening = Screening(ScreeningSettings(), DEVIATION)
+    tractor = np.array(place(0)[0])
+    trailer = tractor - LENGTH * np.array([math.cos(0.4 + error), math.sin(0.4 + error)])
+    expected = (tuple(tractor.tolist()), tuple(trailer.tolist()))
+    results = [screening.screen(measurement, expected) for measurement in drive(6, speed=0.0)]
+    assert [result.restart for result in results] == [False] * 5 + [True]
+
+
+def test_an_antenna_at_the_wrong_distance_overrules_nothing():
+    errors = shift(20, 0, 20, 1, 1.0 * math.cos(0.4), 1.0 * math.sin(0.4))
+    assert not any(result.restart for result in screened(drive(20, errors)))
+
+
+def test_the_world_may_turn_and_shift():
+    jump = shift(200, LATER, 150, 1, 0.2, 0.1)
+    measurements = drive(200, jump)
+    one, other = Screening(ScreeningSettings(), DEVIATION), Screening(ScreeningSettings(), DEVIATION)
+    c, s = math.cos(2.0), math.sin(2.0)
+
+    def moved(point):
+        return c * point[0] - s * point[1] + 70.0, s * point[0] + c * point[1] - 20.0
+
+    for k, m in enumerate(measurements):
+        (tx, ty), (ix, iy) = moved((m.tractor_x, m.tractor_y)), moved((m.trailer_x, m.trailer_y))
+        turned = replace(m, tractor_x=tx, tractor_y=ty, trailer_x=ix, trailer_y=iy)
+        tractor, trailer = place(k)
+        assert one.screen(m, (tractor, trailer)).fixes == other.screen(turned, (moved(tractor), moved(trailer))).fixes
