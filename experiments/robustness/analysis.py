@@ -210,7 +210,7 @@ def _draw(figure: Figure, campaign: Campaign) -> None:
                     _draw_dot(axes, row, case, campaign.statistic(case_name, name), limit)
         for row in range(1, len(variants), 2):
             axes.axhspan(row - 0.5, row + 0.5, color=GRID, alpha=0.5, lw=0.0, zorder=0.5)
-        axes.set(xscale="log", xlabel="largest distance, cm", title=body)
+        axes.set(xscale="log", xlabel="largest distance, cm", title=body, xlim=(1.0, None))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.tick_params(axis="y", length=0.0)

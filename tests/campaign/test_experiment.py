@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from drawbar.campaign.experiment import Expectation, Experiment, find_experiments, load_experiment
+from drawbar.campaign.experiment import Expectation, Experiment, find_experiments
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 
@@ -115,10 +115,3 @@ def test_experiments_are_found_by_name_by_path_and_all(
     assert find_experiments("second") == [Path("experiments/second")]
     with pytest.raises(ConfigurationError, match=r"third: is no experiment .* first, second"):
         find_experiments("third")
-
-
-def test_the_shipped_experiments_can_be_read() -> None:
-    folder = Path(__file__).parents[2] / "experiments"
-    for file in folder.glob("*/experiment.toml"):
-        assert load_experiment(file.parent).settings.title
-        assert (file.parent / "README.md").is_file()

@@ -119,6 +119,8 @@ class ArticulatedTrailer(SubsystemController):
         self._interval = sample_time
         self._times = sample_time * np.arange(settings.horizon + 1)
         self._imaginary_times = 1j * self._times[:-1]
+        self._smoothing = -math.expm1(-sample_time / settings.yaw_rate_lag)
+        self._yaw_rate = 0.0
         self._trailer_poses = TrailerPoses(vehicle, settings.horizon + 1)
 
     def _state(self, estimate: Estimate) -> Floats:
@@ -152,13 +154,14 @@ class ArticulatedTrailer(SubsystemController):
         solver.p[:, 8:] = reference.samples[:, :3]
 
     def _assume_tractor(self, estimate: Estimate) -> None:
-        """Let the tractor keep its present yaw rate (measured coupling), or go straight (neglected)."""
+        """Let the tractor keep its smoothed present yaw rate (measured coupling), or go straight (neglected)."""
         p, pose, crab = self.solver.p, estimate.tractor, estimate.tractor_crab
         speed = estimate.longitudinal_slip * estimate.speed
-        omega = 0.0
         if self._coupling is not Coupling.NEGLECTED:
             angle = estimate.tractor_slip * estimate.tractor_steering + estimate.steering_offset
-            omega = speed * (math.tan(angle) - math.tan(crab)) / self._vehicle.wheelbase
+            measured = speed * (math.tan(angle) - math.tan(crab)) / self._vehicle.wheelbase
+            self._yaw_rate += self._smoothing * (measured - self._yaw_rate)
+        omega = self._yaw_rate
         half = 0.5 * omega * self._interval
         # every sample covers the same chord, turned by one angle more
         chord = speed / math.cos(crab) * self._interval * (math.sin(half) / half if half else 1.0)

@@ -73,10 +73,10 @@ class SharingSettings(Settings):
 
     share: Share = 0.7
     """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
-    accepted_error: NonNegative = 0.03
+    accepted_error: NonNegative = 0.04
     """steady error that stays with the trailer, m"""
-    widening: NonNegative = 0.05
-    """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m"""
+    widening: NonNegative = 0.04
+    """how far the tractor keeps outside a curve per curvature, m²: 4 mm at 0.1 1/m"""
 
 
 class ArticulatedControllerSettings(Settings):
@@ -87,6 +87,9 @@ class ArticulatedControllerSettings(Settings):
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
+    yaw_rate_lag: Positive = 0.5
+    """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon: held noise
+    would send the trailer's preview astray, s"""
     sharing: SharingSettings = SharingSettings()
     """Decentralised structure only"""
     tractor: ArticulatedTractorWeights = ArticulatedTractorWeights()

@@ -160,7 +160,7 @@ class ArticulatedDrift(Settings):
     """mu"""
     tractor_slip: NonNegative = 0.002
     """kappa"""
-    steering_offset: NonNegativeAngle = 0.002
+    steering_offset: NonNegativeAngle = 0.001
     """b, rad"""
     crab: NonNegativeAngle = 0.003
     """of both axles, rad"""
