@@ -155,8 +155,8 @@ def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
 
 
 def test_a_lost_run_ends_with_code_1_and_a_report(drawbar: Drawbar, tmp_path: Path) -> None:
-    # backwards beside the path, and hardly any steering to come round
-    changes = ("start.left=4.5", "start.yaw=3.1", "vehicle.tractor_steering_limit=0.05")
+    # beside the path and turned away from it, with hardly any steering to come back
+    changes = ("start.left=-3.0", "start.yaw=-0.9", "vehicle.tractor_steering_limit=0.03")
     code, said = drawbar("run", *SHORT, *(f"--set={change}" for change in changes), "--out", "out")
     assert code == 1
     assert "m from the path (limit 5.0 m)" in " ".join(said.split())
@@ -164,7 +164,7 @@ def test_a_lost_run_ends_with_code_1_and_a_report(drawbar: Drawbar, tmp_path: Pa
     assert not json.loads((tmp_path / "out" / "metrics.json").read_bytes())["finished"]
     log = read_log(tmp_path / "out" / "log.mcap")
     assert abs(log.records[-1].reference.tractor.lateral_error) > 5.0
-    assert tomllib.loads(log.header.configuration)["start"]["yaw"] == 3.1
+    assert tomllib.loads(log.header.configuration)["start"]["yaw"] == -0.9
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
 """Whether what was found by searching is better than what is shipped: error, steering and overshoot, seed by seed."""
 
 import math
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -43,8 +44,8 @@ def report(campaign: Campaign) -> Iterator[Part]:
     )
     yield Picture(
         name="look-ahead",
-        caption="The paper's set with other look-aheads (m, beside each point): mean over the seeds with its 95 % "
-        "interval.",
+        caption="The paper's set with other look-aheads (m, beside each point), and with other weights too (tuned): "
+        "mean over the seeds with its 95 % interval.",
         draw=lambda figure: _draw(figure, campaign),
     )
     calm = [case for case in campaign.experiment.settings.cases if not case.variants]
@@ -84,7 +85,7 @@ def _draw(figure: Figure, campaign: Campaign) -> None:
             marker="o",
             color=TRACTOR if case.configuration else TRAILER,
         )
-        label = case.name.removeprefix("look-ahead ") if case.configuration else OWN_LOOK_AHEAD
+        label = re.sub("look-ahead |paper, ", "", case.name) if case.configuration else OWN_LOOK_AHEAD
         axes.annotate(label, (error.mean, steering.mean), xytext=(6, 6), textcoords="offset points")
     axes.set(xlabel="error, cm", ylabel="steering, °/s")
     axes.margins(x=0.12)

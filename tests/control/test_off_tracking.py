@@ -101,7 +101,7 @@ def test_on_an_endless_curve_the_tractor_takes_its_share_beyond_the_accepted_err
 
 
 def test_an_accepted_error_stays_with_the_trailer(situation):
-    curvatures = np.full(400, 0.15)
+    curvatures = np.full(400, 0.25)
     remainder = OffTracking(VEHICLE).remainder(curvatures[:1], 0.0, 0.0)[0]
     targets = shared(accepted_error=1.01 * float(remainder)).targets(situation().estimate, curvatures)
     assert targets == pytest.approx(np.zeros(400), abs=0.0)
@@ -120,14 +120,14 @@ def test_without_sharing_the_tractor_keeps_to_the_path(situation):
 
 def test_the_target_lags_by_the_trailers_length_at_any_speed(situation):
     for speed in (0.5, 2.0):
-        curvatures = np.full(400, 0.15)
+        curvatures = np.full(400, 0.25)
         targets = shared().targets(situation(speed=speed).estimate, curvatures)
         travelled = speed * SAMPLE_TIME * np.arange(400)
         assert targets == pytest.approx(targets[-1] * -np.expm1(-travelled / TRAILER), abs=1e-12)
 
 
 def test_what_is_planned_for_the_next_sample_is_its_target(situation):
-    estimate, curvatures = situation().estimate, np.full(22, 0.15)
+    estimate, curvatures = situation().estimate, np.full(22, 0.25)
     part = shared()
     first = part.targets(estimate, curvatures[:21])
     second = part.targets(estimate, curvatures[1:])
@@ -137,7 +137,7 @@ def test_what_is_planned_for_the_next_sample_is_its_target(situation):
 
 def test_standing_still_the_target_stays(situation):
     part = shared()
-    part.targets(situation().estimate, np.full(21, 0.15))
-    targets = part.targets(situation(speed=0.0).estimate, np.full(21, -0.15))
+    part.targets(situation().estimate, np.full(21, 0.25))
+    targets = part.targets(situation(speed=0.0).estimate, np.full(21, -0.25))
     assert np.ptp(targets) == 0.0
     assert targets[0] < 0.0

@@ -195,7 +195,7 @@ def test_agrees_with_the_window_where_process_noise_is_zero(name, travel, measur
     )
     if name == "articulated":
         start, p = np.array([5.0, -3.0, 0.4, 0.4, 0.0, 0.0]), np.array([0.92, 0.95, 0.01, 0.01, 1.0, -0.01])
-        inputs = 0.3 * inputs
+        inputs = 0.4 * inputs
     _, outputs = travel(model, start, p, inputs)
     measurements = measure(outputs, seed=8)
     window, recursive = MovingHorizonEstimator(model, measurements[0]), ExtendedKalmanFilter(model, measurements[0])

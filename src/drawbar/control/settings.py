@@ -168,11 +168,11 @@ class BodyTubeSettings(AncillaryGain):
 
     lqr: Mapping[str, Positive] = {}
     """weights of states and `command` from which the gain follows instead of being given, 1/unit²"""
-    disturbances: Declared = {}
+    disturbances: Declared = Field(default_factory=dict)
     """largest error, over one sample, of what the nominal model assumes, in the unit of each"""
-    estimation: Declared = {}
+    estimation: Declared = Field(default_factory=dict)
     """largest error of the estimate of each state, in its unit"""
-    increments: Declared = {}
+    increments: Declared = Field(default_factory=dict)
     """largest part of a new estimate that the last one did not foretell, by state, in its unit; where not given it
     follows from `estimation` as if the errors of successive estimates had nothing to do with each other"""
 

@@ -17,7 +17,7 @@ from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.report.tube.command import show_tubes
 
-SHORT = ("path.radii=[5.0]", "path.straight_length=1.0")
+SHORT = ("path.radii=[8.0]", "path.straight_length=1.0")
 
 
 @pytest.fixture(scope="session")

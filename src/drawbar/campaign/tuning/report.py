@@ -57,7 +57,7 @@ def verdict(findings: Findings) -> str:
     own, better = comparison.own, comparison.better()
     said = [f"Own values: error {_cm(own.error)} cm, steering {_degrees(own.effort)} °/s (mean ± 95 % interval)."]
     if better:
-        said.append(f"Better in one and no worse in the other: trial {', '.join(map(_name, better))}.")
+        said.append(f"Better in one and no worse in the other: trials {', '.join(map(_name, better))}.")
     else:
         said.append("No trial of the front is better than they are.")
     for title, pick in picks.items():
