@@ -57,9 +57,8 @@ class ReversedSensor(Machine):
 class BothAdvance(LookAhead):
     """Look-ahead whose trailer reference advances along the path as the tractor's does."""
 
-    def _stages(self, estimate: object) -> Floats:
-        offsets: Floats = self._offsets[0]
-        return offsets + self._progress()
+    def _samples(self, estimate: object) -> Floats:
+        return self.path.sample(self._offsets[0] + self._progress())
 
 
 def with_reversed_sensor(configuration: Configuration, path: Path, machine: SimulatedMachine) -> Autopilot:

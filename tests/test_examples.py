@@ -102,3 +102,12 @@ def test_a_reading_prints_its_row(readings: ModuleType, monkeypatch: pytest.Monk
     tractor, trailer = map(float, cells[7].split("/"))
     assert tractor < trailer
     assert trailer > 10.0
+
+
+def test_another_guidance_makes_another_row(readings: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(readings, "SEEDS", range(1))
+    shipped, advancing = (
+        next(reading for reading in readings.READINGS if reading.name == name)
+        for name in ("as shipped", "trailer reference advances")
+    )
+    assert readings.row(shipped).split("|")[2:] != readings.row(advancing).split("|")[2:]
