@@ -152,6 +152,9 @@ EVENTS = {
     "side slope, 3° of crab": "{kind='side_slope', start=25.0, crab=0.0524}",
 }
 """on the first curve of one eight of radius 8 m"""
+JUMPS = (0.05, 0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 1.0, 5.0)
+"""of one antenna, m"""
+DIRECTIONS = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -225,6 +228,24 @@ def event_row(name: str, event: str) -> str:
     return f"| {name} | {' | '.join(cells)} |"
 
 
+def jump_row(antenna: str) -> str:
+    """Return the row of one antenna: the largest distances of any run by size of a jump that lasts 20 s."""
+    cells = []
+    for size in JUMPS:
+        turns = np.exp(2j * np.pi * np.arange(DIRECTIONS) / DIRECTIONS)
+        events = [
+            f"{{kind='gps_jump', start=25.0, duration=20.0, antenna='{antenna}', east={jump.real}, north={jump.imag}}}"
+            for jump in size * turns
+        ]
+        readings = [
+            Reading(name=event, base="articulated", changes=("path.radii=[8.0]", f"machine.events=[{event}]"))
+            for event in events
+        ]
+        tractor, trailer = 100.0 * np.max([run(each, seed).largest for each in readings for seed in SEEDS[:2]], axis=0)
+        cells.append(f"{tractor:.0f} / {trailer:.0f}")
+    return f"| {antenna}'s antenna | {' | '.join(cells)} |"
+
+
 def line_row(track: str) -> str:
     """Return the row of one recorded line: means by class, the largest distance, and what making it drivable cost."""
     where = (f'path.file="{FIELD.as_posix()}"', f'path.track="{track}"')
@@ -256,6 +277,10 @@ def main(wanted: Sequence[str]) -> None:
     for name, event in EVENTS.items():
         if not wanted or any(text in name for text in wanted):
             print(event_row(name, event), flush=True)
+    print(f"\n| jump of | {' | '.join(f'{size:g} m' for size in JUMPS)} |\n|{'---|' * (len(JUMPS) + 1)}")
+    for antenna in ("tractor", "trailer"):
+        if not wanted or any(text in f"jump of {antenna}" for text in wanted):
+            print(jump_row(antenna), flush=True)
     print("\n| line | straights | curves | kinks | largest | deviation at 0.3 / 0.41 1/m, m |")
     print("|---|---|---|---|---|---|")
     for track in TRACKS if FIELD.exists() else ():

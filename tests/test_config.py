@@ -260,3 +260,9 @@ def test_an_empty_section_takes_back_what_the_extended_file_says(write: Write) -
 @pytest.mark.parametrize("base", ['"nowhere"', "3", '"mine.toml"'])
 def test_a_base_that_is_none_is_refused(write: Write, base: str) -> None:
     assert ", ".join(shipped_names()) in refusal(write(f'extends = {base}\nname = "mine"\n'))
+
+
+def test_errors_of_an_estimate_that_is_not_ideal_are_refused() -> None:
+    errors = "bounded_errors.estimate.tractor_yaw=0.01"
+    assert 'set estimator.model = "ideal"' in refusal("articulated", errors)
+    assert load_configuration("articulated-ideal", [errors]).bounded_errors.estimate.tractor_yaw == 0.01

@@ -121,6 +121,15 @@ class Configuration(Settings):
                 )
         return self
 
+    @model_validator(mode="after")
+    def _errors_of_what_is_there(self) -> Self:
+        if self.estimator.model != "ideal" and any(bound for _, bound in self.bounded_errors.estimate):
+            raise ValueError(
+                f'bounded_errors.estimate is added to the true state, which estimator.model = "{self.estimator.model}" '
+                f'does not use; set estimator.model = "ideal", or leave these bounds zero'
+            )
+        return self
+
     def to_toml(self) -> str:
         """Return the complete configuration, defaults included, as TOML."""
         return tomli_w.dumps(self.model_dump(mode="json"))

@@ -5,8 +5,8 @@ import io
 import pytest
 from rich.console import Console
 
-from drawbar.campaign import progress
 from drawbar.campaign.progress import CampaignProgress, progress_line
+from drawbar.report import live
 
 
 def test_a_line_says_how_far_how_fast_and_how_long() -> None:
@@ -18,7 +18,7 @@ def test_a_line_says_how_far_how_fast_and_how_long() -> None:
 
 @pytest.mark.parametrize("terminal", [True, False])
 def test_failures_and_the_end_are_always_shown(terminal: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress, "_PLAIN_REFRESH", 1e9)
+    monkeypatch.setattr(live, "_PLAIN_REFRESH", 1e9)
     stream = io.StringIO()
     console = Console(file=stream, force_terminal=terminal, width=120)
     with CampaignProgress(console, "tube") as shown:

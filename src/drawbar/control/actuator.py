@@ -11,14 +11,15 @@ class SteeringActuator:
         self._lead = sample_time / (1.0 - math.exp(-sample_time / lag))
         self._limit, self._sign = limit, sign
 
-    def command(self, steering: float, rate: float) -> float:
-        """Return the command (rad) after which the steering (rad) has moved by rate (rad/s) times the sample time.
+    def follow(self, steering: float, rate: float) -> tuple[float, float]:
+        """Return the command (rad) that moves the steering at a mean rate over a sample, and the rate that it makes.
 
-        The command ends at the limit, which the lag then approaches from inside.
+        The command ends at the limit, which the lag then approaches from inside: the rate is then a smaller one.
+
+        Args:
+            steering: now, rad.
+            rate: wanted, rad/s.
         """
         wanted = self._sign * (steering + self._lead * rate)
-        return math.copysign(min(abs(wanted), self._limit), wanted) if math.isfinite(wanted) else wanted
-
-    def rate(self, steering: float, command: float) -> float:
-        """Return the mean rate (rad/s) over a sample by which the steering (rad) follows a command (rad)."""
-        return (self._sign * command - steering) / self._lead
+        command = math.copysign(min(abs(wanted), self._limit), wanted) if math.isfinite(wanted) else wanted
+        return command, (self._sign * command - steering) / self._lead

@@ -75,8 +75,7 @@ class ArticulatedTractor(SubsystemController):
 
     def _steering(self) -> float:
         steering, rate = float(self.solver.x[0, 3]), float(self.solver.u[0, 0])
-        command = self._actuator.command(steering, rate)
-        self.solver.u[0, 0] = self._actuator.rate(steering, command)
+        command, self.solver.u[0, 0] = self._actuator.follow(steering, rate)
         return command
 
     def _steerings(self) -> Floats:
@@ -176,8 +175,7 @@ class ArticulatedTrailer(SubsystemController):
 
     def _steering(self) -> float:
         steering, rate = float(self.solver.x[0, 1]), float(self.solver.u[0, 0])
-        command = self._actuator.command(steering, rate)
-        self.solver.u[0, 0] = self._actuator.rate(steering, command)
+        command, self.solver.u[0, 0] = self._actuator.follow(steering, rate)
         return command
 
     def _steerings(self) -> Floats:

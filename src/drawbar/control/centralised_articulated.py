@@ -78,14 +78,11 @@ class CentralisedArticulated(CentralisedController):
         solver.prepare()
 
     def _steering(self) -> tuple[float, float]:
-        tractor, trailer = self._command(0), self._command(1)
-        return tractor, trailer
+        return self._command(0), self._command(1)
 
     def _command(self, body: int) -> float:
-        actuator, u = self._actuators[body], self.solver.u
-        steering = float(self.solver.x[0, 4 + body])
-        command = actuator.command(steering, float(u[0, body]))
-        u[0, body] = actuator.rate(steering, command)
+        u, steering = self.solver.u, float(self.solver.x[0, 4 + body])
+        command, u[0, body] = self._actuators[body].follow(steering, float(u[0, body]))
         return command
 
     def _steerings(self) -> Floats:

@@ -2,14 +2,12 @@
 
 import time
 from collections.abc import Iterable
-from types import TracebackType
-from typing import Self
 
 from rich.console import Console, Group, RenderableType
-from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
+from drawbar.report.live import LiveLine
 from drawbar.report.metrics import Metrics
 from drawbar.report.tables import (
     ERROR_COLUMNS,
@@ -22,48 +20,20 @@ from drawbar.report.tables import (
 )
 from drawbar.signals import StepRecord
 
-_REFRESH = 0.2
-"""s between two pictures of a terminal"""
-_PLAIN_REFRESH = 5.0
-"""s between two lines of a file or pipe"""
 
-
-class RunProgress:
-    """One line that follows the run; as a context, so that the terminal is left as it was found.
-
-    Cheap: a step costs one look at the clock, five pictures a second are drawn.
-    """
+class RunProgress(LiveLine):
+    """One line that follows the run."""
 
     def __init__(self, console: Console, length: float) -> None:
         """Show progress on the console along a path of the given length, m."""
-        self._console = console
+        super().__init__(console)
         self._length = length
-        self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
-        self._period = _REFRESH if self._live else _PLAIN_REFRESH
-        self._start = self._next = time.perf_counter()
+        self._start = time.perf_counter()
 
     def show(self, record: StepRecord) -> None:
         """Draw the state of the run after a step, if it is time to."""
-        now = time.perf_counter()
-        if now < self._next:
-            return
-        self._next = now + self._period
-        text = progress_line(record, self._length, now - self._start)
-        if self._live:
-            self._live.update(text, refresh=True)
-        else:
-            self._console.print(text)
-
-    def __enter__(self) -> Self:
-        if self._live:
-            self._live.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._live:
-            self._live.stop()
+        if self.due():
+            self.draw(progress_line(record, self._length, time.perf_counter() - self._start))
 
 
 def progress_line(record: StepRecord, length: float, elapsed: float) -> Text:
