@@ -10,7 +10,7 @@ UNIT = """
 struct work { double sum; int32_t rounds; };
 int64_t drawbar_size = sizeof(struct work);
 const struct drawbar_field drawbar_fields[] = {
-    FIELD(work, sum, 0, 1, 0, 0) FIELD(work, rounds, 1, 1, 0, 0) {NULL, 0, 0, {0, 0, 0}, 0}
+    FIELD(work, sum, 0, 1, 0, 0) FIELD(work, rounds, 1, 1, 0, 0) END_OF_FIELDS
 };
 int turn(struct work *w) { for (int i = 0; i < w->rounds; ++i) w->sum = 0.5 * w->sum + 1.0; w->rounds = 0; return 0; }
 """

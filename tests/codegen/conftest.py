@@ -23,7 +23,7 @@ int64_t drawbar_size = sizeof(struct work);
 const struct drawbar_field drawbar_fields[] = {{
     FIELD(work, x, 0, {rows}, {nx}, 0) FIELD(work, u, 0, {later}, {nu}, 0) FIELD(work, f, 0, {rows}, {nf}, 0)
     FIELD(work, g, 0, {later}, {ng}, 0) FIELD(work, first, 1, 1, 0, 0) FIELD(work, count, 1, 1, 0, 0)
-    {{NULL, 0, 0, {{0, 0, 0}}}}
+    END_OF_FIELDS
 }};
 int constants(struct work *work) {{ lay_down(work); return 0; }}
 int run(struct work *work) {{ evaluate(work, work->first, work->count); return 0; }}

@@ -17,7 +17,7 @@ SOURCE = """
 #include "fields.h"
 struct work {{ double x; }};
 int64_t drawbar_size = sizeof(struct work);
-const struct drawbar_field drawbar_fields[] = {{FIELD(work, x, 0, 1, 0, 0) {{NULL, 0, 0, {{0, 0, 0}}}}}};
+const struct drawbar_field drawbar_fields[] = {{FIELD(work, x, 0, 1, 0, 0) END_OF_FIELDS}};
 int answer(struct work *work) {{ return {answer}; }}
 """
 

@@ -14,7 +14,7 @@ struct batch {{ double x[{COUNT}], sine[{COUNT}], cosine[{COUNT}], tangent[{COUN
 int64_t drawbar_size = sizeof(struct batch);
 const struct drawbar_field drawbar_fields[] = {{
     FIELD(batch, x, 0, {COUNT}, 0, 0) FIELD(batch, sine, 0, {COUNT}, 0, 0)
-    FIELD(batch, cosine, 0, {COUNT}, 0, 0) FIELD(batch, tangent, 0, {COUNT}, 0, 0) {{NULL, 0, 0, {{0, 0, 0}}}}
+    FIELD(batch, cosine, 0, {COUNT}, 0, 0) FIELD(batch, tangent, 0, {COUNT}, 0, 0) END_OF_FIELDS
 }};
 int run(struct batch *b)
 {{

@@ -14,7 +14,7 @@ struct work { double grid[2][3]; int32_t counts[2]; double last; };
 int64_t drawbar_size = sizeof(struct work);
 const struct drawbar_field drawbar_fields[] = {
     FIELD(work, grid, 0, 2, 3, 0) FIELD(work, counts, 1, 2, 0, 0) FIELD(work, last, 0, 1, 0, 0)
-    {NULL, 0, 0, {0, 0, 0}}
+    END_OF_FIELDS
 };
 int bump(struct work *w) { w->counts[1] += 1; w->last = w->grid[1][2]; return w->counts[1]; }
 """

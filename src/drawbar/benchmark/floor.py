@@ -19,7 +19,7 @@ int64_t drawbar_size = sizeof(struct floor);
 const struct drawbar_field drawbar_fields[] = {{
     FIELD(floor, x, 0, N, {nx}, 0) FIELD(floor, u, 0, N, {nu}, 0) FIELD(floor, p, 0, N, {np} + 1, 0)
     FIELD(floor, step, 0, {rows}, 0, 0) FIELD(floor, slope, 0, {nx} + {nu}, {rows}, 0)
-    {{NULL, 0, 0, {{0, 0, 0}}, 0}}
+    END_OF_FIELDS
 }};
 int linearise(struct floor *f)
 {{

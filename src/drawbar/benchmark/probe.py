@@ -29,7 +29,7 @@ class Probe:
             with_other_route: also solve every tenth problem by CasADi, condensing and DAQP.
         """
         transcription = transcribe(solver.problem)
-        library: Path = build(transcription.name, transcription.source())
+        library: Path = build(transcription.name, transcription.source() + transcription.introspection())
         self.name, self.stages, self.solver = name, transcription.horizon, solver
         self.prepare: list[float] = []
         self.feedback: list[float] = []

@@ -30,8 +30,8 @@ def cache_folder() -> Path:
 @cache
 def runtime_sources() -> dict[str, str]:
     """Return the hand-written C99 runtime by file name."""
-    folder = resources.files("drawbar.codegen") / "runtime"
-    return {file.name: file.read_text("utf-8") for file in folder.iterdir() if file.name.endswith(".h")}
+    folders = (resources.files("drawbar.codegen") / "runtime" / name for name in ("solver", "autopilot"))
+    return {file.name: file.read_text("utf-8") for folder in folders for file in folder.iterdir()}
 
 
 @cache

@@ -1,7 +1,9 @@
 """Load a compiled unit and look into its workspace as numpy arrays, without copies."""
 
 import ctypes
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,7 +27,17 @@ class _Field(ctypes.Structure):
         ("kind", ctypes.c_int32),
         ("shape", ctypes.c_int32 * 3),
         ("padding", ctypes.c_int32),
+        ("setting", ctypes.c_int32),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Place:
+    offset: int
+    kind: type[Any]
+    shape: tuple[int, ...]
+    padding: int
+    setting: bool
 
 
 class Workspace:
@@ -43,31 +55,43 @@ class Workspace:
         self.memory: NDArray[np.uint8] = memory[start : start + size]
         """(size,) bytes of the C struct, aligned to a cache line"""
         self._address = ctypes.c_void_p(self.memory.ctypes.data)
-        self._fields = {name: self._view(*place) for name, place in _places(self._library).items()}
+        places = _places(self._library)
+        self._fields = {name: self._view(place) for name, place in places.items()}
+        self._settings = [name for name, place in places.items() if place.setting]
 
-    def _view(self, offset: int, kind: type[Any], shape: tuple[int, ...], padding: int) -> NDArray[Any]:
-        count = int(np.prod(shape)) * np.dtype(kind).itemsize
-        stored: NDArray[Any] = self.memory[offset : offset + count].view(kind).reshape(shape)
-        return stored[..., : shape[-1] - padding]
+    def _view(self, place: _Place) -> NDArray[Any]:
+        count = math.prod(place.shape) * np.dtype(place.kind).itemsize
+        stored: NDArray[Any] = self.memory[place.offset : place.offset + count].view(place.kind).reshape(place.shape)
+        return stored[..., : place.shape[-1] - place.padding]
 
     def array(self, name: str) -> NDArray[Any]:
         """Return the named field as an array that shares the workspace's memory."""
         return self._fields[name]
 
-    def function(self, name: str) -> Callable[[], int]:
-        """Return the exported C function, bound to this workspace; calling it costs well under a microsecond."""
+    def settings(self) -> dict[str, NDArray[Any]]:
+        """Return the fields that are set once, before the first call, by name."""
+        return {name: self._fields[name] for name in self._settings}
+
+    def function(self, name: str, pointers: int = 0) -> Callable[..., int]:
+        """Return the exported C function, bound to this workspace; calling it costs about a microsecond.
+
+        Args:
+            name: of the function, whose first argument is the workspace.
+            pointers: how many more it takes; the call wants their addresses, or ctypes structures by reference.
+        """
         function = getattr(self._library, name)
-        function.argtypes = [ctypes.c_void_p]
+        function.argtypes = [ctypes.c_void_p] * (1 + pointers)
         function.restype = ctypes.c_int
         address, memory = self._address, self.memory
 
-        def call(_owner: NDArray[np.uint8] = memory) -> int:  # the function may outlive the workspace, not its memory
-            return function(address)  # type: ignore[no-any-return]
+        # the function may outlive the workspace, not its memory
+        def call(*arguments: object, _owner: NDArray[np.uint8] = memory) -> int:
+            return function(address, *arguments)  # type: ignore[no-any-return]
 
         return call
 
 
-def _places(library: ctypes.CDLL) -> dict[str, tuple[int, type[Any], tuple[int, ...], int]]:
+def _places(library: ctypes.CDLL) -> dict[str, _Place]:
     fields = ctypes.cast(library.drawbar_fields, ctypes.POINTER(_Field))
     places = {}
     index = 0
@@ -77,11 +101,12 @@ def _places(library: ctypes.CDLL) -> dict[str, tuple[int, type[Any], tuple[int, 
         while len(shape) > 1 and shape[-1] == 0:
             shape = shape[:-1]
         shape = tuple(max(size, 0) for size in shape)  # EMPTY
-        places[field.name.decode().replace(" ", "")] = (
-            field.offset,
-            _KINDS[field.kind],
-            shape,
-            field.padding,
+        places[field.name.decode().replace(" ", "")] = _Place(
+            offset=field.offset,
+            kind=_KINDS[field.kind],
+            shape=shape,
+            padding=field.padding,
+            setting=bool(field.setting),
         )
         index += 1
     return places

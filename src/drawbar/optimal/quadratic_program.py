@@ -15,7 +15,7 @@ _UNIT = """
 #include "interior_point.h"
 #include "fields.h"
 int64_t drawbar_size = sizeof(struct qp);
-const struct drawbar_field drawbar_fields[] = {{QP_FIELDS(qp, ) {{NULL, 0, 0, {{0, 0, 0}}, 0}}}};
+const struct drawbar_field drawbar_fields[] = {{QP_FIELDS(qp, ) END_OF_FIELDS}};
 int solve(struct qp *s) {{ s->factored = 0; return s->status = qp_optimise(s); }}
 """
 
@@ -40,7 +40,7 @@ class QuadraticProgram:
     """Fill `array(name)` for Q, S, R, A, B, c, g, initial, lower, upper, soft_*, bound; solve; read z, pi, multiplier.
 
     The variables z are x_0 .. x_N, then u_0 .. u_{N-1}; `bound` holds the bounded ones' indices. An infinite
-    `soft_linear` makes a bound hard. See runtime/qp.h for the problem's formula.
+    `soft_linear` makes a bound hard. See runtime/solver/qp.h for the problem's formula.
     """
 
     def __init__(self, sizes: Sizes) -> None:

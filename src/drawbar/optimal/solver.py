@@ -12,8 +12,9 @@ from drawbar.signals import SolverStatus
 class _RealTimeIteration:
     """What control and estimation share: the workspace and the phases prepare, feedback and shift."""
 
-    def __init__(self, transcription: Transcription) -> None:
-        self.workspace = Workspace(build(transcription.name, transcription.source()))
+    def __init__(self, transcription: Transcription, part: str) -> None:
+        source = transcription.source(part) + transcription.introspection()
+        self.workspace = Workspace(build(transcription.name, source))
         self.workspace.function("reset")()
         array = self.workspace.array
         self.x: Floats = array("x")
@@ -62,15 +63,19 @@ class ControlSolver(_RealTimeIteration):
     apply u[0]; then advance().
     """
 
-    def __init__(self, problem: ControlProblem) -> None:
+    def __init__(self, problem: ControlProblem, part: str = "") -> None:
         """Compile the problem's solver (or take it from the cache).
+
+        Args:
+            problem: the problem.
+            part: header of the runtime that makes the solver a part of the autopilot, see Transcription.source.
 
         Raises:
             SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
         self.problem = problem
-        super().__init__(transcribe(problem))
+        super().__init__(transcribe(problem), part)
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
         free = bool(problem.initial_weights)
@@ -117,12 +122,13 @@ class EstimationSolver(_RealTimeIteration):
     advance(). The window fills from its first row on.
     """
 
-    def __init__(self, problem: EstimationProblem, prior: Floats) -> None:
+    def __init__(self, problem: EstimationProblem, prior: Floats, part: str = "") -> None:
         """Compile the problem's solver (or take it from the cache) and start it at the prior.
 
         Args:
             problem: the problem.
             prior: (nx + np,) first guess of states and parameters.
+            part: header of the runtime that makes the solver a part of the autopilot, see Transcription.source.
 
         Raises:
             SolverError: the problem contradicts itself.
@@ -130,7 +136,7 @@ class EstimationSolver(_RealTimeIteration):
         """
         transcription = transcribe(problem)
         self.problem = problem
-        super().__init__(transcription)
+        super().__init__(transcription, part)
         array = self.workspace.array
         self.absorb = self.workspace.function("absorb")
         self.newest = 0

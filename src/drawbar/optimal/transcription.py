@@ -25,26 +25,31 @@ _UNIT = """
 #define NC {constants}
 #define FREE_INITIAL {free}
 #include "{header}"
-#include "fields.h"
 {functions}
-int64_t drawbar_size = sizeof(struct rti);
+{part}
+"""
+_INTROSPECTION = """
+#include "fields.h"
+int64_t drawbar_size = sizeof(struct part);
 #define RTI(name, kind, a, b, c) FIELD(rti, name, kind, a, b, c)
-const struct drawbar_field drawbar_fields[] = {{
-    {{"x", offsetof(struct rti, z), 0, {{N + 1, NX, 0}}, 0}},
-    {{"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {{N, NU, 0}}, 0}},
-    RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) RTI(w, 0, N + 1, NY, 0)
-    RTI(initial, 0, NX, 0, 0) RTI(lower, 0, NB, 0, 0) RTI(upper, 0, NB, 0, 0) RTI(root, 0, NX, NX, 0)
-    RTI(prior, 0, NX, 0, 0) RTI(process, 0, NX, 0, 0) RTI(F, 0, N, NX, 0) RTI(status, 1, 1, 0, 0)
-    QP_FIELDS(rti, qp.) {{NULL, 0, 0, {{0, 0, 0}}, 0}}
-}};
-int reset(struct rti *work) {{ memset(work, 0, sizeof *work); rti_constants(work); return SOLVED; }}
-int prepare(struct rti *work) {{ return rti_prepare(work); }}
-int feedback(struct rti *work) {{ return rti_feedback(work); }}
-int shift(struct rti *work) {{ rti_shift(work); return SOLVED; }}
-int linearise(struct rti *work) {{ dynamics(work, 0, N); return SOLVED; }}
-int predict(struct rti *work) {{ dynamics(work, 0, 1); return SOLVED; }}
+#define SET(name, a, b) SETTING(rti, name, 0, a, b, 0)
+const struct drawbar_field drawbar_fields[] = {
+    {"x", offsetof(struct rti, z), 0, {N + 1, NX, 0}, 0, 0},
+    {"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {N, NU, 0}, 0, 0},
+    RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) SET(w, N + 1, NY)
+    RTI(initial, 0, NX, 0, 0) SET(lower, NB, 0) SET(upper, NB, 0) SET(root, NX, NX)
+    RTI(prior, 0, NX, 0, 0) SET(process, NX, 0) RTI(F, 0, N, NX, 0) RTI(status, 1, 1, 0, 0)
+    QP_FIELDS(rti, qp.) PART_FIELDS END_OF_FIELDS
+};
+int reset(struct part *part) { memset(part, 0, sizeof *part); rti_constants(&part->rti); return SOLVED; }
+int prepare(struct rti *work) { return rti_prepare(work); }
+int feedback(struct rti *work) { return rti_feedback(work); }
+int shift(struct rti *work) { rti_shift(work); return SOLVED; }
+int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
+int predict(struct rti *work) { dynamics(work, 0, 1); return SOLVED; }
 """
 _ARRIVAL = "int absorb(struct rti *work) { return work->status = arrival_update(work); }\n"
+_BARE = "struct part { struct rti rti; };\n#define PART_FIELDS"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,8 +79,12 @@ class Transcription:
         """Which outputs depend on an input, and so have no value at stage N."""
         return tuple(ca.which_depends(self.output, self.u, 1, True))
 
-    def source(self) -> str:
-        """Return the C unit of this problem's solver."""
+    def source(self, part: str = "") -> str:
+        """Return the C unit of this problem's solver.
+
+        part: header of the runtime that makes the solver a part of the autopilot. It defines `struct part`, which
+            begins with the solver, and its PART_FIELDS; empty: the solver is all there is.
+        """
         nx, nu = self.x.numel(), self.u.numel()
         return _UNIT.format(
             horizon=self.horizon,
@@ -88,7 +97,12 @@ class Transcription:
             free=int(self.free_initial),
             header="arrival.h" if self.arrival else "rti.h",
             functions=self._functions(),
-        ) + (_ARRIVAL if self.arrival else "")
+            part=f'#include "{part}"' if part else _BARE,
+        )
+
+    def introspection(self) -> str:
+        """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
+        return _INTROSPECTION + (_ARRIVAL if self.arrival else "")
 
     def _functions(self) -> str:
         nx = self.x.numel()

@@ -5,13 +5,14 @@
 #include "unit.c"
 #include "random.h"
 
-static struct rti work;
+static struct part part;
+#define work part.rti
 
 static void fill(void)
 {
     const double spread = one_in(4) ? 1e3 : 1.0;
 
-    reset(&work);
+    reset(&part);
     numbers(work.z, NZ, spread);
     numbers(&work.p[0][0], (N + 1) * NP, 1.0);
     numbers(&work.y[0][0], (N + 1) * NY, spread);

@@ -34,7 +34,8 @@ def control(model: Model) -> str:
         terminal_weights=(1.0,) + (0.0,) * (size - 1),
         bounds={model.inputs[0].name: BOX},
     )
-    return transcribe(problem).source()
+    transcription = transcribe(problem)
+    return transcription.source() + transcription.introspection()
 
 
 def estimation(model: Model) -> str:
@@ -48,7 +49,8 @@ def estimation(model: Model) -> str:
         process_deviation=(1.0,) * size,
         bounds={model.inputs[0].name: BOX},
     )
-    return transcribe(problem).source()
+    transcription = transcribe(problem)
+    return transcription.source() + transcription.introspection()
 
 
 UNITS = {

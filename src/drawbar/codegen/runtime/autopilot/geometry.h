@@ -1,0 +1,26 @@
+/* Angles, as in geometry.py. */
+#ifndef DRAWBAR_GEOMETRY_H
+#define DRAWBAR_GEOMETRY_H
+
+#include <math.h>
+
+#define DRAWBAR_PI 3.14159265358979323846
+
+/* The angle in [-pi, pi), rad; for differences only, never for states. */
+static inline double wrapped(double angle)
+{
+    return angle - 2.0 * DRAWBAR_PI * floor((angle + DRAWBAR_PI) / (2.0 * DRAWBAR_PI));
+}
+
+/* The angle shifted by a multiple of 2 pi to within pi of the target, rad. */
+static inline double nearest_branch(double angle, double target)
+{
+    return angle + 2.0 * DRAWBAR_PI * nearbyint((target - angle) / (2.0 * DRAWBAR_PI));
+}
+
+static inline double clamped(double value, double low, double high)
+{
+    return fmin(fmax(value, low), high);
+}
+
+#endif
