@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 
@@ -57,8 +58,10 @@ class ReversedSensor(Machine):
 class BothAdvance(LookAhead):
     """Look-ahead whose trailer reference advances along the path as the tractor's does."""
 
-    def _samples(self, estimate: object) -> Floats:
-        return self.path.sample(self._offsets[0] + self._progress())
+    def __init__(self, *arguments: Any, **settings: Any) -> None:
+        super().__init__(*arguments, **settings)
+        advance = self.part.array("advance")
+        advance[1] = advance[0]
 
 
 def with_reversed_sensor(configuration: Configuration, path: Path, machine: SimulatedMachine) -> Autopilot:

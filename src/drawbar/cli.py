@@ -15,6 +15,7 @@ from drawbar.autopilot.recorder import Recorder
 from drawbar.autopilot.run import drive, longest_time
 from drawbar.config import Configuration, load_configuration, shipped_names
 from drawbar.errors import DrawbarError
+from drawbar.export.targets import TARGETS, find_target
 from drawbar.report.console import RunProgress, summary
 from drawbar.report.folder import LOG_NAME, write_report
 
@@ -93,6 +94,32 @@ def tube(
     config = load_configuration(configuration, changes or [])
     if not show_tubes(console, config, out or FilePath("runs") / f"{config.name}-tube", logs or []):
         raise SystemExit(1)
+
+
+@app.command()
+def export(
+    configuration: Annotated[
+        str,
+        typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}"),
+    ],
+    out: Annotated[FilePath, typer.Option(help="folder for the library")],
+    targets: Annotated[
+        list[str] | None,
+        typer.Option("--target", metavar="TARGET", help=f"build for {', '.join(target.name for target in TARGETS)}"),
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. controller.horizon=10"),
+    ] = None,
+) -> None:
+    """Write the controller as a C library that needs neither Python nor an operating system."""
+    from drawbar.export.export import export_library  # no other command needs it
+
+    machines = [find_target(name) for name in targets or []]
+    config = load_configuration(configuration, changes or [])
+    with console.status("writing and building the library …"):
+        export_library(config, out, machines)
+    console.print(out / "README.md", soft_wrap=True)
 
 
 @app.command()

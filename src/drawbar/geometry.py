@@ -30,24 +30,3 @@ def east_north(latitude: Floats, longitude: Floats, origin: tuple[float, float])
     meridian = axis * (1.0 - eccentricity_squared) / slope**1.5
     parallel = axis / math.sqrt(slope) * math.cos(math.radians(latitude_0))
     return parallel * np.radians(longitude - longitude_0), meridian * np.radians(latitude - latitude_0)
-
-
-def seen_from(frame: Floats, poses: Floats) -> Floats:
-    """Return poses (n, >= 3): x, y (m), yaw (rad) as seen from a frame (>= 3,): ahead, left, turned; the rest stays."""
-    cosine, sine = math.cos(frame[2]), math.sin(frame[2])
-    offset = poses[:, :2] - frame[:2]
-    seen = poses.copy()
-    seen[:, 0] = cosine * offset[:, 0] + sine * offset[:, 1]
-    seen[:, 1] = cosine * offset[:, 1] - sine * offset[:, 0]
-    seen[:, 2] -= frame[2]
-    return seen
-
-
-def placed_at(frame: Floats, poses: Floats) -> Floats:
-    """Return poses (n, >= 3), given as seen from a frame (>= 3,), in the world; the inverse of seen_from."""
-    cosine, sine = math.cos(frame[2]), math.sin(frame[2])
-    placed = poses.copy()
-    placed[:, 0] = frame[0] + cosine * poses[:, 0] - sine * poses[:, 1]
-    placed[:, 1] = frame[1] + sine * poses[:, 0] + cosine * poses[:, 1]
-    placed[:, 2] += frame[2]
-    return placed

@@ -35,6 +35,18 @@ class FixStatus(IntEnum):
     """further from where it was expected than it can be"""
 
 
+class GateVerdict(IntEnum):
+    """What the gate made of a command."""
+
+    PASSED = 0
+    LIMITED = 1
+    """its steering was brought nearer to where the wheels are; no actuator can tell"""
+    REPEATED = 2
+    """refused: the last one that passed was repeated"""
+    STOPPED = 3
+    """refused, and there was none to repeat, or none new enough: speed zero, steering held"""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
     """What the sensors report at one instant; a missing value is NaN."""
@@ -232,5 +244,5 @@ class StepRecord:
     trailer_times: SolveTimes
     solver_failures: int
     """estimate and plans of this step that did not end in SOLVED; a centralised solver makes the plans of both"""
-    command_refused: bool
-    """the gate let the last valid command pass instead of this step's"""
+    gate: GateVerdict
+    """what the gate made of this step's command"""

@@ -11,7 +11,7 @@ from drawbar.autopilot.build import build_autopilot, build_path
 from drawbar.config import load_configuration
 from drawbar.guidance.path import Path
 from drawbar.machine.base import Machine
-from drawbar.signals import BodyPlan, BodySteering, Plan, SolverStatus
+from drawbar.signals import BodyPlan, BodySteering, GateVerdict, Plan, SolverStatus
 
 STEPS = 150
 AHEAD, ACTING = "where the commands under way lead", "the command that acts"
@@ -52,7 +52,7 @@ def faked(simulate):
         controller=Part("controller", calls, feedback=record.plan, times=(record.tractor_times, record.trailer_times)),
         tractor_law=Part("tractor_law", calls, apply=steering(0.11)),
         trailer_law=Part("trailer_law", calls, apply=steering(-0.22)),
-        gate=Part("gate", calls, check=lambda command: replace(command, speed=0.7)),
+        gate=Part("gate", calls, check=lambda command: (replace(command, speed=0.7), GateVerdict.LIMITED)),
         speed=1.2,
     )
     return autopilot, calls, record
@@ -85,7 +85,7 @@ def test_one_step_is_the_block_diagram(faked):
     assert given["machine.write"] == given["predictor.sent"] == (replace(asked, speed=0.7),)
     assert given["estimator.prepare"] == (ACTING,)
     assert made.command == replace(asked, speed=0.7)
-    assert made.command_refused  # the gate gave another one
+    assert made.gate is GateVerdict.LIMITED  # as the gate said
 
 
 def test_steps_are_counted_from_zero_and_failures_with_them(faked):
@@ -116,10 +116,10 @@ class Replayed(Machine):
 
 
 def transformed_path(path, transform, sign, turn):
-    x, y, yaw, _ = path.sample(path.anchors[1:]).T
+    arc_length, x, y, yaw = path.nodes.T
     moved = transform(x + 1j * y)
     return Path.through(
-        arc_length=path.anchors[1:],
+        arc_length=arc_length,
         x=moved.real,
         y=moved.imag,
         yaw=sign * yaw + turn,

@@ -1,10 +1,34 @@
-import math
-from dataclasses import dataclass, field
+"""When a run ends, and why."""
 
+import math
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
-from drawbar.autopilot.run import BLIND, LOST, REFUSED, RunAborted, drive
-from drawbar.signals import FixStatus
+from drawbar.autopilot.run import RunAborted, drive
+from drawbar.autopilot.supervisor import BLIND, LOST
+from drawbar.signals import BodyReference, Estimate, FixStatus, GateVerdict, Pose, SolverStatus
+
+NOWHERE = Pose(x=0.0, y=0.0, yaw=0.0)
+ESTIMATE = Estimate(
+    time=0.0,
+    tractor=NOWHERE,
+    trailer=NOWHERE,
+    hitch_angle=0.0,
+    speed=1.0,
+    tractor_steering=0.0,
+    trailer_steering=0.0,
+    longitudinal_slip=1.0,
+    tractor_slip=1.0,
+    trailer_slip=1.0,
+    steering_offset=0.0,
+    tractor_crab=0.0,
+    trailer_crab=0.0,
+    status=SolverStatus.SOLVED,
+    trailer_fix=FixStatus.MISSING,
+)
 
 
 @dataclass
@@ -14,27 +38,27 @@ class Fake:
     errors: list[float]
     fixes: list[FixStatus] = field(default_factory=list)
     """of the tractor's antenna at each step; accepted beyond the list's end"""
-    refusals: list[bool] = field(default_factory=list)
+    verdicts: list[GateVerdict] = field(default_factory=list)
+    start: float = 0.2
     steps: int = 0
-    trailer_fix: FixStatus = FixStatus.MISSING
-    guidance: "Fake" = field(init=False)
-
-    def __post_init__(self):
-        self.guidance = self
-        self.measurement = self.estimate = self.reference = self.tractor = self
-        self.time = self.lateral_error = 0.0
 
     @property
-    def finished(self):
-        return self.steps == len(self.errors)
+    def guidance(self):
+        return SimpleNamespace(finished=self.steps == len(self.errors))
 
     def step(self):
-        self.lateral_error = self.errors[self.steps]
-        self.tractor_fix = self.fixes[self.steps] if self.steps < len(self.fixes) else FixStatus.ACCEPTED
-        self.command_refused = self.steps < len(self.refusals) and self.refusals[self.steps]
+        step, time = self.steps, self.start + 0.2 * self.steps
         self.steps += 1
-        self.time = 0.2 * self.steps
-        return self
+        fix = self.fixes[step] if step < len(self.fixes) else FixStatus.ACCEPTED
+        tractor = BodyReference(
+            progress=0.0, lateral_error=self.errors[step], closest=np.zeros(4), samples=np.zeros((2, 4))
+        )
+        return SimpleNamespace(
+            measurement=SimpleNamespace(time=time),
+            estimate=replace(ESTIMATE, time=time, tractor_fix=fix),
+            reference=SimpleNamespace(tractor=tractor),
+            gate=self.verdicts[step] if step < len(self.verdicts) else GateVerdict.PASSED,
+        )
 
 
 def test_a_run_ends_with_the_path():
@@ -73,13 +97,19 @@ def test_a_vehicle_without_a_fix_is_given_up_in_time(status):
     assert autopilot.steps in (10 + blind, 11 + blind)  # the last is beyond the limit, or at it but for rounding
 
 
+def test_a_run_may_begin_at_any_time_and_without_a_fix():
+    autopilot = Fake([0.0] * 70, fixes=[FixStatus.MISSING] * 70, start=1e6)
+    assert len(list(drive(autopilot, time_limit=2e6))) == 70
+
+
 def test_one_fix_in_time_keeps_a_run_going():
     autopilot = Fake([0.0] * 140, fixes=([FixStatus.STALE] * 69 + [FixStatus.ACCEPTED]) * 2)
     assert len(list(drive(autopilot, time_limit=100.0))) == 140
 
 
-def test_a_vehicle_whose_commands_are_refused_is_given_up():
-    autopilot = Fake([0.0] * 100, refusals=([True] * (REFUSED - 1) + [False]) * 3 + [True] * 100)
-    with pytest.raises(RunAborted, match="refused 5 commands in a row"):
+def test_a_vehicle_that_the_gate_has_stopped_is_given_up():
+    borne = [GateVerdict.REPEATED] * 4 + [GateVerdict.LIMITED]
+    autopilot = Fake([0.0] * 100, verdicts=borne * 3 + [GateVerdict.STOPPED] * 100)
+    with pytest.raises(RunAborted, match=r"At 3\.2 s the gate had had no valid command to let pass for 1\.0 s"):
         list(drive(autopilot, time_limit=100.0))
-    assert autopilot.steps == 4 * REFUSED
+    assert autopilot.steps == 16

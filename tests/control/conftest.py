@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from drawbar.codegen import Workspace, build
 from drawbar.control.articulated import ArticulatedTractor, ArticulatedTrailer
 from drawbar.control.decentralised import DecentralisedController
 from drawbar.control.settings import (
@@ -25,6 +26,56 @@ from drawbar.vehicle.parameters import VehicleParameters
 SAMPLE_TIME = 0.2
 HORIZON = 20
 VEHICLE = VehicleParameters()
+NOMINAL_STATES = """
+#include "nominal_state.h"
+#include "fields.h"
+struct states { double given[4], other[4], result[4]; int32_t count; };
+int64_t drawbar_size = sizeof(struct states);
+const struct drawbar_field drawbar_fields[] = {
+    FIELD(states, given, 0, 4, 0, 0) FIELD(states, other, 0, 4, 0, 0) FIELD(states, result, 0, 4, 0, 0)
+    FIELD(states, count, 1, 1, 0, 0) END_OF_FIELDS
+};
+int beside(struct states *s)
+{
+    for (int i = 0; i < 4; ++i)
+        s->result[i] = s->given[i];
+    move_beside(s->result, s->other);
+    return 0;
+}
+int of_pose(struct states *s) { pose_deviation(s->given, s->other, s->count, s->result); return 0; }
+int of_angles(struct states *s) { plain_deviation(s->given, s->other, s->count, s->result); return 0; }
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NominalStates:
+    """The arithmetic of nominal_state.h."""
+
+    workspace: Workspace
+
+    def beside(self, state: Floats, closest: Floats) -> Floats:
+        """Return a state (n,) moved along the path to the estimate's closest point (4,)."""
+        return self._call("beside", state, closest)[: len(state)]
+
+    def pose_deviation(self, estimated: Floats, nominal: Floats) -> Floats:
+        """Return the deviation (n - 1,) of two states (n,) that begin with a pose."""
+        return self._call("of_pose", estimated, nominal)[: len(estimated) - 1]
+
+    def plain_deviation(self, estimated: Floats, nominal: Floats) -> Floats:
+        """Return the deviation (n,) of two states (n,) that are angles."""
+        return self._call("of_angles", estimated, nominal)[: len(estimated)]
+
+    def _call(self, function: str, given: Floats, other: Floats) -> Floats:
+        array = self.workspace.array
+        array("given")[: len(given)], array("other")[: len(other)], array("count")[:] = given, other, len(given)
+        self.workspace.function(function)()
+        result: Floats = array("result").copy()
+        return result
+
+
+@pytest.fixture(scope="session")
+def nominal_states() -> NominalStates:
+    return NominalStates(workspace=Workspace(build("nominal_states", NOMINAL_STATES)))
 
 
 @pytest.fixture(scope="session")

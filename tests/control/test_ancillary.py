@@ -66,7 +66,9 @@ def test_what_is_not_finite_is_neither_clipped_nor_counted_as_clipped(law):
     steering = law.apply(plan(0.1, (math.nan, 0.0, 0.0)))
     assert math.isnan(steering.command)
     assert not steering.saturated
-    assert law.apply(plan(math.inf, (0.0, 0.0, 0.0))).command == math.inf
+    endless = law.apply(plan(math.inf, (0.0, 0.0, 0.0)))
+    assert endless.command == math.inf
+    assert not endless.saturated
 
 
 def test_the_margin_is_one_at_the_centre_and_falls_to_zero_on_the_boundary(law, tube):
@@ -76,4 +78,11 @@ def test_the_margin_is_one_at_the_centre_and_falls_to_zero_on_the_boundary(law, 
             margin = law.apply(plan(0.0, share * extent * axis)).margin
             assert margin <= 1.0 - share + 1e-12  # along a coordinate, or sooner along another facet
             assert law.apply(plan(0.0, -share * extent * axis)).margin == pytest.approx(margin)
-    assert math.isnan(AncillaryLaw(replace(tube, heights=np.zeros(0)), LIMIT).apply(plan(0.0, np.zeros(3))).margin)
+    without = replace(tube, facets=np.zeros((0, 3)), heights=np.zeros(0))
+    assert math.isnan(AncillaryLaw(without, LIMIT).apply(plan(0.0, np.zeros(3))).margin)
+
+
+def test_a_deviation_that_is_not_finite_has_no_margin(law):
+    for place in np.eye(3):
+        deviation = np.where(place == 1.0, math.nan, 0.01)
+        assert math.isnan(law.apply(plan(0.0, deviation)).margin)

@@ -144,6 +144,17 @@ def test_one_failure_is_both_bodies_and_the_next_plan_starts_afresh(name, situat
         assert_same(getattr(recovered, body), getattr(expected, body), 1e-8)
 
 
+def test_a_torn_plan_is_called_so_and_given_up(name, situation):
+    controller, one = centralised(name), situation()
+    first(controller, one)
+    controller.solver.x[10:, 0] += 3.0
+    controller.prepare()
+    torn = first(controller, one)
+    assert torn.tractor.status is torn.trailer.status is SolverStatus.CHECK_FAILED
+    controller.prepare()
+    assert first(controller, one).tractor.status is SolverStatus.SOLVED
+
+
 def rolled_out(model, initial, p):
     """Return a function of inputs u (N nu,) that gives the states (N+1, nx), by single shooting."""
     step = ca.Function("F", [model.x, model.u, model.p], [integrate(model, DT)]).mapaccum(HORIZON)
@@ -310,6 +321,24 @@ def test_a_first_plan_has_no_prediction_to_hold(name, random_situations):
     for body in BODIES:  # the trailer of this situation is not quite where its closest point says
         deviation = getattr(plan, body).deviation
         assert deviation == pytest.approx(np.zeros(deviation.size), abs=1e-5)
+
+
+def test_after_a_failure_there_is_none_either(name, situation):
+    controller = centralised(name)
+    settled(controller, situation(), steps=1)
+    settled(controller, situation(ahead=math.nan), steps=1)
+    plan = first(controller, situation(left=0.1))
+    for body in BODIES:
+        deviation = getattr(plan, body).deviation
+        assert deviation == pytest.approx(np.zeros(deviation.size), abs=1e-5)
+
+
+def test_how_far_along_the_path_the_vehicle_got_is_no_deviation(name, situation):
+    before = situation(curvature=0.1)
+    near, far = (second(centralised(name), before, situation(curvature=0.1, ahead=ahead)) for ahead in (0.2, 0.5))
+    for body in BODIES:
+        assert getattr(near, body).deviation == pytest.approx(getattr(far, body).deviation, abs=1e-9)
+        assert 1e-6 < np.abs(getattr(near, body).deviation).max() < 0.1
 
 
 def test_the_tubes_tighten_its_bounds(name, situation):

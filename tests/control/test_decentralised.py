@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -100,6 +101,20 @@ def test_the_first_pose_of_a_plan_is_the_estimate(name, make, random_situations)
             assert getattr(plan, body).poses[0] == pytest.approx([pose.x, pose.y, pose.yaw], abs=1e-9)
 
 
+def test_a_plan_that_failed_begins_at_the_estimate_too(name, make, situation):
+    controller, one = make(name), situation(left=0.3, yaw=0.1, hitch=0.05, ahead=0.2)
+    settled(controller, situation(left=0.1), steps=2)
+    nowhere = {
+        body: replace(getattr(one.reference, body), samples=np.full_like(one.reference.tractor.samples, math.nan))
+        for body in BODIES
+    }
+    plan = first(controller, replace(one, reference=replace(one.reference, **nowhere)))
+    for body in BODIES:
+        pose = getattr(one.estimate, body)
+        assert getattr(plan, body).status is SolverStatus.BAD_INPUT
+        assert getattr(plan, body).poses[0] == pytest.approx([pose.x, pose.y, pose.yaw], abs=1e-9)
+
+
 def test_neglected_coupling_does_not_see_the_tractors_steering(name, make, situation):
     straight, curved = (situation(left=0.01, tractor_steering=angle) for angle in (0.0, 0.05))
     plans = [first(make(name, "neglected"), one).trailer.steering for one in (straight, curved)]
@@ -135,6 +150,40 @@ def test_with_planned_coupling_the_planned_trailer_hangs_on_the_planned_tractor(
     assert abs(measured[-1] - VEHICLE.drawbar_length) > 0.01
 
 
+def test_with_measured_coupling_the_tractor_goes_on_round_its_present_circle(make, situation):
+    controller, crab = make("articulated", "measured"), 0.05
+    one = situation(tractor_steering=0.2, tractor_crab=crab, yaw=0.3, longitudinal_slip=0.9)
+    settled(controller, one, steps=60)  # the yaw rate's filter too
+    first(controller, one)
+    known, pose = controller.trailer.solver.p, one.estimate.tractor
+    omega = 0.9 * (math.tan(0.2) - math.tan(crab)) / VEHICLE.wheelbase
+    time = 0.2 * np.arange(21)
+    course = pose.yaw + crab + omega * time
+    radius = 0.9 / math.cos(crab) / omega
+    assert known[:, 4] == pytest.approx(np.full(21, omega), abs=1e-9)
+    assert known[:, 5] == pytest.approx(pose.x + radius * (np.sin(course) - math.sin(course[0])), abs=1e-8)
+    assert known[:, 6] == pytest.approx(pose.y - radius * (np.cos(course) - math.cos(course[0])), abs=1e-8)
+    assert known[:, 7] == pytest.approx(pose.yaw + omega * time, abs=1e-8)
+
+
 def test_where_nothing_is_to_be_done_the_solver_says_solved(name, make, situation):
     for yaw in (0.0, 1.0, math.pi, -2.5):
         assert_solved(settled(make(name), situation().turned(yaw, (30.0, -4.0)), steps=3))
+
+
+@pytest.mark.parametrize(
+    "part",
+    ["speed", "longitudinal_slip", "tractor_slip", "tractor_crab", "trailer_crab", "tractor_steering", "tractor"],
+)
+def test_an_estimate_that_is_not_finite_harms_no_later_plan(name, make, situation, part):
+    one = situation(left=0.02, curvature=0.1)
+    controller, other = make(name), make(name)
+    bad = replace(one.estimate.tractor, yaw=math.nan) if part == "tractor" else math.nan
+    for each in (controller, other):
+        settled(each, one, steps=5)
+    first(controller, replace(one, estimate=replace(one.estimate, **{part: bad})))
+    controller.prepare()
+    here, there = (settled(each, one) for each in (controller, other))
+    assert_solved(here)
+    for body in BODIES:
+        assert getattr(here, body).steerings == pytest.approx(getattr(there, body).steerings, abs=1e-8)

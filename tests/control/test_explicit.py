@@ -1,10 +1,12 @@
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from drawbar.control.explicit import ExplicitController, ProportionalIntegral
+from drawbar.codegen.part import Part
+from drawbar.control.explicit import ExplicitController
 from drawbar.control.lqr import LinearQuadraticRegulator
 from drawbar.control.pure_pursuit import PurePursuit
 from drawbar.control.settings import LqrSettings, PurePursuitSettings, TrailerProportionalIntegral
@@ -13,6 +15,15 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 SAMPLE_TIME, LIMIT = 0.2, 0.35
 GAINS = TrailerProportionalIntegral(proportional=4.0, integral=2.0)
+UNIT = """
+#include "proportional_integral.h"
+struct part { struct proportional_integral law; double error, output; };
+#define PART_FIELDS \\
+    SETTING(part, law.proportional, 0, 1, 0, 0) SETTING(part, law.integral, 0, 1, 0, 0) \\
+    SETTING(part, law.interval, 0, 1, 0, 0) SETTING(part, law.limit, 0, 1, 0, 0) \\
+    FIELD(part, error, 0, 1, 0, 0) FIELD(part, output, 0, 1, 0, 0)
+int answer(struct part *part) { part->output = proportional_integral(&part->law, part->error); return 0; }
+"""
 
 
 def controllers(gains=GAINS, **vehicle) -> list[ExplicitController]:
@@ -88,37 +99,47 @@ def test_without_gains_the_joint_is_held_straight(situation):
         assert controller.feedback(here.estimate, here.reference).trailer.steering == 0.0
 
 
+def proportional_integral(**gains: float) -> Callable[[float], float]:
+    """Return a function from the lateral error (m) of each sample to the joint angle (rad)."""
+    part = Part("proportional_integral", UNIT)
+    part.write({"law.interval": SAMPLE_TIME, "law.limit": LIMIT, **{f"law.{name}": gains[name] for name in gains}})
+    answer = part.function("answer")
+
+    def output(error: float) -> float:
+        part.array("error")[0] = error
+        answer()
+        return float(part.array("output")[0])
+
+    return output
+
+
 def test_the_sum_is_the_textbooks():
-    law = ProportionalIntegral(GAINS, limit=LIMIT, sample_time=SAMPLE_TIME)
+    output = proportional_integral(proportional=4.0, integral=2.0)
     errors = 0.02 * np.sin(np.arange(30))
-    outputs = [law.output(float(error)) for error in errors]
+    outputs = [output(float(error)) for error in errors]
     assert outputs == pytest.approx(4.0 * errors + 2.0 * SAMPLE_TIME * np.cumsum(errors), abs=1e-15)
 
 
 def test_the_integral_rests_at_the_limit_and_comes_back_at_once():
-    law = ProportionalIntegral(GAINS, limit=LIMIT, sample_time=SAMPLE_TIME)
-    assert [law.output(0.2) for _ in range(500)] == [LIMIT] * 500
-    assert law.output(0.0) < LIMIT  # the proportional part is gone, and no more has been gathered than fits
-    assert law.output(-0.2) < 0.0
+    output = proportional_integral(proportional=4.0, integral=2.0)
+    assert [output(0.2) for _ in range(500)] == [LIMIT] * 500
+    assert output(0.0) < LIMIT  # the proportional part is gone, and no more has been gathered than fits
+    assert output(-0.2) < 0.0
 
 
 def test_the_integral_leaves_the_limit_from_beyond():
-    law = ProportionalIntegral(
-        TrailerProportionalIntegral(proportional=0.0, integral=2.0), limit=LIMIT, sample_time=SAMPLE_TIME
-    )
+    output = proportional_integral(integral=2.0)
     for _ in range(100):
-        law.output(0.01)
-    full = law.output(0.01)
+        output(0.01)
+    full = output(0.01)
     assert full == pytest.approx(LIMIT, abs=2.0 * SAMPLE_TIME * 0.01)
-    assert law.output(-0.01) < full
+    assert output(-0.01) < full
 
 
 def test_the_integral_removes_a_steady_error():
     # the straight line of theory.md, y' = -V / (L_i + d) (y - y_0 + d delta), with y_0 the error it starts from
-    law = ProportionalIntegral(
-        TrailerProportionalIntegral(proportional=10.0, integral=10.0), limit=LIMIT, sample_time=SAMPLE_TIME
-    )
+    output = proportional_integral(proportional=10.0, integral=10.0)
     y = shift = 0.04
     for _ in range(300):
-        y += SAMPLE_TIME / 1.5 * (shift - 0.2 * law.output(y) - y)
+        y += SAMPLE_TIME / 1.5 * (shift - 0.2 * output(y) - y)
     assert abs(y) < 1e-4

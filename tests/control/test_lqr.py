@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,14 @@ def test_from_afar_the_path_is_approached_at_the_approach_angle(situation, left)
     assert plan.tractor.steering == pytest.approx(0.0, abs=1e-12)
 
 
+def test_whole_turns_do_not_count(situation):
+    here = situation(left=0.01, yaw=0.02)
+    pose = here.estimate.tractor
+    turned = replace(here.estimate, tractor=replace(pose, yaw=pose.yaw - 2.0 * math.pi))
+    one, other = (regulator().feedback(e, here.reference).tractor.steering for e in (here.estimate, turned))
+    assert other == pytest.approx(one, abs=1e-12)
+
+
 def test_on_the_path_slips_and_curvature_are_fed_forward(situation):
     # on a circle the steering is that which holds it: tan(kappa delta + b) = L_t k + tan(alpha_r)
     slips = {"tractor_slip": 0.9, "steering_offset": 0.01, "tractor_crab": 0.02}
@@ -90,6 +99,6 @@ def test_curvature_is_read_ahead_by_the_lead(situation):
     here = situation()
     samples = here.reference.tractor.samples
     samples[:, 3] = 0.01 * np.arange(len(samples))
-    for lead, curvature in ((0.0, 0.0), (0.4, 0.02), (0.5, 0.025)):
+    for lead, curvature in ((0.0, 0.0), (0.4, 0.02), (0.5, 0.025), (10.0, 0.2)):
         delta = regulator(lead=lead).feedback(here.estimate, here.reference).tractor.steering
         assert math.tan(delta) == pytest.approx(VEHICLE.wheelbase * curvature, abs=1e-12)

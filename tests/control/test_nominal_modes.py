@@ -3,11 +3,11 @@
 import math
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from drawbar.control.articulated import ArticulatedTractor, ArticulatedTrailer
-from drawbar.control.nominal_state import beside
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     BodyTubeSettings,
@@ -20,6 +20,7 @@ from drawbar.control.tricycle import TricycleTractor
 from drawbar.control.tube.inner_box import initial_choice
 from drawbar.control.tube.tube import tubes_of
 from drawbar.signals import SolverStatus
+from drawbar.vehicle.model import integrate
 from drawbar.vehicle.parameters import VehicleParameters
 
 VEHICLE, SAMPLE_TIME = VehicleParameters(), 0.2
@@ -47,6 +48,19 @@ def step(controller, situation, name="tractor"):
     return plan
 
 
+def successor(controller):
+    """Return where the controller's nominal model got to (nx,), in the frame in which it is remembered."""
+    return controller.solver.workspace.array("subsystem.successor").copy()
+
+
+def placed_successor(controller):
+    """Return where the nominal model of a controller that optimises its first state got to (nx,), in the world."""
+    x, y, yaw = controller.solver.workspace.array("subsystem.frame").tolist()
+    ahead, left, *rest = successor(controller).tolist()
+    world = complex(x, y) + complex(ahead, left) * complex(math.cos(yaw), math.sin(yaw))
+    return np.array([world.real, world.imag, rest[0] + yaw, *rest[1:]])
+
+
 def test_the_first_sample_has_nothing_to_be_held_to(situation):
     for nominal in Nominal:
         one = situation(left=0.01, yaw=0.005)
@@ -60,7 +74,7 @@ def test_predicted_starts_at_the_estimate_and_holds_to_the_prediction(situation)
     controller = ArticulatedTractor(VEHICLE, PRODUCT, SAMPLE_TIME, tubes(Nominal.PREDICTED).tractor)
     first, second = situation(left=0.1), situation(left=0.12, ahead=0.2, yaw=0.02)
     step(controller, first)
-    predicted = controller._successor.copy()
+    predicted = successor(controller)
     plan = step(controller, second)
     pose = second.estimate.tractor
     assert plan.poses[0] == pytest.approx([pose.x, pose.y, pose.yaw], abs=1e-12)
@@ -68,14 +82,15 @@ def test_predicted_starts_at_the_estimate_and_holds_to_the_prediction(situation)
     assert plan.deviation[1] == pytest.approx(pose.yaw - predicted[2], abs=1e-12)
 
 
-def test_propagated_follows_its_own_model_whatever_the_estimate_says(situation):
+def test_propagated_follows_its_own_model_whatever_the_estimate_says(situation, nominal_states):
     controller = ArticulatedTractor(VEHICLE, PRODUCT, SAMPLE_TIME, tubes(Nominal.PROPAGATED).tractor)
     step(controller, situation(left=0.1))
     for k in range(1, 5):
-        follows = controller._successor.copy()
+        follows = successor(controller)
         seen = situation(left=0.1 + 0.02 * k, ahead=0.2 * k + 0.05, yaw=0.01 * k)
         plan = step(controller, seen)
-        assert plan.poses[0] == pytest.approx(beside(follows, body(seen, "tractor").closest)[:3], abs=1e-12)
+        beside = nominal_states.beside(follows, body(seen, "tractor").closest)
+        assert plan.poses[0] == pytest.approx(beside[:3], abs=1e-12)
         assert np.hypot(*(plan.poses[0, :2] - follows[:2])) < 0.2  # moved along the path only
         assert plan.deviation[0] == pytest.approx(0.1 + 0.02 * k - follows[1], abs=1e-3)
 
@@ -88,22 +103,36 @@ def test_the_nominal_model_gets_what_is_really_commanded(situation):
     plan = step(controller, situation(left=3.0, tractor_steering=-0.98 * limit))
     assert plan.steering == pytest.approx(-limit, abs=1e-12)
     share = 1.0 - math.exp(-SAMPLE_TIME / VEHICLE.steering_lag)
-    assert controller._successor[3] == pytest.approx(-0.98 * limit - share * 0.02 * limit, abs=1e-12)
+    assert successor(controller)[3] == pytest.approx(-0.98 * limit - share * 0.02 * limit, abs=1e-12)
     assert plan.steering + 0.0 >= -VEHICLE.tractor_steering_limit + 1e-3
+
+
+def test_the_successor_is_the_models_next_state_and_moves_no_plan(situation):
+    controller = ArticulatedTractor(VEHICLE, PRODUCT, SAMPLE_TIME, tubes(Nominal.PROPAGATED).tractor)
+    one, solver = situation(left=0.1, curvature=0.1), controller.solver
+    controller.feedback(one.estimate, body(one, "tractor"))
+    model = solver.problem.model
+    step_of_model = ca.Function("F", [model.x, model.u, model.p], [integrate(model, SAMPLE_TIME)])
+    expected = np.array(step_of_model(solver.x[0], solver.u[0], solver.p[0])).ravel()
+    assert successor(controller) == pytest.approx(expected, abs=1e-13)
+    after = solver.x.copy()
+    controller.prepare()
+    assert solver.x[:-1].tolist() == after[1:].tolist()
 
 
 def test_optimised_chooses_within_its_box_and_else_goes_on(situation):
     tube = tubes(Nominal.OPTIMISED).tractor
     choice, controller = initial_choice(tube), ArticulatedTractor(VEHICLE, PRODUCT, SAMPLE_TIME, tube)
     step(controller, situation(left=0.3))
-    follows = controller._choice.placed(controller._successor[None])[0]
+    follows = placed_successor(controller)
     near = situation(left=follows[1] + 0.5 * choice[0], ahead=0.2, yaw=follows[2], tractor_steering=follows[3])
     plan = step(controller, near)
     assert (np.abs(plan.deviation) <= choice + 1e-9).all()
     assert plan.deviation[0] == pytest.approx(choice[0], abs=1e-6)  # nearer to the path costs less
-    follows = controller._choice.placed(controller._successor[None])[0]
+    follows = placed_successor(controller)
     far = situation(left=follows[1] + 3.0 * choice[0], ahead=0.4, yaw=follows[2], tractor_steering=follows[3])
     plan = step(controller, far)
+    assert plan.status is SolverStatus.SOLVED
     assert plan.deviation[0] == pytest.approx(3.0 * choice[0], abs=1e-4)
     assert plan.poses[0, 1] == pytest.approx(follows[1], abs=1e-6)
 
@@ -117,13 +146,16 @@ def test_plans_turn_and_shift_with_the_world(situation, nominal):
         plan, turned = step(here, one), step(there, other)
         assert turned.steering == pytest.approx(plan.steering, abs=1e-9)
         assert turned.deviation == pytest.approx(plan.deviation, abs=1e-9)
+        position = (plan.poses[:, :2] @ [1.0, 1.0j]) * complex(math.cos(2.0), math.sin(2.0)) + complex(30.0, -7.0)
+        assert turned.poses[:, :2] @ [1.0, 1.0j] == pytest.approx(position, abs=1e-8)
+        assert turned.poses[:, 2] == pytest.approx(plan.poses[:, 2] + 2.0, abs=1e-8)
 
 
 def test_the_trailers_state_is_its_own(situation):
     controller = ArticulatedTrailer(VEHICLE, PRODUCT, SAMPLE_TIME, tubes(Nominal.PROPAGATED).trailer)
     first = situation(hitch=0.05, trailer_steering=0.02)
     step(controller, first, "trailer")
-    follows, second = controller._successor.copy(), situation(hitch=0.1, trailer_steering=0.0, ahead=0.2)
+    follows, second = successor(controller), situation(hitch=0.1, trailer_steering=0.0, ahead=0.2)
     plan = step(controller, second, "trailer")
     articulation = second.estimate.tractor.yaw - second.estimate.trailer.yaw
     assert plan.deviation == pytest.approx([articulation - follows[0], -follows[1]], abs=1e-12)
@@ -145,6 +177,6 @@ def test_the_papers_offset_has_no_bound_and_starts_at_the_estimate(situation):
     controller = TricycleTractor(VEHICLE, PAPER, SAMPLE_TIME, tube)
     assert initial_choice(tube)[0] == math.inf
     step(controller, situation(left=0.3))
-    follows = controller._choice.placed(controller._successor[None])[0]
+    follows = placed_successor(controller)
     plan = step(controller, situation(left=0.4, ahead=0.2, yaw=follows[2]))
     assert plan.deviation[0] == pytest.approx(0.0, abs=1e-9)

@@ -5,8 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from drawbar.control.nominal_state import beside, plain_deviation, pose_deviation
-
 
 def pose(arc_length, curvature, offset=0.0, heading=0.0):
     """Return x, y, yaw beside a circle that begins at (3, -2) with a yaw of 0.7."""
@@ -18,25 +16,25 @@ def pose(arc_length, curvature, offset=0.0, heading=0.0):
 
 
 @pytest.mark.parametrize("curvature", [0.0, 1e-9, 0.15, -0.3])
-def test_what_moves_along_the_path_keeps_its_offset_and_heading_to_it(curvature):
+def test_what_moves_along_the_path_keeps_its_offset_and_heading_to_it(curvature, nominal_states):
     rng = np.random.default_rng(3)
     for _ in range(20):
         here, there, offset, heading = rng.uniform(-1.0, 1.0, 4)
         state, closest = np.append(pose(there, curvature, offset, heading), 0.123), pose(here, curvature)
-        moved = beside(state, np.append(closest, curvature))
+        moved = nominal_states.beside(state, np.append(closest, curvature))
         assert moved[:3] == pytest.approx(pose(here, curvature, offset, heading), abs=1e-12)
         assert moved[3] == 0.123
 
 
-def test_what_is_beside_already_stays():
+def test_what_is_beside_already_stays(nominal_states):
     random = np.random.default_rng(4)
     for _ in range(20):
         x, y, yaw, curvature, offset, heading = random.uniform(-0.5, 0.5, 6)
         state = np.array([x - offset * math.sin(yaw), y + offset * math.cos(yaw), yaw + heading])
-        assert beside(state, np.array([x, y, yaw, curvature])) == pytest.approx(state, abs=1e-15)
+        assert nominal_states.beside(state, np.array([x, y, yaw, curvature])) == pytest.approx(state, abs=1e-15)
 
 
-def test_the_deviation_is_that_in_the_nominal_headings_frame():
+def test_the_deviation_is_that_in_the_nominal_headings_frame(nominal_states):
     rng = np.random.default_rng(31)
     for _ in range(100):
         x, y, yaw, along, across, turn, rest = rng.normal(size=7).tolist()
@@ -49,19 +47,12 @@ def test_the_deviation_is_that_in_the_nominal_headings_frame():
                 0.2 + rest,
             ]
         )
-        assert pose_deviation(estimated, nominal) == pytest.approx([across, turn, rest], abs=1e-12)
+        assert nominal_states.pose_deviation(estimated, nominal) == pytest.approx([across, turn, rest], abs=1e-12)
 
 
-def test_a_whole_turn_between_estimate_and_nominal_state_is_none():
+def test_a_whole_turn_between_estimate_and_nominal_state_is_none(nominal_states):
     nominal, estimated = np.array([0.0, 0.0, 3.1]), np.array([0.0, 0.0, 3.2 - 2.0 * math.pi])
-    assert pose_deviation(estimated, nominal) == pytest.approx([0.0, 0.1])
-    assert plain_deviation(np.array([0.1 - 2.0 * math.pi, 0.3]), np.array([0.0, 0.1])) == pytest.approx([0.1, 0.2])
-
-
-def test_neither_estimate_nor_nominal_state_is_written_to():
-    one, other = np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.0, 2.0])
-    pose_deviation(one, other)
-    plain_deviation(one, other)
-    beside(one, np.array([0.0, 0.0, 1.0, 0.1]))
-    assert one.tolist() == [1.0, 2.0, 3.0]
-    assert other.tolist() == [0.0, 1.0, 2.0]
+    assert nominal_states.pose_deviation(estimated, nominal) == pytest.approx([0.0, 0.1])
+    assert nominal_states.plain_deviation(np.array([0.1 - 2.0 * math.pi, 0.3]), np.array([0.0, 0.1])) == pytest.approx(
+        [0.1, 0.2]
+    )

@@ -1,11 +1,15 @@
 """What the trailer's steering leaves of its off-tracking, against exact circles and the simulated machine."""
 
 import math
+from ctypes import byref
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from drawbar.control.off_tracking import OffTracking, SharedError
+from drawbar.codegen import Workspace, build
+from drawbar.codegen.exchange import CEstimate
+from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import SharingSettings
 from drawbar.machine.settings import CrabProcess, GroundSettings, SensorSettings, SimulatedMachineSettings, SlipProcess
 from drawbar.machine.simulated import SimulatedMachine
@@ -15,6 +19,66 @@ from drawbar.vehicle.parameters import VehicleParameters
 VEHICLE = VehicleParameters()
 SAMPLE_TIME = 0.2
 TRAILER = VEHICLE.trailer_length + VEHICLE.drawbar_length
+STAGES = 400
+UNIT = f"""
+#include "off_tracking.h"
+#include "fields.h"
+struct part {{ struct shared_error shared; double samples[{STAGES}][4], result[{STAGES}]; int32_t stages; }};
+int64_t drawbar_size = sizeof(struct part);
+const struct drawbar_field drawbar_fields[] = {{
+    SHARED_ERROR_FIELDS(shared) FIELD(part, samples, 0, {STAGES}, 4, 0) FIELD(part, result, 0, {STAGES}, 0, 0)
+    FIELD(part, stages, 1, 1, 0, 0) END_OF_FIELDS
+}};
+int targets(struct part *p, const struct drawbar_estimate *estimate)
+{{
+    shared_targets(&p->shared, estimate, (const double (*)[4])p->samples, p->stages, p->result, 1);
+    return 0;
+}}
+int remainder_of(struct part *p, const struct drawbar_estimate *e)
+{{
+    for (int k = 0; k < p->stages; ++k)
+        p->result[k] = off_tracking_remainder(&p->shared.off_tracking, p->samples[k][3], e->tractor_crab,
+                                              e->trailer_crab);
+    return 0;
+}}
+"""
+
+
+class SharedError:
+    """The arithmetic of off_tracking.h."""
+
+    def __init__(self, **settings):
+        self.workspace = Workspace(build("off_tracking", UNIT))
+        sharing = SharingSettings(**({"widening": 0.0} | settings))
+        for name, value in sharing_settings(VEHICLE, sharing, SAMPLE_TIME).items():
+            self.workspace.array(name)[:] = value
+
+    def targets(self, estimate, curvature):
+        """Return the tractor's lateral targets (n,) on curvatures (n,)."""
+        return self._call("targets", estimate, curvature)
+
+    def remainder(self, estimate, curvature):
+        """Return what the trailer's steering leaves of the error (n,) on curvatures (n,)."""
+        return self._call("remainder_of", estimate, curvature)
+
+    def _call(self, function, estimate, curvature):
+        array, seen = self.workspace.array, CEstimate()
+        array("samples")[: len(curvature), 3], array("stages")[:] = curvature, len(curvature)
+        seen.write(estimate)
+        self.workspace.function(function, pointers=1)(byref(seen))
+        return array("result")[: len(curvature)].copy()
+
+
+@pytest.fixture(scope="module")
+def remainder(situation):
+    """Return a function of curvatures (n,) and both crab angles."""
+    estimate, shared = situation().estimate, SharedError()
+
+    def remainder(curvature, tractor_crab, trailer_crab):
+        crabs = {"tractor_crab": tractor_crab, "trailer_crab": trailer_crab}
+        return shared.remainder(replace(estimate, **crabs), curvature)
+
+    return remainder
 
 
 def exact_error(curvature, tractor_crab, trailer_crab, joint):
@@ -37,12 +101,11 @@ def exact_error(curvature, tractor_crab, trailer_crab, joint):
 
 @pytest.mark.parametrize("curvature", [1e-4, 0.1, 0.125, -0.15])
 @pytest.mark.parametrize("crabs", [(0.0, 0.0), (0.0524, 0.0524), (-0.0524, -0.0524), (0.03, -0.05)])
-def test_the_remainder_is_what_the_turned_joint_leaves_on_a_circle(curvature, crabs):
+def test_the_remainder_is_what_the_turned_joint_leaves_on_a_circle(curvature, crabs, remainder):
     limit = VEHICLE.trailer_steering_limit
     ends = sorted(exact_error(curvature, *crabs, joint) for joint in (-limit, limit))
     left = max(ends[0], 0.0) + min(ends[1], 0.0)
-    remainder = OffTracking(VEHICLE).remainder(np.array([curvature]), *crabs)
-    assert remainder == pytest.approx([left], abs=0.015 * abs(curvature))
+    assert remainder(np.array([curvature]), *crabs) == pytest.approx([left], abs=0.015 * abs(curvature))
 
 
 def steady_error(curvature, tractor_crab, trailer_crab):
@@ -67,68 +130,66 @@ def steady_error(curvature, tractor_crab, trailer_crab):
 
 
 @pytest.mark.parametrize("crab", [0.0, 0.0524])
-def test_the_simulated_trailer_keeps_the_remainder(crab):
-    remainder = OffTracking(VEHICLE).remainder(np.array([0.125]), crab, crab)
-    assert remainder == pytest.approx([steady_error(0.125, crab, crab)], abs=1.5e-3)
-    assert remainder[0] > 0.01
+def test_the_simulated_trailer_keeps_the_remainder(crab, remainder):
+    left = remainder(np.array([0.125]), crab, crab)
+    assert left == pytest.approx([steady_error(0.125, crab, crab)], abs=1.5e-3)
+    assert left[0] > 0.01
 
 
-def test_what_the_trailer_can_steer_away_is_no_remainder():
+def test_what_the_trailer_can_steer_away_is_no_remainder(remainder):
     gentle = np.linspace(-0.09, 0.09, 7)
-    assert OffTracking(VEHICLE).remainder(gentle, 0.0, 0.0) == pytest.approx(np.zeros(7), abs=0.0)
+    assert remainder(gentle, 0.0, 0.0) == pytest.approx(np.zeros(7), abs=0.0)
     # hung to one side by a slope, the trailer's cut-in to the other side cancels
-    assert OffTracking(VEHICLE).remainder(np.array([-0.125]), 0.0524, 0.0524) == 0.0
+    assert remainder(np.array([-0.125]), 0.0524, 0.0524) == 0.0
 
 
-def test_the_remainder_is_mirrored_with_the_world():
+def test_the_remainder_is_mirrored_with_the_world(remainder):
     curvatures = np.linspace(-0.3, 0.3, 13)
-    here = OffTracking(VEHICLE).remainder(curvatures, 0.03, -0.02)
-    assert OffTracking(VEHICLE).remainder(-curvatures, -0.03, 0.02) == pytest.approx(-here, abs=1e-15)
+    here = remainder(curvatures, 0.03, -0.02)
+    assert remainder(-curvatures, -0.03, 0.02) == pytest.approx(-here, abs=1e-15)
 
 
-def shared(**settings):
-    return SharedError(VEHICLE, SharingSettings(**({"widening": 0.0} | settings)), SAMPLE_TIME)
-
-
-def test_on_an_endless_curve_the_tractor_takes_its_share_beyond_the_accepted_error(situation):
+def test_on_an_endless_curve_the_tractor_takes_its_share_beyond_the_accepted_error(situation, remainder):
     for curvature in (0.2, -0.25):
         estimate = situation(curvature=curvature).estimate
         curvatures = np.full(400, curvature)
-        remainder = OffTracking(VEHICLE).remainder(curvatures[:1], 0.0, 0.0)[0]
-        target = shared(share=0.6, accepted_error=0.02).targets(estimate, curvatures)[-1]
-        assert target * remainder < 0.0, "the tractor goes to the other side"
-        assert abs(target) == pytest.approx(0.6 * (abs(remainder) - 0.02), rel=1e-9)
+        left = remainder(curvatures[:1], 0.0, 0.0)[0]
+        target = SharedError(share=0.6, accepted_error=0.02).targets(estimate, curvatures)[-1]
+        assert target * left < 0.0, "the tractor goes to the other side"
+        assert abs(target) == pytest.approx(0.6 * (abs(left) - 0.02), rel=1e-9)
 
 
-def test_an_accepted_error_stays_with_the_trailer(situation):
+def test_an_accepted_error_stays_with_the_trailer(situation, remainder):
     curvatures = np.full(400, 0.25)
-    remainder = OffTracking(VEHICLE).remainder(curvatures[:1], 0.0, 0.0)[0]
-    targets = shared(accepted_error=1.01 * float(remainder)).targets(situation().estimate, curvatures)
+    left = remainder(curvatures[:1], 0.0, 0.0)[0]
+    targets = SharedError(accepted_error=1.01 * float(left)).targets(situation().estimate, curvatures)
     assert targets == pytest.approx(np.zeros(400), abs=0.0)
 
 
 def test_the_tractor_keeps_outside_of_every_curve(situation):
     for curvature in (0.05, -0.1):
-        targets = shared(share=0.0, widening=0.05).targets(situation().estimate, np.full(400, curvature))
+        targets = SharedError(share=0.0, widening=0.05).targets(situation().estimate, np.full(400, curvature))
         assert targets[-1] == pytest.approx(-0.05 * curvature, rel=1e-9)
 
 
 def test_without_sharing_the_tractor_keeps_to_the_path(situation):
-    targets = shared(share=0.0).targets(situation(tractor_crab=0.05, trailer_crab=0.05).estimate, np.full(21, 0.15))
+    targets = SharedError(share=0.0).targets(
+        situation(tractor_crab=0.05, trailer_crab=0.05).estimate, np.full(21, 0.15)
+    )
     assert targets == pytest.approx(np.zeros(21), abs=0.0)
 
 
 def test_the_target_lags_by_the_trailers_length_at_any_speed(situation):
     for speed in (0.5, 2.0):
         curvatures = np.full(400, 0.25)
-        targets = shared().targets(situation(speed=speed).estimate, curvatures)
+        targets = SharedError().targets(situation(speed=speed).estimate, curvatures)
         travelled = speed * SAMPLE_TIME * np.arange(400)
         assert targets == pytest.approx(targets[-1] * -np.expm1(-travelled / TRAILER), abs=1e-12)
 
 
 def test_what_is_planned_for_the_next_sample_is_its_target(situation):
     estimate, curvatures = situation().estimate, np.full(22, 0.25)
-    part = shared()
+    part = SharedError()
     first = part.targets(estimate, curvatures[:21])
     second = part.targets(estimate, curvatures[1:])
     assert first[0] == 0.0
@@ -136,8 +197,18 @@ def test_what_is_planned_for_the_next_sample_is_its_target(situation):
 
 
 def test_standing_still_the_target_stays(situation):
-    part = shared()
+    part = SharedError()
     part.targets(situation().estimate, np.full(21, 0.25))
     targets = part.targets(situation(speed=0.0).estimate, np.full(21, -0.25))
     assert np.ptp(targets) == 0.0
     assert targets[0] < 0.0
+
+
+@pytest.mark.parametrize("name", ["speed", "longitudinal_slip", "tractor_crab", "trailer_crab"])
+def test_an_estimate_that_is_not_finite_is_forgotten(situation, name):
+    estimate, curvatures = situation().estimate, np.full(21, 0.25)
+    part, other = SharedError(), SharedError()
+    for each in (part, other):
+        each.targets(estimate, curvatures)
+    assert np.isnan(part.targets(replace(estimate, **{name: math.nan}), curvatures)[1:]).all()
+    assert part.targets(estimate, curvatures).tolist() == other.targets(estimate, curvatures).tolist()

@@ -44,6 +44,15 @@ def test_where_the_samples_end_the_path_goes_on(situation):
         assert steering(standing) == pytest.approx(steering(rolling), abs=1e-3)
 
 
+def test_it_goes_on_as_the_last_sample_says(situation):
+    here = situation(speed=0.0)
+    here.reference.tractor.samples[-1] = 0.5, 0.1, 0.2, 0.1
+    beyond = 1.6 - math.hypot(0.5, 0.1)
+    goal = complex(0.5, 0.1) + cmath.rect(beyond, 0.2 + 0.05 * beyond)
+    slope = 2.0 * VEHICLE.wheelbase * math.sin(cmath.phase(goal)) / abs(goal)
+    assert math.tan(steering(here)) == pytest.approx(slope, abs=1e-12)
+
+
 @pytest.mark.parametrize("left", [-1.0, 0.5])
 def test_it_converges_to_a_line(situation, left):
     law = PurePursuit(VEHICLE, PurePursuitSettings(model="pure_pursuit"), SAMPLE_TIME)

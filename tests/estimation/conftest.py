@@ -2,12 +2,15 @@
 
 import math
 from collections.abc import Callable, Iterable
+from ctypes import byref
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 import pytest
 
+from drawbar.codegen.exchange import CCommand, CEstimate, CMeasurement
+from drawbar.codegen.part import Part
 from drawbar.config import load_configuration
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
@@ -22,7 +25,7 @@ from drawbar.estimation.settings import (
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import Floats
 from drawbar.settings import Settings
-from drawbar.signals import Estimate, Measurement
+from drawbar.signals import Command, Estimate, Measurement
 from drawbar.vehicle.model import integrate
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
@@ -31,6 +34,74 @@ SAMPLE_TIME = 0.2
 OPEN = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, release=1e9, repetition=1e9)
 """Lets every fix pass: what the estimators themselves do is tested without it."""
 DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
+
+
+UNIT = """
+#include "{name}_estimation.h"
+struct part {{ struct estimation_model model; double state[12], y[12], rates[2]; }};
+#define PART_FIELDS MODEL_FIELDS(part, model.) \\
+    FIELD(part, state, 0, 12, 0, 0) FIELD(part, y, 0, 12, 0, 0) FIELD(part, rates, 0, 2, 0, 0)
+int first_guess(struct part *part, const struct drawbar_measurement *first)
+{{
+    return model_first_guess(&part->model, first, part->state);
+}}
+int outputs(struct part *part, const struct drawbar_measurement *measurement)
+{{
+    model_outputs(&part->model, measurement, part->y);
+    return 0;
+}}
+int steering_rates(struct part *part, const struct drawbar_command *command)
+{{
+    model_steering_rates(&part->model, part->state, command, part->rates);
+    return STEERING_RATES;
+}}
+int estimate(struct part *part, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate)
+{{
+    model_estimate(&part->model, part->state, measurement, 0, estimate);
+    return 0;
+}}
+"""
+
+
+class CompiledModel(Part):
+    """What a model's header offers to the estimators, by itself."""
+
+    def __init__(self, model: EstimationModel) -> None:
+        super().__init__(f"{model.name}_model", UNIT.format(name=model.name))
+        for name, value in model.constants.items():
+            self.array(f"model.{name}")[:] = value
+        self.state = self.array("state")
+        self._measurement, self._command, self._estimate = CMeasurement(), CCommand(), CEstimate()
+
+    def first_guess(self, measurement: Measurement) -> Floats | None:
+        """Return the state (12,), which is kept; None where there is no guess."""
+        self._measurement.write(measurement)
+        guessed = self.function("first_guess", pointers=1)(byref(self._measurement))
+        return self.state.copy() if guessed else None
+
+    def outputs(self, measurement: Measurement) -> Floats:
+        """Return the outputs (12,), zero where the model has fewer."""
+        self._measurement.write(measurement)
+        self.function("outputs", pointers=1)(byref(self._measurement))
+        return self.array("y").copy()
+
+    def steering_rates(self, command: Command) -> list[float]:
+        """Return the rates that a command gives in the state that is kept."""
+        self._command.write(command)
+        count = self.function("steering_rates", pointers=1)(byref(self._command))
+        rates: list[float] = self.array("rates")[:count].tolist()
+        return rates
+
+    def estimate(self, measurement: Measurement) -> Estimate:
+        """Return the estimate of the state that is kept."""
+        self._measurement.write(measurement)
+        self.function("estimate", pointers=2)(byref(self._measurement), byref(self._estimate))
+        return self._estimate.read()
+
+
+@pytest.fixture(scope="session")
+def compiled() -> type[CompiledModel]:
+    return CompiledModel
 
 
 def estimation(name: str, **tricycle: Settings) -> EstimationModel:

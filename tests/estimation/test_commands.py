@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drawbar.estimation.articulated import ArticulatedEstimation, mean_rate
+from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.extended_kalman import ExtendedKalmanFilter
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.estimation.settings import ArticulatedEstimatorSettings
@@ -27,24 +27,25 @@ def command(tractor, trailer):
 
 
 @pytest.mark.parametrize("error", [0.0, 0.02, 0.119, 0.121, 0.15, 0.3, -0.02, -0.15, -1.0])
-def test_mean_rate_is_that_of_the_integrated_actuator(error):
+def test_mean_rate_is_that_of_the_integrated_actuator(compiled, error):
+    model = compiled(estimation(steering_lag=LAG, tractor_steering_rate=LIMIT))
     steps, left = 200_000, error
     for _ in range(steps):
         left -= min(max(left / LAG, -LIMIT), LIMIT) * SAMPLE_TIME / steps
-    assert mean_rate(error, LAG, LIMIT, SAMPLE_TIME) == pytest.approx((error - left) / SAMPLE_TIME, abs=1e-5)
+    model.state[4] = 0.1
+    rate = model.steering_rates(command(0.1 + error, 0.0))[0]
+    assert rate == pytest.approx((error - left) / SAMPLE_TIME, abs=1e-5)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_reversed_joint_goes_the_other_way(sign):
-    model = estimation(joint_sign=sign)
-    state = [0.0] * 12
-    tractor, trailer = model.steering_rates(state, command(0.05, 0.05))
+def test_a_reversed_joint_goes_the_other_way(compiled, sign):
+    tractor, trailer = compiled(estimation(joint_sign=sign)).steering_rates(command(0.05, 0.05))
     assert tractor == pytest.approx(0.05 * -math.expm1(-SAMPLE_TIME / LAG) / SAMPLE_TIME)
     assert trailer == pytest.approx(sign * tractor)
 
 
 @pytest.mark.parametrize("kind", [MovingHorizonEstimator, ExtendedKalmanFilter])
-def test_steering_behind_a_coarse_sensor_is_known_better_with_its_command(kind):
+def test_steering_behind_a_coarse_sensor_is_known_better_with_its_command(compiled, kind):
     """The vehicle stands; both angles follow a sine behind their lag and are measured in steps of 2°."""
     rest = Measurement(
         time=0.0,
@@ -57,7 +58,7 @@ def test_steering_behind_a_coarse_sensor_is_known_better_with_its_command(kind):
         tractor_steering=0.0,
         trailer_steering=0.0,
     )
-    step, errors = math.radians(2.0), {True: [], False: []}
+    step, errors, actuator = math.radians(2.0), {True: [], False: []}, compiled(estimation())
     for told, into in errors.items():
         estimator, angle = kind(estimation(), rest), 0.0
         for k in range(150):
@@ -66,7 +67,8 @@ def test_steering_behind_a_coarse_sensor_is_known_better_with_its_command(kind):
             seen = replace(rest, time=SAMPLE_TIME * k, tractor_steering=rounded)
             into.append(estimator.update(seen).tractor_steering - angle)
             estimator.prepare(command(asked, 0.0) if told else None)
-            angle += SAMPLE_TIME * mean_rate(asked - angle, LAG, VehicleParameters().tractor_steering_rate, SAMPLE_TIME)
+            actuator.state[4] = angle
+            angle += SAMPLE_TIME * actuator.steering_rates(command(asked, 0.0))[0]
     with_command, without = (np.sqrt(np.mean(np.square(errors[told][20:]))) for told in (True, False))
     assert with_command < 0.5 * without
     assert with_command < math.radians(0.3)

@@ -1,13 +1,19 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from drawbar.errors import HardwareError
-from drawbar.estimation.description import known, measured, yaws_at_rest
+from drawbar.estimation.articulated import ArticulatedEstimation
+from drawbar.estimation.extended_kalman import ExtendedKalmanFilter
+from drawbar.estimation.moving_horizon import MovingHorizonEstimator
+from drawbar.estimation.settings import ArticulatedEstimatorSettings, TricycleEstimatorSettings
+from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import wrap
 from drawbar.signals import Measurement
 from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import SensorNoise
 
 NAMES = ("tractor_x", "tractor_y", "trailer_x", "trailer_y", "hitch_angle", "speed")
 NAMES = (*NAMES, "tractor_steering", "trailer_steering")
@@ -35,44 +41,72 @@ def standing(vehicle, rng):
     [VehicleParameters(), VehicleParameters(wheelbase=2.8, hitch_length=2.0, drawbar_length=1.1, trailer_antenna=0.0)],
     ids=["paper", "larger"],
 )
-def test_both_yaws_are_known_exactly_at_rest(vehicle):
-    rng = np.random.default_rng(11)
+def test_both_yaws_are_known_exactly_at_rest(compiled, vehicle):
+    settings, rng = ArticulatedEstimatorSettings(model="articulated"), np.random.default_rng(11)
+    model = compiled(ArticulatedEstimation(vehicle, SensorNoise(), settings, 0.2))
     for _ in range(500):
         theta, psi, measurement = standing(vehicle, rng)
-        tractor, trailer = yaws_at_rest(vehicle, measurement)
+        tractor, trailer = model.first_guess(measurement)[2:4]
         assert wrap(tractor - theta) == pytest.approx(0.0, abs=1e-10)
         assert wrap(trailer - psi) == pytest.approx(0.0, abs=1e-10)
 
 
-def test_first_guess_is_the_state_at_rest(model, measure):
-    rng = np.random.default_rng(12)
+def test_first_guess_is_the_state_at_rest(compiled, model):
+    rng, header = np.random.default_rng(12), compiled(model)
+    names = [variable.name for variable in (*model.problem.model.states, *model.problem.model.parameters)]
     for _ in range(50):
         theta, psi, measurement = standing(VehicleParameters(), rng)
-        guess = model.first_guess(measurement)
-        names = [variable.name for variable in (*model.problem.model.states, *model.problem.model.parameters)]
-        state = dict(zip(names, guess.tolist(), strict=True))
+        state = dict(zip(names, header.first_guess(measurement).tolist(), strict=False))
         assert wrap(state["tractor_yaw"] - theta) == pytest.approx(0.0, abs=1e-10)
         assert wrap(state["trailer_yaw"] - psi) == pytest.approx(0.0, abs=1e-10)
         assert (state["tractor_x"], state["tractor_y"]) == (measurement.tractor_x, measurement.tractor_y)
-        estimate = model.estimate(guess.tolist(), measurement, 0)
+        estimate = header.estimate(measurement)
         assert (estimate.trailer.x, estimate.trailer.y) == pytest.approx((measurement.trailer_x, measurement.trailer_y))
         assert estimate.hitch_angle == pytest.approx(measurement.hitch_angle)
         assert estimate.trailer_steering == pytest.approx(measurement.trailer_steering)
 
 
 @pytest.mark.parametrize("missing", [math.nan, math.inf, -math.inf])
-def test_first_guess_needs_positions_and_nothing_else(model, missing):
+def test_first_guess_needs_positions_and_nothing_else(compiled, model, missing):
     _, _, measurement = standing(VehicleParameters(), np.random.default_rng(13))
-    values = {name: getattr(measurement, name) for name in NAMES}
+    header, values = compiled(model), {name: getattr(measurement, name) for name in NAMES}
     for name in NAMES[:4]:
-        with pytest.raises(HardwareError, match="lacks a position"):
-            model.first_guess(Measurement(time=0.0, **(values | {name: missing})))
+        assert header.first_guess(Measurement(time=0.0, **(values | {name: missing}))) is None
     for name in NAMES[4:]:
-        assert np.isfinite(model.first_guess(Measurement(time=0.0, **(values | {name: missing})))).all()
+        assert np.isfinite(header.first_guess(Measurement(time=0.0, **(values | {name: missing})))).all()
 
 
-def test_what_is_not_finite_is_missing():
+@pytest.mark.parametrize("kind", [MovingHorizonEstimator, ExtendedKalmanFilter])
+def test_no_estimator_begins_without_a_position(model, kind):
+    _, _, measurement = standing(VehicleParameters(), np.random.default_rng(14))
+    with pytest.raises(HardwareError, match=r"lacks a position .* trailer .*, nan\); wait for a fix"):
+        kind(model, replace(measurement, trailer_y=math.nan))
+
+
+def test_what_is_not_finite_is_missing(compiled, model):
     values = dict(zip(NAMES, (1.0, math.inf, math.nan, -2.0, -math.inf, 0.0, 0.5, 0.25), strict=True))
     expected = (1.0, math.nan, math.nan, -2.0, math.nan, 0.0, 0.5, 0.25)
-    assert measured(Measurement(time=0.0, **values)) == pytest.approx(expected, nan_ok=True, abs=0.0)
-    assert [known(value) for value in (1.5, math.nan, math.inf, -math.inf)] == [1.5, 0.0, 0.0, 0.0]
+    outputs = compiled(model).outputs(Measurement(time=0.0, **values))
+    assert outputs[:8] == pytest.approx(expected, nan_ok=True, abs=0.0)
+
+
+def test_crab_angles_are_believed_small_only_while_a_fix_is_missing(compiled):
+    settings = ArticulatedEstimatorSettings(model="articulated")
+    model = compiled(ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, 0.2))
+    _, _, measurement = standing(VehicleParameters(), np.random.default_rng(15))
+    assert model.outputs(measurement)[8:] == pytest.approx((math.nan, math.nan, 0.0, 0.0), nan_ok=True, abs=0.0)
+    for name in NAMES[:4]:
+        missing = replace(measurement, **{name: math.nan})
+        assert model.outputs(missing)[8:] == pytest.approx((0.0,) * 4, abs=0.0)
+
+
+def test_steering_that_is_not_measured_stays_as_it_was_on_the_papers_model(compiled):
+    settings = TricycleEstimatorSettings(model="tricycle")
+    tricycle = compiled(TricycleEstimation(VehicleParameters(), SensorNoise(), settings, 0.2))
+    _, _, measurement = standing(VehicleParameters(), np.random.default_rng(16))
+    blind = replace(measurement, tractor_steering=math.nan, trailer_steering=math.inf)
+    assert tricycle.estimate(blind).tractor_steering == tricycle.estimate(blind).trailer_steering == 0.0
+    tricycle.estimate(measurement)
+    estimate = tricycle.estimate(blind)
+    assert estimate.tractor_steering == measurement.tractor_steering
+    assert estimate.trailer_steering == measurement.trailer_steering

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from drawbar.errors import ModelError
+from drawbar.errors import HardwareError, ModelError
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.extended_kalman import ExtendedKalmanFilter
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
@@ -28,6 +28,7 @@ from drawbar.vehicle.sensors import SensorNoise
 VEHICLE, NOISE, SAMPLE_TIME = VehicleParameters(), SensorNoise(), 0.2
 L_T, L_I, L, D, C = 1.4, 1.3, 1.1, 0.2, 0.25
 MASKED = dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
+YAWS = {"tricycle": (2, 5), "articulated": (2, 3)}
 CREDULOUS = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, repetition=1e9)
 NOTHING = MASKED | dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), math.nan)
 
@@ -86,15 +87,25 @@ def slope(function, at):
     return np.array(columns).T
 
 
+def outputs_of(model, measurement):
+    """Return the outputs (ny,) that a measurement is; both crab angles are believed small while a fix is missing."""
+    y = [getattr(measurement, name) for name in NOTHING]
+    if model.name == "tricycle":
+        return np.array(y)
+    crab = 0.0 if math.isnan(sum(y[:4])) else math.nan
+    return np.array([*y, crab, crab, 0.0, 0.0])
+
+
 def dense_filter(model, measurements):
     """Return the corrected states and covariances of a covariance-form filter, clipped; NaN rows left out."""
     problem = model.problem
     rates, output = TEXTBOOK[problem.model.name]
     names = [variable.name for variable in (*problem.model.states, *problem.model.parameters)]
-    z, P = model.first_guess(measurements[0]), np.diag(np.square(problem.prior_deviation))
+    z = ExtendedKalmanFilter(model, measurements[0]).state.copy()
+    P = np.diag(np.square(problem.prior_deviation))
     R, u, result = np.diag(1.0 / np.array(problem.weights)), np.zeros(2), []
     for measurement in measurements:
-        y = np.array(model.outputs(measurement))
+        y = outputs_of(model, measurement)
         seen = np.isfinite(y[:-2])
         H = slope(output, z)[seen]
         K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R[:-2, :-2][np.ix_(seen, seen)])
@@ -132,7 +143,7 @@ def filtered(model, measurements):
     estimates, states, covariances = [], [], []
     for measurement in measurements:
         estimates.append(estimator.update(measurement))
-        states.append(estimator.state)
+        states.append(estimator.state.copy())
         covariances.append(estimator.root @ estimator.root.T)
         assert estimator.deviation == pytest.approx(np.sqrt(np.diag(covariances[-1])))
         estimator.prepare()
@@ -260,7 +271,7 @@ def test_a_prediction_that_is_not_finite_shows_in_the_next_status(recording):
     model = make("tricycle")
     estimator = ExtendedKalmanFilter(model, recording[0])
     estimator.update(recording[0])
-    estimator.root = np.full_like(estimator.root, 1e308)
+    estimator.root[:] = 1e308
     estimator.prepare()
     assert estimator.update(recording[1]).status is SolverStatus.NOT_FINITE
     estimator.prepare()
@@ -282,13 +293,23 @@ def test_the_command_tells_the_rates_at_which_the_steering_moves(recording):
     for measurement in recording[:50]:
         told.update(measurement)
         untold.update(measurement)
-        state = told.state.tolist()
-        command = Command(time=measurement.time, tractor_steering=0.2, trailer_steering=-0.1, speed=1.0)
-        told.prepare(command)
+        before, further = told.state[4:6].copy(), np.array([0.03, -0.02])  # below the actuators' rates
+        asked = before + further
+        told.prepare(Command(time=measurement.time, tractor_steering=asked[0], trailer_steering=asked[1], speed=1.0))
         untold.prepare()
-        moved = told.state[4:6] - state[4:6]
-        assert moved == pytest.approx(SAMPLE_TIME * np.array(model.steering_rates(state, command)), abs=1e-12)
+        lagged = -math.expm1(-SAMPLE_TIME / VEHICLE.steering_lag) * further
+        assert told.state[4:6] - before == pytest.approx(lagged, abs=1e-12)
     assert untold.state[4:6] != pytest.approx(told.state[4:6], abs=1e-3)
+
+
+def test_a_command_that_has_not_arrived_yet_tells_nothing(recording):
+    nothing = Command(time=math.nan, tractor_steering=math.nan, trailer_steering=math.nan, speed=math.nan)
+    waiting, untold = (ExtendedKalmanFilter(make("articulated"), recording[0]) for _ in range(2))
+    for measurement in recording[:5]:
+        assert waiting.update(measurement) == untold.update(measurement)
+        waiting.prepare(nothing)
+        untold.prepare()
+    assert waiting.update(recording[5]).status is SolverStatus.SOLVED
 
 
 def test_a_fix_that_cannot_be_is_not_followed(recording):
@@ -302,9 +323,36 @@ def test_a_fix_that_cannot_be_is_not_followed(recording):
     assert math.hypot(estimate.tractor.x - recording[60].tractor_x, estimate.tractor.y - recording[60].tractor_y) < 0.2
 
 
-def window_deviation(estimator, travel) -> Floats:
+@pytest.mark.parametrize("name", ["tricycle", "articulated"])
+def test_both_antennas_can_start_it_anew(name, recording):
+    estimator = ExtendedKalmanFilter(make(name, screening=ScreeningSettings()), recording[0])
+    first_deviation, statuses = estimator.deviation, []
+    estimator.state[list(YAWS[name])] += 4.0 * math.pi  # continuous along a run
+    for measurement in recording[:60]:
+        estimator.update(measurement)
+        estimator.prepare()
+    yaws = estimator.state[list(YAWS[name])].copy()
+    for measurement in recording[60:100]:  # a new base station
+        towed = replace(measurement, tractor_x=measurement.tractor_x + 4.0, trailer_x=measurement.trailer_x + 4.0)
+        estimate = estimator.update(towed)
+        statuses.append((estimate.tractor_fix, estimate.trailer_fix))
+        if statuses[-1] == (FixStatus.ACCEPTED, FixStatus.ACCEPTED):
+            break
+        estimator.prepare()
+    assert set(statuses[:-1]) == {(FixStatus.REJECTED, FixStatus.REJECTED)}
+    assert math.hypot(estimate.tractor.x - towed.tractor_x, estimate.tractor.y - towed.tractor_y) < 0.1  # of 4 m
+    assert np.abs(estimator.state[list(YAWS[name])] - yaws).max() < 0.5  # the same branch
+    assert estimator.deviation[6] == pytest.approx(first_deviation[6], rel=1e-2)  # no slip has shown yet
+
+
+def test_without_a_position_it_does_not_begin(model, recording):
+    with pytest.raises(HardwareError, match="lacks a position"):
+        ExtendedKalmanFilter(model, replace(recording[0], trailer_y=math.nan))
+
+
+def window_deviation(estimator, model, travel) -> Floats:
     """Return what the window's residuals, differentiated by differences along its trajectory, say of its last state."""
-    solver, model = estimator.solver, estimator._model
+    solver = estimator.solver
     declared, newest = model.problem.model, solver.newest
     nx, nu, weights = len(declared.states), len(declared.inputs), np.sqrt(model.problem.weights)
 
@@ -333,4 +381,4 @@ def test_the_windows_deviation_is_that_of_its_least_squares(model, travel, measu
     for measurement in measurements:
         estimator.update(measurement)
         estimator.prepare()  # linearises along the trajectory, where the differences are taken
-    assert estimator.deviation == pytest.approx(window_deviation(estimator, travel), rel=1e-3)
+    assert estimator.deviation == pytest.approx(window_deviation(estimator, model, travel), rel=1e-3)

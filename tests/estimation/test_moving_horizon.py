@@ -4,8 +4,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drawbar.estimation.articulated import ArticulatedEstimation
+from drawbar.estimation.moving_horizon import MovingHorizonEstimator
+from drawbar.estimation.settings import ArticulatedEstimatorSettings, ScreeningSettings, TricycleEstimatorSettings
+from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import wrap
-from drawbar.signals import SolverStatus
+from drawbar.signals import FixStatus, SolverStatus
+from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import SensorNoise
 
 MASKED = dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
 SLIPS = ("longitudinal_slip", "tractor_slip", "trailer_slip")
@@ -119,3 +125,88 @@ def test_an_infinite_reading_is_a_missing_one(model, recording, follow):
     infinite[60] = replace(recording[60], tractor_x=math.inf, trailer_y=-math.inf, speed=math.inf)
     missing[60] = replace(recording[60], tractor_x=math.nan, trailer_y=math.nan, speed=math.nan)
     assert follow(model, infinite) == follow(model, missing)
+
+
+def screening_model(**changes):
+    settings = ArticulatedEstimatorSettings(model="articulated", **changes)
+    return ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, 0.2)
+
+
+def test_a_wrong_first_yaw_is_overruled_and_the_window_begins_anew(recording):
+    estimator = MovingHorizonEstimator(screening_model(first_yaw_error=math.pi / 4), recording[0])
+    truth = MovingHorizonEstimator(screening_model(), recording[0])
+    rows, rejected, errors = [], [], []
+    for measurement in recording[:30]:
+        estimate, right = estimator.update(measurement), truth.update(measurement)
+        rows.append(estimator.solver.newest)
+        rejected.append(estimate.trailer_fix is FixStatus.REJECTED)
+        errors.append(abs(estimate.tractor.yaw - right.tractor.yaw))
+        assert estimate.status is SolverStatus.SOLVED
+        estimator.prepare()
+        truth.prepare()
+    patience = round(ScreeningSettings().patience / 0.2)
+    assert rows == [*range(patience), *range(16), *[15] * (30 - patience - 16)]
+    assert rejected == [True] * patience + [False] * (30 - patience)
+    assert min(errors[:patience]) > 0.5
+    assert max(errors[patience:]) < 0.1
+
+
+@pytest.mark.parametrize(("name", "rows"), [("articulated", [2, 3]), ("tricycle", [2, 5])])
+def test_a_new_base_station_is_believed_on_the_present_branch(recording, name, rows):
+    model = screening_model()
+    if name == "tricycle":
+        settings = TricycleEstimatorSettings(model="tricycle", weighting="statistical", screening=ScreeningSettings())
+        model = TricycleEstimation(VehicleParameters(), SensorNoise(), settings, 0.2)
+    estimator = MovingHorizonEstimator(model, recording[0])
+    solver = estimator.solver
+    for measurement in recording[:60]:
+        estimator.update(measurement)
+        estimator.prepare()
+    solver.x[:, rows] += 4.0 * math.pi  # continuous along a run, so whole turns add up
+    solver.prior[rows] += 4.0 * math.pi
+    yaws, begun = [], []
+    for measurement in recording[60:90]:
+        towed = replace(measurement, tractor_x=measurement.tractor_x + 4.0, trailer_x=measurement.trailer_x + 4.0)
+        estimate = estimator.update(towed)
+        yaws.append((estimate.tractor.yaw, estimate.trailer.yaw))
+        begun.append(solver.newest == 0)
+        estimator.prepare()
+    assert begun.index(True) == 5
+    assert begun.count(True) == 1
+    assert np.abs(np.diff(yaws, axis=0)).max() < 0.3
+    assert np.min(yaws) > 8.0
+    assert (estimate.tractor.x, estimate.tractor.y) == pytest.approx((towed.tractor_x, towed.tractor_y), abs=0.3)
+
+
+def test_what_an_exposed_antenna_reported_just_before_is_forgotten(recording):
+    estimator = MovingHorizonEstimator(screening_model(), recording[0])
+    memory = ScreeningSettings().memory
+    for k, m in enumerate(recording[:200]):
+        jumped = replace(m, trailer_y=m.trailer_y + 0.15) if k >= 150 else m
+        before = estimator.solver.y[:, :4].copy()
+        estimate = estimator.update(jumped)
+        if k >= 150 and estimate.trailer_fix is FixStatus.REJECTED:
+            break
+        estimator.prepare()
+    else:
+        pytest.fail("the trailer's antenna was not suspected")
+    after = estimator.solver.y[:, :4]
+    assert np.isnan(after[15 - memory :, 2:]).all()
+    np.testing.assert_array_equal(after[: 15 - memory], before[: 15 - memory])
+    np.testing.assert_array_equal(after[:15, :2], before[:15, :2])
+    assert np.isfinite(before[15 - memory : 15, 2:]).any()
+
+
+def test_a_failing_preparation_shows_in_the_next_status(recording):
+    estimator = MovingHorizonEstimator(screening_model(), recording[0])
+    for measurement in recording[:30]:
+        assert estimator.update(measurement).status is SolverStatus.SOLVED
+        estimator.prepare()
+    process = estimator.solver.workspace.array("process")
+    process[0], usual = 1e200, process[0]  # its square is no number any more: the oldest stage cannot be absorbed
+    estimator.update(recording[30])
+    estimator.prepare()
+    process[0] = usual
+    assert estimator.update(recording[31]).status is SolverStatus.NOT_FINITE
+    estimator.prepare()
+    assert estimator.update(recording[32]).status is SolverStatus.SOLVED

@@ -1,13 +1,42 @@
 import numpy as np
 import pytest
 
-from drawbar.estimation.noise_level import NoiseLevel
+from drawbar.codegen.part import Part
+
+UNIT = """
+#include "noise_level.h"
+struct part { struct noise_level noise; double disagreement[2], limit, deviation; int32_t memory; };
+#define PART_FIELDS FIELD(part, disagreement, 0, 2, 0, 0) FIELD(part, limit, 0, 1, 0, 0) \\
+    FIELD(part, deviation, 0, 1, 0, 0) FIELD(part, memory, 1, 1, 0, 0)
+int update(struct part *part)
+{
+    noise_update(&part->noise, part->disagreement, part->limit, part->memory);
+    part->deviation = noise_deviation(&part->noise);
+    return 0;
+}
+int interrupt(struct part *part) { noise_interrupt(&part->noise); return 0; }
+"""
+
+
+class NoiseLevel(Part):
+    def __init__(self, memory):
+        super().__init__("noise_level", UNIT)
+        self.array("memory")[:] = memory
+        self._update, self.interrupt = self.function("update"), self.function("interrupt")
+
+    def update(self, disagreement, limit):
+        self.array("disagreement")[:], self.array("limit")[:] = disagreement, limit
+        self._update()
+
+    @property
+    def deviation(self):
+        return float(self.array("deviation")[0])
 
 
 def level(series, limit=10.0):
     noise = NoiseLevel(memory=10_000)
     for disagreement in series:
-        noise.update(tuple(disagreement), limit)
+        noise.update(disagreement, limit)
     return noise.deviation
 
 

@@ -1,12 +1,15 @@
 """What receivers do wrong is masked, what they do right is not: on a straight drive with white noise."""
 
 import math
-from dataclasses import replace
+from ctypes import byref
+from dataclasses import dataclass, replace
+from dataclasses import fields as dataclass_fields
 
 import numpy as np
 import pytest
 
-from drawbar.estimation.screening import Screening
+from drawbar.codegen.exchange import CMeasurement
+from drawbar.codegen.part import Part
 from drawbar.estimation.settings import ScreeningSettings
 from drawbar.signals import FixStatus, Measurement
 
@@ -15,6 +18,48 @@ DEVIATION, LENGTH, STEP = 0.03, 2.15, 0.2
 NAMES = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
 LATER = 100
 """sample by which the estimate has long been confirmed"""
+
+
+UNIT = """
+#include "screening.h"
+struct part { struct screening screening; double expected[4]; struct screened screened; };
+#define PART_FIELDS SCREENING_FIELDS(part, screening.) FIELD(part, expected, 0, 2, 2, 0) \\
+    FIELD(part, screened.measurement, 0, 9, 0, 0) FIELD(part, screened.fixes, 1, 2, 0, 0) \\
+    FIELD(part, screened.exposed, 1, 1, 0, 0) FIELD(part, screened.restart, 1, 1, 0, 0)
+int judge(struct part *part, const struct drawbar_measurement *measurement)
+{
+    screening_judge(&part->screening, measurement, part->expected, &part->screened);
+    return 0;
+}
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Screened:
+    measurement: Measurement
+    fixes: tuple[FixStatus, FixStatus]
+    exposed: int
+    """0 neither, 1 the tractor's antenna, 2 the trailer's"""
+    restart: bool
+
+
+class Screening(Part):
+    def __init__(self, settings, deviation):
+        super().__init__("screening", UNIT)
+        for name, value in (settings.model_dump() | {"deviation": deviation}).items():
+            self.array(f"screening.{name}")[:] = value
+        self._judge, self._measurement = self.function("judge", pointers=1), CMeasurement()
+
+    def screen(self, measurement, expected):
+        self._measurement.write(measurement)
+        self.array("expected")[:] = expected
+        self._judge(byref(self._measurement))
+        values, fixes, exposed, restart = (
+            self.array(f"screened.{name}").tolist() for name in ("measurement", "fixes", "exposed", "restart")
+        )
+        names = [field.name for field in dataclass_fields(Measurement)]
+        masked = Measurement(**dict(zip(names, values, strict=True)))
+        return Screened(masked, tuple(map(FixStatus, fixes)), exposed[0], bool(restart[0]))
 
 
 def place(k, heading=0.4):
@@ -124,9 +169,9 @@ def test_a_jump_of_one_antenna_masks_that_antenna_for_as_long_as_it_lasts(antenn
 def test_a_small_lasting_jump_is_exposed_with_the_samples_before_it():
     jump = shift(200, LATER, 200, 0, 0.12 * math.sin(0.4), -0.12 * math.cos(0.4))  # across the vehicle
     results = screened(drive(200, jump))
-    exposed = [k for k, result in enumerate(results) if result.exposed is not None]
+    exposed = [k for k, result in enumerate(results) if result.exposed]
     assert len(exposed) == 1
-    assert results[exposed[0]].exposed == 0
+    assert results[exposed[0]].exposed == 1
     assert LATER <= exposed[0] <= LATER + ScreeningSettings().memory
 
 
@@ -160,6 +205,7 @@ def test_two_antennas_that_agree_with_each_other_prevail():
     patience = round(ScreeningSettings().patience / STEP)
     assert restarts[0] == LATER + patience
     assert results[restarts[0]].fixes == (OK, OK)
+    assert np.diff(restarts).tolist() == [patience + 1] * (len(restarts) - 1)  # nothing here follows them: once more
     assert {result.fixes for result in results[LATER : restarts[0]]} == {(REJECTED, REJECTED)}
 
 
@@ -179,6 +225,34 @@ def test_a_yaw_that_was_wrong_from_the_start_is_overruled_by_one_antenna(error):
     expected = (tuple(tractor.tolist()), tuple(trailer.tolist()))
     results = [screening.screen(measurement, expected) for measurement in drive(6, speed=0.0)]
     assert [result.restart for result in results] == [False] * 5 + [True]
+    assert not any(result.exposed for result in results)  # before anything is confirmed no one is accused
+
+
+def test_one_blow_to_an_antenna_is_told_at_once_and_remembered_for_some_samples():
+    across = np.array([-math.sin(0.4), math.cos(0.4)])
+    for antenna in (0, 1):
+        blow = shift(200, LATER, LATER + 1, antenna, *(0.15 * across))  # no more than the gate's corner
+        results = screened(drive(200, blow, noise=0.0))
+        assert [k for k, result in enumerate(results) if result.exposed] == [LATER]
+        assert results[LATER].exposed == 1 + antenna
+        masked = [k for k, result in enumerate(results) if result.fixes[antenna] is REJECTED]
+        assert masked == [*range(LATER, LATER + len(masked))]
+        assert 3 <= len(masked) <= 10
+
+
+def test_after_a_new_start_trust_is_to_be_earned_again():
+    """Both antennas jump and prevail; then one alone prevails, as at the beginning, before anything is confirmed."""
+    screening = Screening(ScreeningSettings(), DEVIATION)
+    errors = np.zeros((LATER + 12, 4))
+    errors[LATER : LATER + 6] = 3.0
+    restarts = []
+    for k, measurement in enumerate(drive(LATER + 12, errors, speed=0.0)):
+        tractor, trailer = place(0)
+        if k > LATER + 5:  # turned about the tractor's antenna
+            trailer = tuple((np.array(tractor) - LENGTH * np.array([math.cos(1.2), math.sin(1.2)])).tolist())
+        if screening.screen(measurement, (tractor, trailer)).restart:
+            restarts.append(k)
+    assert restarts == [LATER + 5, LATER + 11]
 
 
 def test_an_antenna_at_the_wrong_distance_overrules_nothing():

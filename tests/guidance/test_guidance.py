@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -118,6 +119,18 @@ def test_a_start_behind_the_path_is_seen_on_its_straight_continuation() -> None:
     assert reference.trailer.progress == pytest.approx(-2.0 - TRAILER_BEHIND)
 
 
+def test_the_trailer_is_found_further_behind_than_the_tractor_may_be() -> None:
+    reference = preview(x=-4.9).reference(along(-4.9))
+    assert reference.trailer.progress == pytest.approx(-4.9 - TRAILER_BEHIND)
+
+
+@pytest.mark.parametrize("position", [(math.nan, 0.0), (0.0, math.inf)])
+def test_a_trailer_that_is_nowhere_is_refused(position: tuple[float, float]) -> None:
+    start = {"tractor": (0.0, 0.0), "trailer": position}
+    with pytest.raises(PathError, match=r"the trailer at .*(nan|inf)"):
+        LookAhead(EIGHT, SETTINGS, stages=15, interval=0.2, speed=1.0, **start)
+
+
 def test_a_start_far_from_the_path_is_refused_with_both_positions() -> None:
     with pytest.raises(PathError, match=r"\(-1000\.00, 0\.00\) m is 1000\.00 m .* \(0\.00, 0\.00\).*5 m is allowed"):
         preview(x=-1000.0)
@@ -159,6 +172,37 @@ def test_a_tractor_that_faces_away_is_led_by_turns_and_then_by_the_path_again() 
     np.testing.assert_allclose(samples[:, 3], expected[:, 3], atol=1e-3)
 
 
+def test_turns_that_end_behind_their_beginning_are_followed_by_the_path_from_there() -> None:
+    path = figure_eights((8.0,), 200.0)
+    guidance = preview(path)
+    for x in np.arange(0.0, 60.0, 0.5):
+        guidance.reference(facing(float(x), 0.0))
+    pose, behind = facing(60.0, math.pi).tractor, math.inf
+    for _ in range(250):
+        samples = guidance.reference(estimate(pose, pose)).tractor.samples
+        assert math.hypot(samples[0, 0] - pose.x, samples[0, 1] - pose.y) < 0.05
+        pose = Pose(x=samples[1, 0], y=samples[1, 1], yaw=samples[1, 2])
+        behind = min(behind, pose.x)
+    assert behind < 59.0
+
+
+def test_a_second_turn_begins_where_the_tractor_is() -> None:
+    guidance = preview()
+    pose = facing(0.0, math.pi).tractor
+    for _ in range(20):
+        samples = guidance.reference(estimate(pose, pose)).tractor.samples
+        pose = Pose(x=samples[1, 0], y=samples[1, 1], yaw=samples[1, 2])
+    pose = Pose(x=pose.x, y=pose.y, yaw=pose.yaw + 2.0)
+    samples = guidance.reference(estimate(pose, pose)).tractor.samples
+    assert samples[0, :3] == pytest.approx((pose.x, pose.y, pose.yaw), abs=1e-3)
+
+
+def test_turns_begin_with_the_curvature_that_the_wheels_have() -> None:
+    steered = replace(facing(0.0, math.pi), tractor_steering=0.2, steering_offset=0.02)
+    expected = math.tan(0.22) / VehicleParameters().wheelbase
+    assert preview().reference(steered).tractor.samples[0, 3] == pytest.approx(expected, abs=0.02)
+
+
 def test_a_heading_that_turns_out_right_after_all_ends_the_turns() -> None:
     guidance = preview()
     assert np.abs(guidance.reference(facing(0.0, math.pi)).tractor.samples[:, 1]).max() > 0.1
@@ -171,3 +215,15 @@ def test_a_heading_that_turns_out_right_after_all_ends_the_turns() -> None:
 @pytest.mark.parametrize("yaw", [-0.9, 0.9])
 def test_up_to_sixty_degrees_the_path_itself_is_followed(yaw: float) -> None:
     np.testing.assert_allclose(preview().reference(facing(1.0, yaw)).tractor.samples[:, 1], 0.0, atol=1e-9)
+
+
+def test_without_room_to_turn_it_says_what_would_help() -> None:
+    settings = GuidanceSettings(turning_room=1.0)
+    start = {"tractor": (0.0, 0.0), "trailer": (-TRAILER_BEHIND, 0.0)}
+    guidance = Preview(EIGHT, settings, vehicle=VehicleParameters(), stages=15, interval=0.2, **start)
+    message = r"faces -?180° away .* within 1 m .*turning_room or vehicle.curvature_limit"
+    for _ in range(2):
+        with pytest.raises(PathError, match=message):
+            guidance.reference(facing(0.0, math.pi))
+    expected = EIGHT.sample(0.2 + 0.9 * 0.2 * np.arange(16))
+    np.testing.assert_allclose(guidance.reference(along(0.2)).tractor.samples, expected, atol=1e-6)

@@ -1,12 +1,17 @@
+import ctypes
 import math
 
 import numpy as np
 import pytest
 
+from drawbar.codegen import build
+from drawbar.codegen.library import load
 from drawbar.errors import PathError
 from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.guidance.path import PIECE_LENGTH, Path
+from drawbar.guidance.importers.line import RecordedLine
+from drawbar.guidance.path import PIECE_LENGTH, CPath, Path
+from drawbar.guidance.smoothing import make_drivable
 
 RADIUS = 6.67
 
@@ -130,3 +135,62 @@ def test_a_path_that_is_not_finite_or_does_not_advance_is_refused() -> None:
         Path.through(arc_length=np.array([0.0, 1.0, np.nan]), **good, **labels)
     with pytest.raises(PathError, match="increases"):
         Path.through(arc_length=np.array([0.0, 1.0, 1.0]), **good, **labels)
+
+
+CHECK = load(
+    build("path_check", '#include "path_check.h"\nint check(const struct path *path) { return path_check(path); }\n')
+)
+
+
+def first_wrong(nodes: Floats) -> int:
+    return CHECK.check(ctypes.byref(CPath(nodes)))
+
+
+def recorded() -> Path:
+    s = np.linspace(0.0, 60.0, 40)
+    line = RecordedLine(name="wave", x=s, y=3.0 * np.sin(s / 9.0), repeated=0)
+    return make_drivable(line, curvature_limit=0.2, curvature_rate_limit=0.3, tolerance=0.5).path
+
+
+@pytest.mark.parametrize("path", [figure_eights((10.0, 6.67, 3.0), 20.0), arc(2.5), arc(0.6), recorded()])
+def test_a_path_passes_its_check(path: Path) -> None:
+    assert first_wrong(path.nodes) == -1
+    assert first_wrong(path.nodes[:2].copy()) == -1
+
+
+@pytest.mark.parametrize("node", [1, 7, 79])
+@pytest.mark.parametrize("column", range(4))
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 2e7, -1.0, 500.0])
+def test_one_wrong_number_in_a_table_is_found_where_it_is(node: int, column: int, value: float) -> None:
+    nodes = arc(RADIUS).nodes.copy()
+    nodes[node, column] = value
+    assert first_wrong(nodes) == node
+
+
+@pytest.mark.parametrize(
+    ("column", "step"),
+    [(0, 0.1), (0, -0.251), (0, -0.2499), (1, 0.01), (2, 0.01), (2, -0.01), (3, 0.04), (3, -0.04), (3, 2.0 * math.pi)],
+)
+def test_a_table_that_jumps_is_found_where_it_does(column: int, step: float) -> None:
+    nodes = arc(RADIUS).nodes.copy()
+    nodes[12:, column] += step
+    assert first_wrong(nodes) == 12
+
+
+def test_a_table_is_refused_for_its_beginning_or_its_size() -> None:
+    nodes = arc(RADIUS).nodes
+    assert first_wrong(nodes + np.array([0.1, 0.0, 0.0, 0.0])) == 0
+    assert first_wrong(nodes * np.array([1.0, math.nan, 1.0, 1.0])) == 0
+    assert first_wrong(nodes[:1].copy()) == 0
+    assert first_wrong(nodes[:0].copy()) == 0
+    assert CHECK.check(ctypes.byref(CPath.from_buffer_copy(bytes(ctypes.sizeof(CPath))))) == 0
+
+
+@pytest.mark.parametrize("apart", [0.0005, 0.3])
+def test_poses_too_close_together_or_too_far_apart_are_refused(apart: float) -> None:
+    s = apart * np.arange(20.0)
+    assert first_wrong(np.column_stack([s, s, 0.0 * s, 0.0 * s])) == 1
+
+
+def test_a_table_that_bends_like_a_kink_is_refused() -> None:
+    assert first_wrong(arc(0.49).nodes) == 1

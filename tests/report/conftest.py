@@ -14,6 +14,7 @@ from drawbar.signals import (
     BodySteering,
     Command,
     Estimate,
+    GateVerdict,
     Measurement,
     Plan,
     Pose,
@@ -208,7 +209,7 @@ class Drive:
             tractor_times=solve[1],
             trailer_times=solve[2],
             solver_failures=0,
-            command_refused=False,
+            gate=GateVerdict.PASSED,
         )
 
 

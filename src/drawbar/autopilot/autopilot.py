@@ -31,10 +31,10 @@ class Autopilot:
         self.guidance = guidance
         self.estimator = estimator
         self.controller = controller
-        self._predictor = predictor
-        self._tractor_law, self._trailer_law = tractor_law, trailer_law
-        self._gate = gate
-        self._speed = speed
+        self.predictor = predictor
+        self.tractor_law, self.trailer_law = tractor_law, trailer_law
+        self.gate = gate
+        self.speed = speed
         self._step = 0
 
     def step(self) -> StepRecord:
@@ -42,20 +42,20 @@ class Autopilot:
         truth = self.machine.truth()
         measurement = self.machine.read()
         estimate = self.estimator.update(measurement)
-        ahead = self._predictor.ahead(estimate)  # where the vehicle is when the next command begins to act
+        ahead = self.predictor.ahead(estimate)  # where the vehicle is when the next command begins to act
         reference = self.guidance.reference(ahead)
         plan = self.controller.feedback(ahead, reference)
-        tractor = self._tractor_law.apply(plan.tractor)
-        trailer = self._trailer_law.apply(plan.trailer)
+        tractor = self.tractor_law.apply(plan.tractor)
+        trailer = self.trailer_law.apply(plan.trailer)
         wanted = Command(
             time=measurement.time,
             tractor_steering=tractor.command,
             trailer_steering=trailer.command,
-            speed=self._speed,
+            speed=self.speed,
         )
-        command = self._gate.check(wanted)
+        command, verdict = self.gate.check(wanted)
         self.machine.write(command)
-        acting = self._predictor.sent(command)
+        acting = self.predictor.sent(command)
         self.estimator.prepare(acting)  # after actuation: the preparation phases cost no latency
         self.controller.prepare()
         outcomes = (estimate.status, plan.tractor.status, plan.trailer.status)
@@ -75,5 +75,5 @@ class Autopilot:
             tractor_times=tractor_times,
             trailer_times=trailer_times,
             solver_failures=sum(outcome is not SolverStatus.SOLVED for outcome in outcomes),
-            command_refused=command is not wanted,
+            gate=verdict,
         )

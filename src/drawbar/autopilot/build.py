@@ -120,11 +120,7 @@ def build_autopilot(configuration: Configuration, path: Path, machine: Machine, 
         controller=_controller(configuration, tubes),
         tractor_law=AncillaryLaw(tubes.tractor if tubes else None, vehicle.tractor_steering_limit),
         trailer_law=AncillaryLaw(tubes.trailer if tubes else None, vehicle.trailer_steering_limit),
-        gate=CommandGate(
-            tractor_limit=vehicle.tractor_steering_limit,
-            trailer_limit=vehicle.trailer_steering_limit,
-            speed_limit=configuration.speed,
-        ),
+        gate=CommandGate(vehicle, first, speed_limit=configuration.speed, sample_time=configuration.sample_time),
         speed=configuration.speed,
     )
 

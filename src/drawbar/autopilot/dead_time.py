@@ -2,23 +2,50 @@
 
 What was commanded within the last dead time is known and still to act. The estimate is integrated through it with the
 vehicle's model, and all that comes after the estimator works on the state that the next command will find (Smith 1957;
-Findeisen and Allgöwer 2004 for predictive control).
+Findeisen and Allgöwer 2004 for predictive control). Here the model is put into C; runtime/autopilot/dead_time.h does
+the rest.
 """
 
+import ctypes
 import math
 from dataclasses import replace
+from typing import Any
 
 import casadi as ca
-import numpy as np
 
-from drawbar.codegen import CompiledFunction
-from drawbar.signals import Command, Estimate, Pose
-from drawbar.vehicle.model import Model, integrate, symbols, variables
+from drawbar.codegen.emit import Input, Output, emit
+from drawbar.codegen.exchange import CCommand, CEstimate
+from drawbar.codegen.part import Part
+from drawbar.signals import Command, Estimate
+from drawbar.vehicle.model import Model, Variable, integrate, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 
 _STEPS = 4
 """Runge-Kutta steps per command"""
 _STEERING = ("tractor_steering", "trailer_steering")
+_MOVED = (
+    *(f"{body}_{coordinate}" for body in ("tractor", "trailer") for coordinate in ("x", "y", "yaw")),
+    "hitch_angle",
+    *_STEERING,
+)
+"""What of an estimate the motion changes; whatever else the model has is taken for constant"""
+_UNIT = """
+#define LANES 1
+#define COMMANDS {commands}
+#define STATES {states}
+#define PARAMETERS {parameters}
+#define OUTPUTS {outputs}
+#include "dead_time.h"
+static void take_estimate(struct part *work, const struct drawbar_estimate *estimate)
+{{
+    {take}
+}}
+static void give_estimate(const struct part *work, struct drawbar_estimate *estimate)
+{{
+    {give}
+}}
+{motion}
+"""
 
 
 class DeadTimePredictor:
@@ -38,50 +65,39 @@ class DeadTimePredictor:
         Raises:
             CompilerError: no compiler, or it refused the code.
         """
-        self._dead_time, self._sign, self._sample_time = vehicle.dead_time, vehicle.joint_sign, sample_time
         count = math.ceil(round(vehicle.dead_time / sample_time, 9))
-        self._durations = [vehicle.dead_time - (count - 1) * sample_time, *[sample_time] * (count - 1)][:count]
-        nothing = Command(time=math.nan, tractor_steering=math.nan, trailer_steering=math.nan, speed=math.nan)
-        self._under_way = [nothing] * count
-        if count:
-            self._model = actuated(vehicle, model)
-            self._move = CompiledFunction(motion(self._model))
+        self.part: Part | None = None
+        """the compiled prediction; None without dead time"""
+        if not count:
+            return
+        self.part = part = Part("dead_time", _source(actuated(vehicle, model), count))
+        first = vehicle.dead_time - (count - 1) * sample_time
+        part.array("dead_time")[:], part.array("sign")[:] = vehicle.dead_time, vehicle.joint_sign
+        part.array("durations")[:] = [first, *[sample_time] * (count - 1)]
+        part.array("soon")[:] = first < 0.5 * sample_time
+        self._now, self._then, self._newest, self._acting = CEstimate(), CEstimate(), CCommand(), CCommand()
+        pointers = [ctypes.byref(each) for each in (self._now, self._then, self._newest, self._acting)]
+        self._ahead, self._sent = part.function("ahead", pointers=2), part.function("sent", pointers=2)
+        self._estimates, self._commands = pointers[:2], pointers[2:]
 
     def ahead(self, estimate: Estimate) -> Estimate:
         """Return the estimate for the moment at which the next command begins to act."""
-        if not self._durations:
+        if self.part is None:
             return estimate
-        values = _by_name(estimate)
-        state, target, parameters, duration = self._move.inputs
-        after, output = self._move.outputs
-        state[:] = [values[variable.name] for variable in self._model.states]
-        parameters[:] = [values[variable.name] for variable in self._model.parameters]
-        now = np.array([values[name] for name in _STEERING])
-        for duration[0], command in zip(self._durations, self._under_way, strict=True):
-            commanded = np.array([command.tractor_steering, self._sign * command.trailer_steering])
-            target[:] = np.where(np.isnan(commanded), now, commanded)  # before any command the wheels stay as they are
-            self._move()
-            state[:] = after
-        for variables_, results in ((self._model.outputs, output), (self._model.states, after)):
-            values |= {variable.name: value for variable, value in zip(variables_, results.tolist(), strict=True)}
-        return replace(
-            estimate,
-            time=estimate.time + self._dead_time,
-            tractor=Pose(x=values["tractor_x"], y=values["tractor_y"], yaw=values["tractor_yaw"]),
-            trailer=Pose(x=values["trailer_x"], y=values["trailer_y"], yaw=values["trailer_yaw"]),
-            hitch_angle=values["hitch_angle"],
-            tractor_steering=values["tractor_steering"],
-            trailer_steering=values["trailer_steering"],
-        )
+        self._now.write(estimate)
+        self._ahead(*self._estimates)
+        return self._then.read()
 
     def sent(self, command: Command) -> Command:
         """Remember the newest command, and return the one that acts during most of the sample that now begins.
 
         All its values are NaN as long as no command has arrived at the actuators.
         """
-        self._under_way.append(command)
-        first = self._under_way.pop(0)
-        return self._under_way[0] if self._durations and self._durations[0] < 0.5 * self._sample_time else first
+        if self.part is None:
+            return command
+        self._newest.write(command)
+        self._sent(*self._commands)
+        return self._acting.read()
 
 
 def actuated(vehicle: VehicleParameters, model: Model) -> Model:
@@ -109,8 +125,23 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
     )
 
 
-def motion(model: Model) -> ca.Function:
-    """Return F(x, u, p, duration) -> x after the duration (s) with u held, and the model's outputs then."""
+def _source(model: Model, commands: int) -> str:
+    """Return the C unit of the prediction through so many commands with an actuated model."""
+    take = [*_taken("x", model.states), *_taken("p", model.parameters)]
+    given = dict([*_places("y", model.outputs), *_places("x", model.states)])  # a state rather than its measurement
+    return _UNIT.format(
+        commands=commands,
+        states=len(model.states),
+        parameters=len(model.parameters),
+        outputs=len(model.outputs),
+        take="\n    ".join(take),
+        give="\n    ".join(f"{_field(name)} = {given[name]};" for name in _MOVED),
+        motion=_motion(model),
+    )
+
+
+def _motion(model: Model) -> str:
+    """Return the C function that moves x through a duration (s) with u held, and makes the outputs y then."""
     duration = ca.SX.sym("duration")
     scaled = replace(  # in units of the duration every motion takes 1
         model,
@@ -119,28 +150,26 @@ def motion(model: Model) -> ca.Function:
         p=ca.vertcat(model.p, duration),
     )
     after = integrate(scaled, 1.0, _STEPS)
-    output = ca.substitute(model.output, model.x, after)
-    return ca.Function(model.name, [model.x, model.u, model.p, duration], [after, output])
+    arguments: dict[str, Any] = {"x": model.x, "u": model.u, "p": model.p, "duration": duration}
+    results = {"x": after, "y": ca.substitute(model.output, model.x, after)}
+    return emit(
+        "motion",
+        [Input(place=f"work->{name}[{{k}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()],
+        [Output(place=f"work->{name}[k]", rows="1", value=value) for name, value in results.items()],
+        "struct part *work",
+    )
 
 
-def _by_name(estimate: Estimate) -> dict[str, float]:
-    """Return the estimate by the names of the models' states and parameters."""
-    tractor, trailer = estimate.tractor, estimate.trailer
-    return {
-        "tractor_x": tractor.x,
-        "tractor_y": tractor.y,
-        "tractor_yaw": tractor.yaw,
-        "trailer_x": trailer.x,
-        "trailer_y": trailer.y,
-        "trailer_yaw": trailer.yaw,
-        "tractor_steering": estimate.tractor_steering,
-        "trailer_steering": estimate.trailer_steering,
-        "longitudinal_slip": estimate.longitudinal_slip,
-        "tractor_slip": estimate.tractor_slip,
-        "trailer_slip": estimate.trailer_slip,
-        "steering_offset": estimate.steering_offset,
-        "tractor_crab": estimate.tractor_crab,
-        "trailer_crab": estimate.trailer_crab,
-        "hitch_angle": estimate.hitch_angle,
-        "speed": estimate.speed,
-    }
+def _places(array: str, declared: tuple[Variable, ...]) -> list[tuple[str, str]]:
+    """Return the names of variables with the C expressions of their places."""
+    return [(variable.name, f"work->{array}[0][{i}]") for i, variable in enumerate(declared)]
+
+
+def _taken(array: str, declared: tuple[Variable, ...]) -> list[str]:
+    return [f"{place} = {_field(name)};" for name, place in _places(array, declared)]
+
+
+def _field(name: str) -> str:
+    """Return the C expression of what a model calls so, in an estimate."""
+    body, _, coordinate = name.partition("_")
+    return f"estimate->{body}.{coordinate}" if coordinate in ("x", "y", "yaw") else f"estimate->{name}"

@@ -1,24 +1,58 @@
-"""The last look at a command before it leaves: small, and independent of all that made it."""
+"""The last look at a command before it leaves: small, and independent of all that made it (gate.h)."""
 
-import math
-from dataclasses import replace
+import ctypes
 
-from drawbar.signals import Command
+from drawbar.codegen.exchange import CCommand, CMeasurement
+from drawbar.codegen.part import Part
+from drawbar.signals import Command, GateVerdict, Measurement
+from drawbar.vehicle.parameters import VehicleParameters
+
+PATIENCE = 1.0
+"""Time for which a command may act without a valid new one, s"""
 
 
 class CommandGate:
-    """Lets finite commands within the limits pass; otherwise repeats the last one that passed."""
+    """Lets finite commands within the limits pass, their steering no further from the wheels than an actuator can tell.
 
-    def __init__(self, *, tractor_limit: float, trailer_limit: float, speed_limit: float) -> None:
-        """Take the largest steering angles (rad) and speed (m/s) that may leave."""
-        self._limits = (tractor_limit, trailer_limit, speed_limit)
-        self._last = Command(time=math.nan, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
+    Otherwise it repeats the last one that passed; when that has acted for PATIENCE, it stops the vehicle with its
+    steering held.
+    """
 
-    def check(self, command: Command) -> Command:
-        """Return the very command, or the last valid one at this command's time."""
-        values = (command.tractor_steering, command.trailer_steering, command.speed)
-        # `not (|x| <= limit)` also catches NaN, which would walk through a clamp
-        if any(not (abs(value) <= limit) for value, limit in zip(values, self._limits, strict=True)):
-            return replace(self._last, time=command.time)
-        self._last = command
-        return command
+    def __init__(
+        self, vehicle: VehicleParameters, first: Measurement, *, speed_limit: float, sample_time: float
+    ) -> None:
+        """Compile the gate.
+
+        Args:
+            vehicle: limits, rates, lag and sign of the steering.
+            first: tells where the wheels are before any command.
+            speed_limit: m/s.
+            sample_time: s.
+
+        Raises:
+            CompilerError: no compiler, or it refused the code.
+        """
+        self.part = Part("gate", '#include "gate.h"')
+        self.part.write(
+            {
+                "limits": (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit),
+                "signs": (1.0, vehicle.joint_sign),
+                "rates": (vehicle.tractor_steering_rate, vehicle.trailer_steering_rate),
+                "lag": vehicle.steering_lag,
+                "sample_time": sample_time,
+                "speed_limit": speed_limit,
+                "repeats": max(round(PATIENCE / sample_time) - 1, 0),
+            }
+        )
+        standing = CMeasurement()
+        standing.write(first)
+        self.part.function("begin", pointers=1)(ctypes.byref(standing))
+        self._wanted, self._given = CCommand(), CCommand()
+        self._pointers = ctypes.byref(self._wanted), ctypes.byref(self._given)
+        self._check = self.part.function("check", pointers=2)
+
+    def check(self, command: Command) -> tuple[Command, GateVerdict]:
+        """Return what leaves in this command's place, at its time, and how that came about."""
+        self._wanted.write(command)
+        verdict = GateVerdict(self._check(*self._pointers))
+        return (command if verdict is GateVerdict.PASSED else self._given.read()), verdict

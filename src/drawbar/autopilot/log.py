@@ -66,10 +66,9 @@ class PathTable:
     @classmethod
     def of(cls, path: DrivenPath) -> Self:
         """Tabulate a path."""
-        nodes = path.anchors[1:]
-        x, y, yaw, _ = path.sample(nodes).T
+        arc_length, x, y, yaw = path.nodes.T
         labels = path.label_of_piece
-        return cls(arc_length=nodes, x=x, y=y, yaw=yaw, label_of_piece=labels, label_names=path.label_names)
+        return cls(arc_length=arc_length, x=x, y=y, yaw=yaw, label_of_piece=labels, label_names=path.label_names)
 
     def path(self) -> DrivenPath:
         """Make the path again."""

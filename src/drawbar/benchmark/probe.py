@@ -29,7 +29,7 @@ class Probe:
             with_other_route: also solve every tenth problem by CasADi, condensing and DAQP.
         """
         transcription = transcribe(solver.problem)
-        library: Path = build(transcription.name, transcription.source() + transcription.introspection())
+        library: Path = build(transcription.name, solver.source + transcription.introspection())
         self.name, self.stages, self.solver = name, transcription.horizon, solver
         self.prepare: list[float] = []
         self.feedback: list[float] = []
@@ -44,7 +44,7 @@ class Probe:
         self._other = CondensingRoute(transcription, solver) if with_other_route else None
         self._prepare = solver.prepare
         self._feedback, solver.feedback = solver.feedback, self._watched_feedback
-        for phase in ("prepare", "shift", "absorb"):
+        for phase in ("prepare", "shift", "slide"):
             if hasattr(solver, phase):
                 setattr(solver, phase, self._watched(phase, getattr(solver, phase)))
 

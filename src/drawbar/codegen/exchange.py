@@ -10,7 +10,17 @@ from struct import Struct
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.signals import BodyReference, Command, Estimate, FixStatus, Measurement, Pose, SolverStatus
+from drawbar.signals import (
+    BodyPlan,
+    BodyReference,
+    BodySteering,
+    Command,
+    Estimate,
+    FixStatus,
+    Measurement,
+    Pose,
+    SolverStatus,
+)
 
 _MEASUREMENT = Struct("9d")
 _ESTIMATE = Struct("17d4i")
@@ -117,11 +127,11 @@ class CBodyReference(ctypes.Structure):
     )
 
     def write(self, reference: BodyReference) -> None:
-        """Take over the reference, whose samples stay where they are: it must outlive their use."""
+        """Take over the reference, with a copy of its samples."""
         self.progress, self.lateral_error = reference.progress, reference.lateral_error
         self.closest[:] = reference.closest.tolist()
-        self._owner = np.ascontiguousarray(reference.samples)
-        self.samples = self._owner.ctypes.data
+        self._samples = np.array(reference.samples, np.float64, order="C")
+        self.samples = _address(self._samples)
 
 
 class CBodyPlan(ctypes.Structure):
@@ -136,7 +146,44 @@ class CBodyPlan(ctypes.Structure):
         ("status", ctypes.c_int32),
     )
 
-    def point_to(self, *, poses: Floats, steerings: Floats) -> None:
-        """Let the plan be that of these arrays (N+1, 3) and (N,), which stay where they are."""
-        self._owners = (poses, steerings)
-        self.poses, self.steerings = poses.ctypes.data, steerings.ctypes.data
+    def write(self, plan: BodyPlan) -> None:
+        """Take over the plan, with copies of its arrays."""
+        arrays = plan.poses, plan.steerings, plan.deviation
+        self._arrays = [np.array(array, np.float64, order="C") for array in arrays]
+        self.steering, self.status = plan.steering, plan.status
+        self.poses, self.steerings, self.deviation = map(_address, self._arrays)
+        self.deviations = plan.deviation.size
+
+    def read(self, horizon: int) -> BodyPlan:
+        """Return the plan over so many samples; its arrays are copies."""
+        return BodyPlan(
+            steering=self.steering,
+            poses=_copied(self.poses, horizon + 1, 3),
+            steerings=_copied(self.steerings, horizon),
+            deviation=_copied(self.deviation, self.deviations),
+            status=SolverStatus(self.status),
+        )
+
+
+class CBodySteering(ctypes.Structure):
+    """struct drawbar_body_steering."""
+
+    _fields_ = (("values", ctypes.c_double * 4), ("saturated", ctypes.c_int32))
+
+    def read(self) -> BodySteering:
+        """Return how the command came about."""
+        nominal, ancillary, command, margin = self.values
+        return BodySteering(
+            nominal=nominal, ancillary=ancillary, command=command, margin=margin, saturated=bool(self.saturated)
+        )
+
+
+def _address(array: Floats) -> int:
+    """Return where a writable array is, 0 for an empty one; array.ctypes.data takes several times as long."""
+    return ctypes.addressof(ctypes.c_char.from_buffer(array.data)) if array.size else 0
+
+
+def _copied(address: int, *shape: int) -> Floats:
+    copy = np.empty(shape)
+    ctypes.memmove(_address(copy), address, copy.nbytes)
+    return copy

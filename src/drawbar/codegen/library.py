@@ -2,14 +2,14 @@
 
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 _KINDS = (np.float64, np.int32)
 
@@ -67,6 +67,11 @@ class Workspace:
     def array(self, name: str) -> NDArray[Any]:
         """Return the named field as an array that shares the workspace's memory."""
         return self._fields[name]
+
+    def write(self, values: Mapping[str, ArrayLike]) -> None:
+        """Set fields by name."""
+        for name, value in values.items():
+            self._fields[name][...] = value
 
     def settings(self) -> dict[str, NDArray[Any]]:
         """Return the fields that are set once, before the first call, by name."""

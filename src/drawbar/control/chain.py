@@ -1,12 +1,6 @@
-"""What the controllers on the chain share: feed-forward, steering bounds, the trailer's antenna behind a plan."""
+"""What the controllers on the chain share: steering bounds and lengths (runtime/autopilot/chain.h)."""
 
-import math
-
-import numpy as np
-
-from drawbar.geometry import Floats
 from drawbar.optimal import Bound
-from drawbar.signals import Estimate
 from drawbar.vehicle.parameters import VehicleParameters
 
 _OVERSTEER = 1e3
@@ -21,35 +15,11 @@ def steering_bounds(limit: float, rate: float, body: str = "") -> dict[str, Boun
     }
 
 
-def curvature_steering(vehicle: VehicleParameters, estimate: Estimate, curvature: Floats) -> Floats:
-    """Return the steering (n,), rad, that holds the tractor on curvatures (n,), 1/m, for the estimated slip."""
-    slope = vehicle.wheelbase * curvature + math.tan(estimate.tractor_crab)
-    steering: Floats = (np.arctan(slope) - estimate.steering_offset) / estimate.tractor_slip
-    return steering
-
-
-class TrailerPoses:
-    """Forward kinematics of the chain over a whole plan."""
-
-    def __init__(self, vehicle: VehicleParameters, stages: int) -> None:
-        """Take the lengths and the number of poses in a plan."""
-        back = vehicle.trailer_length - vehicle.trailer_antenna
-        self._back = -np.array([vehicle.free_joint_offset, vehicle.drawbar_length, back], complex)
-        self._angles = np.zeros((3, stages), complex)
-
-    def behind(self, tractor: Floats, yaw: Floats, joint: Floats) -> Floats:
-        """Return the trailer antenna's poses (n, 3): x, y (m), yaw (rad).
-
-        Args:
-            tractor: (n, 3) its poses.
-            yaw: (n,) psi, rad.
-            joint: (n,) J, rad.
-        """
-        angles = self._angles.imag
-        angles[0], angles[1], angles[2] = tractor[:, 2], yaw + joint, yaw
-        antenna = self._back @ np.exp(self._angles)
-        poses = np.empty((len(yaw), 3))
-        poses[:, 0] = tractor[:, 0] + antenna.real
-        poses[:, 1] = tractor[:, 1] + antenna.imag
-        poses[:, 2] = yaw
-        return poses
+def chain_settings(vehicle: VehicleParameters) -> dict[str, float]:
+    """Return the lengths that chain.h knows, m."""
+    return {
+        "chain.wheelbase": vehicle.wheelbase,
+        "chain.hitch": vehicle.free_joint_offset,
+        "chain.drawbar": vehicle.drawbar_length,
+        "chain.back": vehicle.trailer_length - vehicle.trailer_antenna,
+    }

@@ -1,14 +1,15 @@
 """Controllers in closed form, to compare with: a steering law for the tractor, a PI controller for the trailer."""
 
-import math
-from abc import abstractmethod
+from collections.abc import Mapping
 
-import numpy as np
+from numpy.typing import ArrayLike
 
+from drawbar.codegen.part import Part
+from drawbar.control.both_bodies import BothBodies
+from drawbar.control.chain import chain_settings
 from drawbar.control.nominal import NO_SOLVER, NominalController
-from drawbar.control.settings import TrailerProportionalIntegral
-from drawbar.geometry import Floats
-from drawbar.signals import BodyPlan, BodyReference, Estimate, Plan, Pose, Reference, SolverStatus, SolveTimes
+from drawbar.control.settings import LqrSettings, PurePursuitSettings
+from drawbar.signals import Estimate, Plan, Reference, SolveTimes
 from drawbar.vehicle.parameters import VehicleParameters
 
 
@@ -16,29 +17,51 @@ class ExplicitController(NominalController):
     """Steers both bodies without a prediction; the plan says what would follow if the command were held.
 
     The predicted tractor rolls on at constant speed and curvature, the bicycle's; the predicted trailer is on its
-    reference.
+    reference. The arithmetic is C, runtime/autopilot/explicit.h, with the tractor's law in a header of its own.
     """
 
-    def __init__(self, vehicle: VehicleParameters, trailer: TrailerProportionalIntegral, sample_time: float) -> None:
-        """Take the vehicle, the trailer's gains and the sample time, s."""
-        self._vehicle, self._interval = vehicle, sample_time
-        self._trailer = ProportionalIntegral(trailer, limit=vehicle.trailer_steering_limit, sample_time=sample_time)
+    def __init__(
+        self,
+        law: str,
+        constants: Mapping[str, ArrayLike],
+        vehicle: VehicleParameters,
+        settings: PurePursuitSettings | LqrSettings,
+        sample_time: float,
+    ) -> None:
+        """Compile the controller.
 
-    @abstractmethod
-    def _steering(self, estimate: Estimate, reference: BodyReference) -> float:
-        """Return the tractor's steering before its limit, rad."""
+        Args:
+            law: name of the header with the tractor's law.
+            constants: what that law knows, by field.
+            vehicle: lengths and limits.
+            settings: horizon and the trailer's gains.
+            sample_time: s.
+
+        Raises:
+            CompilerError: no compiler, or it refused the code.
+        """
+        self.part = Part(law, f'#define N {settings.horizon}\n#include "{law}.h"\n')
+        self.part.write(constants)
+        self.part.write(chain_settings(vehicle))
+        self.part.write(
+            {
+                "trailer.proportional": settings.trailer.proportional,
+                "trailer.integral": settings.trailer.integral,
+                "trailer.interval": sample_time,
+                "trailer.limit": vehicle.trailer_steering_limit,
+                "interval": sample_time,
+                "limit": vehicle.tractor_steering_limit,
+                "joint_sign": vehicle.joint_sign,
+            }
+        )
+        self._bodies = BothBodies(settings.horizon)
+        self._feedback = self.part.function("feedback", pointers=5)
 
     def feedback(self, estimate: Estimate, reference: Reference) -> Plan:
         """Return both bodies' commands and what would follow from them."""
-        vehicle = self._vehicle
-        steering = clipped(self._steering(estimate, reference.tractor), vehicle.tractor_steering_limit)
-        joint = self._trailer.output(lateral_error(estimate.trailer, reference.trailer))
-        poses = self._roll_out(estimate, steering, len(reference.tractor.samples))
-        return Plan(
-            time=estimate.time,
-            tractor=_plan(steering, steering, poses),
-            trailer=_plan(vehicle.joint_sign * joint, joint, reference.trailer.samples[:, :3].copy()),
-        )
+        self._bodies.write(estimate, reference)
+        self._feedback(*self._bodies.given, *self._bodies.plans)
+        return self._bodies.plan(estimate.time)
 
     def prepare(self) -> None:
         """Do nothing: the laws need no preparation."""
@@ -47,50 +70,3 @@ class ExplicitController(NominalController):
     def times(self) -> tuple[SolveTimes, SolveTimes]:
         """NaN: nothing is solved."""
         return NO_SOLVER, NO_SOLVER
-
-    def _roll_out(self, estimate: Estimate, steering: float, count: int) -> Floats:
-        """Return the tractor's poses (count, 3) on the arc that the steering (rad) means, one per sample."""
-        pose = estimate.tractor
-        distance = estimate.longitudinal_slip * estimate.speed * self._interval * np.arange(count)
-        half = 0.5 * distance * math.tan(steering) / self._vehicle.wheelbase
-        chord, direction = distance * np.sinc(half / math.pi), pose.yaw + half
-        x, y = pose.x + chord * np.cos(direction), pose.y + chord * np.sin(direction)
-        return np.stack([x, y, pose.yaw + 2.0 * half], axis=1)
-
-
-class ProportionalIntegral:
-    """PI on the trailer's lateral error; both gains zero hold the joint straight.
-
-    A positive joint angle shifts the trailer to the right, so an error to the left wants a positive one. While the
-    output would pass its limit the integral rests (conditional integration, Åström and Hägglund 1995, section 3.5); so
-    it never holds more than the limit, and gives way as soon as the error changes its sign.
-    """
-
-    def __init__(self, gains: TrailerProportionalIntegral, *, limit: float, sample_time: float) -> None:
-        """Take the gains, the largest output (rad) and the sample time, s."""
-        self._gains, self._limit, self._interval = gains, limit, sample_time
-        self._integral = 0.0
-
-    def output(self, error: float) -> float:
-        """Return the joint angle for this lateral error (m, left positive), rad."""
-        integral = self._integral + self._gains.integral * self._interval * error
-        wanted = self._gains.proportional * error + integral
-        if abs(wanted) <= self._limit:
-            self._integral = integral
-        return clipped(wanted, self._limit)
-
-
-def lateral_error(pose: Pose, reference: BodyReference) -> float:
-    """Return the distance of a body from the tangent of its reference where it is now, left positive, m."""
-    x, y, yaw, _ = map(float, reference.samples[0])
-    return math.cos(yaw) * (pose.y - y) - math.sin(yaw) * (pose.x - x)
-
-
-def clipped(angle: float, limit: float) -> float:
-    """Return the angle within ±limit; one that is not finite stays, for the gate to refuse."""
-    return min(max(angle, -limit), limit) if math.isfinite(angle) else angle
-
-
-def _plan(command: float, steering: float, poses: Floats) -> BodyPlan:
-    steerings = np.full(len(poses) - 1, steering)
-    return BodyPlan(steering=command, poses=poses, steerings=steerings, status=SolverStatus.SOLVED)

@@ -3,11 +3,9 @@
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from drawbar.control.chain import curvature_steering
-from drawbar.control.explicit import ExplicitController, clipped, lateral_error
+from drawbar.control.explicit import ExplicitController
 from drawbar.control.settings import LqrSettings
-from drawbar.geometry import Floats, wrap
-from drawbar.signals import BodyReference, Estimate
+from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 
 
@@ -21,23 +19,18 @@ class LinearQuadraticRegulator(ExplicitController):
 
     def __init__(self, vehicle: VehicleParameters, settings: LqrSettings, sample_time: float, speed: float) -> None:
         """Take the vehicle, weights and gains, the sample time (s) and the set speed (m/s)."""
-        super().__init__(vehicle, settings.trailer, sample_time)
         A, B = path_dynamics(speed, vehicle.wheelbase, sample_time)
         self.gain: Floats = regulator_gain(
             A, B, Q=np.diag([settings.lateral, settings.heading]), R=np.array([[settings.steering]])
         )
         """(1, 2) K: steering is minus K times the errors, rad/m and rad/rad"""
-        self._lead = settings.lead / sample_time
         first, second = self.gain[0].tolist()
-        self._furthest = second / first * settings.approach_angle  # errors whose steering balances: K (e, h) = 0
-
-    def _steering(self, estimate: Estimate, reference: BodyReference) -> float:
-        samples = reference.samples
-        curvature: Floats = np.interp([self._lead], np.arange(len(samples)), samples[:, 3])
-        heading = wrap(estimate.tractor.yaw + estimate.tractor_crab - float(samples[0, 2]))
-        lateral = clipped(lateral_error(estimate.tractor, reference), self._furthest)
-        feedback = self.gain @ (lateral, heading)
-        return float((curvature_steering(self._vehicle, estimate, curvature) - feedback)[0])
+        constants = {
+            "law.gain": self.gain[0],
+            "law.lead": settings.lead / sample_time,
+            "law.furthest": second / first * settings.approach_angle,  # errors whose steering balances: K (e, h) = 0
+        }
+        super().__init__("lqr", constants, vehicle, settings, sample_time)
 
 
 def path_dynamics(speed: float, wheelbase: float, sample_time: float) -> tuple[Floats, Floats]:

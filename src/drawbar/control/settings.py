@@ -47,10 +47,10 @@ class TricycleControllerSettings(Settings):
 class ArticulatedTractorWeights(Settings):
     """Weights of the tractor's stage cost."""
 
-    lateral: Positive = 40.0
+    lateral: Positive = 65.0
     """1/m²"""
-    heading: NonNegative = 70.0
-    """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(70/40) m"""
+    heading: NonNegative = 110.0
+    """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(110/65) m"""
     steering: NonNegative = 0.1
     """on the distance to the curvature feed-forward, 1/rad²"""
     steering_rate: Positive = 0.6
@@ -60,7 +60,7 @@ class ArticulatedTractorWeights(Settings):
 class ArticulatedTrailerWeights(Settings):
     """Weights of the trailer's stage cost."""
 
-    lateral: Positive = 40.0
+    lateral: Positive = 80.0
     """1/m²"""
     steering: NonNegative = 0.002
     """1/rad²"""
@@ -75,7 +75,7 @@ class SharingSettings(Settings):
     """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
     accepted_error: NonNegative = 0.04
     """steady error that stays with the trailer, m"""
-    widening: NonNegative = 0.04
+    widening: NonNegative = 0.041
     """how far the tractor keeps outside a curve per curvature, m²: 4 mm at 0.1 1/m"""
 
 

@@ -1,65 +1,61 @@
-"""One body's nominal controller: what all of them share."""
+"""One body's nominal controller: what all of them share (runtime/autopilot/subsystem.h)."""
 
-from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from ctypes import byref
 from dataclasses import replace
 
-from drawbar.control.iteration import RealTimeIteration
-from drawbar.control.nominal_state import beside, pose_deviation
-from drawbar.control.optimised_start import OptimisedStart
-from drawbar.control.settings import Nominal
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drawbar.codegen.exchange import CBodyPlan, CBodyReference, CEstimate
+from drawbar.control.iteration import TimedIteration
+from drawbar.control.settings import Coupling, Nominal
 from drawbar.control.tube.inner_box import initial_choice
 from drawbar.control.tube.tube import SubsystemTube
 from drawbar.geometry import Floats
 from drawbar.optimal import ControlProblem, ControlSolver
-from drawbar.signals import BodyPlan, BodyReference, Estimate, SolverStatus, SolveTimes
+from drawbar.signals import BodyPlan, BodyReference, Estimate, SolveTimes
+
+_PULL = 1e-3
+"""Weight on what parts a chosen first state from where the nominal model got to: decides what nothing else does."""
 
 
-class SubsystemController(ABC):
-    """Solves one subsystem's problem by the real-time iteration; a subclass fills in what its model needs.
+class SubsystemController:
+    """Solves one subsystem's problem by the real-time iteration; a subclass says which, and by which C.
 
-    The states of a subclass are a pose and what follows it, unless it overrides `_beside` and `_deviation`.
+    The arithmetic around the solver's phases is that of the part's header; here the phases are called and timed.
     """
 
-    def __init__(self, problem: ControlProblem, tube: SubsystemTube) -> None:
-        """Compile the solver.
+    def __init__(
+        self, problem: ControlProblem, tube: SubsystemTube, part: str, settings: Mapping[str, ArrayLike]
+    ) -> None:
+        """Compile the controller.
 
         Args:
             problem: with the bounds that the tube leaves, starting from a given state.
             tube: says where the problem starts at each sample.
+            part: header of the runtime.
+            settings: the part's own, by name.
 
         Raises:
             ConfigurationError: the nominal state shall be optimised, but there is no set to choose it from.
             SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
-        self._restarts = tube.nominal is Nominal.PREDICTED
-        self._choice: OptimisedStart | None = None
+        states = len(problem.model.states)
+        start: dict[str, ArrayLike] = {"subsystem.restarts": tube.nominal is Nominal.PREDICTED}
         if tube.nominal is Nominal.OPTIMISED:
-            self._choice = OptimisedStart(initial_choice(tube), len(problem.model.states))
-            problem = replace(problem, initial_weights=self._choice.weights)
-        self.solver = ControlSolver(problem)
-        self._iteration = RealTimeIteration(self.solver, self._guess)
-        self._successor: Floats | None = None
-
-    @abstractmethod
-    def _state(self, estimate: Estimate) -> Floats:
-        """Return the estimate (nx,) in the states of this body's model."""
-
-    @abstractmethod
-    def _fill(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None) -> None:
-        """Write parameters and references into the solver."""
-
-    @abstractmethod
-    def _steering(self) -> float:
-        """Return the nominal command of the plan's first sample, rad; let the plan's first input be what it does."""
-
-    @abstractmethod
-    def _steerings(self) -> Floats:
-        """Return the planned steering angles (N,), rad."""
-
-    @abstractmethod
-    def _poses(self) -> Floats:
-        """Return the predicted antenna poses (N+1, 3): x, y (m), yaw (rad)."""
+            problem = replace(problem, initial_weights=(_PULL,) * states)
+            start |= _box(initial_choice(tube), states)
+        self.solver = ControlSolver(problem, part)
+        self._iteration = TimedIteration(self.solver)
+        workspace = self.solver.workspace
+        workspace.write({**settings, **start})
+        self._enter = workspace.function("enter", pointers=3)
+        self._leave = workspace.function("leave", pointers=1)
+        self._judge = workspace.function("judge")
+        self._estimate, self._reference = CEstimate(), CBodyReference()
+        self._neighbour, self._plan = CBodyPlan(), CBodyPlan()
 
     def feedback(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None = None) -> BodyPlan:
         """Return the plan from the estimate along the reference.
@@ -69,59 +65,39 @@ class SubsystemController(ABC):
             reference: this body's path samples, one per stage.
             neighbour: the other body's plan, where the coupling is planned.
         """
-        if self._choice is not None:
-            estimate, reference = self._enter(self._choice, estimate, reference)
-        estimated = self._state(estimate)
-        nominal = estimated if self._successor is None else self._beside(self._successor, reference)
-        self._begin(estimated, nominal)
-        self._fill(estimate, reference, neighbour)
-        status = self._iteration.feedback()
-        if status is not SolverStatus.SOLVED:
-            self.solver.x[0] = self.solver.initial  # of a plan that failed only its begin is known
-        steering = self._steering()
-        self._successor = self.solver.successor() if status is SolverStatus.SOLVED else None
-        return BodyPlan(
-            steering=steering,
-            poses=self._poses() if self._choice is None else self._choice.placed(self._poses()),
-            steerings=self._steerings(),
-            deviation=self._deviation(estimated, nominal if self._choice is None else self.solver.x[0]),
-            status=status,
+        self._estimate.write(estimate)
+        self._reference.write(reference)
+        if neighbour is not None:
+            self._neighbour.write(neighbour)
+        self._enter(
+            byref(self._estimate), byref(self._reference), None if neighbour is None else byref(self._neighbour)
         )
-
-    def _begin(self, estimated: Floats, nominal: Floats) -> None:
-        """Let the problem start where the tube wants it to: all its states are (nx,)."""
-        self.solver.initial[:] = estimated if self._restarts else nominal
-        if self._choice is not None:
-            self.solver.initial_lower[:], self.solver.initial_upper[:] = self._choice.between(estimated, nominal)
+        self._iteration.feedback()
+        self._leave(byref(self._plan))
+        return self._plan.read(self.solver.problem.horizon)
 
     def prepare(self) -> None:
         """Shift the plan by one sample and linearise along it."""
         self._iteration.prepare()
-
-    def _enter(
-        self, choice: OptimisedStart, estimate: Estimate, reference: BodyReference
-    ) -> tuple[Estimate, BodyReference]:
-        """State the problem, and all that is remembered of it, in the frame in which its start is chosen."""
-        old = choice.enter(reference)
-        self.solver.x[:] = choice.seen_again(old, self.solver.x)
-        if self._successor is not None:
-            self._successor = choice.seen_again(old, self._successor[None])[0]
-        self.solver.prepare()
-        return choice.seen(estimate, reference)
-
-    def _beside(self, state: Floats, reference: BodyReference) -> Floats:
-        """Return the nominal state (nx,) without what separates it from the estimate along the path."""
-        return beside(state, reference.closest)
-
-    def _deviation(self, estimated: Floats, nominal: Floats) -> Floats:
-        """Return x̂ - x̄ in the coordinates in which the ancillary law acts."""
-        return pose_deviation(estimated, nominal)
-
-    def _guess(self) -> None:
-        """Linearise along a first guess, made of what was filled in: standing still."""
-        self.solver.start()
+        self._judge()
 
     @property
     def times(self) -> SolveTimes:
         """Wall-clock time of the last two phases, s."""
         return self._iteration.times
+
+
+def coupling_settings(coupling: Coupling) -> dict[str, int]:
+    """Return the setting of a trailer's coupling: enum coupling has the same order."""
+    return {"coupling": list(Coupling).index(coupling)}
+
+
+def _box(choice: Floats, states: int) -> dict[str, Floats]:
+    """Return the settings of optimised_start.h.
+
+    Args:
+        choice: half-widths of the box that the first state may be chosen from, see initial_choice.
+        states: of the model; one more than half-widths is the one along the path: it is the estimate's.
+    """
+    reach = np.concatenate([np.full(states - len(choice), np.inf), choice])
+    return {"subsystem.reach": reach, "subsystem.half_widths": np.where(np.isfinite(reach), reach, 0.0)}

@@ -1,17 +1,12 @@
 """Estimation on the exact chain (the product's default)."""
 
-import math
 from dataclasses import replace
 
 import casadi as ca
-import numpy as np
 
-from drawbar.estimation.antennas import Antennas
-from drawbar.estimation.description import EstimationModel, known, measured, trailer_antenna, yaws_at_rest
+from drawbar.estimation.description import EstimationModel, chain
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
-from drawbar.geometry import Floats
 from drawbar.optimal import Bound, EstimationProblem
-from drawbar.signals import Command, Estimate, Measurement, Pose, SolverStatus
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.model import Model, variables
 from drawbar.vehicle.parameters import VehicleParameters
@@ -21,7 +16,7 @@ from drawbar.vehicle.sensors import MEASURED, SensorNoise
 class ArticulatedEstimation(EstimationModel):
     """States x_t, y_t, theta, psi, delta_t, delta_i; parameters mu, kappa, b, alpha_i, v, alpha_r."""
 
-    yaws = (2, 3)
+    name = "articulated"
 
     def __init__(
         self,
@@ -31,9 +26,16 @@ class ArticulatedEstimation(EstimationModel):
         sample_time: float,
     ) -> None:
         """Declare the window problem for this vehicle and these sensors."""
-        self._vehicle, self._first_slip, self._sample_time = vehicle, settings.first_slip, sample_time
-        self.screening, self.first_yaw_error = settings.screening, settings.first_yaw_error
-        self.position_deviation = noise.position
+        self.screening, self.position_deviation = settings.screening, noise.position
+        self.constants = chain(vehicle) | {
+            "first_slip": settings.first_slip,
+            "first_yaw_error": settings.first_yaw_error,
+            "sample_time": sample_time,
+            "steering_lag": vehicle.steering_lag,
+            "tractor_rate": vehicle.tractor_steering_rate,
+            "trailer_rate": vehicle.trailer_steering_rate,
+            "joint_sign": vehicle.joint_sign,
+        }
         rates = (settings.steering_rate,) * 2
         deviations = (
             *(noise.position,) * 4,
@@ -59,61 +61,6 @@ class ArticulatedEstimation(EstimationModel):
             },
         )
 
-    def at_rest(self, measurement: Measurement) -> Floats:
-        """Return the state at rest that explains one measurement; see the base class."""
-        theta, psi = yaws_at_rest(self._vehicle, measurement)
-        position = (measurement.tractor_x, measurement.tractor_y)
-        steering = known(measurement.tractor_steering), known(measurement.trailer_steering)
-        slips = (self._first_slip, self._first_slip)
-        return np.array([*position, theta, psi, *steering, *slips, 0.0, 0.0, known(measurement.speed), 0.0])
-
-    def outputs(self, measurement: Measurement) -> tuple[float, ...]:
-        """Return the measurement; zero for both crab angles while a fix is missing; zero for both steering rates.
-
-        With both fixes the crab angles show, and to pull them to zero would hide a side slope; without, nothing holds
-        them but the belief that they fade. Commands take the place of the rates' zeros as soon as they are known.
-        """
-        seen = measured(measurement)
-        crab = 0.0 if math.isnan(sum(seen[:4])) else math.nan
-        return (*seen, crab, crab, 0.0, 0.0)
-
-    def antennas(self, state: list[float]) -> Antennas:
-        """Return where both antennas are; the trailer's follows from the chain."""
-        x, y, theta, psi, _, delta_i = state[:6]
-        return (x, y), trailer_antenna(self._vehicle, x, y, theta, psi + delta_i, psi)
-
-    def steering_rates(self, state: list[float], command: Command) -> tuple[float, ...]:
-        """Return the mean rates of both lagging, rate-limited actuators until the next sample, rad/s."""
-        vehicle, interval = self._vehicle, self._sample_time
-        joint = vehicle.joint_sign * command.trailer_steering
-        return (
-            mean_rate(
-                command.tractor_steering - state[4], vehicle.steering_lag, vehicle.tractor_steering_rate, interval
-            ),
-            mean_rate(joint - state[5], vehicle.steering_lag, vehicle.trailer_steering_rate, interval),
-        )
-
-    def estimate(self, state: list[float], measurement: Measurement, status: SolverStatus) -> Estimate:
-        """Return the Estimate; the trailer's antenna follows from the chain."""
-        x, y, theta, psi, delta_t, delta_i, mu, kappa, offset, trailer_crab, speed, crab = state
-        trailer_x, trailer_y = trailer_antenna(self._vehicle, x, y, theta, psi + delta_i, psi)
-        return Estimate(
-            time=measurement.time,
-            tractor=Pose(x=x, y=y, yaw=theta),
-            trailer=Pose(x=trailer_x, y=trailer_y, yaw=psi),
-            hitch_angle=theta - psi - delta_i,
-            speed=speed,
-            tractor_steering=delta_t,
-            trailer_steering=delta_i,
-            longitudinal_slip=mu,
-            tractor_slip=kappa,
-            trailer_slip=1.0,
-            steering_offset=offset,
-            tractor_crab=crab,
-            trailer_crab=trailer_crab,
-            status=status,
-        )
-
 
 def _with_crab(model: Model) -> Model:
     """Return the model with both crab angles as outputs, before the rates: on the whole, axles do not slip sideways."""
@@ -123,18 +70,6 @@ def _with_crab(model: Model) -> Model:
         outputs=(*model.outputs[:split], *crab, *model.outputs[split:]),
         output=ca.vertcat(model.output[:split], model.p[3], model.p[5], model.output[split:]),
     )
-
-
-def mean_rate(error: float, lag: float, limit: float, interval: float) -> float:
-    """Return by how much per second a lagging, rate-limited actuator moves within an interval, rad/s.
-
-    error: command minus present angle, rad; lag and interval in s; limit in rad/s.
-    """
-    distance = abs(error)
-    limited = min(max(distance / limit - lag, 0.0), interval)
-    remaining = distance - limit * limited
-    moved = limit * limited - remaining * math.expm1(-(interval - limited) / lag)
-    return math.copysign(moved, error) / interval
 
 
 def _ordered(values: dict[str, float]) -> tuple[float, ...]:

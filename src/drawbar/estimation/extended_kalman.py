@@ -1,24 +1,35 @@
 """The extended Kalman filter: states and parameters jointly, one sample at a time, clipped to their bounds.
 
-In square-root array form (Kaminski, Bryson, Schmidt 1971; Kailath, Sayed, Hassibi 2000, chapter 12): the covariance is
-S S', and one QR factorisation moves S through each of the two phases, so that S S' cannot lose its definiteness.
+The arithmetic is C: runtime/autopilot/extended_kalman.h, on the square-root filter of square_root_filter.h.
 """
 
+from ctypes import byref
 from time import perf_counter
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import qr
 
-from drawbar.codegen import CompiledFunction
+from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.codegen.exchange import CCommand, CEstimate, CMeasurement
+from drawbar.codegen.part import Part
 from drawbar.errors import ModelError
-from drawbar.estimation.description import EstimationModel
+from drawbar.estimation.description import EstimationModel, no_position
 from drawbar.estimation.estimator import Estimator
-from drawbar.estimation.screening import Screened, Screening
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
 from drawbar.optimal.transcription import Transcription, transcribe
 from drawbar.signals import Command, Estimate, Measurement, SolverStatus, SolveTimes
+
+_FILTER = "struct filter *work"
+_UNIT = """
+#define NX {states}
+#define NU {inputs}
+#define NY {outputs}
+#define LANES 1
+#include "{model}_estimation.h"
+#include "extended_kalman.h"
+{functions}
+"""
 
 
 class ExtendedKalmanFilter(Estimator):
@@ -36,25 +47,29 @@ class ExtendedKalmanFilter(Estimator):
             ModelError: an input of the model is not measured.
             CompilerError: the model could not be compiled.
         """
-        problem = model.problem
-        discrete = transcribe(problem)
-        self._model = model
-        self._screening = Screening(model.screening, model.position_deviation)
-        self._of_input = np.array(discrete.input_outputs)
+        discrete = transcribe(model.problem)
         _require_measured_inputs(discrete)
-        self._transition = _linearised(discrete, "transition", discrete.next_state)
-        self._output = _linearised(discrete, "output", discrete.output)
-        self._noise = np.power(problem.weights, -0.5)
-        self._drift = np.diag(problem.process_deviation)
-        self._lower, self._upper = _bounds(problem)
-        self._input = np.zeros(discrete.u.numel())
-        self._predicted = SolverStatus.SOLVED
+        self.part = Part(f"{model.name}_filter", _source(discrete, model.name))
+        self._fill_in(model.problem, discrete)
+        model.configure(self.part)
+        self._update, self._ready = self.part.function("update", pointers=2), self.part.function("ready", pointers=1)
+        self._measurement, self._estimate, self._command = CMeasurement(), CEstimate(), CCommand()
         self._prepare_time = self._feedback_time = 0.0
-        self.state: Floats = model.first_guess(first)
+        self.state: Floats = self.part.array("filter.x")
         """(nx + np,) states, then parameters: the estimate after update(), its prediction after prepare()"""
-        self._prior = np.diag(problem.prior_deviation)
-        self.root: Floats = self._prior
-        """(nx + np, nx + np) S, a square root of the state's covariance S S'"""
+        self.root: Floats = self.part.array("filter.R").T
+        """(nx + np, nx + np) S, a square root of the state's covariance S S', lower triangular"""
+        self._measurement.write(first)
+        if self.part.function("begin", pointers=1)(byref(self._measurement)) != SolverStatus.SOLVED:
+            raise no_position(first)
+
+    def _fill_in(self, problem: EstimationProblem, discrete: Transcription) -> None:
+        """Tell the filter its settings."""
+        field = self.part.array
+        field("filter.prior")[:], field("filter.drift")[:] = problem.prior_deviation, problem.process_deviation
+        field("filter.noise")[:] = np.power(problem.weights, -0.5)
+        field("filter.lower")[:], field("filter.upper")[:] = _bounds(problem)
+        field("filter.input_row")[:] = np.flatnonzero(discrete.input_outputs)
 
     @property
     def deviation(self) -> Floats:
@@ -68,26 +83,18 @@ class ExtendedKalmanFilter(Estimator):
         When the result is not finite the estimate is the prediction, and its status says so; a failure of the
         prediction before it shows here too. A missing input keeps its last measured value.
         """
-        seen = self._screen(measurement)
+        self._measurement.write(measurement)
         start = perf_counter()
-        y = np.array(self._model.outputs(seen.measurement))
-        of_input = y[self._of_input]
-        self._input = np.where(np.isnan(of_input), self._input, of_input)
-        status = self._correct(y)
+        self._update(byref(self._measurement), byref(self._estimate))
         self._feedback_time = perf_counter() - start
-        if status is SolverStatus.SOLVED:
-            status = self._predicted
-        return seen.mark(self._model.estimate(self.state.tolist(), seen.measurement, status))
+        return self._estimate.read()
 
     def prepare(self, command: Command | None = None) -> None:
         """Predict state and covariance one sample ahead; should that fail, the covariance is the first one again."""
-        start = perf_counter()
         if command is not None:
-            rates = self._model.steering_rates(self.state.tolist(), command)
-            self._input[self._input.size - len(rates) :] = rates
-        self._predicted = self._predict()
-        if self._predicted is not SolverStatus.SOLVED:
-            self.root = self._prior
+            self._command.write(command)
+        start = perf_counter()
+        self._ready(None if command is None else byref(self._command))
         self._prepare_time = perf_counter() - start
 
     @property
@@ -95,62 +102,44 @@ class ExtendedKalmanFilter(Estimator):
         """Wall-clock time of the last correction (feedback) and prediction (prepare), s."""
         return SolveTimes(prepare=self._prepare_time, feedback=self._feedback_time)
 
-    def _screen(self, measurement: Measurement) -> Screened:
-        """Judge the newest fixes, and start anew where both overrule the prediction."""
-        seen = self._screening.screen(measurement, self._model.antennas(self.state.tolist()))
-        if seen.restart:
-            self.state, self.root = self._model.new_guess(measurement, self.state), self._prior
-        return seen
 
-    @np.errstate(over="ignore", invalid="ignore")  # _accept looks
-    def _correct(self, y: Floats) -> SolverStatus:
-        """Move state and covariance by the outputs y (ny,) that are there."""
-        h, C, _ = self._evaluate(self._output)
-        seen = ~(np.isnan(y) | self._of_input)
-        count, n = int(seen.sum()), self.state.size
-        array = np.zeros((count + n, count + n))  # [V, C S; 0, S], V the noise; its triangle is [X, 0; K X, S+]
-        array[:count, :count] = np.diag(self._noise[seen])
-        array[:count, count:] = C[seen] @ self.root
-        array[count:, count:] = self.root
-        triangle = _triangle(array)
-        gain = triangle[count:, :count]
-        state = self.state + gain @ np.linalg.solve(triangle[:count, :count], y[seen] - h[seen])
-        return self._accept(np.clip(state, self._lower, self._upper), triangle[count:, count:])
-
-    @np.errstate(over="ignore", invalid="ignore")
-    def _predict(self) -> SolverStatus:
-        """Move state and covariance by one sample."""
-        state, A, B = self._evaluate(self._transition)
-        noise_of_input = B * self._noise[self._of_input]
-        array = np.hstack([A @ self.root, noise_of_input, self._drift])
-        return self._accept(state, _triangle(array))
-
-    def _evaluate(self, function: CompiledFunction) -> tuple[Floats, Floats, Floats]:
-        """Return the function's value and its Jacobians by state and input, at the present state and input."""
-        function.inputs[0][:], function.inputs[1][:] = self.state, self._input
-        function()
-        value, by_state, by_input = function.outputs
-        rows = value.size
-        return value.copy(), by_state.reshape(-1, rows).T, by_input.reshape(-1, rows).T
-
-    def _accept(self, state: Floats, root: Floats) -> SolverStatus:
-        if not (np.isfinite(state).all() and np.isfinite(root).all()):
-            return SolverStatus.NOT_FINITE
-        self.state, self.root = state, root
-        return SolverStatus.SOLVED
+def _source(discrete: Transcription, model: str) -> str:
+    """Return the C unit of the filter on a discretised model, whose header is named."""
+    inputs = [
+        Input(place="work->x[{k}]", rows="1", symbol=discrete.x),
+        Input(place="work->u[{k}]", rows="1", symbol=discrete.u),
+    ]
+    F, A, B, h, C = _linearised(discrete)
+    functions = {
+        "transition": [_vector("F", F), _matrix("A", A), _matrix("B", B)],
+        "output": [_vector("h", h), _matrix("C", C)],
+    }
+    every = [result for results in functions.values() for result in results]
+    return _UNIT.format(
+        states=discrete.x.numel(),
+        inputs=discrete.u.numel(),
+        outputs=discrete.output.numel(),
+        model=model,
+        functions=emit_constants("constants", every, _FILTER)
+        + "".join(emit(name, inputs, results, _FILTER) for name, results in functions.items()),
+    )
 
 
-def _triangle(array: Floats) -> Floats:
-    """Return the lower triangular L with L L' = M M' of an array M (n, m), n <= m."""
-    upper: Floats = qr(array.T, mode="r", check_finite=False)[0][: len(array)]
-    return upper.T
+def _linearised(discrete: Transcription) -> tuple[ca.SX, ...]:
+    """Return F, dF/dx, dF/du, h, dh/dx."""
+    x, u, step, output = discrete.x, discrete.u, discrete.next_state, discrete.output
+    return (
+        *ca.cse([step, ca.jacobian(step, x), ca.jacobian(step, u)]),
+        *ca.cse([output, ca.jacobian(output, x)]),
+    )
 
 
-def _linearised(discrete: Transcription, what: str, expression: ca.SX) -> CompiledFunction:
-    """Return the expression and its Jacobians by state and input as machine code."""
-    x, u = discrete.x, discrete.u
-    results = ca.cse([expression, ca.jacobian(expression, x), ca.jacobian(expression, u)])
-    return CompiledFunction(ca.Function(f"{discrete.name}_{what}", [x, u], results))
+def _vector(field: str, value: ca.SX) -> Output:
+    return Output(place=f"work->{field}[k]", rows="1", value=value)
+
+
+def _matrix(field: str, value: ca.SX) -> Output:
+    return Output(place=f"((double *)work->{field}[k])", rows="1", value=value)
 
 
 def _require_measured_inputs(discrete: Transcription) -> None:

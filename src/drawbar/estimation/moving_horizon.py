@@ -1,19 +1,22 @@
 """Moving horizon estimation: one Gauss-Newton iteration per sample over a sliding window (equation mhe)."""
 
-import math
+from ctypes import byref
 from time import perf_counter
 
-from drawbar.estimation.description import EstimationModel
+from drawbar.codegen.exchange import CCommand, CEstimate, CMeasurement
+from drawbar.estimation.description import EstimationModel, no_position
 from drawbar.estimation.deviation import newest_deviation
 from drawbar.estimation.estimator import Estimator
-from drawbar.estimation.screening import Screened, Screening
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationSolver
 from drawbar.signals import Command, Estimate, Measurement, SolverStatus, SolveTimes
 
 
 class MovingHorizonEstimator(Estimator):
-    """The window fills from the first measurement on; once full, its oldest stage moves into the arrival cost."""
+    """The window fills from the first measurement on; once full, its oldest stage moves into the arrival cost.
+
+    What surrounds the solver is moving_horizon.h, which also tells what becomes of fixes that are not to be believed.
+    """
 
     def __init__(self, model: EstimationModel, first: Measurement) -> None:
         """Start from the first measurement.
@@ -22,11 +25,16 @@ class MovingHorizonEstimator(Estimator):
             HardwareError: the first measurement lacks a position.
             CompilerError: the solver could not be compiled.
         """
-        self._model = model
-        self._screening = Screening(model.screening, model.position_deviation)
-        self.solver = EstimationSolver(model.problem, model.first_guess(first))
-        self._prepared = SolverStatus.SOLVED
+        self.solver = EstimationSolver(model.problem, None, part=f"{model.name}_moving_horizon.h")
+        workspace = self.solver.workspace
+        model.configure(workspace)
+        self._enter, self._leave = workspace.function("enter", pointers=1), workspace.function("leave", pointers=1)
+        self._expect, self._judge = workspace.function("expect", pointers=1), workspace.function("judge")
+        self._measurement, self._estimate, self._acting = CMeasurement(), CEstimate(), CCommand()
         self._prepare_time = self._feedback_time = 0.0
+        self._measurement.write(first)
+        if workspace.function("begin", pointers=1)(byref(self._measurement)) != SolverStatus.SOLVED:
+            raise no_position(first)
 
     def update(self, measurement: Measurement) -> Estimate:
         """Return the estimate at the window's newest stage.
@@ -34,42 +42,24 @@ class MovingHorizonEstimator(Estimator):
         When the solver fails the estimate is the prediction, and its status says so; a failure of the preparation
         before it shows here too.
         """
-        solver, model = self.solver, self._model
-        seen = self._screen(measurement)
-        newest = solver.newest
-        solver.y[newest] = model.outputs(seen.measurement)
+        self._measurement.write(measurement)
+        self._enter(byref(self._measurement))
         start = perf_counter()
-        status = SolverStatus(solver.feedback())
+        self.solver.feedback()
         self._feedback_time = perf_counter() - start
-        if status is SolverStatus.SOLVED:
-            status = self._prepared
-        return seen.mark(model.estimate(solver.x[newest].tolist(), seen.measurement, status))
+        self._leave(byref(self._estimate))
+        return self._estimate.read()
 
     def prepare(self, command: Command | None = None) -> None:
         """Slide the window by one sample and linearise along the predicted trajectory."""
         if command is not None:
-            self._expect(command)
+            self._acting.write(command)
+            self._expect(byref(self._acting))
         start = perf_counter()
-        self._prepared = self.solver.advance()
+        self.solver.slide()
+        self.solver.prepare()
         self._prepare_time = perf_counter() - start
-
-    def _expect(self, command: Command) -> None:
-        """Let the newest stage know what the command does to the steering until the next sample."""
-        row = self.solver.newest
-        rates = self._model.steering_rates(self.solver.x[row].tolist(), command)
-        self.solver.y[row, self.solver.y.shape[1] - len(rates) :] = rates
-
-    def _screen(self, measurement: Measurement) -> Screened:
-        """Judge the newest fixes, and let the window forget what they show to have been wrong."""
-        solver, model = self.solver, self._model
-        expected = solver.x[solver.newest]
-        seen = self._screening.screen(measurement, model.antennas(expected.tolist()))
-        if seen.restart:
-            solver.restart(model.new_guess(measurement, expected))
-        if seen.exposed is not None:
-            first, column = max(solver.newest - model.screening.memory, 0), 2 * seen.exposed
-            solver.y[first : solver.newest, column : column + 2] = math.nan
-        return seen
+        self._judge()
 
     @property
     def deviation(self) -> Floats:

@@ -1,17 +1,22 @@
 """Guidance: from where the vehicle is to what its two controllers shall follow (theory, section 7).
 
 The closest point of each body is searched in a window around that body's last progress, never on the whole
-path: where the path crosses itself a global search would jump to the other branch.
+path: where the path crosses itself a global search would jump to the other branch. The arithmetic is C,
+runtime/autopilot/guidance.h.
 """
 
+import ctypes
 import math
-from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from enum import IntEnum
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from drawbar.codegen.exchange import CBodyReference, CEstimate, CMeasurement
+from drawbar.codegen.part import Part
 from drawbar.errors import PathError
-from drawbar.geometry import Floats, nearest_branch
-from drawbar.guidance.path import Path
+from drawbar.guidance.path import CPath, Path
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.signals import BodyReference, Estimate, Pose, Reference
 
@@ -19,78 +24,116 @@ Position = tuple[float, float]
 """east and north, m"""
 
 
-class Guidance(ABC):
+class GuidanceStatus(IntEnum):
+    """enum guidance_status."""
+
+    FINE = 0
+    FAR_FROM_START = 1
+    POSE_NOT_FINITE = 2
+    SPEED_NOT_FINITE = 3
+    NO_WAY = 4
+
+
+class Guidance:
     """The progress of both bodies along one path."""
 
-    def __init__(self, path: Path, settings: GuidanceSettings, *, tractor: Position, trailer: Position) -> None:
+    def __init__(
+        self,
+        path: Path,
+        settings: GuidanceSettings,
+        *,
+        header: str,
+        values: Mapping[str, ArrayLike],
+        stages: int,
+        tractor: Position,
+        trailer: Position,
+    ) -> None:
         """Place both bodies on the path from where they stand (m) when the run begins.
 
-        Raises PathError when the tractor is further than maximum_start_distance from the path's start.
+        Args:
+            path: to follow.
+            settings: of the guidance.
+            header: of the runtime, with the kind of guidance.
+            values: of that kind's own settings.
+            stages: of the references, which have one sample more.
+            tractor: where it stands, m.
+            trailer: where it stands, m.
+
+        Raises:
+            PathError: the tractor is further than maximum_start_distance from the path's start, or a position is not
+                finite.
         """
         self.path = path
-        self.settings = settings
-        reach = settings.maximum_start_distance
-        _require_near_start(path, tractor, reach)
-        self._tractor_progress, _ = path.project(*tractor, -reach, reach)
-        # the trailer stands behind the tractor, which may itself stand behind the start
-        self._trailer_progress, _ = path.project(*trailer, -3.0 * reach, reach)
+        self.part = Part("guidance", f'#define STAGES {stages}\n#include "{header}"\n')
+        """the compiled unit"""
+        self.part.write(values)
+        self.part.write(
+            {
+                "guidance.window_behind": settings.window_behind,
+                "guidance.window_ahead": settings.window_ahead,
+                "guidance.start_distance": settings.maximum_start_distance,
+            }
+        )
+        self._path, self._estimate = CPath(path.nodes), CEstimate()
+        self._references = CBodyReference(), CBodyReference()
+        self._samples = self.part.array("guidance.samples")
+        self._reference, self._finished = self.part.function("reference", 4), self.part.function("finished", 1)
+        self._begin(tractor, trailer, settings.maximum_start_distance)
+
+    def _begin(self, tractor: Position, trailer: Position, reach: float) -> None:
+        """Place both bodies on the path; see the constructor."""
+        first = CMeasurement((math.nan, *tractor, *trailer, *[math.nan] * 4))
+        status = self.part.function("begin", 2)(ctypes.byref(self._path), ctypes.byref(first))
+        if status == GuidanceStatus.FAR_FROM_START:
+            raise _far_from_start(self.path, tractor, reach)
+        if status != GuidanceStatus.FINE:
+            raise PathError(f"the trailer at ({trailer[0]:.2f}, {trailer[1]:.2f}) m is nowhere; its position is needed")
 
     @property
     def finished(self) -> bool:
         """Whether the tractor has reached the end of the path."""
-        return self._tractor_progress >= self.path.length
+        return bool(self._finished(ctypes.byref(self._path)))
 
     def reference(self, estimate: Estimate) -> Reference:
         """Return what both controllers shall follow now, and remember the progress.
 
-        Raises PathError when a pose of the estimate is not finite.
+        Raises PathError when the estimate's poses or speed are not finite, or the tractor faces away and no turns lead
+        onto the path.
         """
-        tractor, tractor_error = self._closest(estimate.tractor, self._tractor_progress)
-        trailer, trailer_error = self._closest(estimate.trailer, self._trailer_progress)
-        self._tractor_progress, self._trailer_progress = tractor, trailer
-        closest = self.path.sample(self._progress()[:, 0])
-        samples = self._samples(estimate)
-        _to_branch(samples[0, :, 2], estimate.tractor.yaw)
-        _to_branch(samples[1, :, 2], estimate.trailer.yaw)
-        return Reference(
-            time=estimate.time,
-            tractor=BodyReference(
-                progress=tractor, lateral_error=tractor_error, closest=closest[0], samples=samples[0]
-            ),
-            trailer=BodyReference(
-                progress=trailer, lateral_error=trailer_error, closest=closest[1], samples=samples[1]
-            ),
+        self._estimate.write(estimate)
+        tractor, trailer = self._references
+        status = self._reference(
+            ctypes.byref(self._path), ctypes.byref(self._estimate), ctypes.byref(tractor), ctypes.byref(trailer)
+        )
+        if status != GuidanceStatus.FINE:
+            raise self._refusal(status, estimate)
+        return Reference(time=estimate.time, tractor=self._of_body(0), trailer=self._of_body(1))
+
+    def _of_body(self, body: int) -> BodyReference:
+        reference = self._references[body]
+        return BodyReference(
+            progress=reference.progress,
+            lateral_error=reference.lateral_error,
+            closest=np.array(reference.closest),
+            samples=self._samples[body].copy(),
         )
 
-    @abstractmethod
-    def _samples(self, estimate: Estimate) -> Floats:
-        """Return what tractor and trailer shall follow, (2, N+1, 4): as Path.sample, one row per stage."""
-
-    def _progress(self) -> Floats:
-        """Return the progress (2, 1) of tractor and trailer, m."""
-        return np.array([[self._tractor_progress], [self._trailer_progress]])
-
-    def _closest(self, pose: Pose, progress: float) -> tuple[float, float]:
-        """Return arc length (m) and lateral error (m) of a body near its last progress (m)."""
-        if not math.isfinite(pose.x + pose.y + pose.yaw):
-            raise PathError(f"guidance: the estimated {pose} is not finite; stop the vehicle")
-        settings = self.settings
-        return self.path.project(pose.x, pose.y, progress - settings.window_behind, progress + settings.window_ahead)
+    def _refusal(self, status: int, estimate: Estimate) -> PathError:
+        """Return the error that says why there is no reference."""
+        pose = next((pose for pose in (estimate.tractor, estimate.trailer) if not _finite(pose)), None)
+        return PathError(f"guidance: the estimated {pose} is not finite; stop the vehicle")
 
 
-def _to_branch(yaws: Floats, target: float) -> None:
-    """Shift continuous yaws (rad) in place by the multiple of 2π that brings the first nearest to target."""
-    first = float(yaws[0])
-    yaws += nearest_branch(first, target) - first
+def _finite(pose: Pose) -> bool:
+    return math.isfinite(pose.x + pose.y + pose.yaw)
 
 
-def _require_near_start(path: Path, tractor: Position, reach: float) -> None:
-    """Refuse a vehicle that stands too far from where the path begins, or nowhere at all."""
+def _far_from_start(path: Path, tractor: Position, reach: float) -> PathError:
+    """Return the error for a vehicle that stands too far from where the path begins, or nowhere at all."""
     x, y, _, _ = path.sample(np.zeros(1))[0].tolist()
     distance = math.hypot(tractor[0] - x, tractor[1] - y)
-    if not distance <= reach:
-        raise PathError(
-            f"the tractor at ({tractor[0]:.2f}, {tractor[1]:.2f}) m is {distance:.2f} m from the start of "
-            f"the path at ({x:.2f}, {y:.2f}) m; at most {reach:g} m is allowed: drive to the start, "
-            f"or raise guidance.maximum_start_distance"
-        )
+    return PathError(
+        f"the tractor at ({tractor[0]:.2f}, {tractor[1]:.2f}) m is {distance:.2f} m from the start of "
+        f"the path at ({x:.2f}, {y:.2f}) m; at most {reach:g} m is allowed: drive to the start, "
+        f"or raise guidance.maximum_start_distance"
+    )

@@ -1,12 +1,8 @@
-"""The paper's guidance: references from the point a fixed distance ahead of the closest one."""
+"""The paper's guidance: references from the point a fixed distance ahead of the closest one (C: look_ahead.h)."""
 
-import numpy as np
-
-from drawbar.geometry import Floats
 from drawbar.guidance.guidance import Guidance, Position
 from drawbar.guidance.path import Path
 from drawbar.guidance.settings import GuidanceSettings
-from drawbar.signals import Estimate
 
 
 class LookAhead(Guidance):
@@ -24,9 +20,12 @@ class LookAhead(Guidance):
         trailer: Position,
     ) -> None:
         """Prepare references of stages + 1 samples, interval (s) apart at speed (m/s); else as Guidance."""
-        super().__init__(path, settings, tractor=tractor, trailer=trailer)
-        advance = speed * interval * np.arange(stages + 1)
-        self._offsets = settings.look_ahead + np.stack([advance, np.zeros_like(advance)])
-
-    def _samples(self, estimate: Estimate) -> Floats:
-        return self.path.sample(self._offsets + self._progress())
+        super().__init__(
+            path,
+            settings,
+            header="look_ahead.h",
+            values={"look_ahead": settings.look_ahead, "advance": (speed * interval, 0.0)},
+            stages=stages,
+            tractor=tractor,
+            trailer=trailer,
+        )

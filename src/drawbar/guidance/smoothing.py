@@ -199,9 +199,9 @@ def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
 
 def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_rate_limit: float) -> None:
     """Refuse a path whose curvature, or its rate from node to node, is out of the limits, saying where."""
-    nodes = path.anchors[1:-1]
+    nodes = path.nodes[:-1, 0]
     samples = path.sample(nodes)
-    middle = path.sample(nodes + 0.5 * np.diff(path.anchors[1:]))
+    middle = path.sample(nodes + 0.5 * np.diff(path.nodes[:, 0]))
     rate = np.zeros(len(nodes))
     rate[1:] = np.diff(samples[:, 3]) / np.diff(nodes)
     curvature = np.maximum(np.abs(samples[:, 3]), np.abs(middle[:, 3]))

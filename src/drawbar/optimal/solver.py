@@ -13,8 +13,9 @@ class _RealTimeIteration:
     """What control and estimation share: the workspace and the phases prepare, feedback and shift."""
 
     def __init__(self, transcription: Transcription, part: str) -> None:
-        source = transcription.source(part) + transcription.introspection()
-        self.workspace = Workspace(build(transcription.name, source))
+        self.source = transcription.source(part)
+        """C unit of the solver and of the part that it is of"""
+        self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
         self.workspace.function("reset")()
         array = self.workspace.array
         self.x: Floats = array("x")
@@ -88,8 +89,6 @@ class ControlSolver(_RealTimeIteration):
         """(nx,) largest first state where it is free; infinite at first"""
         self.defects: Floats = self.workspace.array("qp.c")
         """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
-        self._predict = self.workspace.function("predict")
-        self._predicted: Floats = self.workspace.array("F")
         self.w[:-1] = problem.weights
         self.w[-1] = problem.terminal_weights
         if free:
@@ -99,15 +98,6 @@ class ControlSolver(_RealTimeIteration):
         """Linearise along a trajectory that rests at `initial` under zero input."""
         self.x[:], self.u[:] = self.initial, 0.0
         self.prepare()
-
-    def successor(self) -> Floats:
-        """Return F(x_0, u_0, p_0) (nx,), where the model gets by the first sample's state, input and parameters.
-
-        Between feedback() and advance() only: it takes the place of the first interval's linearisation.
-        """
-        self._predict()
-        successor: Floats = self._predicted[0].copy()
-        return successor
 
     def advance(self) -> None:
         """Move the plan on by one sample and prepare the next feedback."""
@@ -122,12 +112,12 @@ class EstimationSolver(_RealTimeIteration):
     advance(). The window fills from its first row on.
     """
 
-    def __init__(self, problem: EstimationProblem, prior: Floats, part: str = "") -> None:
+    def __init__(self, problem: EstimationProblem, prior: Floats | None, part: str = "") -> None:
         """Compile the problem's solver (or take it from the cache) and start it at the prior.
 
         Args:
             problem: the problem.
-            prior: (nx + np,) first guess of states and parameters.
+            prior: (nx + np,) first guess of states and parameters; None for a part, which begins by itself.
             part: header of the runtime that makes the solver a part of the autopilot, see Transcription.source.
 
         Raises:
@@ -138,24 +128,28 @@ class EstimationSolver(_RealTimeIteration):
         self.problem = problem
         super().__init__(transcription, part)
         array = self.workspace.array
-        self.absorb = self.workspace.function("absorb")
-        self.newest = 0
-        """row of the newest measurement: grows until the window is full"""
+        self.slide = self.workspace.function("slide")
+        self._restart = self.workspace.function("restart", pointers=1)
+        self._newest = array("window.newest")
         self.root: Floats = array("root")
         """(nx, nx) upper triangular R of the arrival cost ||R (x_0 - prior)||²"""
         self.prior: Floats = array("prior")
         """(nx,) what the window's first state should be"""
         self.w[:] = problem.weights
         self.w[-1, list(transcription.input_outputs)] = 0.0
-        array("process")[:] = problem.process_deviation
-        self.restart(prior)
+        array("process")[:], array("window.deviation")[:] = problem.process_deviation, problem.prior_deviation
+        if prior is not None:
+            self.restart(prior)
 
-    def restart(self, prior: Floats) -> None:
-        """Begin an empty window at a first guess (nx + np,) of states and parameters."""
-        self._forget(prior)
-        self.newest = 0
-        self.x[:], self.u[:], self.y[:] = prior, 0.0, np.nan
-        self.prepare()
+    @property
+    def newest(self) -> int:
+        """Row of the newest measurement: grows until the window is full."""
+        return int(self._newest[0])
+
+    def restart(self, prior: Floats) -> SolverStatus:
+        """Begin an empty window at a first guess (nx + np,) of states and parameters; say how its preparation went."""
+        contiguous = np.ascontiguousarray(prior, np.float64)
+        return SolverStatus(self._restart(contiguous.ctypes.data))
 
     def advance(self) -> SolverStatus:
         """Slide the window on by one sample, once it is full, and prepare the next feedback.
@@ -163,18 +157,6 @@ class EstimationSolver(_RealTimeIteration):
         Returns SOLVED, or what went wrong. When the oldest stage cannot be absorbed, the arrival cost starts anew: the
         first prior's deviations around the present estimate of the window's new first state.
         """
-        absorbed = int(SolverStatus.SOLVED)
-        if self.newest < self.problem.horizon:
-            self.newest += 1
-        else:
-            absorbed = self.absorb()
-            if absorbed != SolverStatus.SOLVED:
-                self._forget(self.x[1])
-            self.shift()
+        absorbed = self.slide()
         prepared = self.prepare()
         return SolverStatus(absorbed or prepared)
-
-    def _forget(self, prior: Floats) -> None:
-        """Let the arrival cost be the first prior's, around another point (nx + np,)."""
-        self.root[:] = np.diag(1.0 / np.asarray(self.problem.prior_deviation))
-        self.prior[:] = prior

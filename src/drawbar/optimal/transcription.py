@@ -46,10 +46,15 @@ int prepare(struct rti *work) { return rti_prepare(work); }
 int feedback(struct rti *work) { return rti_feedback(work); }
 int shift(struct rti *work) { rti_shift(work); return SOLVED; }
 int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
-int predict(struct rti *work) { dynamics(work, 0, 1); return SOLVED; }
 """
-_ARRIVAL = "int absorb(struct rti *work) { return work->status = arrival_update(work); }\n"
+_WINDOW_PHASES = """
+int restart(struct part *part, const double *prior) { return window_restart(&part->window, &part->rti, prior); }
+int slide(struct part *part) { return window_slide(&part->window, &part->rti); }
+"""
 _BARE = "struct part { struct rti rti; };\n#define PART_FIELDS"
+_BARE_WINDOW = (
+    "struct part { struct rti rti; struct window window; };\n#define PART_FIELDS WINDOW_FIELDS(part, window.)"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,7 +88,8 @@ class Transcription:
         """Return the C unit of this problem's solver.
 
         part: header of the runtime that makes the solver a part of the autopilot. It defines `struct part`, which
-            begins with the solver, and its PART_FIELDS; empty: the solver is all there is.
+            begins with the solver (an estimator's with solver and window), and its PART_FIELDS; empty: the solver is
+            all there is.
         """
         nx, nu = self.x.numel(), self.u.numel()
         return _UNIT.format(
@@ -95,17 +101,18 @@ class Transcription:
             bounds=len(self.bounds),
             constants=self.constants,
             free=int(self.free_initial),
-            header="arrival.h" if self.arrival else "rti.h",
+            header="window.h" if self.arrival else "rti.h",
             functions=self._functions(),
-            part=f'#include "{part}"' if part else _BARE,
+            part=f'#include "{part}"' if part else _BARE_WINDOW if self.arrival else _BARE,
         )
 
     def introspection(self) -> str:
         """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
-        return _INTROSPECTION + (_ARRIVAL if self.arrival else "")
+        return _INTROSPECTION + (_WINDOW_PHASES if self.arrival else "")
 
     def _functions(self) -> str:
         nx = self.x.numel()
+        moving = nx - self.constants
         w, y = (ca.SX.sym(name, self.output.numel()) for name in ("w", "y"))
         z = ca.vertcat(self.x, self.u)
         slope = ca.jacobian(self.next_state, z)
@@ -124,8 +131,8 @@ class Transcription:
         functions = {
             "dynamics": [
                 Output(place="work->F[k]", rows="N", value=step),
-                Output(place="((double *)work->qp.A[k])", rows="N", value=slope[:, :nx], stride="WIDTH"),
-                Output(place="((double *)work->qp.B[k])", rows="N", value=slope[:, nx:]),
+                Output(place="((double *)work->qp.A[k])", rows="N", value=slope[:moving, :nx], stride="WIDTH"),
+                Output(place="((double *)work->qp.B[k])", rows="N", value=slope[:moving, nx:]),
             ],
             "hessian": [
                 Output(

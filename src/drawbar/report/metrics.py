@@ -13,7 +13,7 @@ from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
 from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
-from drawbar.signals import FixStatus
+from drawbar.signals import FixStatus, GateVerdict
 
 ALL = "all"
 """the class of every position of the path"""
@@ -193,7 +193,7 @@ def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
         stale_fixes=_fixes(log, FixStatus.STALE),
         rejected_fixes=_fixes(log, FixStatus.REJECTED),
         solver_failures=sum(record.solver_failures for record in log.records),
-        refused_commands=sum(record.command_refused for record in log.records),
+        refused_commands=sum(record.gate >= GateVerdict.REPEATED for record in log.records),
         solve_time_s=SolverTimes(
             estimator=_phase_times(log, "estimator"),
             tractor=_phase_times(log, "tractor"),

@@ -75,13 +75,10 @@ def measurements(count: int) -> Floats:
 
 def fed(solver: EstimationSolver, y: Floats) -> Iterator[int]:
     """Feed the readings one by one as in operation; yield the number read so far, after each feedback."""
-    window = len(solver.y) - 1
     for k, row in enumerate(y):
-        if k > window:
-            assert solver.absorb() == SolverStatus.SOLVED
-            solver.shift()
-        solver.prepare()
-        solver.y[min(k, window)] = row
+        if k > 0:
+            assert solver.advance() == SolverStatus.SOLVED
+        solver.y[solver.newest] = row
         assert solver.feedback() == SolverStatus.SOLVED
         yield k + 1
 

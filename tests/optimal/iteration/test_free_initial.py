@@ -10,7 +10,6 @@ import pytest
 from drawbar.errors import SolverError
 from drawbar.optimal import ControlProblem, ControlSolver
 from drawbar.signals import SolverStatus
-from drawbar.vehicle.model import integrate
 
 
 def freed(case: Any, weight: float) -> Any:
@@ -67,18 +66,6 @@ def test_without_a_box_a_heavy_weight_holds_the_state_and_a_light_one_lets_it_go
     np.testing.assert_allclose(heavy.x[0], case.initial, atol=1e-6)
     assert np.abs(light.x[0] - case.initial).max() > 1e-2
     assert cost(light, case) < cost(heavy, case)
-
-
-def test_the_successor_is_the_models_next_state_for_the_input_that_is_there(named: Any) -> None:
-    case = named("articulated_tractor")
-    solver, model = settled(case.solver()), case.problem.model
-    solver.u[0] = 0.123
-    step = ca.Function("F", [model.x, model.u, model.p], [integrate(model, case.problem.sample_time)])
-    expected = np.array(step(solver.x[0], solver.u[0], solver.p[0])).ravel()
-    np.testing.assert_allclose(solver.successor(), expected, atol=1e-13)
-    after = solver.x.copy()
-    solver.advance()
-    np.testing.assert_array_equal(solver.x[:-1], after[1:])
 
 
 def test_weights_of_a_free_state_are_one_per_state(named: Any) -> None:

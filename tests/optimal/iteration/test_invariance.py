@@ -39,6 +39,7 @@ def run(case: Any, change: Callable[[tuple[Variable, ...], Floats], Floats]) -> 
     solver.x[:], solver.y[:] = change(states, solver.x), change(model.outputs, case.y)
     if estimation:
         solver.prior[:] = change(states, solver.prior)
+        solver.workspace.array("window.newest")[:] = case.problem.horizon
     else:
         solver.initial[:], solver.p[:] = change(states, case.initial), change(model.parameters, case.p)
     if change is not unchanged and (change(model.inputs, np.ones(len(model.inputs))) < 0).all():
@@ -50,10 +51,10 @@ def run(case: Any, change: Callable[[tuple[Variable, ...], Floats], Floats]) -> 
         xs.append(solver.x.copy())
         us.append(solver.u.copy())
         if estimation:
-            solver.absorb()
+            assert solver.slide() == SolverStatus.SOLVED
         else:
             solver.initial[:] = solver.x[1]
-        solver.shift()
+            solver.shift()
     return np.array(xs), np.array(us)
 
 

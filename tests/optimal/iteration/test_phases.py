@@ -169,7 +169,7 @@ def test_known_parameters_are_an_array_of_their_own_even_when_there_are_none(cas
 def test_oldest_stage_that_cannot_be_absorbed_starts_the_arrival_cost_anew(named: Any) -> None:
     case = named("articulated_estimator")
     solver = settled(case)
-    solver.newest = case.problem.horizon
+    solver.workspace.array("window.newest")[:] = case.problem.horizon
     assert solver.advance() == SolverStatus.SOLVED
     solver.feedback()
     following = solver.x[1].copy()

@@ -87,7 +87,7 @@ int main(void)
         judge(feedback(&work), before);
 #if FREE_INITIAL
         if (one_in(2))
-            absorb(&work);
+            arrival_update(&work);
 #endif
         shift(&work);
     }

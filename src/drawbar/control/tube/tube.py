@@ -70,15 +70,6 @@ class SubsystemTube:
         extent = self.invariant_set.support(directions)
         return extent + np.abs(directions) @ self.estimation if widened else extent
 
-    def margin(self, error: Floats) -> float:
-        """Return how far x^ - x̄ (n,) is from leaving its set: 1 at the centre, 0 on the boundary, NaN without a set.
-
-        Measured along the bounded coordinates and the quantities that the bounds are on: negative is surely outside.
-        """
-        if not self.heights.size:
-            return float("nan")
-        return float(1.0 - np.max(np.abs(self.facets @ error) / self.heights))
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tubes:

@@ -12,6 +12,10 @@ struct chain {
     double back;                           /* actuated joint to the trailer's antenna, L_i - c, m */
 };
 
+#define CHAIN_FIELDS(place)                                                                       \
+    SETTING(part, place.wheelbase, 0, 1, 0, 0) SETTING(part, place.hitch, 0, 1, 0, 0)              \
+    SETTING(part, place.drawbar, 0, 1, 0, 0) SETTING(part, place.back, 0, 1, 0, 0)
+
 /* The steering (rad) that holds the tractor on a curvature (1/m), for the estimated slip. */
 static inline double curvature_steering(const struct chain *chain, const struct drawbar_estimate *estimate,
                                         double curvature)

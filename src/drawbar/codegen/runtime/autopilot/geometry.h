@@ -23,4 +23,10 @@ static inline double clamped(double value, double low, double high)
     return fmin(fmax(value, low), high);
 }
 
+/* The angle within +-limit, rad; one that is not finite stays, for the gate to refuse. */
+static inline double clipped(double angle, double limit)
+{
+    return isfinite(angle) ? clamped(angle, -limit, limit) : angle;
+}
+
 #endif

@@ -1,51 +1,8 @@
-/* The signals that flow through one control step; signals.py has the same ones, with more words.
- *
- * SI units, radians, x east, y north, yaw counter-clockwise from east and continuous, steering left positive. NaN: missing.
- */
-#ifndef DRAWBAR_SIGNALS_H
-#define DRAWBAR_SIGNALS_H
+/* The signals between the parts of one control step; signals.py has the same ones, with more words. */
+#ifndef DRAWBAR_INNER_SIGNALS_H
+#define DRAWBAR_INNER_SIGNALS_H
 
-#include <stdint.h>
-
-enum drawbar_fix {
-    DRAWBAR_FIX_ACCEPTED,
-    DRAWBAR_FIX_MISSING,                   /* the receiver reported none */
-    DRAWBAR_FIX_STALE,                     /* the receiver repeated an old one while the vehicle moved */
-    DRAWBAR_FIX_REJECTED                   /* further from where it was expected than it can be */
-};
-
-struct drawbar_measurement {
-    double time;                           /* s */
-    double tractor_x, tractor_y;           /* tractor antenna, m */
-    double trailer_x, trailer_y;           /* trailer antenna, m */
-    double hitch_angle;                    /* tractor yaw minus drawbar yaw, rad */
-    double speed;                          /* of the wheels, m/s */
-    double tractor_steering;               /* front wheels, rad */
-    double trailer_steering;               /* actuated joint between drawbar and trailer, rad */
-};
-
-struct drawbar_pose {
-    double x, y;                           /* m */
-    double yaw;                            /* rad */
-};
-
-struct drawbar_estimate {
-    double time;                           /* s */
-    struct drawbar_pose tractor, trailer;  /* of the antennas */
-    double hitch_angle;                    /* beta, rad */
-    double speed;                          /* v, of the wheels, m/s */
-    double tractor_steering;               /* delta_t, rad */
-    double trailer_steering;               /* delta_i, rad */
-    double longitudinal_slip;              /* mu */
-    double tractor_slip;                   /* kappa */
-    double trailer_slip;                   /* eta; 1 where the model has none */
-    double steering_offset;                /* b, rad; 0 where the model has none */
-    double tractor_crab;                   /* alpha_r, rad; 0 where the model has none */
-    double trailer_crab;                   /* alpha_i, rad; 0 where the model has none */
-    int32_t status;                        /* enum qp_status */
-    int32_t tractor_fix, trailer_fix;      /* enum drawbar_fix */
-    int32_t reserved;
-};
+#include "drawbar_signals.h"
 
 /* The path as one body's controller sees it. */
 struct drawbar_body_reference {
@@ -65,11 +22,13 @@ struct drawbar_body_plan {
     int32_t status;                        /* enum qp_status */
 };
 
-struct drawbar_command {
-    double time;                           /* s */
-    double tractor_steering;               /* rad */
-    double trailer_steering;               /* rad, in the actuator's own sign */
-    double speed;                          /* m/s */
+/* How one steering command came about: nominal plus ancillary, then clipped. */
+struct drawbar_body_steering {
+    double nominal;                        /* rad */
+    double ancillary;                      /* K (x^ - x-), rad */
+    double command;                        /* after the bound, rad */
+    double margin;                         /* 1 at the tube's centre, 0 on its boundary; NaN: none declared */
+    int32_t saturated;
 };
 
 #endif

@@ -11,16 +11,24 @@
 
 #define ACTIVE_PASSES 10
 
+/* How the pulls move everything, and nothing else does. */
+static void active_sweep(const struct qp *s, struct active_set *a)
+{
+    static const double zero[N][NX], still[NX];
+
+    qp_solve(s, a->pull, zero, still, a->dz, a->dpi);
+}
+
 /* Make the column of bounded variable i; returns 0 when there is no room for another. */
 static int active_add(const struct qp *s, struct active_set *a, int i)
 {
-    static const double zero[N][NX], still[NX];
-    double pull[NZ] = {0.0};
-
     if (a->count == ACTIVE_MOST)
         return 0;
-    pull[s->bound[i]] = -1.0;
-    qp_solve(s, pull, zero, still, a->column[a->count], a->column_pi[a->count]);
+    memset(a->pull, 0, sizeof a->pull);
+    a->pull[s->bound[i]] = -1.0;
+    active_sweep(s, a);
+    for (int j = 0; j < NB; ++j)
+        a->column[a->count][j] = a->dz[s->bound[j]];
     a->member[a->count] = i;
     a->slot[i] = a->count++;
     return 1;
@@ -28,14 +36,14 @@ static int active_add(const struct qp *s, struct active_set *a, int i)
 
 /* L D L' of how far the pulls move the held variables; those that were let go have rows of the identity. Returns 0 when
  * the held bounds depend on each other. */
-static int active_factor(const struct qp *s, struct active_set *a)
+static int active_factor(struct active_set *a)
 {
     for (int r = 0; r < a->count; ++r) {
-        const int i = a->member[r], at = s->bound[i], held = a->side[i] != 0;
-        const double own = held ? a->column[r][at] : 1.0;
+        const int i = a->member[r], held = a->side[i] != 0;
+        const double own = held ? a->column[r][i] : 1.0;
         double pivot = own;
         for (int c = 0; c < r; ++c) {
-            double v = held && a->side[a->member[c]] != 0 ? a->column[c][at] : 0.0;
+            double v = held && a->side[a->member[c]] != 0 ? a->column[c][i] : 0.0;
             for (int k = 0; k < c; ++k)
                 v -= a->L[r][k] * a->L[c][k] * a->D[k];
             a->L[r][c] = v / a->D[c];
@@ -70,15 +78,14 @@ static int active_update(const struct qp *s, struct active_set *a)
     int changes = 0;
 
     for (int i = 0; i < NB; ++i) {
-        const int at = s->bound[i];
         int side = a->side[i];
         if (side != 0) {
             if (!(side * a->nu[a->slot[i]] <= 0.0) && s->lower[i] < s->upper[i])
                 side = 0;
         } else {
-            double value = s->z[at];
+            double value = s->z[s->bound[i]];
             for (int r = 0; r < a->count; ++r)
-                value += a->nu[r] * a->column[r][at];
+                value += a->nu[r] * a->column[r][i];
             side = value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;
         }
         changes += side != a->side[i];
@@ -90,29 +97,32 @@ static int active_update(const struct qp *s, struct active_set *a)
     return changes;
 }
 
-/* One sweep with the settled multipliers, and their correction for what rounding left; returns 0, without having
+/* One sweep with the settled multipliers, and one to correct them for what rounding left; returns 0, without having
  * changed anything, when a soft bound should rather give way. */
 static int active_publish(struct qp *s, struct active_set *a)
 {
-    double gradient[NZ], correction[AT_LEAST_ONE(ACTIVE_MOST)];
+    double correction[AT_LEAST_ONE(ACTIVE_MOST)];
 
-    memcpy(gradient, s->g, sizeof gradient);
+    memcpy(a->pull, s->g, sizeof a->pull);
     for (int r = 0; r < a->count; ++r) {
         if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))
             return 0;
-        gradient[s->bound[a->member[r]]] -= a->nu[r];
+        a->pull[s->bound[a->member[r]]] -= a->nu[r];
     }
-    qp_solve(s, gradient, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+    qp_solve(s, a->pull, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
     active_solve(s, a, correction);
+    memset(a->pull, 0, sizeof a->pull);
     for (int r = 0; r < a->count; ++r) {
         const double nu = a->nu[r] + correction[r];
-        for (int i = 0; i < NZ; ++i)
-            s->z[i] += correction[r] * a->column[r][i];
-        for (int i = 0; i < (N + 1) * NX; ++i)
-            s->pi[i] += correction[r] * a->column_pi[r][i];
+        a->pull[s->bound[a->member[r]]] -= correction[r];
         s->multiplier[2 * a->member[r]] = nu > 0.0 ? nu : 0.0;
         s->multiplier[2 * a->member[r] + 1] = nu < 0.0 ? -nu : 0.0;
     }
+    active_sweep(s, a);
+    for (int i = 0; i < NZ; ++i)
+        s->z[i] += a->dz[i];
+    for (int i = 0; i < (N + 1) * NX; ++i)
+        s->pi[i] += a->dpi[i];
     return 1;
 }
 
@@ -120,7 +130,7 @@ static int active_publish(struct qp *s, struct active_set *a)
  * as they were, when it does not settle. */
 static int qp_active_set(struct qp *s)
 {
-    struct active_set *a = &s->active;
+    struct active_set *a = &s->work.active;
 
     a->count = 0;
     memset(a->side, 0, sizeof a->side);
@@ -130,7 +140,7 @@ static int qp_active_set(struct qp *s)
         const int changes = active_update(s, a);
         if (changes == 0)
             return active_publish(s, a);
-        if (changes < 0 || !active_factor(s, a))
+        if (changes < 0 || !active_factor(a))
             return 0;
         active_solve(s, a, a->nu);
     }

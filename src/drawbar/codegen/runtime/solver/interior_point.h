@@ -16,21 +16,6 @@
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
 #define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
 #define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
-#define BLOCK 8                            /* sides are worked on in blocks, for SIMD code */
-#define NLOWER ((NB + BLOCK - 1) / BLOCK * BLOCK)
-#define NSLOTS AT_LEAST_ONE(2 * NLOWER)    /* slot i: lower side of bounded variable i, slot NLOWER + i: its upper side */
-
-/* Slots without a bound keep t = 1, lambda = 0, those without softness v = 0, sigma = 0: flags of 0 and 1 instead of
- * branches let every loop over slots run in SIMD registers. */
-struct interior_point {
-    double exists[NSLOTS], soft[NSLOTS], offset[NSLOTS], linear[NSLOTS], quadratic[NSLOTS];
-    double t[NSLOTS], lambda[NSLOTS], v[NSLOTS], sigma[NSLOTS];
-    double dt[NSLOTS], dlambda[NSLOTS], dv[NSLOTS], dsigma[NSLOTS];
-    double distance[NSLOTS], per_t[NSLOTS], per_v[NSLOTS];
-    double pairs;                          /* complementary pairs in all */
-    double gradient[NZ], defect[N][NX];    /* of the Lagrangian, and of the dynamics */
-    double barrier[NZ], dz[NZ], dpi[(N + 1) * NX];
-};
 
 /* Largest of many non-negative numbers. */
 static double most(const double *restrict values)
@@ -214,11 +199,6 @@ static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
     return farkas_proves(s, ip->dlambda, ip->dlambda + NLOWER);
 }
 
-/* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
-struct ip_answer {
-    double kkt, z[NZ], pi[(N + 1) * NX], multiplier[AT_LEAST_ONE(NSIDES)], violation[AT_LEAST_ONE(NSIDES)];
-};
-
 static void ip_keep(const struct qp *s, struct ip_answer *best)
 {
     best->kkt = s->kkt;
@@ -241,39 +221,40 @@ static int ip_restore(struct qp *s, const struct ip_answer *best)
 /* Solve with bounds, starting from s->z and s->pi as qp_solve left them without bounds. */
 static int qp_interior_point(struct qp *s)
 {
-    struct interior_point ip ON_STACK;
-    struct ip_answer best ON_STACK = {.kkt = INFINITY};
+    struct interior_point *ip = &s->work.ip;
+    struct ip_answer *best = &ip->best;
 
-    ip_start(s, &ip);
-    if (kkt_check(s, 1, ip.gradient, ip.defect) == NOT_FINITE)
+    ip_start(s, ip);
+    best->kkt = INFINITY;
+    if (kkt_check(s, 1, ip->gradient, ip->defect) == NOT_FINITE)
         return NOT_FINITE;
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS; ++s->iterations) {
-        const double mu = ip_measure(&ip, 0.0);
-        ip_look(s, &ip);
-        if (!ip_step(s, &ip, 0.0, 0.0, 1))
-            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : ip_infeasible(s, &ip) ? INFEASIBLE : NOT_FINITE;
-        const double affine = ip_longest(&ip, 1.0), ratio = ip_measure(&ip, affine) / mu;
-        ip_step(s, &ip, ratio * ratio * ratio * mu, affine * affine, 0);
-        double step = ip_longest(&ip, BOUNDARY);
-        if (!(ip_measure(&ip, step) < mu)) {   /* the second-order term led astray, and would do so in a cycle */
-            ip_step(s, &ip, CENTRING * mu, 0.0, 0);
-            step = ip_longest(&ip, BOUNDARY);
+        const double mu = ip_measure(ip, 0.0);
+        ip_look(s, ip);
+        if (!ip_step(s, ip, 0.0, 0.0, 1))
+            return best->kkt <= CHECK_TOLERANCE ? ip_restore(s, best) : ip_infeasible(s, ip) ? INFEASIBLE : NOT_FINITE;
+        const double affine = ip_longest(ip, 1.0), ratio = ip_measure(ip, affine) / mu;
+        ip_step(s, ip, ratio * ratio * ratio * mu, affine * affine, 0);
+        double step = ip_longest(ip, BOUNDARY);
+        if (!(ip_measure(ip, step) < mu)) {   /* the second-order term led astray, and would do so in a cycle */
+            ip_step(s, ip, CENTRING * mu, 0.0, 0);
+            step = ip_longest(ip, BOUNDARY);
         }
-        ip_move(s, &ip, step);
-        ip_publish(s, &ip);
-        const int status = kkt_check(s, 1, ip.gradient, ip.defect);
+        ip_move(s, ip, step);
+        ip_publish(s, ip);
+        const int status = kkt_check(s, 1, ip->gradient, ip->defect);
         if (status == NOT_FINITE)
-            return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : NOT_FINITE;
+            return best->kkt <= CHECK_TOLERANCE ? ip_restore(s, best) : NOT_FINITE;
         if (s->kkt <= IP_TOLERANCE)
             return SOLVED;
-        if (best.kkt <= CHECK_TOLERANCE && s->kkt >= 0.5 * best.kkt)
-            return ip_restore(s, &best);
+        if (best->kkt <= CHECK_TOLERANCE && s->kkt >= 0.5 * best->kkt)
+            return ip_restore(s, best);
         if (status == SOLVED)
-            ip_keep(s, &best);
-        else if (s->iterations % FARKAS_EVERY == 0 && ip_infeasible(s, &ip))
+            ip_keep(s, best);
+        else if (s->iterations % FARKAS_EVERY == 0 && ip_infeasible(s, ip))
             return INFEASIBLE;
     }
-    return best.kkt <= CHECK_TOLERANCE ? ip_restore(s, &best) : MAXIMUM_ITERATIONS;
+    return best->kkt <= CHECK_TOLERANCE ? ip_restore(s, best) : MAXIMUM_ITERATIONS;
 }
 
 /* One sweep (factored beforehand if s->factored) when no bound is active, the active set when few are, the interior

@@ -57,7 +57,7 @@ static void kkt_residual(const struct qp *restrict s, const double *restrict z, 
                 add_row(cost, u[a], s->S[k][a]);
             }
             EACH_PACK(b)
-                gx[b] += constant_part(after[b], b);
+                gx[b] += constant_mask(b) * after[b];
             for (int m = 0; m < ND; ++m)
                 add_row(gx, next[m], s->A[k][m]);
             for (int i = 0; i < NX; ++i) {

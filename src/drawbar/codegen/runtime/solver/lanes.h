@@ -9,7 +9,9 @@
 #include <math.h>
 #include <stdint.h>
 
-#define LANES 8
+#ifndef LANES
+#define LANES 8                            /* stages at once; a unit with one stage says 1 */
+#endif
 
 #if defined(__GNUC__)
 #define LANE static inline __attribute__((always_inline))   /* a call inside the loop would undo its SIMD code */

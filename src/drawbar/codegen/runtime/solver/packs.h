@@ -1,13 +1,13 @@
 /* Rows of NX numbers as whole SIMD registers.
  *
- * A matrix row is padded with zeros to WIDTH numbers, PACKS registers of PACK numbers each. Compilers with GNU vectors
- * (gcc, clang, zig) keep sums of rows in registers; others get the same loops over plain numbers.
+ * A matrix row is padded with zeros to WIDTH numbers, PACKS registers of PACK numbers each. Where registers hold four
+ * numbers, GNU vectors keep sums of rows in them; elsewhere the same loops over plain numbers are faster.
  */
 #ifndef DRAWBAR_PACKS_H
 #define DRAWBAR_PACKS_H
 
 #ifndef PACK
-#if defined(__GNUC__) && NX > 4
+#if defined(__AVX__) && defined(__GNUC__) && NX > 4
 #define PACK 4
 #else
 #define PACK 1
@@ -47,10 +47,8 @@ static inline pack read_pack(const double *row, int b)
     return *(const pack_in_memory *)(row + b * PACK);
 }
 
-static inline void write_pack(double *row, int b, pack value)
-{
-    *(pack_in_memory *)(row + b * PACK) = value;
-}
+/* A macro, since gcc 12 notes a change of its ABI, and cannot be kept from it, where a pack is a parameter. */
+#define write_pack(row, b, value) (*(pack_in_memory *)((row) + (b) * PACK) = (value))
 
 /* A vector of NX numbers, not padded in memory. */
 static inline void read_vector(pack *restrict to, const double *restrict from)
@@ -92,17 +90,17 @@ static inline void add_row(pack *restrict sum, double factor, const double *rest
         sum[b] += factor * read_pack(row, b);
 }
 
-/* Keep the entries of states that are constant (ND and later); the others become zero. */
-static inline pack constant_part(pack value, int b)
+/* 1 for the states that are constant (ND and later), 0 for the others. */
+static inline pack constant_mask(int b)
 {
 #if NC == 0
     (void)b;
-    return value - value;
+    return (pack){0};
 #elif PACK > 1
     const int first = b * PACK;
-    return value * (pack){first >= ND, first + 1 >= ND, first + 2 >= ND, first + 3 >= ND};
+    return (pack){first >= ND, first + 1 >= ND, first + 2 >= ND, first + 3 >= ND};
 #else
-    return b < ND ? 0.0 : value;
+    return b >= ND;
 #endif
 }
 

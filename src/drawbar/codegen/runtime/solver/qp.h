@@ -21,28 +21,17 @@
 #define NSIDES (2 * NB)                   /* each bounded variable has a lower and an upper side */
 #define AT_LEAST_ONE(n) ((n) > 0 ? (n) : 1)
 
+#include "bounds_work.h"
 #include "packs.h"
+#include "status.h"
 
 #define STATE(z, k) ((z) + (k) * NX)
 #define INPUT(z, k) ((z) + (N + 1) * NX + (k) * NU)
 
-enum qp_status { SOLVED, MAXIMUM_ITERATIONS, INFEASIBLE, NOT_FINITE, CHECK_FAILED, BAD_INPUT };
-
-#define ACTIVE_MOST (NB < 24 ? NB : 24)    /* sweeps that cost less than the interior point */
-
-/* Work of active_set.h: the bounds that it holds, and one column for each that it ever held in this problem. */
-struct active_set {
-    int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
-    int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
-    double column[AT_LEAST_ONE(ACTIVE_MOST)][NZ], column_pi[AT_LEAST_ONE(ACTIVE_MOST)][(N + 1) * NX];
-    double L[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(ACTIVE_MOST)], D[AT_LEAST_ONE(ACTIVE_MOST)];
-    double nu[AT_LEAST_ONE(ACTIVE_MOST)];
-};
-
 struct qp {
     /* problem */
-    double Q[N + 1][NX][WIDTH], S[N][NU][WIDTH], A[N][NX][WIDTH];
-    double R[N][NU][NU], B[N][NX][NU], c[N][NX];
+    double Q[N + 1][NX][WIDTH], S[N][NU][WIDTH], R[N][NU][NU];
+    double A[N][ND][WIDTH], B[N][ND][NU], c[N][NX];   /* the rows below of A are [0 I], those of B zero */
     double g[NZ];                          /* q_0 .. q_N, r_0 .. r_{N-1} */
     double initial[NX];                    /* x_0 where it is given */
     double lower[AT_LEAST_ONE(NB)], upper[AT_LEAST_ONE(NB)];   /* infinite: none */
@@ -56,7 +45,7 @@ struct qp {
     /* factorisation */
     double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], closed[N][AT_LEAST_ONE(ND)][WIDTH];   /* closed: A + B K */
     double L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
-    struct active_set active;
+    union bounds_work work;
 };
 
 /* Is every bounded variable one that there is? */
@@ -167,7 +156,7 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
     UNROLLED for (int i = 0; i < NX; ++i) {
         pack row[PACKS];
         EACH_PACK(b)
-            row[b] = constant_part(read_pack(after[i], b), b);
+            row[b] = constant_mask(b) * read_pack(after[i], b);
         UNROLLED for (int m = 0; m < ND; ++m)
             add_row(row, after[i][m], A[m]);
         write_row(PA[i], row);
@@ -244,7 +233,7 @@ static inline void solve_backward(const struct qp *restrict s, const double *res
         for (int a = 0; a < NU; ++a)
             add_row(after, r[a], s->K[k][a]);
         EACH_PACK(b)
-            after[b] += constant_part(sum[b], b);
+            after[b] += constant_mask(b) * sum[b];
         for (int m = 0; m < ND; ++m)
             add_row(after, h[m], s->closed[k][m]);
         write_vector(STATE(p, k), after);

@@ -1,0 +1,27 @@
+"""A part of the autopilot that has no solver, as a compiled unit of its own."""
+
+from drawbar.codegen.cache import build
+from drawbar.codegen.library import Workspace
+
+_INTROSPECTION = """
+#include "fields.h"
+int64_t drawbar_size = sizeof(struct part);
+const struct drawbar_field drawbar_fields[] = {PART_FIELDS END_OF_FIELDS};
+"""
+
+
+class Part(Workspace):
+    """The workspace of a unit that defines `struct part`, functions of it, and its PART_FIELDS."""
+
+    def __init__(self, name: str, source: str) -> None:
+        """Compile the unit (or take it from the cache).
+
+        Args:
+            name: readable part of the library's file name.
+            source: C99 text, in most cases the inclusion of one header of the runtime.
+
+        Raises:
+            CompilerError: no compiler, or it refused the code.
+        """
+        self.source = source
+        super().__init__(build(name, source + _INTROSPECTION))

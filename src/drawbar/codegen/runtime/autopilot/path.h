@@ -1,0 +1,150 @@
+/* The path to follow: poses joined by cubic Hermite pieces, continued as straight lines beyond both ends.
+ *
+ * The table of poses is the caller's own memory; the cubic of a piece is made from its two ends where it is needed. On
+ * pieces this short a Hermite cubic with unit tangents has unit speed and follows an arc of radius 6.67 m to 1e-7 m and
+ * 1e-6 rad, one of 2.5 m to 1e-6 m and 1e-5 rad.
+ */
+#ifndef DRAWBAR_PATH_H
+#define DRAWBAR_PATH_H
+
+#include <math.h>
+#include <stddef.h>
+#include "drawbar_signals.h"
+
+#define PATH_PROJECTIONS 20                /* Newton steps of a projection, at most */
+#define PATH_CONVERGED 1e-6                /* last Newton step, m; what is left after it is of its square */
+
+struct path {
+    const struct drawbar_path_node *nodes;
+    int32_t count;
+};
+
+/* A piece as a polynomial in the distance from its first node, constant first: m, 1, 1/m, 1/m^2. */
+struct path_cubic {
+    double anchor, yaw;                    /* arc length (m) and yaw (rad) of the first node */
+    double x[4], y[4];
+};
+
+static inline double path_length(const struct path *path)
+{
+    return path->nodes[path->count - 1].arc_length;
+}
+
+/* How many nodes lie before an arc length (m), or at it where `including`. */
+static inline int32_t path_nodes_before(const struct path *path, double arc_length, int including)
+{
+    int32_t low = 0, high = path->count;
+
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        const double node = path->nodes[middle].arc_length;
+        if (node < arc_length || (including && node <= arc_length))
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* The second and third coefficient of one coordinate, from its mean slope and its slopes at both ends. */
+static inline void path_bend(double *cubic, double mean, double end, double length)
+{
+    cubic[2] = (3.0 * mean - 2.0 * cubic[1] - end) / length;
+    cubic[3] = (cubic[1] + end - 2.0 * mean) / (length * length);
+}
+
+/* The piece in front of the node `piece`; the first and the last one, 0 and count, are the straight continuations. */
+static inline struct path_cubic path_cubic(const struct path *path, int32_t piece)
+{
+    const struct drawbar_path_node *a = &path->nodes[piece > 0 ? piece - 1 : 0], *b = a + 1;
+    struct path_cubic cubic = {a->arc_length, a->yaw, {a->x, cos(a->yaw), 0.0, 0.0}, {a->y, sin(a->yaw), 0.0, 0.0}};
+
+    if (piece > 0 && piece < path->count) {
+        const double length = b->arc_length - a->arc_length;
+        path_bend(cubic.x, (b->x - a->x) / length, cos(b->yaw), length);
+        path_bend(cubic.y, (b->y - a->y) / length, sin(b->yaw), length);
+    }
+    return cubic;
+}
+
+/* x, y (m), continuous yaw (rad) and curvature (1/m) of a piece at an arc length, m. */
+static inline void path_cubic_sample(const struct path_cubic *cubic, double arc_length, double *sample)
+{
+    const double distance = arc_length - cubic->anchor, *x = cubic->x, *y = cubic->y;
+    const double slope_x = distance * x[3], slope_y = distance * y[3];
+    const double inner_x = distance * (x[2] + slope_x), inner_y = distance * (y[2] + slope_y);
+    const double tangent_x = x[1] + 2.0 * inner_x + distance * slope_x;
+    const double tangent_y = y[1] + 2.0 * inner_y + distance * slope_y;
+    const double bend_x = x[2] + 3.0 * slope_x, bend_y = y[2] + 3.0 * slope_y; /* half the second derivative */
+
+    sample[0] = x[0] + distance * (x[1] + inner_x);
+    sample[1] = y[0] + distance * (y[1] + inner_y);
+    sample[2] = cubic->yaw + atan2(tangent_y * x[1] - tangent_x * y[1], tangent_x * x[1] + tangent_y * y[1]);
+    sample[3] = 2.0 * (tangent_x * bend_y - tangent_y * bend_x);
+}
+
+/* x, y (m), continuous yaw (rad) and curvature (1/m) of the path at count arc lengths, m. */
+static inline void path_samples(const struct path *path, const double *arc_lengths, int64_t count, double (*samples)[4])
+{
+    for (int64_t i = 0; i < count; ++i) {
+        const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_lengths[i], 1));
+        path_cubic_sample(&cubic, arc_lengths[i], samples[i]);
+    }
+}
+
+static inline void path_sample(const struct path *path, double arc_length, double sample[4])
+{
+    path_samples(path, &arc_length, 1, (double (*)[4])sample);
+}
+
+/* The node next to the point (m) among those between two arc lengths, m, and the nearest one beyond either. */
+static inline int32_t path_nearest_node(const struct path *path, double x, double y, double low, double high)
+{
+    const int32_t before = path_nodes_before(path, low, 0), after = path_nodes_before(path, high, 0);
+    const int32_t first = before > 0 ? before - 1 : 0, last = after < path->count ? after : path->count - 1;
+    double shortest = INFINITY;
+    int32_t nearest = first;
+
+    for (int32_t i = first; i <= last; ++i) {
+        const double east = path->nodes[i].x - x, north = path->nodes[i].y - y;
+        const double squared = east * east + north * north;
+        if (squared < shortest) {
+            shortest = squared;
+            nearest = i;
+        }
+    }
+    return nearest;
+}
+
+/* The arc length (m) between low and high of the point of the path closest to (x, y), and the lateral error (m),
+ * positive where (x, y) is left of the path. The nearest node starts a Newton iteration on the distance along the
+ * tangent. */
+static inline double path_project(const struct path *path, double x, double y, double low, double high, double *error)
+{
+    double arc_length = path->nodes[path_nearest_node(path, x, y, low, high)].arc_length;
+
+    arc_length = fmin(fmax(arc_length, low), high);
+    for (int iteration = 0; iteration < PATH_PROJECTIONS; ++iteration) {
+        const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_length, 1));
+        const double d = arc_length - cubic.anchor, *c = cubic.x, *s = cubic.y;
+        const double east = x - c[0] - d * (c[1] + d * (c[2] + d * c[3]));
+        const double north = y - s[0] - d * (s[1] + d * (s[2] + d * s[3]));
+        const double tangent_x = c[1] + d * (2.0 * c[2] + 3.0 * d * c[3]);
+        const double tangent_y = s[1] + d * (2.0 * s[2] + 3.0 * d * s[3]);
+        const double curvature
+            = 2.0 * (tangent_x * (s[2] + 3.0 * d * s[3]) - tangent_y * (c[2] + 3.0 * d * c[3]));
+        const double ahead = east * tangent_x + north * tangent_y;
+        *error = north * tangent_x - east * tangent_y;
+        /* 1 - curvature * lateral is the slope of the distance along; it vanishes at the centre of curvature, where the
+         * bound keeps the step from running away */
+        const double step = ahead / fmax(1.0 - curvature * *error, 0.2);
+        const double moved = fmin(fmax(arc_length + step, low), high);
+        const int converged = fabs(moved - arc_length) <= PATH_CONVERGED;
+        arc_length = moved;
+        if (converged)
+            break;
+    }
+    return arc_length;
+}
+
+#endif

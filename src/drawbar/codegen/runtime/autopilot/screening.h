@@ -1,0 +1,207 @@
+/* Screening of position fixes: what a receiver repeats, or cannot have seen, is masked before it is estimated with.
+ *
+ * Each fix is compared with where the estimator expects that antenna, across and along the vehicle: a validation gate
+ * (Bar-Shalom, Li, Kirubarajan 2001, section 5.4) that widens while there is no fix. What is too small for the gate
+ * shows in how both antennas disagree (suspicion.h); what both agree on prevails in the end (trust.h).
+ */
+#ifndef DRAWBAR_SCREENING_H
+#define DRAWBAR_SCREENING_H
+
+#include "noise_level.h"
+#include "signals.h"
+#include "suspicion.h"
+#include "trust.h"
+
+/* What is remembered of one receiver. */
+struct receiver {
+    double fix[2], expected[2];            /* what it reports; where the antenna was expected when it first did, m */
+    double accepted;                       /* time of the last accepted fix, s */
+    int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
+};
+
+struct screening {
+    /* settings: estimation/settings.py tells what they mean */
+    double lateral, longitudinal, growth, single_growth, shift, release, length, repetition, patience;
+    double deviation;                      /* of one coordinate of a fix at least, m */
+    int32_t memory, long_memory;
+    /* state */
+    struct receiver receivers[2];
+    struct noise_level noise;
+    struct suspicion suspicion;
+    struct trust trust;
+    double length_error;                   /* mean error of the antennas' distance, m */
+    int32_t lengths;                       /* samples in it */
+};
+
+#define SCREENING_FIELDS(type, prefix)                                                                       \
+    SETTING(type, prefix lateral, 0, 1, 0, 0) SETTING(type, prefix longitudinal, 0, 1, 0, 0)                 \
+    SETTING(type, prefix growth, 0, 1, 0, 0) SETTING(type, prefix single_growth, 0, 1, 0, 0)                 \
+    SETTING(type, prefix shift, 0, 1, 0, 0) SETTING(type, prefix release, 0, 1, 0, 0)                        \
+    SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix repetition, 0, 1, 0, 0)                    \
+    SETTING(type, prefix patience, 0, 1, 0, 0) SETTING(type, prefix deviation, 0, 1, 0, 0)                   \
+    SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)
+
+/* A measurement without the fixes that are not to be believed. */
+struct screened {
+    struct drawbar_measurement measurement;   /* NaN in place of what was masked */
+    int32_t fixes[2];                      /* enum drawbar_fix of the tractor's antenna and of the trailer's */
+    int32_t exposed;                       /* enum antenna: has become suspect with this sample; what it reported just
+                                            * before was wrong as well */
+    int32_t restart;                       /* both antennas overrule the estimate: it is to start anew from this
+                                            * measurement */
+};
+
+/* How far the antenna has moved since the receiver first reported exactly this fix, m. */
+static inline double receiver_travelled(struct receiver *receiver, const double *fix, const double *expected)
+{
+    if (!receiver->reported || fix[0] != receiver->fix[0] || fix[1] != receiver->fix[1]) {
+        memcpy(receiver->fix, fix, sizeof receiver->fix);
+        memcpy(receiver->expected, expected, sizeof receiver->expected);
+        receiver->reported = 1;
+    }
+    return distance(expected, receiver->expected);
+}
+
+static inline int32_t receiver_fix(struct receiver *receiver, const double *fix, const double *expected,
+                                   double repetition)
+{
+    if (!isfinite(fix[0] + fix[1]))
+        return DRAWBAR_FIX_MISSING;
+    return receiver_travelled(receiver, fix, expected) > repetition ? DRAWBAR_FIX_STALE : DRAWBAR_FIX_ACCEPTED;
+}
+
+/* By how much each gate has widened for want of a fix, m. */
+static inline void screening_rooms(const struct screening *s, double time, double *rooms)
+{
+    double blind[2];
+
+    for (int i = 0; i < 2; ++i)
+        blind[i] = s->receivers[i].was_accepted ? time - s->receivers[i].accepted : 0.0;
+    for (int i = 0; i < 2; ++i)
+        rooms[i] = s->growth * fmin(blind[0], blind[1]) + s->single_growth * blind[i];
+}
+
+/* Let both fixes, which lie so far (4 values, m) from where they are expected, be compared with each other. */
+static inline void screening_compare(struct screening *s, double *offsets, const int *outside, double deviation,
+                                     double room)
+{
+    const struct suspicion_limits limits = {
+        s->lateral * deviation, s->shift * deviation, s->release * deviation, room, s->memory,
+    };
+
+    offsets[0] -= 0.5 * s->length_error;   /* each is off by half of what the configured lengths are wrong */
+    offsets[2] += 0.5 * s->length_error;
+    const double disagreement[] = {offsets[0] - offsets[2], offsets[1] - offsets[3]};
+    noise_update(&s->noise, disagreement, 2.0 * limits.most, s->long_memory);
+    if (s->trust.earned)                   /* an estimate that nobody has confirmed yet accuses no one */
+        suspicion_update(&s->suspicion, &limits, offsets, outside);
+    else
+        suspicion_forget(&s->suspicion);
+}
+
+/* Find which fixes lie outside their gates, and who is suspect. */
+static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
+                                  int both, int *outside)
+{
+    const double deviation = fmax(noise_deviation(&s->noise), s->deviation);
+    double offsets[4], rooms[2];
+
+    antenna_offsets(fixes, expected, offsets);
+    screening_rooms(s, time, rooms);
+    for (int i = 0; i < 2; ++i)
+        outside[i] = !(fabs(offsets[2 * i + 1]) <= s->lateral * deviation + rooms[i]
+                       && fabs(offsets[2 * i]) <= s->longitudinal + rooms[i]);
+    if (both) {
+        screening_compare(s, offsets, outside, deviation, fmax(rooms[0], rooms[1]));
+    } else {
+        noise_interrupt(&s->noise);
+        suspicion_forget(&s->suspicion);
+    }
+}
+
+/* Are the antennas as far from each other as they have been, or at first as they should be? */
+static inline int screening_plausible(const struct screening *s, double error)
+{
+    return fabs(error - s->length_error) <= (s->lengths ? s->length : s->longitudinal);
+}
+
+static inline void screening_learn(struct screening *s, double error)
+{
+    s->lengths = s->lengths < s->long_memory ? s->lengths + 1 : s->long_memory;
+    s->length_error += (error - s->length_error) / s->lengths;
+}
+
+/* What each receiver reports; returns whether both have a fix. */
+static inline int screening_receive(struct screening *s, const double *fixes, const double *expected, int32_t *found)
+{
+    for (int i = 0; i < 2; ++i)
+        found[i] = receiver_fix(&s->receivers[i], fixes + 2 * i, expected + 2 * i, s->repetition);
+    return found[0] == DRAWBAR_FIX_ACCEPTED && found[1] == DRAWBAR_FIX_ACCEPTED;
+}
+
+/* Reject the fixes that lie outside their gates or are suspect; returns how many. */
+static inline int screening_reject(const struct screening *s, const int *outside, int32_t *found)
+{
+    int rejected = 0;
+
+    for (int i = 0; i < 2; ++i)
+        if (found[i] == DRAWBAR_FIX_ACCEPTED && (outside[i] || s->suspicion.suspect == TRACTOR_ANTENNA + i)) {
+            found[i] = DRAWBAR_FIX_REJECTED;
+            ++rejected;
+        }
+    return rejected;
+}
+
+/* Hand on a measurement with what was found to be believed of it. */
+static inline void screening_accept(struct screening *s, const struct drawbar_measurement *measurement,
+                                    struct screened *screened)
+{
+    struct drawbar_measurement *believed = &screened->measurement;
+
+    *believed = *measurement;
+    if (screened->fixes[0] != DRAWBAR_FIX_ACCEPTED)
+        believed->tractor_x = believed->tractor_y = NAN;
+    if (screened->fixes[1] != DRAWBAR_FIX_ACCEPTED)
+        believed->trailer_x = believed->trailer_y = NAN;
+    for (int i = 0; i < 2; ++i)
+        if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED) {
+            s->receivers[i].accepted = measurement->time;
+            s->receivers[i].was_accepted = 1;
+        }
+}
+
+/* Mask what is not to be believed of a measurement, as the sensors report it.
+ *
+ * expected: x, y (m) of the tractor's antenna and of the trailer's where the estimator expects them at its time. */
+static inline void screening_judge(struct screening *s, const struct drawbar_measurement *measurement,
+                                   const double *expected, struct screened *screened)
+{
+    const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
+                            measurement->trailer_y};
+    const double error = antenna_length_error(fixes, expected);
+    const int32_t before = s->suspicion.suspect;
+    int outside[2];
+
+    const int both = screening_receive(s, fixes, expected, screened->fixes);
+    screening_gate(s, measurement->time, fixes, expected, both, outside);
+    const int rejected = screening_reject(s, outside, screened->fixes);
+    const int agreeing = both && screening_plausible(s, error);
+    screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
+    screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
+    if (screened->restart) {
+        suspicion_forget(&s->suspicion);
+        screened->fixes[0] = screened->fixes[1] = DRAWBAR_FIX_ACCEPTED;
+    } else if (both && !rejected) {
+        screening_learn(s, error);
+    }
+    screening_accept(s, measurement, screened);
+}
+
+/* Let the estimate say what became of the fixes. */
+static inline void screened_mark(const struct screened *screened, struct drawbar_estimate *estimate)
+{
+    estimate->tractor_fix = screened->fixes[0];
+    estimate->trailer_fix = screened->fixes[1];
+}
+
+#endif

@@ -1,0 +1,44 @@
+/* Memory of the two methods for bounds, which never work at the same time: it lies in the program and not on the stack,
+ * of which a microcontroller has little. */
+#ifndef DRAWBAR_BOUNDS_WORK_H
+#define DRAWBAR_BOUNDS_WORK_H
+
+#define ACTIVE_MOST (NB < 24 ? NB : 24)    /* sweeps that cost less than the interior point */
+#define BLOCK 8                            /* sides are worked on in blocks, for SIMD code */
+#define NLOWER ((NB + BLOCK - 1) / BLOCK * BLOCK)
+#define NSLOTS AT_LEAST_ONE(2 * NLOWER)    /* slot i: lower side of bounded variable i, slot NLOWER + i: its upper side */
+
+/* Work of active_set.h: the bounds that it holds, and one column for each that it ever held in this problem. */
+struct active_set {
+    int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
+    int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
+    double column[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(NB)];   /* how a unit pull moves the bounded variables */
+    double L[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(ACTIVE_MOST)], D[AT_LEAST_ONE(ACTIVE_MOST)];
+    double nu[AT_LEAST_ONE(ACTIVE_MOST)];
+    double pull[NZ], dz[NZ], dpi[(N + 1) * NX];   /* one sweep: the pulls, and how they move everything */
+};
+
+/* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
+struct ip_answer {
+    double kkt, z[NZ], pi[(N + 1) * NX], multiplier[AT_LEAST_ONE(NSIDES)], violation[AT_LEAST_ONE(NSIDES)];
+};
+
+/* Work of interior_point.h. Slots without a bound keep t = 1, lambda = 0, those without softness v = 0, sigma = 0: flags
+ * of 0 and 1 instead of branches let every loop over slots run in SIMD registers. */
+struct interior_point {
+    double exists[NSLOTS], soft[NSLOTS], offset[NSLOTS], linear[NSLOTS], quadratic[NSLOTS];
+    double t[NSLOTS], lambda[NSLOTS], v[NSLOTS], sigma[NSLOTS];
+    double dt[NSLOTS], dlambda[NSLOTS], dv[NSLOTS], dsigma[NSLOTS];
+    double distance[NSLOTS], per_t[NSLOTS], per_v[NSLOTS];
+    double pairs;                          /* complementary pairs in all */
+    double gradient[NZ], defect[N][NX];    /* of the Lagrangian, and of the dynamics */
+    double barrier[NZ], dz[NZ], dpi[(N + 1) * NX];
+    struct ip_answer best;
+};
+
+union bounds_work {
+    struct active_set active;
+    struct interior_point ip;
+};
+
+#endif

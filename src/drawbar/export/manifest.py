@@ -1,0 +1,84 @@
+"""What a library is and what it needs, for people and programs that build on it: manifest.json."""
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from drawbar.codegen.cache import runtime_sources
+from drawbar.config import Configuration
+from drawbar.export.sources import state_doubles
+from drawbar.export.stack import CallGraph
+from drawbar.export.toolchain import Built
+from drawbar.export.unit import Unit
+
+ENTRIES = ("drawbar_init", "drawbar_set_path", "drawbar_feedback", "drawbar_prepare", "drawbar_step")
+"""functions whose stack is stated"""
+_BOUNDS = {
+    "interior_point_iterations": "IP_ITERATIONS",
+    "active_set_passes": "ACTIVE_PASSES",
+}
+"""what limits a solver's work in one feedback, and its name in C"""
+
+
+def configuration_hash(configuration: Configuration) -> str:
+    """Return the SHA-256 of the complete configuration as written out."""
+    return _sha256(configuration.to_toml().encode())
+
+
+def manifest(
+    configuration: Configuration, version: str, units: Sequence[Unit], builds: Sequence[Built]
+) -> dict[str, Any]:
+    """Return the manifest.
+
+    Args:
+        configuration: what was exported.
+        version: of drawbar.
+        units: the parts.
+        builds: what was built, one entry a target.
+    """
+    return {
+        "drawbar": version,
+        "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
+        "state_bytes": 8 * state_doubles(units),
+        "parts_bytes": {unit.name: unit.size for unit in units},
+        "bounds": {name: _defined(macro) for name, macro in _BOUNDS.items()},
+        "targets": {build.target.name: _target(build) for build in builds},
+    }
+
+
+def _target(build: Built) -> dict[str, Any]:
+    sizes = sum((unit.sizes for unit in build.units), start=Counter[str]())
+    return {
+        "triple": build.target.triple,
+        "compiler": build.compiler,
+        "flags": " ".join(build.flags),
+        "files": {
+            file.name: {"bytes": file.stat().st_size, "sha256": _sha256(file.read_bytes())} for file in build.files
+        },
+        "sections_bytes": {kind: sizes[kind] for kind in (".text", ".rodata", ".data", ".bss")},
+        **(_calls(build) if build.target.stack_known else {}),
+    }
+
+
+def _calls(build: Built) -> Mapping[str, Any]:
+    graph = CallGraph(build.units)
+    uses = {name: graph.worst(name) for name in ENTRIES}
+    return {
+        "stack_bytes": {name: use.size for name, use in uses.items()},
+        "deepest_chain": list(uses["drawbar_step"].chain),
+        "needs": graph.outside(),
+    }
+
+
+def _defined(macro: str) -> int:
+    """Return the number that the runtime defines under this name."""
+    for text in runtime_sources().values():
+        if found := re.search(rf"^#define {macro} (\d+)", text, re.MULTILINE):
+            return int(found[1])
+    raise LookupError(macro)
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

@@ -1,0 +1,89 @@
+"""The machines that a library is built for, and what is asked of the compiler for each."""
+
+from dataclasses import dataclass
+
+from drawbar.errors import ConfigurationError
+
+FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fvisibility=hidden",
+    "-ffunction-sections",
+    "-fdata-sections",
+    "-g0",
+)
+"""The same on all targets. No fused multiply-add, so that targets agree; never -ffast-math."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """One machine, as zig names it."""
+
+    name: str
+    """in our words; also the folder of what is built"""
+    triple: str
+    flags: tuple[str, ...]
+    """on top of FLAGS"""
+    headers: tuple[str, ...] = ()
+    """folders of zig's own include tree that stand in for a C library, where the target has none"""
+    static: str
+    """file name of the static library"""
+    shared: str = ""
+    """file name of the shared library; empty: the target has none"""
+    imports: str = ""
+    """file name of the import library that goes with the shared one"""
+
+    @property
+    def stack_known(self) -> bool:
+        """Whether object files say what stack their functions use; COFF has no place for it."""
+        return "windows" not in self.triple
+
+
+_SIZED, _SHARED = "-fstack-size-section", "-fPIC"
+TARGETS = (
+    Target(
+        name="linux-x86_64",
+        triple="x86_64-linux-gnu",
+        flags=(_SIZED, _SHARED),
+        static="libdrawbar.a",
+        shared="libdrawbar.so",
+    ),
+    Target(
+        name="linux-aarch64",
+        triple="aarch64-linux-gnu",
+        flags=(_SIZED, _SHARED),
+        static="libdrawbar.a",
+        shared="libdrawbar.so",
+    ),
+    Target(
+        name="windows-x86_64",
+        triple="x86_64-windows-gnu",
+        flags=("-mno-incremental-linker-compatible", "-s"),  # no dates, and no names of temporary files
+        static="libdrawbar.a",
+        shared="drawbar.dll",
+        imports="drawbar.lib",
+    ),
+    Target(
+        name="cortex-m7",
+        triple="thumb-freestanding-eabihf",
+        # its unit for doubles; one lane at a time, as it has no SIMD for doubles: more would only cost stack
+        flags=(_SIZED, "-mcpu=cortex_m7+fp_armv8d16", "-fno-unwind-tables", "-DLANES=1"),
+        headers=("arm-linux-musl", "generic-musl"),
+        static="libdrawbar.a",
+    ),
+)
+
+
+def find_target(name: str) -> Target:
+    """Return the target of that name or triple.
+
+    Raises:
+        ConfigurationError: there is none; says which there are.
+    """
+    for target in TARGETS:
+        if name in (target.name, target.triple):
+            return target
+    known = ", ".join(f"{target.name} ({target.triple})" for target in TARGETS)
+    raise ConfigurationError(f"--target {name!r}: no such target; there are {known}.")

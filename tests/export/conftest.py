@@ -1,0 +1,77 @@
+"""One exported library, built once per session by this machine's own compiler, and what it commands."""
+
+import ctypes
+import subprocess
+from collections.abc import Callable, Iterable
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from drawbar.codegen.compiler import FLAGS, find_compiler
+from drawbar.codegen.exchange import CCommand, CMeasurement
+from drawbar.config import load_configuration
+from drawbar.export.export import export_library
+from drawbar.guidance.path import Path as DrivenPath
+from drawbar.signals import Command, Measurement
+
+
+class Library:
+    """An exported library, loaded into this process, with one state."""
+
+    ADDRESS = ctypes.c_void_p
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self.functions = ctypes.CDLL(str(file))
+        self.functions.drawbar_version.restype = self.functions.drawbar_status_text.restype = ctypes.c_char_p
+        self.state = (ctypes.c_double * (self.functions.drawbar_state_size() // 8))()
+
+    def begin(self, path: DrivenPath) -> int:
+        """Start a run along a path; returns the status."""
+        self._nodes = path.nodes  # the library keeps no copy
+        self.functions.drawbar_init(self.state)
+        nodes = self._nodes.ctypes.data_as(ctypes.c_void_p)
+        return int(self.functions.drawbar_set_path(self.state, nodes, len(self._nodes)))
+
+    def step(self, measurement: Measurement) -> tuple[Command, int]:
+        """Return the command for a measurement, and the status."""
+        given, taken = CMeasurement(), CCommand()
+        given.write(measurement)
+        status = self.functions.drawbar_step(self.state, ctypes.byref(given), ctypes.byref(taken))
+        return taken.read(), status
+
+    def drive(self, path: DrivenPath, measurements: Iterable[Measurement]) -> tuple[list[Command], list[int]]:
+        """Return commands and statuses of a whole run."""
+        assert self.begin(path) == 0
+        commands, statuses = zip(*map(self.step, measurements), strict=True)
+        return list(commands), list(statuses)
+
+
+@pytest.fixture(scope="session")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Return a function that exports a shipped configuration with changes, each once."""
+
+    @cache
+    def exported(name: str, *changes: str) -> Path:
+        folder = tmp_path_factory.mktemp(name)
+        export_library(load_configuration(name, changes), folder)
+        return folder
+
+    return exported
+
+
+@pytest.fixture(scope="session")
+def compiled() -> Callable[..., Library]:
+    """Return a function that compiles an exported folder for this machine, by default as Python's own solvers are."""
+
+    @cache
+    def compiled(folder: Path, flags: tuple[str, ...] = FLAGS) -> Path:
+        file = folder / f"library-{abs(hash(flags))}.so"
+        sources = map(str, sorted((folder / "src").glob("*.c")))
+        subprocess.run(
+            [*find_compiler(), *flags, f"-I{folder / 'include'}", *sources, "-lm", "-o", str(file)], check=True
+        )
+        return file
+
+    return lambda *arguments: Library(compiled(*arguments))

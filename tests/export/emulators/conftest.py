@@ -1,0 +1,207 @@
+"""Recorded runs of the Python product, and the machines on which the exported library repeats them."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass, replace
+from functools import cache
+from itertools import islice
+from pathlib import Path as FilePath
+
+import numpy as np
+import pytest
+
+from drawbar.autopilot.build import build_autopilot, build_machine, build_path
+from drawbar.autopilot.run import drive
+from drawbar.codegen.compiler import FLAGS, find_compiler
+from drawbar.config import load_configuration
+from drawbar.export.targets import find_target
+from drawbar.export.toolchain import Built, build_target
+from drawbar.geometry import Floats
+from drawbar.machine.base import Machine
+from drawbar.signals import Command, Measurement, StepRecord, Truth
+
+HERE = FilePath(__file__).parent
+REPLAY = str(HERE / "replay.c")
+FILES = str(HERE / "files.c")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recording:
+    """A run of the Python product."""
+
+    nodes: Floats
+    """(n, 4) of the path"""
+    records: list[StepRecord]
+
+    def write(self, file: FilePath) -> None:
+        """Write what replay.c reads."""
+        count = np.float64(len(self.nodes))
+        file.write_bytes(count.tobytes() + self.nodes.tobytes() + self.measurements.tobytes())
+
+    @property
+    def measurements(self) -> Floats:
+        """(m, 9) in the order of their fields."""
+        return np.array([astuple(record.measurement) for record in self.records])
+
+    @property
+    def commands(self) -> Floats:
+        """(m, 4): time (s), both steerings (rad) and speed (m/s) that the product commanded."""
+        return np.array([astuple(record.command) for record in self.records])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Replay:
+    """What the library made of a recording."""
+
+    statuses: Floats
+    commands: Floats
+    stack: int | None
+    """bytes, where it was measured"""
+
+
+class RunawayWheel(Machine):
+    """A machine whose wheel-speed sensor reports 12 m/s for a while, which the estimator comes to believe."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+
+    def read(self) -> Measurement:
+        measurement = self._machine.read()
+        return replace(measurement, speed=12.0) if 30.0 <= measurement.time < 34.0 else measurement
+
+    def write(self, command: Command) -> None:
+        self._machine.write(command)
+
+    def truth(self) -> Truth | None:
+        return self._machine.truth()
+
+
+@pytest.fixture(scope="session")
+def record() -> Callable[..., Recording]:
+    """Return a function that drives a shipped configuration with changes and keeps the run."""
+
+    @cache
+    def record(name: str, *changes: str, steps: int = 10000, runaway: bool = False) -> Recording:
+        configuration = load_configuration(name, changes)
+        path, _ = build_path(configuration)
+        simulated = build_machine(configuration, path, seed=0)
+        machine = RunawayWheel(simulated) if runaway else simulated
+        run = drive(build_autopilot(configuration, path, machine), time_limit=2000.0)
+        return Recording(nodes=path.nodes, records=list(islice(run, steps)))
+
+    return record
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Host:
+    """How a program for one target of the export is linked and run on this machine."""
+
+    triple: str
+    """that zig links the host program for, with a C library"""
+    flags: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ("files.c",)
+    library: str = "libdrawbar.a"
+    runner: tuple[str, ...] = ()
+
+
+_BARE = ("-mcpu=cortex_m7+fp_armv8d16", "-Wl,--gc-sections", "-T", str(HERE / "cortex_m7.ld"))
+_BOARD = ("-M", "mps2-an500", "-nographic", "-semihosting-config", "enable=on,target=native", "-kernel")
+HOSTS = {
+    "linux-x86_64": Host(triple="x86_64-linux-gnu", library="libdrawbar.so"),
+    "linux-aarch64": Host(triple="aarch64-linux-musl", flags=("-static",), runner=("qemu-aarch64",)),
+    "windows-x86_64": Host(triple="x86_64-windows-gnu", library="drawbar.lib", runner=("wine",)),
+    "cortex-m7": Host(
+        triple="thumb-linux-musleabihf",
+        flags=("-static", *_BARE),
+        sources=("semihosting.c",),
+        runner=("qemu-system-arm", *_BOARD),
+    ),
+}
+"""by target; on the Cortex-M7 there is no Linux, but its C library's mathematics serve as well"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Player:
+    """A program that replays recordings, and how to start it."""
+
+    command: tuple[str, ...]
+    environment: dict[str, str]
+
+    def play(self, recording: Recording, folder: FilePath) -> Replay:
+        """Replay the recording in an empty folder."""
+        recording.write(folder / "input")
+        done = subprocess.run(
+            self.command,
+            cwd=folder,
+            env=os.environ | self.environment,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+            timeout=300,
+        )
+        assert done.returncode == 0, (done.stdout + done.stderr).decode(errors="replace")[-2000:]
+        output = np.fromfile(folder / "output")
+        assert output[0] == 0.0, "the path was refused"
+        steps = output[1:].reshape(-1, 5)
+        stack = folder / "stack"
+        return Replay(
+            statuses=steps[:, 0],
+            commands=steps[:, 1:],
+            stack=int.from_bytes(stack.read_bytes(), "little") if stack.exists() else None,
+        )
+
+
+def linked(command: Sequence[str], program: FilePath) -> FilePath:
+    done = subprocess.run([*command, "-o", str(program)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[:3000]
+    return program
+
+
+@pytest.fixture(scope="session")
+def native(exported: Callable[..., FilePath]) -> Callable[[str], Player]:
+    """Return a function that builds a configuration's player with the compiler and flags of Python's own solvers."""
+    flags = [flag for flag in FLAGS if flag not in ("-shared", "-fPIC")]
+
+    @cache
+    def native(name: str) -> Player:
+        folder = exported(name)
+        sources = map(str, sorted((folder / "src").glob("*.c")))
+        command = [*find_compiler(), *flags, f"-I{folder / 'include'}", *sources, REPLAY, FILES, "-lm"]
+        return Player(command=(str(linked(command, folder / "replay")),), environment={})
+
+    return native
+
+
+@pytest.fixture(scope="session")
+def built(exported: Callable[..., FilePath]) -> Callable[[str], Built]:
+    """Return a function that builds the product's library for a target."""
+    return cache(lambda target: build_target(find_target(target), exported("articulated")))
+
+
+@pytest.fixture(scope="session")
+def player(
+    exported: Callable[..., FilePath], built: Callable[[str], Built], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[str], Player]:
+    """Return a function that builds the product's library for a target, and a program that plays it there."""
+
+    @cache
+    def player(target: str) -> Player:
+        host = HOSTS[target]
+        if host.runner and shutil.which(host.runner[0]) is None:
+            pytest.skip(f"{host.runner[0]} is not installed")
+        library = built(target).files[0].parent
+        sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), "-lm"]
+        zig = [sys.executable, "-m", "ziglang", "cc", "-target", host.triple, "-std=gnu99", "-O2", *host.flags]
+        # beside the library: where Windows looks for it, and Linux is told to
+        program = linked([*zig, f"-I{exported('articulated') / 'include'}", *sources], library / "replay.exe")
+        environment = {
+            "LD_LIBRARY_PATH": str(library),
+            "WINEDEBUG": "-all",
+            "WINEPREFIX": str(tmp_path_factory.getbasetemp() / "wine"),
+        }
+        return Player(command=(*host.runner, str(program)), environment=environment)
+
+    return player

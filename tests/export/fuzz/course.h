@@ -1,0 +1,51 @@
+/* Paths from a fuzzer's bytes: mostly smooth ones, now and then with a node that is anything. */
+#ifndef COURSE_H
+#define COURSE_H
+
+#include "bytes.h"
+#include "drawbar.h"
+#include "vehicle.h"
+
+#define NODES 2048
+#define PIECE 0.25                         /* m */
+#define TIGHTEST 0.35                      /* 1/m: somewhat more than may be driven */
+
+struct course {
+    struct drawbar_path_node nodes[NODES];
+    int32_t count;
+};
+
+/* Add up to 64 m whose curvature (1/m) goes linearly from that of the segment before to another. */
+static double course_extend(struct course *c, double curvature, struct bytes *b)
+{
+    const int pieces = 1 + next_byte(b);
+    const double end = TIGHTEST * next_fraction(b);
+
+    for (int i = 0; i < pieces && c->count < NODES; ++i) {
+        const struct drawbar_path_node *last = &c->nodes[c->count - 1];
+        const double turn = PIECE * (curvature + (end - curvature) * (i + 0.5) / pieces), middle = last->yaw + 0.5 * turn;
+        const double chord = fabs(turn) > 1e-9 ? PIECE * sin(0.5 * turn) / (0.5 * turn) : PIECE;
+        c->nodes[c->count++] = (struct drawbar_path_node){
+            last->arc_length + PIECE, last->x + chord * cos(middle), last->y + chord * sin(middle), last->yaw + turn};
+    }
+    return end;
+}
+
+/* A path that begins up to some metres beside the vehicle, nearly in its direction. */
+static void course_make(struct course *c, const struct vehicle *v, struct bytes *b)
+{
+    const int shape = next_byte(b);
+    double curvature = 0.0;
+
+    c->count = 1;
+    c->nodes[0] = (struct drawbar_path_node){
+        0.0, v->x + 2.0 * next_fraction(b), v->y + 2.0 * next_fraction(b), v->yaw + 0.5 * next_fraction(b)};
+    for (int i = 0; i <= shape % 8; ++i)
+        curvature = course_extend(c, curvature, b);
+    if (shape >= 224) {
+        double *numbers = &c->nodes[next_byte(b) % c->count].arc_length;
+        numbers[next_byte(b) % 4] = next_double(b);
+    }
+}
+
+#endif

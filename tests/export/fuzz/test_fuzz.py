@@ -1,0 +1,94 @@
+"""The exported library under libFuzzer with AddressSanitizer and UndefinedBehaviorSanitizer: whatever sensors, paths and
+callers do, no promise of drawbar.h is broken.
+
+The test is a short run from fixed seeds. DRAWBAR_FUZZ_SECONDS=3600 makes it a long one, from seeds of its own; what it
+finds is kept in the current folder.
+"""
+
+import os
+import random
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from drawbar.config import load_configuration
+
+HERE = Path(__file__).parent
+SANITIZERS = (
+    "-fsanitize=fuzzer,address,undefined",
+    "-fno-sanitize=null,alignment,object-size,pointer-overflow",  # ten times slower, and mostly what address sees
+    "-fno-sanitize-recover=all",
+)
+FLAGS = ("-std=c99", "-O1", "-g1", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-Wno-psabi")
+COMPILERS = ("clang-14", "clang")
+SECONDS = os.environ.get("DRAWBAR_FUZZ_SECONDS", "")
+
+
+def limits() -> list[str]:
+    """Return the configuration's limits as the promises know them."""
+    configuration = load_configuration("articulated", ())
+    vehicle = configuration.vehicle
+    reach = 2.0 * vehicle.steering_lag + configuration.sample_time
+    numbers = {
+        "TRACTOR_LIMIT": vehicle.tractor_steering_limit,
+        "TRAILER_LIMIT": vehicle.trailer_steering_limit,
+        "SPEED_LIMIT": configuration.speed,
+        "TRACTOR_CHANGE": reach * vehicle.tractor_steering_rate,
+        "TRAILER_CHANGE": reach * vehicle.trailer_steering_rate,
+    }
+    return [f"-D{name}={value!r}" for name, value in numbers.items()]
+
+
+@pytest.fixture(scope="module")
+def fuzzer(exported: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the product's library and the fuzzer's target as a program."""
+    compiler = next(filter(shutil.which, COMPILERS), None)
+    if compiler is None:
+        pytest.skip("clang is not installed")
+    library, folder = exported("articulated"), tmp_path_factory.mktemp("fuzz")
+    headers = [f"-I{library / 'include'}", f"-I{HERE}"]
+
+    def compile_unit(source: Path) -> Path:
+        built = folder / f"{source.stem}.o"
+        command = [compiler, *FLAGS, *SANITIZERS, *headers, *limits(), "-c", str(source), "-o", str(built)]
+        subprocess.run(command, check=True)
+        return built
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        objects = list(pool.map(compile_unit, [*(library / "src").glob("*.c"), HERE / "fuzz.c"]))
+    program = folder / "fuzz"
+    linked = subprocess.run([compiler, *SANITIZERS, *map(str, objects), "-lm", "-o", str(program)], capture_output=True)
+    if linked.returncode != 0:
+        pytest.skip("this clang has no libFuzzer")
+    return program
+
+
+def seeds(folder: Path, count: int, seed: int | None) -> Path:
+    """Write random inputs to begin with."""
+    source = random.Random(seed)
+    folder.mkdir()
+    for i in range(count):
+        (folder / str(i)).write_bytes(source.randbytes(256))
+    return folder
+
+
+def test_no_promise_is_broken(fuzzer: Path, tmp_path: Path) -> None:
+    """Reach all that ends a run, and most of what a step can say."""
+    length = [f"-max_total_time={SECONDS}"] if SECONDS else ["-runs=50", "-seed=1"]
+    corpus = seeds(tmp_path / "corpus", 64, None if SECONDS else 1)
+    done = subprocess.run(
+        [str(fuzzer), *length, "-max_len=512", "-len_control=0", str(corpus)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+    )
+    assert done.returncode == 0, done.stderr[-4000:]
+    print(done.stderr[done.stderr.index("\nsteps ") :])
+    assert int(re.search(r"^steps (\d+)", done.stderr, re.MULTILINE)[1]) > 10_000
+    reached = set(map(int, re.findall(r"^status (\d+):", done.stderr, re.MULTILINE)))
+    assert reached >= {0, 1, 2, 3, 4, 17, 18, 19, 32, 33, 34, 35, 36, 37}

@@ -1,0 +1,63 @@
+/* A vehicle that obeys: the chain of theory.md section 2 without slip, so that a fuzzer's runs are mostly plausible. The
+ * lengths are the paper's machine. */
+#ifndef VEHICLE_H
+#define VEHICLE_H
+
+#include <math.h>
+#include "drawbar_signals.h"
+
+#define STEPS 10
+
+struct vehicle {
+    double time, x, y, yaw, trailer_yaw;   /* s, m, rad */
+    double joint, steering, speed;         /* rad, rad, m/s */
+};
+
+static inline double followed(double angle, double command, double rate, double step)
+{
+    const double wanted = (command - angle) / 0.3;
+
+    return angle + step * fmin(fmax(wanted, -rate), rate);
+}
+
+static inline void vehicle_move(struct vehicle *v, const struct drawbar_command *command, double step)
+{
+    const double joint = followed(v->joint, command->trailer_steering, 0.35, step), turned = (joint - v->joint) / step;
+    const double yaw_rate = v->speed * tan(v->steering) / 1.4, beside = v->yaw - v->trailer_yaw;
+    const double pulled = v->speed * sin(beside) - 0.9 * yaw_rate * cos(beside);
+
+    v->x += step * v->speed * cos(v->yaw);
+    v->y += step * v->speed * sin(v->yaw);
+    v->trailer_yaw += step * (pulled - 0.2 * turned * cos(joint)) / (1.3 + 0.2 * cos(joint));
+    v->yaw += step * yaw_rate;
+    v->joint = joint;
+    v->steering = followed(v->steering, command->tractor_steering, 0.44, step);
+    v->speed += step * (command->speed - v->speed) / 0.5;
+    v->time += step;
+}
+
+/* Let one sample pass under the command. */
+static inline void vehicle_drive(struct vehicle *v, const struct drawbar_command *command, double sample)
+{
+    for (int i = 0; i < STEPS; ++i)
+        vehicle_move(v, command, sample / STEPS);
+}
+
+static inline struct drawbar_measurement vehicle_measure(const struct vehicle *v)
+{
+    const double drawbar_yaw = v->trailer_yaw + v->joint;
+
+    return (struct drawbar_measurement){
+        .time = v->time,
+        .tractor_x = v->x,
+        .tractor_y = v->y,
+        .trailer_x = v->x - 0.9 * cos(v->yaw) - 0.2 * cos(drawbar_yaw) - 1.05 * cos(v->trailer_yaw),
+        .trailer_y = v->y - 0.9 * sin(v->yaw) - 0.2 * sin(drawbar_yaw) - 1.05 * sin(v->trailer_yaw),
+        .hitch_angle = v->yaw - drawbar_yaw,
+        .speed = v->speed,
+        .tractor_steering = v->steering,
+        .trailer_steering = v->joint,
+    };
+}
+
+#endif

@@ -1,0 +1,63 @@
+"""`drawbar export` as its user sees it."""
+
+import json
+import sys
+from collections.abc import Callable
+
+import pytest
+
+from drawbar import cli
+
+Drawbar = Callable[..., tuple[int, str]]
+
+
+@pytest.fixture
+def drawbar(monkeypatch, capsys, tmp_path) -> Drawbar:
+    """Return a function that runs the command line inside tmp_path: exit code, and what it said."""
+
+    def drawbar(*arguments: str) -> tuple[int, str]:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["drawbar", "export", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out + captured.err
+
+    return drawbar
+
+
+def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
+    code, said = drawbar("articulated", "--out", "library", "--set", "speed=0.8")
+    assert code == 0
+    assert "library/README.md" in said
+    folder = tmp_path / "library"
+    for name in ("include/drawbar.h", "src/step.c", "example/main.c", "example/path.csv", "CMakeLists.txt"):
+        assert (folder / name).is_file()
+    assert "speed = 0.8" in (folder / "config.toml").read_text("utf-8")
+    assert "DRAWBAR_SPEED 0.8" in (folder / "src" / "drawbar_parts.h").read_text("utf-8")
+    manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
+    assert manifest["configuration"]["name"] == "articulated"
+    assert manifest["targets"] == {}
+    assert manifest["state_bytes"] >= sum(manifest["parts_bytes"].values())
+
+
+REFUSED = {
+    "no folder": ((), "--out"),
+    "unknown target": (("--out", "library", "--target", "sparc"), "'sparc'"),
+    "folder is a file": (("--out", "file"), "file"),
+    "folder with other files": (("--out", "taken"), "choose another"),
+    "simulation only": (("--out", "library", "--set", "estimator.model=ideal"), "IdealEstimator"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_exported_is_refused_in_one_message(drawbar: Drawbar, tmp_path, case: str) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "taken" / "src").mkdir(parents=True)
+    arguments, part = REFUSED[case]
+    code, said = drawbar("articulated", *arguments)
+    assert code == 2
+    assert part in said
+    assert "Traceback" not in said
+    assert not (tmp_path / "library").exists()
+    assert (tmp_path / "taken" / "src").is_dir()
