@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drawbar.errors import SolverError
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -187,3 +188,10 @@ def test_an_estimate_that_is_not_finite_harms_no_later_plan(name, make, situatio
     assert_solved(here)
     for body in BODIES:
         assert getattr(here, body).steerings == pytest.approx(getattr(there, body).steerings, abs=1e-8)
+
+
+def test_a_reference_shorter_than_the_horizon_is_refused(name, make, situation):
+    there = situation()
+    short = replace(there.reference.tractor, samples=there.reference.tractor.samples[:-1])
+    with pytest.raises(SolverError, match=r"shape \(20, 4\).*at least \(21, 4\).*one horizon"):
+        make(name).feedback(there.estimate, replace(there.reference, tractor=short))

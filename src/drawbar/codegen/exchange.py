@@ -9,6 +9,7 @@ from struct import Struct
 
 import numpy as np
 
+from drawbar.errors import SolverError
 from drawbar.geometry import Floats
 from drawbar.signals import (
     BodyPlan,
@@ -126,8 +127,20 @@ class CBodyReference(ctypes.Structure):
         ("samples", ctypes.c_void_p),
     )
 
-    def write(self, reference: BodyReference) -> None:
-        """Take over the reference, with a copy of its samples."""
+    def write(self, reference: BodyReference, stages: int = 0) -> None:
+        """Take over the reference, with a copy of its samples.
+
+        stages: how many samples C will read at least.
+
+        Raises:
+            SolverError: the reference has fewer samples, or they are not of four numbers each.
+        """
+        rows, *columns = reference.samples.shape
+        if rows < stages or columns != [4]:
+            raise SolverError(
+                f"The reference's samples have the shape {reference.samples.shape}; the controller needs at least "
+                f"({stages}, 4), one sample for each stage of its horizon. Give guidance and controller one horizon."
+            )
         self.progress, self.lateral_error = reference.progress, reference.lateral_error
         self.closest[:] = reference.closest.tolist()
         self._samples = np.array(reference.samples, np.float64, order="C")

@@ -24,7 +24,7 @@ class BothBodies:
         """Take over what is given."""
         self._estimate.write(estimate)
         for structure, body in zip(self._references, (reference.tractor, reference.trailer), strict=True):
-            structure.write(body)
+            structure.write(body, self._horizon + 1)
 
     def plan(self, time: float) -> Plan:
         """Return both plans, made at a time (s)."""

@@ -66,7 +66,7 @@ class SubsystemController:
             neighbour: the other body's plan, where the coupling is planned.
         """
         self._estimate.write(estimate)
-        self._reference.write(reference)
+        self._reference.write(reference, self.solver.problem.horizon + 1)
         if neighbour is not None:
             self._neighbour.write(neighbour)
         self._enter(

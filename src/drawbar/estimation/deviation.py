@@ -14,10 +14,12 @@ def newest_deviation(solver: EstimationSolver) -> Floats:
     are not counted. After feedback() it holds for the estimate, after advance() for its prediction.
     """
     A, B, Q, S, R = (solver.workspace.array(f"qp.{name}") for name in "ABQSR")
+    moving, states = A.shape[1:]
+    stays = np.eye(states, states + B.shape[2])[moving:]  # the constant states' rows are not stored
     information = Q[0]
     for k in range(solver.newest):
         joint = np.block([[information, S[k].T], [S[k], R[k]]])
-        step = np.hstack([A[k], B[k]])
+        step = np.vstack([np.hstack([A[k], B[k]]), stays])
         information = np.linalg.inv(step @ np.linalg.solve(joint, step.T)) + Q[k + 1]
     deviation: Floats = np.sqrt(np.diag(np.linalg.inv(information)))
     return deviation

@@ -1,9 +1,8 @@
 """How many instructions a step takes, and how many it can take: counted by valgrind, not guessed.
 
-The longest path is forced: in a copy of the library no solver ever finds that it has finished, so that each spends every
-pass of the active set and every iteration of the interior point, with everything that an iteration may hold; and
-guidance tries every way onto the path. Both together cannot be had from one run, as guidance then finds no way, so that
-they are counted apart and added.
+The longest path is forced: in a copy of the library no solver ever finds that it has finished, so that each spends
+every pass of the active set and every iteration of the interior point, with everything that an iteration may hold; and
+guidance tries every way onto the path. The two are counted apart and added: guidance finds no way when it tries all.
 """
 
 import math
@@ -34,8 +33,8 @@ FORCED = (
     ("active_set.h", "if (!(pivot > 1e-10 * own))", "if (0)"),
     (
         "approach.h",
-        "if (approach_widest(approach) <= widest && approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature))",
-        "if (approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature) > 1)",
+        "approach_widest(approach) <= widest && approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature)",
+        "approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature) > 1",
     ),
 )
 """header, what it says, what it says instead"""

@@ -1,5 +1,6 @@
-"""The exported library under libFuzzer with AddressSanitizer and UndefinedBehaviorSanitizer: whatever sensors, paths and
-callers do, no promise of drawbar.h is broken.
+"""The exported library under libFuzzer with AddressSanitizer and UndefinedBehaviorSanitizer.
+
+Whatever sensors, paths and callers do, no promise of drawbar.h is broken.
 
 The test is a short run from fixed seeds. DRAWBAR_FUZZ_SECONDS=3600 makes it a long one, from seeds of its own; what it
 finds is kept in the current folder.
