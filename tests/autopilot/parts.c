@@ -2,6 +2,8 @@
  *
  *     tractor_x: progress, trailer_x: the controllers' status, tractor_y: lateral error, trailer_y: the estimator's status,
  *     hitch_angle: the fixes' status, speed: guidance's status, both steering angles: the commands
+ *
+ * They leave nothing as it was in what they borrow.
  */
 #include <string.h>
 #include "parts.h"
@@ -50,9 +52,10 @@ int drawbar_estimator_begin(struct part *part, const struct drawbar_measurement 
 }
 
 int drawbar_estimator_update(struct part *part, const struct drawbar_measurement *measurement,
-                             struct drawbar_estimate *estimate)
+                             struct drawbar_estimate *estimate, void *work)
 {
     (void)part;
+    memset(work, 0xFF, DRAWBAR_WORK_SIZE);
     called('e');
     seen = *measurement;
     memset(estimate, 0, sizeof *estimate);
@@ -96,12 +99,14 @@ int drawbar_guidance_begin(struct part *part, const struct path *path, const str
 }
 
 int drawbar_guidance_reference(struct part *part, const struct path *path, const struct drawbar_estimate *estimate,
-                               struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer)
+                               struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer,
+                               void *work)
 {
     const struct drawbar_body_reference reference = {seen.tractor_x, seen.tractor_y, {0.0, 0.0, 0.0, 0.0}, samples};
 
     (void)part;
     (void)path;
+    memset(work, 0xFF, DRAWBAR_WORK_SIZE);
     called(estimate->time == seen.time + 1.0 ? 'g' : '?');
     *tractor = *trailer = reference;
     return status_of(seen.speed);
@@ -123,22 +128,24 @@ static int plan(double steering, struct drawbar_body_plan *made)
 
 int drawbar_tractor_feedback(struct part *part, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *made)
+                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *made, void *work)
 {
     (void)part;
     (void)estimate;
     (void)reference;
+    memset(work, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour == NULL ? 't' : '?');
     return plan(seen.tractor_steering, made);
 }
 
 int drawbar_trailer_feedback(struct part *part, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *made)
+                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *made, void *work)
 {
     (void)part;
     (void)estimate;
     (void)reference;
+    memset(work, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour != NULL ? 'r' : '?');
     return plan(seen.trailer_steering, made);
 }

@@ -15,7 +15,7 @@ HERE = Path(__file__).parent
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 SAMPLE, PATIENCE, LENGTH = 0.2, 1.0, 10.0
 NAMES = ("ESTIMATOR", "GUIDANCE", "PREDICTOR", "TRACTOR", "TRAILER", "TRACTOR_LAW", "TRAILER_LAW", "GATE", "SUPERVISOR")
-PARTS = "\n".join(f"#define DRAWBAR_{name}_SIZE 256" for name in NAMES)
+PARTS = "\n".join(f"#define DRAWBAR_{name}_SIZE 256" for name in (*NAMES, "WORK"))
 UNITS = {
     "drawbar_size.h": f"#define DRAWBAR_STATE_DOUBLES 512\n#define DRAWBAR_SAMPLE_TIME {SAMPLE}\n",
     "drawbar_parts.h": f"{PARTS}\n#define DRAWBAR_DEAD_TIME\n#define DRAWBAR_SPEED 1.0\n"
@@ -310,6 +310,14 @@ def test_no_pointer_may_be_null(driver, name, argument):
     driver.command[3] = 1.0
     assert getattr(driver.library, f"drawbar_{name}")(*arguments) == STATUS["NULL"]
     assert driver.command[3] == (1.0 if argument == 2 else 0.0)
+
+
+def test_a_call_without_a_measurement_holds_the_steering(driver):
+    driver.step(tractor_steering=0.1)
+    before = bytes(driver.state)
+    assert driver.library.drawbar_step(driver.state, None, driver.command) == STATUS["NULL"]
+    assert driver.command[1:] == [0.1, 0.0, 0.0]
+    assert bytes(driver.state) == before
 
 
 def test_no_other_pointer_may_be_null_either(driver):

@@ -20,6 +20,6 @@ def test_floor_agrees_with_the_solvers_own_linearisation(probes: list[Probe]) ->
         rows = transcription.x.numel() - transcription.constants
         nx = transcription.x.numel()
         slope = floor.array("slope").T
-        np.testing.assert_allclose(floor.array("step"), array("F")[-1, :rows], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(floor.array("step"), array("qp.c")[-1, :rows], rtol=0, atol=1e-12)
         np.testing.assert_allclose(slope[:, :nx], array("qp.A")[-1, :rows], rtol=0, atol=1e-12)
         np.testing.assert_allclose(slope[:, nx:], array("qp.B")[-1, :rows], rtol=0, atol=1e-12)

@@ -36,8 +36,8 @@ def compiled() -> Callable[..., Workspace]:
 
     def compiled(x: ca.SX, u: ca.SX, f: ca.SX, g: ca.SX) -> Workspace:
         inputs = [
-            Input(place="work->x[{k}]", rows=str(ROWS), symbol=x),
-            Input(place="work->u[{k}]", rows=str(LATER), symbol=u),
+            Input(place="work->x[{k}][{i}]", rows=str(ROWS), symbol=x),
+            Input(place="work->u[{k}][{i}]", rows=str(LATER), symbol=u),
         ]
         outputs = [
             Output(place="work->f[k]", rows=str(ROWS), value=f),

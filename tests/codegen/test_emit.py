@@ -130,7 +130,7 @@ def test_kinks_that_a_model_may_use_can_be_differentiated(
 @pytest.mark.parametrize("unknown", [ca.erf, ca.floor, ca.sinh])
 def test_operation_without_a_counterpart_is_refused(unknown: Callable[[Any], Any]) -> None:
     x = ca.SX.sym("x")
-    row = Input(place="work->x[{k}]", rows="1", symbol=x)
+    row = Input(place="work->x[{k}][{i}]", rows="1", symbol=x)
     with pytest.raises(ModelError, match=re.escape("the C runtime does not have; allowed are + - * /")):
         emit("f", [row], [Output(place="work->f[k]", rows="1", value=unknown(x))], "struct work *work")
 
@@ -138,7 +138,7 @@ def test_operation_without_a_counterpart_is_refused(unknown: Callable[[Any], Any
 @pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan])
 def test_constant_that_is_no_finite_number_is_refused(value: float) -> None:
     x = ca.SX.sym("x")
-    row = Input(place="work->x[{k}]", rows="1", symbol=x)
+    row = Input(place="work->x[{k}][{i}]", rows="1", symbol=x)
     with pytest.raises(ModelError, match="only finite numbers are allowed"):
         emit("f", [row], [Output(place="work->f[k]", rows="1", value=ca.atan2(value, x))], "struct work *work")
     with pytest.raises(ModelError, match="only finite numbers are allowed"):

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from drawbar import cli
+from drawbar.optimal.transcription import CONTROL_ITERATIONS, ESTIMATION_ITERATIONS
 
 Drawbar = Callable[..., tuple[int, str]]
 
@@ -38,6 +39,12 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
     manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
     assert manifest["configuration"]["name"] == "articulated"
     assert manifest["targets"] == {}
+    iterations = {unit: bounds["interior_point_iterations"] for unit, bounds in manifest["bounds"].items()}
+    assert iterations == {
+        "estimator": ESTIMATION_ITERATIONS,
+        "tractor": CONTROL_ITERATIONS,
+        "trailer": CONTROL_ITERATIONS,
+    }
     assert manifest["state_bytes"] >= sum(manifest["parts_bytes"].values())
 
 

@@ -35,18 +35,21 @@ MEMORY = {"memcpy", "memmove", "memset", "__aeabi_memclr8", "__aeabi_memcpy8", "
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """Return a library that was built for a microcontroller and for Windows."""
+    """Return the product's library, built for every target."""
     pytest.importorskip("ziglang")
     folder = tmp_path_factory.mktemp("targets")
-    export_library(
-        load_configuration("articulated"), folder, [find_target("cortex-m7"), find_target("x86_64-windows-gnu")]
-    )
+    export_library(load_configuration("articulated"), folder, TARGETS)
     return folder
 
 
 @pytest.fixture(scope="module")
-def targets(folder):
-    return json.loads((folder / "manifest.json").read_text("utf-8"))["targets"]
+def manifest(folder):
+    return json.loads((folder / "manifest.json").read_text("utf-8"))
+
+
+@pytest.fixture(scope="module")
+def targets(manifest):
+    return manifest["targets"]
 
 
 def test_a_microcontroller_gets_mathematics_and_memory_from_its_c_library_and_nothing_else(targets) -> None:
@@ -58,9 +61,14 @@ def test_nothing_is_kept_outside_the_state(targets) -> None:
         assert target["sections_bytes"][".data"] == target["sections_bytes"][".bss"] == 0
 
 
-def test_sizes_keep_their_targets(targets) -> None:
-    sections = targets["cortex-m7"]["sections_bytes"]
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
+def test_the_product_fits_a_microcontroller(manifest, target) -> None:
+    stated = manifest["targets"][target.name]
+    sections = stated["sections_bytes"]
     assert 50_000 < sections[".text"] + sections[".rodata"] < 256 * 1024
+    assert 50_000 < manifest["state_bytes"] + sections[".data"] + sections[".bss"] < 128 * 1024
+    if target.stack_known:
+        assert 1000 < max(stated["stack_bytes"].values()) < 16 * 1024
 
 
 def test_windows_finds_every_function_under_its_own_name(folder: Path) -> None:

@@ -16,6 +16,7 @@ from drawbar.signals import Pose
 
 CURVATURE, RATE = 0.3, 0.25
 EIGHT = figure_eights((8.0,), 20.0)
+STRAIGHT = figure_eights((8.0,), 400.0)
 ANGLES = (0.02, 0.3, 1.0, math.pi, 5.0)
 STARTS = [(0.0, math.pi), (0.0, -2.5), (1.5, 2.0), (-1.0, -2.4), (0.0, 1.5), (2.0, 0.0)]
 NODES = 256
@@ -25,7 +26,8 @@ void turn(const struct turn_limits *limits, double angle, double found[3])
 {
     found[0] = turn_peak(limits, angle);
     found[1] = turn_length(limits, angle);
-    found[2] = turn_chord(limits, angle);
+    const struct turn_circle circle = turn_circle(limits);
+    found[2] = turn_chord(limits, &circle, angle);
 }
 int trace(const struct turn_limits *limits, const double *angles, int turns, double heading, double curvature,
           struct drawbar_path_node *nodes, int32_t capacity)
@@ -47,7 +49,31 @@ int find(const struct turn_limits *limits, const struct path *path, const struct
          double curvature, double room, struct approach *approach)
 {
     const struct beside_path beside = beside_path(path, pose, near, curvature);
-    return approach_find(approach, path, &beside, limits, room);
+    struct onto_line line;
+    return approach_find(approach, path, &beside, limits, room, &line);
+}
+double shortest(const struct turn_limits *limits, const struct path *path, const struct drawbar_pose *pose, double near,
+                double room, struct approach *approach)
+{
+    const struct beside_path beside = beside_path(path, pose, near, 0.0);
+    struct onto_line line;
+    struct way way;
+    double angles[TURNS];
+
+    for (line_ways(&line, limits, beside.offset, beside.heading, room); line_take(&line, &way);) {
+        way_angles(&line, &way, angles);
+        approach_trace(approach, &beside, limits, angles, TURNS);
+        if (approach_widest(approach) <= room && approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature))
+            return approach->nodes[approach->count - 1].arc_length;
+    }
+    return INFINITY;
+}
+double laid_bend(const struct path *path, double near, double left, double direction, double bend)
+{
+    double sample[4];
+
+    path_sample(path, near, sample);
+    return approach_bend(sample, left, direction, bend);
 }
 void sample(const struct approach *approach, const struct path *path, double arc_length, double *sample)
 {
@@ -58,13 +84,12 @@ Real = ctypes.c_double
 
 
 class Approach(ctypes.Structure):
-    """struct approach, as far as it is looked at."""
+    """struct approach."""
 
     _fields_ = (
         ("nodes", Real * 4 * NODES),
         ("count", ctypes.c_int32),
         ("joins_at", Real),
-        ("rest", ctypes.c_byte * 8192),  # the search
     )
 
     def sample(self, path: Path, arc_length: Floats) -> Floats:
@@ -81,6 +106,7 @@ class Approach(ctypes.Structure):
 
 
 C = load(build("turns", SOURCE))
+C.shortest.restype = C.laid_bend.restype = Real
 LIMITS = (Real * 2)(CURVATURE, RATE)
 
 
@@ -229,3 +255,46 @@ def test_without_room_to_turn_there_is_no_way() -> None:
 @pytest.mark.parametrize("curvature", [math.nan, math.inf, 1e300, -1e300])
 def test_wheels_that_stand_nowhere_have_no_way(curvature: float) -> None:
     assert find_approach(EIGHT, Pose(x=0.0, y=0.0, yaw=math.pi), 0.0, curvature, room=5.5) is None
+
+
+def test_no_way_is_left_out_for_how_it_looks_before_it_is_laid() -> None:
+    path, rng = ctypes.byref(CPath(EIGHT.nodes)), np.random.default_rng(12)
+    found = 0
+    for near, left, turned in rng.uniform((-12.0, -2.0, 1.2), (60.0, 2.0, 5.0), (60, 3)).tolist():
+        x, y, yaw, _ = EIGHT.sample(np.array([near]))[0].tolist()
+        pose = Pose(x=x - left * math.sin(yaw), y=y + left * math.cos(yaw), yaw=yaw + turned)
+        there, room = (Real * 3)(pose.x, pose.y, pose.yaw), 5.0
+        shortest = C.shortest(LIMITS, path, there, Real(near), Real(room), ctypes.byref(Approach()))
+        approach = find_approach(EIGHT, pose, near, 0.0, room)
+        assert approach is None or approach.length == pytest.approx(shortest)
+        found += approach is not None
+    assert found > 20
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.7, 2.0, math.pi, -2.5])
+@pytest.mark.parametrize("left", [-3.0, 1.0, 2.5])
+def test_a_curve_laid_beside_a_curve_is_as_tight_as_said(left: float, direction: float) -> None:
+    near, bend, radius = 20.0, 0.2, 8.0  # in the middle of an arc to the left
+    step = 1e-3 * np.arange(-1, 2)
+    line = near + 1j * left + np.exp(1j * direction) * (step + 0.5j * bend * step**2)
+    laid = (radius - line.imag) * np.exp(1j * line.real / radius)
+    first, second = (laid[2] - laid[0]) / 2e-3, (laid[2] - 2.0 * laid[1] + laid[0]) / 1e-6
+    expected = (first.conjugate() * second).imag / abs(first) ** 3
+    path, given = ctypes.byref(CPath(EIGHT.nodes)), (Real(near), Real(left), Real(direction), Real(bend))
+    assert C.laid_bend(path, *given) == pytest.approx(expected, abs=2e-3)
+
+
+class Guarded(ctypes.Structure):
+    """An approach behind a node that is not its own."""
+
+    _fields_ = (("before", Real * 4), ("approach", Approach))
+
+
+def test_where_every_way_is_too_long_there_is_none() -> None:
+    wide, there = (Real * 2)(0.05, 0.02), (Real * 3)(0.0, 1.0, 3.0)
+    guarded = Guarded((Real * 4)(*[7.0] * 4))
+    place = ctypes.byref(guarded, Guarded.approach.offset)
+    reals = (Real(0.0), Real(0.0), Real(200.0))
+    assert C.find(wide, ctypes.byref(CPath(STRAIGHT.nodes)), there, *reals, place) == 0
+    assert guarded.approach.count == 0
+    assert guarded.approach.joins_at != 7.0

@@ -154,7 +154,7 @@ def _motion(model: Model) -> str:
     results = {"x": after, "y": ca.substitute(model.output, model.x, after)}
     return emit(
         "motion",
-        [Input(place=f"work->{name}[{{k}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()],
+        [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()],
         [Output(place=f"work->{name}[k]", rows="1", value=value) for name, value in results.items()],
         "struct part *work",
     )

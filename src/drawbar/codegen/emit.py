@@ -46,7 +46,7 @@ class Input:
     """A vector argument, stored row by row."""
 
     place: str
-    """C expression of stage {k}'s row, e.g. `work->u[{k}]`"""
+    """C expression of element {i} at stage {k}, e.g. `work->u[{k}][{i}]`"""
     rows: str
     """C expression: how many rows there are; later stages read the last one"""
     symbol: ca.SX
@@ -100,8 +100,8 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
     gather = []
     for index, (argument, element) in enumerate(used):
         source = inputs[argument]
-        row = source.place.format(k=f"(k < {source.rows} ? k : {source.rows} - 1)")
-        gather.append(f"in[{index}][lane] = {row}[{element}];")
+        value = source.place.format(k=f"(k < {source.rows} ? k : {source.rows} - 1)", i=element)
+        gather.append(f"in[{index}][lane] = {value};")
     scatter = []
     for output in outputs:
         lines = [f"{place} = out[{i}][lane];" for i, (owner, place, _) in enumerate(varying) if owner is output]

@@ -68,6 +68,11 @@ class Workspace:
         """Return the named field as an array that shares the workspace's memory."""
         return self._fields[name]
 
+    @property
+    def part_size(self) -> int:
+        """Bytes of `struct part`, behind which there is only what the part borrows (workspace.h)."""
+        return ctypes.c_int64.in_dll(self._library, "drawbar_part_size").value
+
     def write(self, values: Mapping[str, ArrayLike]) -> None:
         """Set fields by name."""
         for name, value in values.items():

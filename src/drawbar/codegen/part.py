@@ -4,8 +4,7 @@ from drawbar.codegen.cache import build
 from drawbar.codegen.library import Workspace
 
 _INTROSPECTION = """
-#include "fields.h"
-int64_t drawbar_size = sizeof(struct part);
+#include "workspace.h"
 const struct drawbar_field drawbar_fields[] = {PART_FIELDS END_OF_FIELDS};
 """
 
@@ -25,3 +24,5 @@ class Part(Workspace):
         """
         self.source = source
         super().__init__(build(name, source + _INTROSPECTION))
+        self.work = self.memory.ctypes.data + self.part_size
+        """address of what the unit borrows for the length of a call"""

@@ -55,12 +55,12 @@ class ExplicitController(NominalController):
             }
         )
         self._bodies = BothBodies(settings.horizon)
-        self._feedback = self.part.function("feedback", pointers=5)
+        self._feedback = self.part.function("feedback", pointers=6)
 
     def feedback(self, estimate: Estimate, reference: Reference) -> Plan:
         """Return both bodies' commands and what would follow from them."""
         self._bodies.write(estimate, reference)
-        self._feedback(*self._bodies.given, *self._bodies.plans)
+        self._feedback(*self._bodies.given, *self._bodies.plans, self.part.work)
         return self._bodies.plan(estimate.time)
 
     def prepare(self) -> None:

@@ -15,6 +15,7 @@ def newest_deviation(solver: EstimationSolver) -> Floats:
     """
     A, B, Q, S, R = (solver.workspace.array(f"qp.{name}") for name in "ABQSR")
     moving, states = A.shape[1:]
+    S = S if len(S) else np.zeros((*B.shape[::2], states))  # not stored where it is zero
     stays = np.eye(states, states + B.shape[2])[moving:]  # the constant states' rows are not stored
     information = Q[0]
     for k in range(solver.newest):

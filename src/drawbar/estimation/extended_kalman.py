@@ -52,7 +52,7 @@ class ExtendedKalmanFilter(Estimator):
         self.part = Part(f"{model.name}_filter", _source(discrete, model.name))
         self._fill_in(model.problem, discrete)
         model.configure(self.part)
-        self._update, self._ready = self.part.function("update", pointers=2), self.part.function("ready", pointers=1)
+        self._update, self._ready = self.part.function("update", pointers=3), self.part.function("ready", pointers=1)
         self._measurement, self._estimate, self._command = CMeasurement(), CEstimate(), CCommand()
         self._prepare_time = self._feedback_time = 0.0
         self.state: Floats = self.part.array("filter.x")
@@ -85,7 +85,7 @@ class ExtendedKalmanFilter(Estimator):
         """
         self._measurement.write(measurement)
         start = perf_counter()
-        self._update(byref(self._measurement), byref(self._estimate))
+        self._update(byref(self._measurement), byref(self._estimate), self.part.work)
         self._feedback_time = perf_counter() - start
         return self._estimate.read()
 
@@ -106,8 +106,8 @@ class ExtendedKalmanFilter(Estimator):
 def _source(discrete: Transcription, model: str) -> str:
     """Return the C unit of the filter on a discretised model, whose header is named."""
     inputs = [
-        Input(place="work->x[{k}]", rows="1", symbol=discrete.x),
-        Input(place="work->u[{k}]", rows="1", symbol=discrete.u),
+        Input(place="work->x[{k}][{i}]", rows="1", symbol=discrete.x),
+        Input(place="work->u[{k}][{i}]", rows="1", symbol=discrete.u),
     ]
     F, A, B, h, C = _linearised(discrete)
     functions = {

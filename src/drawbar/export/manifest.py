@@ -3,12 +3,12 @@
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from drawbar.codegen.cache import runtime_sources
 from drawbar.config import Configuration
-from drawbar.export.sources import state_doubles
+from drawbar.export.sources import state_doubles, work_size
 from drawbar.export.stack import CallGraph
 from drawbar.export.toolchain import Built
 from drawbar.export.unit import Unit
@@ -19,7 +19,7 @@ _BOUNDS = {
     "interior_point_iterations": "IP_ITERATIONS",
     "active_set_passes": "ACTIVE_PASSES",
 }
-"""what limits a solver's work in one feedback, and its name in C"""
+"""what limits a solver's work in one feedback, and its name in C, which a unit or else the runtime defines"""
 
 
 def configuration_hash(configuration: Configuration) -> str:
@@ -42,8 +42,8 @@ def manifest(
         "drawbar": version,
         "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
         "state_bytes": 8 * state_doubles(units),
-        "parts_bytes": {unit.name: unit.size for unit in units},
-        "bounds": {name: _defined(macro) for name, macro in _BOUNDS.items()},
+        "parts_bytes": {unit.name: unit.size for unit in units} | {"work": work_size(units)},
+        "bounds": {unit.name: _bounds(unit) for unit in units if unit.has_solver},
         "targets": {build.target.name: _target(build) for build in builds},
     }
 
@@ -72,9 +72,13 @@ def _calls(build: Built) -> Mapping[str, Any]:
     }
 
 
-def _defined(macro: str) -> int:
-    """Return the number that the runtime defines under this name."""
-    for text in runtime_sources().values():
+def _bounds(unit: Unit) -> Mapping[str, int]:
+    return {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
+
+
+def _defined(macro: str, sources: Iterable[str]) -> int:
+    """Return the number that the first of the sources to do so defines under this name."""
+    for text in sources:
         if found := re.search(rf"^#define {macro} (\d+)", text, re.MULTILINE):
             return int(found[1])
     raise LookupError(macro)

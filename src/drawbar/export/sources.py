@@ -12,6 +12,7 @@ PUBLIC = ("drawbar.h", "drawbar_signals.h", "drawbar_size.h")
 """headers that the library's users include"""
 _STEP_DOUBLES = 64
 """what the step itself remembers fits into so many doubles; the compiler checks it"""
+_WORK_FITS = "typedef char work_fits[sizeof(WORK) <= DRAWBAR_WORK_SIZE ? 1 : -1];\n"
 _INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
 
 
@@ -34,7 +35,7 @@ def unit_text(unit: Unit) -> str:
 #include "settings.h"
 /* where this fails, rows are padded wider than on the machine that exported: compile with -DPACK=1 */
 typedef char {unit.name}_fits[sizeof(struct part) <= DRAWBAR_{unit.name.upper()}_SIZE ? 1 : -1];
-{initialiser(unit).strip()}
+{_WORK_FITS if unit.work_size else ""}{initialiser(unit).strip()}
 """
 
 
@@ -59,13 +60,18 @@ def size_header(units: Sequence[Unit], sample_time: float) -> str:
 
 def state_doubles(units: Sequence[Unit]) -> int:
     """Return the size of an autopilot's state, in doubles."""
-    return sum(-(-unit.size // 8) for unit in units) + _STEP_DOUBLES
+    return sum(-(-size // 8) for size in (*(unit.size for unit in units), work_size(units))) + _STEP_DOUBLES
+
+
+def work_size(units: Sequence[Unit]) -> int:
+    """Return the bytes of what all parts borrow in turn."""
+    return max(8, *(unit.work_size for unit in units))
 
 
 def parts_header(units: Sequence[Unit], constants: Mapping[str, str]) -> str:
     """Return the header with the bytes that each part needs, and what step.h wants to know besides."""
     needs = {f"DRAWBAR_{unit.name.upper()}_SIZE": str(unit.size) for unit in units}
-    return _header("drawbar_parts", {**needs, **constants})
+    return _header("drawbar_parts", {**needs, "DRAWBAR_WORK_SIZE": str(work_size(units)), **constants})
 
 
 def _header(name: str, macros: Mapping[str, str]) -> str:

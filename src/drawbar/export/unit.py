@@ -19,4 +19,9 @@ class Unit:
     @property
     def size(self) -> int:
         """Bytes of `struct part` on this machine."""
-        return self.workspace.memory.size
+        return self.workspace.part_size
+
+    @property
+    def work_size(self) -> int:
+        """Bytes that the part borrows for the length of a call."""
+        return self.workspace.memory.size - self.size

@@ -77,7 +77,7 @@ class Guidance:
         self._path, self._estimate = CPath(path.nodes), CEstimate()
         self._references = CBodyReference(), CBodyReference()
         self._samples = self.part.array("guidance.samples")
-        self._reference, self._finished = self.part.function("reference", 4), self.part.function("finished", 1)
+        self._reference, self._finished = self.part.function("reference", 5), self.part.function("finished", 1)
         self._begin(tractor, trailer, settings.maximum_start_distance)
 
     def _begin(self, tractor: Position, trailer: Position, reach: float) -> None:
@@ -103,7 +103,11 @@ class Guidance:
         self._estimate.write(estimate)
         tractor, trailer = self._references
         status = self._reference(
-            ctypes.byref(self._path), ctypes.byref(self._estimate), ctypes.byref(tractor), ctypes.byref(trailer)
+            ctypes.byref(self._path),
+            ctypes.byref(self._estimate),
+            ctypes.byref(tractor),
+            ctypes.byref(trailer),
+            self.part.work,
         )
         if status != GuidanceStatus.FINE:
             raise self._refusal(status, estimate)

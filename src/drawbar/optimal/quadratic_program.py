@@ -11,12 +11,18 @@ _UNIT = """
 #define NU {inputs}
 #define NB {bounds}
 #define NC 0
+#define CROSS 1
 #define FREE_INITIAL {free}
 #include "interior_point.h"
 #include "fields.h"
-int64_t drawbar_size = sizeof(struct qp);
+struct workspace {{ struct qp qp; union bounds_work work; }};
+int64_t drawbar_size = sizeof(struct workspace);
 const struct drawbar_field drawbar_fields[] = {{QP_FIELDS(qp, ) END_OF_FIELDS}};
-int solve(struct qp *s) {{ s->factored = 0; return s->status = qp_optimise(s); }}
+int solve(struct workspace *s)
+{{
+    s->qp.factored = 0;
+    return s->qp.status = qp_optimise(&s->qp, &s->work);
+}}
 """
 
 

@@ -161,18 +161,15 @@ def linked(command: Sequence[str], program: FilePath) -> FilePath:
 
 
 @pytest.fixture(scope="session")
-def native(exported: Callable[..., FilePath]) -> Callable[..., Player]:
-    """Return a function that builds a configuration's player with the compiler and flags of Python's own solvers.
-
-    Flags that it is given come last.
-    """
+def native(exported: Callable[..., FilePath]) -> Callable[[str], Player]:
+    """Return a function that builds a configuration's player with the compiler and flags of Python's own solvers."""
     flags = [flag for flag in FLAGS if flag not in ("-shared", "-fPIC")]
 
     @cache
-    def native(name: str, *others: str) -> Player:
+    def native(name: str) -> Player:
         folder = exported(name)
         sources = map(str, sorted((folder / "src").glob("*.c")))
-        command = [*find_compiler(), *flags, *others, f"-I{folder / 'include'}", *sources, REPLAY, FILES, "-lm"]
+        command = [*find_compiler(), *flags, f"-I{folder / 'include'}", *sources, REPLAY, FILES, "-lm"]
         return Player(command=(str(linked(command, folder / "replay")),), environment={})
 
     return native

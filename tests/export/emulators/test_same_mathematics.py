@@ -52,7 +52,7 @@ def test_as_python_compiles_it(run: str, runs: dict, native: Callable, tmp_path:
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_configurations(name: str, record: Callable, native: Callable, tmp_path: Path) -> None:
     run = record(name, steps=300)
-    replay = native(name, "-O1").play(run, tmp_path)
+    replay = native(name).play(run, tmp_path)
     np.testing.assert_allclose(replay.commands, run.commands, rtol=0.0, atol=1e-12)
 
 

@@ -31,11 +31,10 @@ FORCED = (
     ("active_set.h", "value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;", "i < ACTIVE_MOST;"),
     ("active_set.h", "if (!(side * a->nu[a->slot[i]] <= 0.0) && s->lower[i] < s->upper[i])", "if (0)"),
     ("active_set.h", "if (!(pivot > 1e-10 * own))", "if (0)"),
-    (
-        "approach.h",
-        "approach_widest(approach) <= widest && approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature)",
-        "approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature) > 1",
-    ),
+    ("approach.h", "{fmax(room, fabs(from->offset)), APPROACH_TIGHTER * limits->curvature}", "{1e9, 1e9}"),
+    ("approach.h", "pose[2], most.widest)", "pose[2], fmax(room, fabs(from->offset)))"),
+    ("approach.h", "angles, pose, &most))\n", "angles, pose, &most) || line->count >= APPROACH_LAID)\n"),
+    ("approach.h", "approach_lay(approach, path, most.tightest))", "approach_lay(approach, path, most.tightest) > 1)"),
 )
 """header, what it says, what it says instead"""
 

@@ -83,7 +83,7 @@ def test_no_promise_is_broken(fuzzer: Path, tmp_path: Path) -> None:
     length = [f"-max_total_time={SECONDS}"] if SECONDS else ["-runs=50", "-seed=1"]
     corpus = seeds(tmp_path / "corpus", 64, None if SECONDS else 1)
     done = subprocess.run(
-        [str(fuzzer), *length, "-max_len=512", "-len_control=0", str(corpus)],
+        [str(fuzzer), *length, "-max_len=512", "-len_control=0", "-report_slow_units=600", str(corpus)],
         capture_output=True,
         text=True,
         errors="replace",

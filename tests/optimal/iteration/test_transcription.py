@@ -1,5 +1,6 @@
 """What the generated C computes, against finite differences and CasADi's own Jacobians."""
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -8,6 +9,7 @@ import numpy as np
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
 from drawbar.optimal.transcription import LEVENBERG, transcribe
+from drawbar.signals import SolverStatus
 
 STEP = 1e-6
 
@@ -25,7 +27,7 @@ def disturbed(case: Any) -> Any:
 def test_sensitivities_of_every_interval(case: Any) -> None:
     solver = disturbed(case)
     linearise = solver.workspace.function("linearise")
-    F = solver.workspace.array("F")
+    F = solver.workspace.array("qp.c")
     linearise()
     slopes = {"x": solver.workspace.array("qp.A").copy(), "u": solver.workspace.array("qp.B").copy()}
     for name, values in (("x", solver.x), ("u", solver.u)):
@@ -98,6 +100,20 @@ def unit(like: Floats, k: int, j: int) -> Floats:
 
 
 def test_hessian_is_that_of_gauss_and_newton(case: Any) -> None:
+    assert not transcribe(case.problem).crosses
+    judge_hessian(case)
+
+
+def test_hessian_where_an_output_depends_on_a_state_and_an_input(named: Any) -> None:
+    case = named("tricycle_tractor")
+    model = case.problem.model
+    output = ca.vertcat(model.output[:-1], model.output[-1] * (1.0 + ca.sin(model.x[1])))
+    mixed = replace(case, problem=replace(case.problem, model=replace(model, name="mixed", output=output)))
+    assert transcribe(mixed.problem).crosses
+    judge_hessian(mixed)
+
+
+def judge_hessian(case: Any) -> None:
     solver = disturbed(case)
     x, u, n = solver.x.copy(), solver.u.copy(), case.problem.horizon
     solver.prepare()
@@ -114,5 +130,6 @@ def test_hessian_is_that_of_gauss_and_newton(case: Any) -> None:
             H[:nx, :nx] += np.diag(1.0 / np.array(case.problem.prior_deviation) ** 2)
         np.testing.assert_allclose(Q[k], H[:nx, :nx], rtol=1e-12, atol=1e-12)
         if k < n:
-            np.testing.assert_allclose(S[k], H[nx:, :nx], rtol=1e-12, atol=1e-12)
+            np.testing.assert_allclose(S[k] if len(S) else 0.0, H[nx:, :nx], rtol=1e-12, atol=1e-12)
             np.testing.assert_allclose(R[k], H[nx:, nx:] + LEVENBERG * np.eye(len(H) - nx), rtol=1e-12, atol=1e-12)
+    assert solver.feedback() == SolverStatus.SOLVED

@@ -4,7 +4,8 @@
 #include "unit.c"
 #include "random.h"
 
-static struct qp work;
+static struct workspace memory;
+#define work memory.qp
 
 static void fill(void)
 {
@@ -43,7 +44,7 @@ int main(void)
 
     for (int call = 0; call < CALLS; ++call) {
         fill();
-        const int status = solve(&work);
+        const int status = solve(&memory);
         if (status < SOLVED || status > BAD_INPUT)
             fail("a status that is none", status);
         ++counts[status];

@@ -1,7 +1,8 @@
 /* The way onto the path for a vehicle that faces away from it: three turns within the vehicle's limits (turns.h).
  *
  * The turns are found beside a straight line, then laid along the path: a point of theirs is an arc length of the path
- * and a distance to its left. Beside a curved path they become a little tighter or wider by that.
+ * and a distance to its left. Beside a curved path they become a little tighter or wider by that. Laying is what costs:
+ * a way is looked at on its arcs first, where the limits are exceeded if anywhere, and only a few are laid.
  */
 #ifndef DRAWBAR_APPROACH_H
 #define DRAWBAR_APPROACH_H
@@ -11,6 +12,9 @@
 
 #define APPROACH_NODES 256                 /* longest way, in pieces of up to 0.25 m */
 #define APPROACH_TIGHTER 1.4               /* how much tighter than their limit turns may become beside a curve */
+#define APPROACH_LOOK (DRAWBAR_PI / 4.0)   /* between the directions in which an arc is looked at, rad */
+#define APPROACH_LOOKS 18                  /* of them in a turn, at most */
+#define APPROACH_LAID 6                    /* ways that are laid beside the path, at most */
 
 /* Where a tractor stands, seen from the path. */
 struct beside_path {
@@ -25,7 +29,6 @@ struct approach {
     struct drawbar_path_node nodes[APPROACH_NODES];
     int32_t count;                         /* of the track's nodes; 0: there is no approach */
     double joins_at;                       /* arc length of the path at the track's end, m */
-    struct onto_line line;                 /* the search that found it */
 };
 
 static inline struct path approach_track(const struct approach *approach)
@@ -47,6 +50,12 @@ static inline void approach_sample(const struct approach *approach, const struct
         path_sample(&track, arc_length, sample);
 }
 
+/* What a way may do. */
+struct approach_limits {
+    double widest;                         /* distance from the line, m */
+    double tightest;                       /* curvature beside the path, 1/m */
+};
+
 /* How far beside the line the way leads, m. */
 static inline double approach_widest(const struct approach *approach)
 {
@@ -65,9 +74,9 @@ static inline void approach_lay_node(struct drawbar_path_node *node, const struc
     double sample[4];
 
     path_sample(path, node->x, sample);
-    node->x = sample[0] - left * sin(sample[2]);
-    node->y = sample[1] + left * cos(sample[2]);
-    node->yaw = sample[2] + atan2(sin(direction), (1.0 - left * sample[3]) * cos(direction));
+    node->x = sample[0] - left * lane_sin(sample[2]);
+    node->y = sample[1] + left * lane_cos(sample[2]);
+    node->yaw = sample[2] + atan2(lane_sin(direction), (1.0 - left * sample[3]) * lane_cos(direction));
 }
 
 /* Join two laid nodes: continuous yaw, arc length from the chord. Returns 0 where the piece is none, or begins tighter
@@ -77,7 +86,7 @@ static inline int approach_join(struct drawbar_path_node *a, double tightest)
     struct drawbar_path_node *b = a + 1;
 
     b->yaw = nearest_branch(b->yaw, a->yaw);
-    const double half_turn = 0.5 * (b->yaw - a->yaw), arc = half_turn != 0.0 ? half_turn / sin(half_turn) : 1.0;
+    const double half_turn = 0.5 * (b->yaw - a->yaw), arc = half_turn != 0.0 ? half_turn / lane_sin(half_turn) : 1.0;
     b->arc_length = a->arc_length + arc * hypot(b->x - a->x, b->y - a->y);
     if (!(b->arc_length > a->arc_length))
         return 0;
@@ -132,23 +141,81 @@ static inline void approach_trace(struct approach *approach, const struct beside
         = curve_trace(&curve, from->near, from->offset, from->heading, approach->nodes, APPROACH_NODES);
 }
 
-/* Find the shortest way onto the path that stays within the room (m) beside it, or no further off than the tractor is.
- * Returns 0 where there is none. */
-static inline int approach_find(struct approach *approach, const struct path *path, const struct beside_path *from,
-                                const struct turn_limits *limits, double room)
+/* The curvature (1/m) that a curve gets where it is laid beside a path, from its own (1/m) in a direction (rad) beside a
+ * straight line; the path is sampled where the curve is `left` (m) of it. */
+static inline double approach_bend(const double *sample, double left, double direction, double bend)
 {
-    const double widest = fmax(room, fabs(from->offset));
-    const struct drawbar_path_node *nodes = approach->nodes;
+    const double cosine = lane_cos(direction), sine = lane_sin(direction), nearer = 1.0 - left * sample[3];
+    const double squared = nearer * nearer * cosine * cosine + sine * sine;
+
+    return (sample[3] * cosine + (nearer * bend + sample[3] * sine * sine * cosine) / squared) / sqrt(squared);
+}
+
+/* Is a turn within the limits on its arc? It is looked at where it leads furthest aside, along the line, and between. */
+static inline int approach_turn_fits(const struct onto_line *line, const struct path *path, const double *begin,
+                                     double angle, const struct approach_limits *most)
+{
+    const struct turn_circle *circle = &line->circle;
+    const double side = copysign(1.0, angle), bend = side * line->limits.curvature, ramp = 0.5 * side * circle->least;
+    const double cosine = lane_cos(begin[2]), sine = lane_sin(begin[2]);
+    const double x = begin[0] + cosine * circle->ahead - sine * side * circle->left;
+    const double y = begin[1] + sine * circle->ahead + cosine * side * circle->left;
+    const double first = (begin[2] + ramp) / APPROACH_LOOK, last = (begin[2] + angle - ramp) / APPROACH_LOOK;
+    double look = ceil(fmin(first, last)), sample[4];
+
+    for (int i = 0; i < APPROACH_LOOKS && fabs(angle) > circle->least && look <= fmax(first, last); ++i) {
+        const double direction = APPROACH_LOOK * look, left = y - lane_cos(direction) / bend;
+        path_sample(path, x + lane_sin(direction) / bend, sample);
+        if (!(fabs(left) <= most->widest) || !(fabs(approach_bend(sample, left, direction, bend)) <= most->tightest))
+            return 0;
+        look += 1.0;
+    }
+    return 1;
+}
+
+/* Are the turns by these angles (rad) within the limits where that is seen without tracing them? `pose` is where they
+ * begin: arc length of the path (m), distance to its left (m), heading against it (rad). */
+static inline int approach_promises(const struct onto_line *line, const struct path *path, const double *angles,
+                                    const double *pose, const struct approach_limits *most)
+{
+    double now[3] = {pose[0], pose[1], pose[2]};
+
+    for (int i = 0; i < TURNS; ++i) {
+        const double chord = turn_chord(&line->limits, &line->circle, angles[i]), middle = now[2] + 0.5 * angles[i];
+        if (!approach_turn_fits(line, path, now, angles[i], most))
+            return 0;
+        now[0] += chord * lane_cos(middle);
+        now[1] += chord * lane_sin(middle);
+        now[2] += angles[i];
+    }
+    return 1;
+}
+
+/* Find the shortest way onto the path that stays within the room (m) beside it, or no further off than the tractor is.
+ * `line` is memory for the search. Returns 0 where there is none. */
+static inline int approach_find(struct approach *approach, const struct path *path, const struct beside_path *from,
+                                const struct turn_limits *limits, double room, struct onto_line *line)
+{
+    const struct approach_limits most = {fmax(room, fabs(from->offset)), APPROACH_TIGHTER * limits->curvature};
     struct way way;
     double angles[TURNS];
+    int laid = 0;
 
     approach_trace(approach, from, limits, NULL, 0);
-    if (approach->count > 0)
-        line_ways(&approach->line, limits, nodes[approach->count - 1].y, nodes[approach->count - 1].yaw, widest);
-    while (approach->count > 0 && line_take(&approach->line, &way)) {
-        way_angles(&approach->line, &way, angles);
+    if (approach->count == 0)
+        return 0;
+    const struct drawbar_path_node *straight = &approach->nodes[approach->count - 1];
+    const double pose[3] = {straight->x, straight->y, straight->yaw};
+    line_ways(line, limits, pose[1], pose[2], most.widest);
+    while (laid < APPROACH_LAID && line_take(line, &way)) {
+        way_angles(line, &way, angles);
+        if (!approach_promises(line, path, angles, pose, &most))
+            continue;
+        ++laid;
         approach_trace(approach, from, limits, angles, TURNS);
-        if (approach_widest(approach) <= widest && approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature))
+        if (approach->count == 0)          /* and those that follow are longer still */
+            return 0;
+        if (approach_widest(approach) <= most.widest && approach_lay(approach, path, most.tightest))
             return 1;
     }
     approach->count = 0;

@@ -54,10 +54,10 @@ int UNIT(judge)(struct part *part)
 int UNIT(feedback)(struct part *part, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *tractor_reference,
                    const struct drawbar_body_reference *trailer_reference, struct drawbar_body_plan *tractor,
-                   struct drawbar_body_plan *trailer)
+                   struct drawbar_body_plan *trailer, void *work)
 {
     UNIT(enter)(part, estimate, tractor_reference, trailer_reference);
-    rti_feedback(&part->rti);
+    rti_feedback(&part->rti, work);
     return UNIT(leave)(part, tractor, trailer);
 }
 

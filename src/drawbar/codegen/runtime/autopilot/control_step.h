@@ -75,10 +75,11 @@ static void plan(struct autopilot *a, const struct drawbar_estimate *ahead,
                  const struct drawbar_body_reference *references, struct drawbar_body_plan *plans)
 {
 #ifdef DRAWBAR_CENTRALISED
-    drawbar_controller_feedback(PART(a->controller), ahead, &references[0], &references[1], &plans[0], &plans[1]);
+    drawbar_controller_feedback(PART(a->controller), ahead, &references[0], &references[1], &plans[0], &plans[1],
+                                a->work);
 #else
-    drawbar_tractor_feedback(PART(a->tractor), ahead, &references[0], NULL, &plans[0]);
-    drawbar_trailer_feedback(PART(a->trailer), ahead, &references[1], &plans[0], &plans[1]);
+    drawbar_tractor_feedback(PART(a->tractor), ahead, &references[0], NULL, &plans[0], a->work);
+    drawbar_trailer_feedback(PART(a->trailer), ahead, &references[1], &plans[0], &plans[1], a->work);
 #endif
 }
 
@@ -138,9 +139,9 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     struct drawbar_body_reference references[2];
     struct drawbar_body_plan plans[2];
 
-    drawbar_estimator_update(PART(a->estimator), measurement, &a->estimate);
+    drawbar_estimator_update(PART(a->estimator), measurement, &a->estimate, a->work);
     look_ahead(a, &ahead);
-    if (drawbar_guidance_reference(PART(a->guidance), &a->path, &ahead, &references[0], &references[1]))
+    if (drawbar_guidance_reference(PART(a->guidance), &a->path, &ahead, &references[0], &references[1], a->work))
         return end_run(a, DRAWBAR_GUIDANCE, command);
     switch (drawbar_supervisor_watch(PART(a->supervisor), &a->estimate, &references[0])) {
     case OFF_COURSE:

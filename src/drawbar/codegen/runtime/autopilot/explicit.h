@@ -65,13 +65,14 @@ static struct drawbar_body_plan held(double command, double steering, double *st
 int UNIT(feedback)(struct part *part, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *tractor_reference,
                    const struct drawbar_body_reference *trailer_reference, struct drawbar_body_plan *tractor,
-                   struct drawbar_body_plan *trailer)
+                   struct drawbar_body_plan *trailer, void *work)
 {
     const double wanted = law_steering(&part->law, &part->chain, estimate, tractor_reference);
     const double front = clipped(wanted, part->limit);
     const double error = tangent_distance(&estimate->trailer, trailer_reference);
     const double joint = proportional_integral(&part->trailer, error);
 
+    (void)work;
     roll_out(part, estimate, front);
     for (int k = 0; k <= N; ++k)
         memcpy(part->trailer_poses[k], trailer_reference->samples[k], sizeof part->trailer_poses[k]);

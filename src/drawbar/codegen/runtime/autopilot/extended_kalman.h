@@ -44,11 +44,13 @@ static void screen(struct part *part, const struct drawbar_measurement *measurem
  *
  * When the result is not finite the estimate is the prediction, and its status says so; a failure of the prediction
  * before it shows here too. A missing input keeps its last measured value. */
-int UNIT(update)(struct part *part, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate)
+int UNIT(update)(struct part *part, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
+                 void *work)
 {
     struct screened seen;
     double y[NY];
 
+    (void)work;
     screen(part, measurement, &seen);
     model_outputs(&part->model, &seen.measurement, y);
     const int corrected = filter_update(&part->filter, y), status = corrected == SOLVED ? part->predicted : corrected;

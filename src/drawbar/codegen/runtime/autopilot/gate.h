@@ -100,6 +100,15 @@ int UNIT(stop)(struct part *gate, double time, struct drawbar_command *given)
     return STOPPED;
 }
 
+/* What to give to a call that was wrong, and is no sample: stand, with the steering as it is. Nothing changes. */
+int UNIT(stand)(const struct part *gate, double time, struct drawbar_command *given)
+{
+    *given = gate->last;
+    given->time = time;
+    given->speed = 0.0;
+    return STOPPED;
+}
+
 /* Do without a command: repeat the last valid one as long as it may be, then stop. */
 int UNIT(hold)(struct part *gate, double time, struct drawbar_command *given)
 {

@@ -63,7 +63,7 @@ static inline void iteration_judge(struct iteration *iteration, const struct rti
 static inline const double *iteration_successor(struct rti *solver)
 {
     dynamics(solver, 0, 1);
-    return solver->F[0];
+    return solver->qp.c[0];
 }
 
 #endif

@@ -29,12 +29,13 @@ int UNIT(finished)(struct part *part, const struct path *path)
 
 /* What both controllers shall follow now; returns an enum guidance_status. */
 int UNIT(reference)(struct part *part, const struct path *path, const struct drawbar_estimate *estimate,
-                    struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer)
+                    struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer, void *work)
 {
     struct guidance *guidance = &part->guidance;
     struct drawbar_body_reference *const references[BODIES] = {tractor, trailer};
     const int status = guidance_advance(guidance, path, estimate, references);
 
+    (void)work;
     if (status != GUIDANCE_FINE)
         return status;
     for (int i = 0; i < BODIES; ++i)

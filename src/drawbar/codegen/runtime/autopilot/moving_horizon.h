@@ -100,10 +100,11 @@ int UNIT(judge)(struct part *part)
 
 #ifdef EXPORTED
 /* The estimate at the measurement's time. */
-int UNIT(update)(struct part *part, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate)
+int UNIT(update)(struct part *part, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
+                 void *work)
 {
     UNIT(enter)(part, measurement);
-    rti_feedback(&part->rti);
+    rti_feedback(&part->rti, work);
     return UNIT(leave)(part, estimate);
 }
 

@@ -28,6 +28,7 @@ struct way {
 /* Where a vehicle stands beside a line, and what the turns that are tried do. */
 struct onto_line {
     struct turn_limits limits;
+    struct turn_circle circle;
     double offset;                         /* from the line, left positive, m */
     double heading;                        /* against the line, rad */
     double room;                           /* beside the line, m */
@@ -48,13 +49,13 @@ static inline void way_angles(const struct onto_line *line, const struct way *wa
 /* How far aside a turn by an angle (rad) leads that begins or ends in the line's direction, m. */
 static inline double line_aside(const struct onto_line *line, double angle)
 {
-    return turn_chord(&line->limits, angle) * lane_sin(0.5 * angle);
+    return turn_chord(&line->limits, &line->circle, angle) * lane_sin(0.5 * angle);
 }
 
 /* How far left of the line the first turn (rad) ends, m. */
 static inline double line_after(const struct onto_line *line, double first)
 {
-    return line->offset + turn_chord(&line->limits, first) * lane_sin(line->heading + 0.5 * first);
+    return line->offset + turn_chord(&line->limits, &line->circle, first) * lane_sin(line->heading + 0.5 * first);
 }
 
 /* How far left of the line all turns end, m: `after` the first, by the chord of the middle one and how far the last one
@@ -77,7 +78,8 @@ static inline double way_left(const struct onto_line *line, const struct way *wa
     double angles[TURNS];
 
     way_angles(line, way, angles);
-    return line_left(line, way, after, turn_chord(&line->limits, angles[1]), line_aside(line, way->last));
+    const double middle = turn_chord(&line->limits, &line->circle, angles[1]);
+    return line_left(line, way, after, middle, line_aside(line, way->last));
 }
 
 /* The least that can be of an angle's size, rad, which is between two others. */
@@ -155,6 +157,7 @@ static inline void line_ways(struct onto_line *line, const struct turn_limits *l
                              double room)
 {
     line->limits = *limits;
+    line->circle = turn_circle(limits);
     line->offset = offset;
     line->heading = heading;
     line->room = room;
@@ -164,7 +167,7 @@ static inline void line_ways(struct onto_line *line, const struct turn_limits *l
     for (int rounds = -1; rounds <= 1; ++rounds)
         for (int k = -2 * LINE_STEPS; k <= 2 * LINE_STEPS; ++k)
             line->middles[rounds + 1][k + 2 * LINE_STEPS]
-                = turn_chord(limits, 2.0 * DRAWBAR_PI * rounds - heading - LINE_STEP * k);
+                = turn_chord(limits, &line->circle, 2.0 * DRAWBAR_PI * rounds - heading - LINE_STEP * k);
     for (int first = -LINE_STEPS; first <= LINE_STEPS; ++first)
         for (int rounds = -1; rounds <= 1; ++rounds)
             line_bracket(line, first, rounds);

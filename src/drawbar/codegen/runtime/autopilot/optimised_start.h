@@ -69,17 +69,17 @@ static inline void pose_seen(const double *frame, struct drawbar_pose *pose)
     *pose = (struct drawbar_pose){seen[0], seen[1], seen[2]};
 }
 
-/* What the problem is made of as seen from the frame. */
+/* What the problem is made of as seen from the frame; samples: N + 1 rows for the reference. */
 static inline void see_from_frame(struct subsystem *body, struct drawbar_estimate *estimate,
-                                  struct drawbar_body_reference *reference)
+                                  struct drawbar_body_reference *reference, double (*samples)[4])
 {
     pose_seen(body->frame, &estimate->tractor);
     pose_seen(body->frame, &estimate->trailer);
     seen_from(body->frame, reference->closest);
-    memcpy(body->samples, reference->samples, sizeof body->samples);
+    memcpy(samples, reference->samples, (N + 1) * sizeof *samples);
     for (int k = 0; k <= N; ++k)
-        seen_from(body->frame, body->samples[k]);
-    reference->samples = (const double (*)[4])body->samples;
+        seen_from(body->frame, samples[k]);
+    reference->samples = (const double (*)[4])samples;
 }
 
 /* The plan's poses, which the frame saw. */

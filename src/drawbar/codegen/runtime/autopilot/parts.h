@@ -1,7 +1,8 @@
 /* The parts of an exported autopilot, each a unit of its own: memory is given to it, what is in there is its business.
+ * `work` is lent to it for the length of the call, and to all others after it.
  *
  * drawbar_parts.h is generated. It tells which parts there are (DRAWBAR_CENTRALISED, DRAWBAR_DEAD_TIME), the bytes that
- * each needs (DRAWBAR_<PART>_SIZE), and three numbers: DRAWBAR_SPEED to drive at, m/s; DRAWBAR_PATIENCE, for how long a
+ * each needs (DRAWBAR_<PART>_SIZE) and what is lent to all (DRAWBAR_WORK_SIZE), and three numbers: DRAWBAR_SPEED to drive at, m/s; DRAWBAR_PATIENCE, for how long a
  * command may act without a new one, s; DRAWBAR_SAMPLE_TIME (in drawbar_size.h), s.
  */
 #ifndef DRAWBAR_AUTOPILOT_PARTS_H
@@ -20,7 +21,7 @@ struct part;                               /* another one in each unit */
 int drawbar_estimator_initialise(struct part *part);
 int drawbar_estimator_begin(struct part *part, const struct drawbar_measurement *first);
 int drawbar_estimator_update(struct part *part, const struct drawbar_measurement *measurement,
-                             struct drawbar_estimate *estimate);
+                             struct drawbar_estimate *estimate, void *work);
 int drawbar_estimator_ready(struct part *part, const struct drawbar_command *acting);
 
 #ifdef DRAWBAR_DEAD_TIME
@@ -32,7 +33,8 @@ int drawbar_predictor_sent(struct part *part, const struct drawbar_command *newe
 int drawbar_guidance_initialise(struct part *part);
 int drawbar_guidance_begin(struct part *part, const struct path *path, const struct drawbar_measurement *first);
 int drawbar_guidance_reference(struct part *part, const struct path *path, const struct drawbar_estimate *estimate,
-                               struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer);
+                               struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer,
+                               void *work);
 int drawbar_guidance_finished(struct part *part, const struct path *path);
 
 #ifdef DRAWBAR_CENTRALISED
@@ -40,18 +42,18 @@ int drawbar_controller_initialise(struct part *part);
 int drawbar_controller_feedback(struct part *part, const struct drawbar_estimate *estimate,
                                 const struct drawbar_body_reference *tractor_reference,
                                 const struct drawbar_body_reference *trailer_reference,
-                                struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer);
+                                struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer, void *work);
 int drawbar_controller_ready(struct part *part);
 #else
 int drawbar_tractor_initialise(struct part *part);
 int drawbar_tractor_feedback(struct part *part, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan);
+                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work);
 int drawbar_tractor_ready(struct part *part);
 int drawbar_trailer_initialise(struct part *part);
 int drawbar_trailer_feedback(struct part *part, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan);
+                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work);
 int drawbar_trailer_ready(struct part *part);
 #endif
 
@@ -65,6 +67,7 @@ int drawbar_trailer_law_apply(const struct part *part, const struct drawbar_body
 int drawbar_gate_initialise(struct part *part);
 int drawbar_gate_begin(struct part *part, const struct drawbar_measurement *first);
 int drawbar_gate_stop(struct part *part, double time, struct drawbar_command *given);
+int drawbar_gate_stand(const struct part *part, double time, struct drawbar_command *given);
 int drawbar_gate_hold(struct part *part, double time, struct drawbar_command *given);
 int drawbar_gate_check(struct part *part, const struct drawbar_command *wanted, struct drawbar_command *given);
 
@@ -100,6 +103,7 @@ struct autopilot {
     double trailer_law MEMORY(DRAWBAR_TRAILER_LAW_SIZE);
     double gate MEMORY(DRAWBAR_GATE_SIZE);
     double supervisor MEMORY(DRAWBAR_SUPERVISOR_SIZE);
+    double work MEMORY(DRAWBAR_WORK_SIZE);
 };
 
 #endif

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stddef.h>
 #include "drawbar_signals.h"
+#include "lanes.h"
 
 #define PATH_PROJECTIONS 20                /* Newton steps of a projection, at most */
 #define PATH_CONVERGED 1e-6                /* last Newton step, m; what is left after it is of its square */
@@ -57,12 +58,13 @@ static inline void path_bend(double *cubic, double mean, double end, double leng
 static inline struct path_cubic path_cubic(const struct path *path, int32_t piece)
 {
     const struct drawbar_path_node *a = &path->nodes[piece > 0 ? piece - 1 : 0], *b = a + 1;
-    struct path_cubic cubic = {a->arc_length, a->yaw, {a->x, cos(a->yaw), 0.0, 0.0}, {a->y, sin(a->yaw), 0.0, 0.0}};
+    struct path_cubic cubic
+        = {a->arc_length, a->yaw, {a->x, lane_cos(a->yaw), 0.0, 0.0}, {a->y, lane_sin(a->yaw), 0.0, 0.0}};
 
     if (piece > 0 && piece < path->count) {
         const double length = b->arc_length - a->arc_length;
-        path_bend(cubic.x, (b->x - a->x) / length, cos(b->yaw), length);
-        path_bend(cubic.y, (b->y - a->y) / length, sin(b->yaw), length);
+        path_bend(cubic.x, (b->x - a->x) / length, lane_cos(b->yaw), length);
+        path_bend(cubic.y, (b->y - a->y) / length, lane_sin(b->yaw), length);
     }
     return cubic;
 }

@@ -24,6 +24,7 @@ struct part {
     struct approach approach;
 };
 
+#define WORK struct onto_line              /* what the search for turns borrows, see workspace.h */
 #define PART_FIELDS                                                                                          \
     GUIDANCE_FIELDS(part, guidance.) SETTING(part, limits.curvature, 0, 1, 0, 0)                             \
     SETTING(part, limits.rate, 0, 1, 0, 0) SETTING(part, interval, 0, 1, 0, 0)                               \
@@ -82,7 +83,8 @@ static int preview_astray(const struct part *part, const struct path *path, doub
 
 /* Begin turns where the tractor faces away from the path, and leave those that it faces away from. Returns 0 where no
  * turns lead onto the path. */
-static int preview_turn(struct part *part, const struct path *path, const struct drawbar_estimate *estimate)
+static int preview_turn(struct part *part, const struct path *path, const struct drawbar_estimate *estimate,
+                        struct onto_line *line)
 {
     const struct drawbar_pose *tractor = &estimate->tractor;
 
@@ -94,12 +96,12 @@ static int preview_turn(struct part *part, const struct path *path, const struct
     const struct beside_path beside
         = beside_path(path, tractor, part->guidance.progress[TRACTOR], tan(angle) / part->wheelbase);
     part->approached = 0.0;
-    return approach_find(&part->approach, path, &beside, &part->limits, part->room);
+    return approach_find(&part->approach, path, &beside, &part->limits, part->room, line);
 }
 
 /* What both controllers shall follow now; returns an enum guidance_status. */
 int UNIT(reference)(struct part *part, const struct path *path, const struct drawbar_estimate *estimate,
-                    struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer)
+                    struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer, void *work)
 {
     struct guidance *guidance = &part->guidance;
     struct drawbar_body_reference *const references[BODIES] = {tractor, trailer};
@@ -111,7 +113,7 @@ int UNIT(reference)(struct part *part, const struct path *path, const struct dra
     if (!isfinite(speed))
         return GUIDANCE_SPEED_NOT_FINITE;
     preview_advance(part, &estimate->tractor);
-    if (!preview_turn(part, path, estimate))
+    if (!preview_turn(part, path, estimate, work))
         return GUIDANCE_NO_WAY;
     for (int j = 0; j <= STAGES; ++j) {
         const double distance = speed * (part->interval * j);

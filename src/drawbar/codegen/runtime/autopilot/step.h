@@ -61,12 +61,16 @@ int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measureme
 
     if (command == NULL)
         return DRAWBAR_NULL;
-    if (state == NULL || measurement == NULL)
+    if (state == NULL)
         return stand(command, DRAWBAR_NULL);
     if ((a = autopilot_in(state)) == NULL)
         return stand(command, DRAWBAR_NOT_INITIALISED);
+    if (measurement == NULL) {
+        drawbar_gate_stand(PART(a->gate), a->time, command);
+        return DRAWBAR_NULL;
+    }
     if (a->path.count == 0 || a->called) {
-        drawbar_gate_stop(PART(a->gate), a->time, command);
+        drawbar_gate_stand(PART(a->gate), a->time, command);
         return a->called ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
     }
     a->called = 1;

@@ -36,7 +36,6 @@ struct subsystem {
     double frame[3];                       /* optimised: pose from which all of this is seen */
 
     double estimated[NX], nominal[NX];     /* x^, and the nominal state beside it */
-    double samples[N + 1][4];              /* optimised: the reference as seen from the frame */
     double poses[N + 1][3], steerings[N], deviation[NX];   /* the plan's */
 };
 

@@ -32,10 +32,11 @@ int UNIT(enter)(struct part *part, const struct drawbar_estimate *estimate,
     struct subsystem *body = &part->subsystem;
     struct drawbar_estimate here = *estimate;
     struct drawbar_body_reference ahead = *reference;
+    double samples[N + 1][4];
 
     if (FREE_INITIAL && POSE_STATES) {
         change_frame(body, &part->rti, reference->closest);
-        see_from_frame(body, &here, &ahead);
+        see_from_frame(body, &here, &ahead, samples);
     }
     body_state(&here, body->estimated);
     nominal_state(body, ahead.closest);
@@ -86,10 +87,10 @@ int UNIT(judge)(struct part *part)
 #ifdef EXPORTED
 int UNIT(feedback)(struct part *part, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour,
-                   struct drawbar_body_plan *plan)
+                   struct drawbar_body_plan *plan, void *work)
 {
     UNIT(enter)(part, estimate, reference, neighbour);
-    rti_feedback(&part->rti);
+    rti_feedback(&part->rti, work);
     return UNIT(leave)(part, plan);
 }
 

@@ -7,6 +7,7 @@
 #ifndef DRAWBAR_TURNS_H
 #define DRAWBAR_TURNS_H
 
+#include "geometry.h"
 #include "lanes.h"
 #include "path.h"
 
@@ -55,13 +56,30 @@ static inline double clothoid_direction(double rate, double ramp, double angle)
     return 0.5 * sum;
 }
 
-/* The distance between the ends of a turn by an angle (rad), m; negative: backwards. */
-static inline double turn_chord(const struct turn_limits *limits, double angle)
+/* The circle of a turn to the left that reaches the curvature limit: all of them, begun alike, share it. */
+struct turn_circle {
+    double least;                          /* turns by less do not reach the limit, rad */
+    double ahead, left;                    /* its centre, seen from where the turn begins, m */
+};
+
+static inline struct turn_circle turn_circle(const struct turn_limits *limits)
 {
-    const double peak = turn_peak(limits, angle), ramp = peak / limits->rate;
-    const double half_arc = 0.5 * fmax(fabs(angle) - peak * ramp, 0.0);
-    const double clothoid = ramp * clothoid_direction(limits->rate, ramp, fabs(angle));
-    return 2.0 * (clothoid + sin(half_arc) / limits->curvature);
+    const double ramp = limits->curvature / limits->rate, turned = 0.5 * limits->curvature * ramp;
+    const double ahead = ramp * clothoid_direction(limits->rate, ramp, 0.0);
+    const double left = ramp * clothoid_direction(limits->rate, ramp, DRAWBAR_PI);
+    const struct turn_circle circle
+        = {2.0 * turned, ahead - sin(turned) / limits->curvature, left + cos(turned) / limits->curvature};
+    return circle;
+}
+
+/* The distance between the ends of a turn by an angle (rad), m; negative: backwards. */
+static inline double turn_chord(const struct turn_limits *limits, const struct turn_circle *circle, double angle)
+{
+    const double size = fabs(angle), ramp = sqrt(size / limits->rate);
+
+    if (size < circle->least)
+        return 2.0 * ramp * clothoid_direction(limits->rate, ramp, size);
+    return 2.0 * (circle->left * lane_sin(0.5 * size) + circle->ahead * lane_cos(0.5 * size));
 }
 
 /* A curve by the arc lengths (m) and curvatures (1/m) between which its curvature is linear. */

@@ -2,7 +2,8 @@
  *
  * Bounds that are taken as active become equations z_i = bound with a multiplier nu_i each. The solution is linear in
  * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit pull on z_i, so that a handful of active
- * bounds costs a handful of sweeps and a small dense system (their Schur complement). Wherever this does not settle the interior point takes over.
+ * bounds costs a handful of sweeps and a small dense system (their Schur complement). Wherever this does not settle the
+ * interior point takes over.
  */
 #ifndef DRAWBAR_ACTIVE_SET_H
 #define DRAWBAR_ACTIVE_SET_H
@@ -128,10 +129,8 @@ static int active_publish(struct qp *s, struct active_set *a)
 
 /* Solve with bounds, starting from s->z and s->pi as qp_solve left them without; returns 0, with z, pi and multipliers
  * as they were, when it does not settle. */
-static int qp_active_set(struct qp *s)
+static int qp_active_set(struct qp *s, struct active_set *a)
 {
-    struct active_set *a = &s->work.active;
-
     a->count = 0;
     memset(a->side, 0, sizeof a->side);
     for (int i = 0; i < NB; ++i)

@@ -11,11 +11,13 @@
 
 #include "rti.h"
 
-static void outputs(struct rti *work, int first, int count);   /* generated: h and its Jacobian at the first stage */
-
 #define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side; or du, d = x_1 - F, right-hand side */
 #define OLD_PACKS ((OLD + PACK - 1) / PACK)
 #define OLD_WIDTH (OLD_PACKS * PACK)
+
+/* Generated: the Jacobian of the first stage's outputs, and h in the last column; what never changes by itself. */
+static void output_constants(const struct rti *work, double (*rows)[OLD_WIDTH]);
+static void outputs(const struct rti *work, double (*rows)[OLD_WIDTH], int first, int count);
 
 /* product = sum over rows first .. last - 1 of M[i][column] M[i]: inner products of `column` with every column. */
 static inline void column_products(const double (*restrict M)[OLD_WIDTH], int first, int last, int column,
@@ -84,16 +86,18 @@ static inline void widen(double (*restrict M)[OLD_WIDTH], int column, double dev
 /* Triangularise prior and oldest measurements over (dx, du): NX rows on dx, then NU rows on du alone. */
 static inline void arrival_measure(const struct rti *restrict s, double (*restrict T)[OLD_WIDTH])
 {
+    output_constants(s, T + NX);
+    outputs(s, T + NX, 0, 1);
     for (int i = 0; i < NX; ++i)
         for (int j = i; j < NX; ++j) {
             T[i][j] = s->root[i][j];
             T[i][OLD - 1] += s->root[i][j] * (s->prior[j] - s->z[j]);
         }
     for (int i = 0; i < NY; ++i) {
-        const double scale = sqrt(s->wm[0][i]);
+        const double scale = sqrt(rti_weight(s, 0, i));
         for (int j = 0; j < NX + NU; ++j)
-            T[NX + i][j] = scale * s->J[0][i][j];
-        T[NX + i][OLD - 1] = scale * (s->ym[0][i] - s->h[0][i]);
+            T[NX + i][j] *= scale;
+        T[NX + i][OLD - 1] = scale * (rti_target(s, 0, i) - T[NX + i][OLD - 1]);
     }
     for (int j = 0; j < NX; ++j)
         reflect(T, j, NX, NX + NY, j);
@@ -186,7 +190,6 @@ static int arrival_update(struct rti *s)
     double T[NX + NY][OLD_WIDTH] = {{0.0}}, M[NX + NU][OLD_WIDTH] = {{0.0}}, Z[NX][WIDTH], d[NX];
 
     dynamics(s, 0, 1);
-    outputs(s, 0, 1);
     arrival_measure(s, T);
     if (!arrival_transition((const double (*)[WIDTH])s->qp.A[0], (const double (*)[OLD_WIDTH])T, Z))
         return NOT_FINITE;
@@ -206,7 +209,7 @@ static int arrival_update(struct rti *s)
     if (!all_finite(&M[0][0], sizeof M / sizeof(double)) || !all_finite(d, NX))
         return NOT_FINITE;
     for (int i = 0; i < NX; ++i) {
-        s->prior[i] = s->F[0][i] + d[i];
+        s->prior[i] = s->qp.c[0][i] + d[i];
         memset(s->root[i], 0, (size_t)i * sizeof(double));
         memcpy(s->root[i] + i, M[i] + NU + i, (size_t)(NX - i) * sizeof(double));
     }

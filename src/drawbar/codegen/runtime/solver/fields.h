@@ -21,7 +21,7 @@ struct drawbar_field {
 #define END_OF_FIELDS {NULL, 0, 0, {0, 0, 0}, 0, 0}
 
 #define QP_FIELDS(type, prefix)                                                                              \
-    ROWS(type, prefix Q, N + 1, NX) ROWS(type, prefix S, N, NU) ROWS(type, prefix A, N, ND)                  \
+    ROWS(type, prefix Q, N + 1, NX) ROWS(type, prefix S, CROSS ? N : EMPTY, NU) ROWS(type, prefix A, N, ND)                  \
     FIELD(type, prefix R, 0, N, NU, NU) FIELD(type, prefix B, 0, N, ND, NU) FIELD(type, prefix c, 0, N, NX, 0) \
     FIELD(type, prefix g, 0, NZ, 0, 0) FIELD(type, prefix initial, 0, NX, 0, 0)                              \
     FIELD(type, prefix lower, 0, NB, 0, 0) FIELD(type, prefix upper, 0, NB, 0, 0)                            \

@@ -11,7 +11,9 @@
 #include "active_set.h"
 #include "farkas.h"
 
-#define IP_ITERATIONS 60
+#ifndef IP_ITERATIONS
+#define IP_ITERATIONS 60                   /* a unit whose time is short says less */
+#endif
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
 #define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
@@ -114,9 +116,21 @@ static void ip_start(struct qp *restrict s, struct interior_point *restrict ip)
     ip_publish(s, ip);
 }
 
+/* How many stages there are up to the last one with a bound: only they see the barrier. */
+static int ip_stages(const struct qp *s)
+{
+    int stages = 0;
+
+    for (int i = 0; i < NB; ++i) {
+        const int at = s->bound[i], k = at < (N + 1) * NX ? at / NX : (at - (N + 1) * NX) / NU;
+        stages = k < stages ? stages : k + 1;
+    }
+    return stages;
+}
+
 /* One Newton step for the complementarity target tau, with `second` times Mehrotra's second-order term of the step
- * before; fresh: the barrier has changed and is factorised. */
-static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, double tau, double second, int fresh)
+ * before. The barrier is factorised in the first `stages`; 0: it has not changed. */
+static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, double tau, double second, int stages)
 {
     double gradient[NZ], initial[NX];
     double gap[NSLOTS], pair[NSLOTS], soft_pair[NSLOTS], elastic[NSLOTS], give[NSLOTS], push[NSLOTS], weight[NSLOTS],
@@ -137,11 +151,11 @@ static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, do
     memcpy(gradient, ip->gradient, sizeof gradient);
     for (int i = 0; i < NB; ++i)
         gradient[s->bound[i]] -= push[i] - push[NLOWER + i];
-    if (fresh) {
+    if (stages > 0) {
         memset(ip->barrier, 0, sizeof ip->barrier);
         for (int i = 0; i < NB; ++i)
             ip->barrier[s->bound[i]] += weight[i] + weight[NLOWER + i];
-        if (!qp_factor(s, ip->barrier))
+        if (!qp_factor(s, ip->barrier, stages))
             return 0;
     }
     for (int i = 0; i < NX; ++i)
@@ -219,10 +233,10 @@ static int ip_restore(struct qp *s, const struct ip_answer *best)
 }
 
 /* Solve with bounds, starting from s->z and s->pi as qp_solve left them without bounds. */
-static int qp_interior_point(struct qp *s)
+static int qp_interior_point(struct qp *s, struct interior_point *ip)
 {
-    struct interior_point *ip = &s->work.ip;
     struct ip_answer *best = &ip->best;
+    const int stages = ip_stages(s);
 
     ip_start(s, ip);
     best->kkt = INFINITY;
@@ -231,7 +245,7 @@ static int qp_interior_point(struct qp *s)
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS; ++s->iterations) {
         const double mu = ip_measure(ip, 0.0);
         ip_look(s, ip);
-        if (!ip_step(s, ip, 0.0, 0.0, 1))
+        if (!ip_step(s, ip, 0.0, 0.0, stages))
             return best->kkt <= CHECK_TOLERANCE ? ip_restore(s, best) : ip_infeasible(s, ip) ? INFEASIBLE : NOT_FINITE;
         const double affine = ip_longest(ip, 1.0), ratio = ip_measure(ip, affine) / mu;
         ip_step(s, ip, ratio * ratio * ratio * mu, affine * affine, 0);
@@ -259,7 +273,7 @@ static int qp_interior_point(struct qp *s)
 
 /* One sweep (factored beforehand if s->factored) when no bound is active, the active set when few are, the interior
  * point otherwise; the answer is judged by kkt_check. */
-static int qp_optimise(struct qp *s)
+static int qp_optimise(struct qp *s, union bounds_work *work)
 {
     double gradient[NZ], defect[N][NX];
     int invalid = !bounds_exist(s), violated = 0;
@@ -273,7 +287,7 @@ static int qp_optimise(struct qp *s)
             | !(s->soft_quadratic[i] < INFINITY);
     if (invalid)
         return BAD_INPUT;
-    if (!s->factored && !qp_factor(s, NULL))
+    if (!s->factored && !qp_factor(s, NULL, N + 1))
         return NOT_FINITE;
     s->factored = 1;
     qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
@@ -283,14 +297,14 @@ static int qp_optimise(struct qp *s)
     }
     if (!violated)
         return kkt_check(s, 0, gradient, defect);
-    if (qp_active_set(s)) {
+    if (qp_active_set(s, &work->active)) {
         if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return SOLVED;
         memset(s->multiplier, 0, sizeof s->multiplier);
         qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
     }
     s->factored = 0;                       /* the barrier changes it */
-    return qp_interior_point(s);
+    return qp_interior_point(s, &work->ip);
 }
 
 #endif

@@ -47,25 +47,28 @@ static void kkt_residual(const struct qp *restrict s, const double *restrict z, 
             read_vector(state, x);
             read_vector(after, next);
             for (int a = 0; a < NU; ++a) {
-                double gu = add_dot(INPUT(s->g, k)[a], s->S[k][a], state);
+                double gu = CROSS ? add_dot(INPUT(s->g, k)[a], s->S[k][a], state) : INPUT(s->g, k)[a];
                 for (int b = 0; b < NU; ++b)
                     gu += s->R[k][a][b] * u[b];
                 gu *= weight;
                 for (int m = 0; m < ND; ++m)
                     gu += s->B[k][m][a] * next[m];
                 INPUT(gradient, k)[a] = gu;
-                add_row(cost, u[a], s->S[k][a]);
+                if (CROSS)
+                    add_row(cost, u[a], s->S[k][a]);
             }
             EACH_PACK(b)
                 gx[b] += constant_mask(b) * after[b];
             for (int m = 0; m < ND; ++m)
                 add_row(gx, next[m], s->A[k][m]);
-            for (int i = 0; i < NX; ++i) {
-                double sum = i < ND ? add_dot(s->c[k][i], s->A[k][i], state) : s->c[k][i] + x[i];
-                for (int a = 0; a < NU && i < ND; ++a)
+            for (int i = 0; i < ND; ++i) {
+                double sum = add_dot(s->c[k][i], s->A[k][i], state);
+                for (int a = 0; a < NU; ++a)
                     sum += s->B[k][i][a] * u[a];
                 defect[k][i] = sum - STATE(z, k + 1)[i];
             }
+            for (int i = ND; i < NX; ++i)
+                defect[k][i] = s->c[k][i] + x[i] - STATE(z, k + 1)[i];
         }
         EACH_PACK(b)
             gx[b] += weight * cost[b];

@@ -5,8 +5,8 @@
  *           lower <= z_i <= upper for the bounded variables i, hard or soft
  *
  * Riccati recursion as in Rao, Wright and Rawlings (1998), section 4; cost linear in N. The including unit defines
- * N (stages), NX, NU, NB (bounded variables), NC (trailing states that are constant: rows [0 I] of A) and
- * FREE_INITIAL. No heap, no recursion, every loop bounded.
+ * N (stages), NX, NU, NB (bounded variables), NC (trailing states that are constant: rows [0 I] of A), CROSS (0 where S
+ * is zero) and FREE_INITIAL. No heap, no recursion, every loop bounded.
  */
 #ifndef DRAWBAR_QP_H
 #define DRAWBAR_QP_H
@@ -30,7 +30,7 @@
 
 struct qp {
     /* problem */
-    double Q[N + 1][NX][WIDTH], S[N][NU][WIDTH], R[N][NU][NU];
+    double Q[N + 1][NX][WIDTH], S[CROSS ? N : 1][NU][WIDTH], R[N][NU][NU];
     double A[N][ND][WIDTH], B[N][ND][NU], c[N][NX];   /* the rows below of A are [0 I], those of B zero */
     double g[NZ];                          /* q_0 .. q_N, r_0 .. r_{N-1} */
     double initial[NX];                    /* x_0 where it is given */
@@ -43,9 +43,7 @@ struct qp {
     double kkt;                            /* relative KKT residual, from kkt.h */
     int32_t status, iterations, factored;  /* factored: P, K, L, D belong to Q, R, S, A, B without a barrier */
     /* factorisation */
-    double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], closed[N][AT_LEAST_ONE(ND)][WIDTH];   /* closed: A + B K */
-    double L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
-    union bounds_work work;
+    double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
 };
 
 /* Is every bounded variable one that there is? */
@@ -142,7 +140,7 @@ static inline int riccati_input(struct qp *restrict s, int k, const double *rest
     return ldl_input((const double (*)[NU])Huu, s->L[k], s->D[k]);
 }
 
-/* One backward step: P_{k+1} gives P_k, with the feedback K, L, D and the closed loop A + B K of stage k. */
+/* One backward step: P_{k+1} gives P_k, with the feedback K, L, D of stage k. */
 static inline int riccati_stage(struct qp *restrict s, int k, const double *restrict barrier)
 {
     const double (*restrict A)[WIDTH] = (const double (*)[WIDTH])s->A[k];
@@ -163,9 +161,12 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
     }
     UNROLLED for (int a = 0; a < NU; ++a) {
         pack row[PACKS];
-        read_row(row, s->S[k][a]);
-        UNROLLED for (int m = 0; m < ND; ++m)
+        EACH_PACK(b)
+            row[b] = B[0][a] * read_pack(PA[0], b);
+        UNROLLED for (int m = 1; m < ND; ++m)
             add_row(row, B[m][a], PA[m]);
+        if (CROSS)
+            add_row(row, 1.0, s->S[k][a]);
         write_row(Hux[a], row);
     }
     feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
@@ -185,33 +186,27 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
     UNROLLED for (int i = 1; i < NX; ++i)  /* rounding must not make P asymmetric */
         UNROLLED for (int j = 0; j < i; ++j)
             P[i][j] = P[j][i];
-    UNROLLED for (int i = 0; i < ND; ++i) {
-        pack row[PACKS];
-        read_row(row, A[i]);
-        UNROLLED for (int a = 0; a < NU; ++a)
-            add_row(row, B[i][a], K[a]);
-        write_row(s->closed[k][i], row);
-    }
     return 1;
 }
 
-/* Factorise the KKT matrix; barrier (or NULL) is added to the diagonal of the Hessian. Returns 0 on failure. */
-static int qp_factor(struct qp *restrict s, const double *restrict barrier)
+/* Factorise the KKT matrix; barrier (or NULL) is added to the diagonal of the Hessian. Only the first `stages` of all
+ * N + 1 are: those after them must be factorised already. Returns 0 on failure. */
+static int qp_factor(struct qp *restrict s, const double *restrict barrier, int stages)
 {
-    memcpy(s->P[N], s->Q[N], sizeof s->P[N]);
-    if (barrier)
-        for (int i = 0; i < NX; ++i)
+    if (stages > N) {
+        memcpy(s->P[N], s->Q[N], sizeof s->P[N]);
+        for (int i = 0; barrier && i < NX; ++i)
             s->P[N][i][i] += STATE(barrier, N)[i];
-    for (int k = N - 1; k >= 0; --k)
+    }
+    for (int k = (stages < N ? stages : N) - 1; k >= 0; --k)
         if (!riccati_stage(s, k, barrier))
             return 0;
     return FREE_INITIAL ? ldl_state((const double (*)[WIDTH])s->P[0], s->P0_L, s->P0_D) : 1;
 }
 
-/* Backward: gradients p of the cost to go (written to pi) and feedforward inputs, whose effect is added to the defects:
- * x_{k+1} = (A + B K) x_k + drift_k. */
+/* Backward: gradients p of the cost to go (written to pi) and feedforward inputs. */
 static inline void solve_backward(const struct qp *restrict s, const double *restrict g, const double (*restrict c)[NX],
-                                  double *restrict p, double (*restrict feedforward)[NU], double (*restrict drift)[NX])
+                                  double *restrict p, double (*restrict feedforward)[NU])
 {
     pack after[PACKS];
 
@@ -229,37 +224,31 @@ static inline void solve_backward(const struct qp *restrict s, const double *res
         EACH_PACK(b)
             sum[b] += after[b];
         write_row(h, sum);
-        read_vector(after, STATE(g, k));
-        for (int a = 0; a < NU; ++a)
-            add_row(after, r[a], s->K[k][a]);
-        EACH_PACK(b)
-            after[b] += constant_mask(b) * sum[b];
-        for (int m = 0; m < ND; ++m)
-            add_row(after, h[m], s->closed[k][m]);
-        write_vector(STATE(p, k), after);
         for (int a = 0; a < NU; ++a) {
             u[a] = -r[a];
             for (int m = 0; m < ND; ++m)
                 u[a] -= s->B[k][m][a] * h[m];
         }
+        read_vector(after, STATE(g, k));
+        EACH_PACK(b)
+            after[b] += constant_mask(b) * sum[b];
+        for (int m = 0; m < ND; ++m)
+            add_row(after, h[m], s->A[k][m]);
+        for (int a = 0; a < NU; ++a)
+            add_row(after, -u[a], s->K[k][a]);
+        write_vector(STATE(p, k), after);
         ldl_input_solve((const double (*)[NU])s->L[k], s->D[k], u);
         memcpy(feedforward[k], u, sizeof u);
-        for (int i = 0; i < NX; ++i) {
-            double move = c[k][i];
-            for (int a = 0; a < NU && i < ND; ++a)
-                move += s->B[k][i][a] * u[a];
-            drift[k][i] = move;
-        }
     }
 }
 
 /* Forward: states, inputs, and multipliers P x + p in the place of p. */
 static inline void solve_forward(const struct qp *restrict s, const double (*restrict feedforward)[NU],
-                                 const double (*restrict drift)[NX], double *restrict now, double *restrict z,
+                                 const double (*restrict c)[NX], double *restrict now, double *restrict z,
                                  double *restrict pi)
 {
     for (int k = 0; k <= N; ++k) {
-        double next[NX];
+        double next[NX], u[NU];
         pack x[PACKS], multiplier[PACKS];
 
         read_vector(x, now);
@@ -270,10 +259,15 @@ static inline void solve_forward(const struct qp *restrict s, const double (*res
         write_vector(STATE(pi, k), multiplier);
         if (k == N)
             break;
-        for (int i = 0; i < NX; ++i)
-            next[i] = i < ND ? add_dot(drift[k][i], s->closed[k][i < ND ? i : 0], x) : drift[k][i] + now[i];
         for (int a = 0; a < NU; ++a)
-            INPUT(z, k)[a] = add_dot(feedforward[k][a], s->K[k][a], x);
+            INPUT(z, k)[a] = u[a] = add_dot(feedforward[k][a], s->K[k][a], x);
+        for (int i = 0; i < ND; ++i) {
+            next[i] = add_dot(c[k][i], s->A[k][i], x);
+            for (int a = 0; a < NU; ++a)
+                next[i] += s->B[k][i][a] * u[a];
+        }
+        for (int i = ND; i < NX; ++i)
+            next[i] = c[k][i] + now[i];
         memcpy(now, next, sizeof next);
     }
 }
@@ -282,14 +276,14 @@ static inline void solve_forward(const struct qp *restrict s, const double (*res
 static void qp_solve(const struct qp *restrict s, const double *restrict g, const double (*restrict c)[NX],
                      const double *restrict initial, double *restrict z, double *restrict pi)
 {
-    double feedforward[N][NU], drift[N][NX], first[NX];
+    double feedforward[N][NU], first[NX];
 
-    solve_backward(s, g, c, pi, feedforward, drift);
+    solve_backward(s, g, c, pi, feedforward);
     for (int i = 0; i < NX; ++i)
         first[i] = FREE_INITIAL ? -pi[i] : initial[i];
     if (FREE_INITIAL)
         ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, first);
-    solve_forward(s, (const double (*)[NU])feedforward, (const double (*)[NX])drift, first, z, pi);
+    solve_forward(s, (const double (*)[NU])feedforward, c, first, z, pi);
 }
 
 #endif

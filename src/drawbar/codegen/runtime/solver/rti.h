@@ -22,29 +22,39 @@ struct rti {
     double root[NX][NX], prior[NX];        /* arrival cost (estimation): R, and what the first state should be */
     double process[NX];                    /* process noise per sample (standard deviation), for the arrival cost */
     int32_t status, open_end;              /* open_end: x_N is still to be predicted */
-    double ym[N + 1][NY], wm[N + 1][NY];   /* with missing measurements masked: y = 0, w = 0 */
-    double F[N][NX], h[1][NY], J[1][NY][NX + NU];
+    uint8_t missing[N + 1][NY];            /* measurements, as rti_note_missing last saw them */
     struct qp qp;
 };
 
+#define WORK union bounds_work             /* what a feedback borrows, see workspace.h */
+
 static void rti_constants(struct rti *work);
-static void dynamics(struct rti *work, int first, int count);
+static void dynamics(struct rti *work, int first, int count);   /* qp.A, qp.B, and F in the place of qp.c */
 static void hessian(struct rti *work, int first, int count);
 static void gradient(struct rti *work, int first, int count);
 
-/* Apply y's gaps to y and w. Returns 1 when the weights differ from those of the last call. */
-static int rti_mask(struct rti *s)
+/* A missing measurement counts as zero, with a weight of zero. */
+static inline double rti_target(const struct rti *s, int k, int i)
 {
-    const double *y = &s->y[0][0], *w = &s->w[0][0];
-    double *ym = &s->ym[0][0], *wm = &s->wm[0][0];
+    return isnan(s->y[k][i]) ? 0.0 : s->y[k][i];
+}
+
+static inline double rti_weight(const struct rti *s, int k, int i)
+{
+    return isnan(s->y[k][i]) ? 0.0 : s->w[k][i];
+}
+
+/* Note what is missing. Returns 1 when it was something else at the last call. */
+static int rti_note_missing(struct rti *s)
+{
+    const double *y = &s->y[0][0];
+    uint8_t *missing = &s->missing[0][0];
     int changed = 0;
 
     for (int i = 0; i < (N + 1) * NY; ++i) {
-        const int missing = isnan(y[i]) != 0;
-        const double weight = missing ? 0.0 : w[i];
-        changed |= weight != wm[i];
-        ym[i] = missing ? 0.0 : y[i];
-        wm[i] = weight;
+        const uint8_t now = (uint8_t)(isnan(y[i]) != 0);
+        changed |= now != missing[i];
+        missing[i] = now;
     }
     return changed;
 }
@@ -69,28 +79,33 @@ static int rti_prepare(struct rti *s)
 {
     dynamics(s, 0, N);
     if (s->open_end)
-        memcpy(STATE(s->z, N), s->F[N - 1], sizeof s->F[N - 1]);
+        memcpy(STATE(s->z, N), s->qp.c[N - 1], sizeof s->qp.c[N - 1]);
     s->open_end = 0;
     for (int k = 0; k < N; ++k)
         for (int i = 0; i < NX; ++i)
-            s->qp.c[k][i] = s->F[k][i] - STATE(s->z, k + 1)[i];
-    rti_mask(s);
+            s->qp.c[k][i] -= STATE(s->z, k + 1)[i];
+    rti_note_missing(s);
     rti_hessian(s);
-    s->qp.factored = qp_factor(&s->qp, NULL);
+    s->qp.factored = qp_factor(&s->qp, NULL, N + 1);
     return s->status = s->qp.factored ? SOLVED : NOT_FINITE;
 }
 
 static int rti_inputs_valid(const struct rti *s)
 {
-    return bounds_exist(&s->qp) && all_finite(&s->p[0][0], (N + 1) * NP) && all_finite(&s->ym[0][0], (N + 1) * NY)
-        && (FREE_INITIAL ? all_finite(s->prior, NX) : all_finite(s->initial, NX) && all_finite(&s->y[0][0], (N + 1) * NY));
+    const double *y = &s->y[0][0];
+    int infinite = 0;
+
+    for (int i = 0; i < (N + 1) * NY; ++i)
+        infinite |= fabs(y[i]) == INFINITY;
+    return !infinite && bounds_exist(&s->qp) && all_finite(&s->p[0][0], (N + 1) * NP)
+        && (FREE_INITIAL ? all_finite(s->prior, NX) : all_finite(s->initial, NX) && all_finite(y, (N + 1) * NY));
 }
 
 /* The feedback phase: the newest state, references and measurements enter; the trajectory moves by a full step, or
  * stays as it is when the step does not pass the check. */
-static int rti_feedback(struct rti *s)
+static int rti_feedback(struct rti *s, union bounds_work *work)
 {
-    const int changed = rti_mask(s);
+    const int changed = rti_note_missing(s);
 
     if (!rti_inputs_valid(s))
         return s->status = BAD_INPUT;
@@ -116,7 +131,7 @@ static int rti_feedback(struct rti *s)
         s->qp.lower[i] = s->lower[i] - s->z[s->qp.bound[i]];
         s->qp.upper[i] = s->upper[i] - s->z[s->qp.bound[i]];
     }
-    s->qp.status = qp_optimise(&s->qp);
+    s->qp.status = qp_optimise(&s->qp, work);
     for (int i = 0; i < NZ && s->qp.status == SOLVED; ++i)
         s->z[i] += s->qp.z[i];
     return s->status = s->qp.status;
