@@ -16,10 +16,17 @@ from drawbar.export.unit import Unit
 ENTRIES = ("drawbar_init", "drawbar_set_path", "drawbar_feedback", "drawbar_prepare", "drawbar_step")
 """functions whose stack is stated"""
 _BOUNDS = {
+    "stages": "N",
+    "states": "NX",
+    "inputs": "NU",
+    "bounded_variables": "NB",
     "interior_point_iterations": "IP_ITERATIONS",
     "active_set_passes": "ACTIVE_PASSES",
+    "active_set_columns": "ACTIVE_COLUMNS",
 }
-"""what limits a solver's work in one feedback, and its name in C, which a unit or else the runtime defines"""
+"""a solver's size and what limits its work, and their names in C, which a unit or else the runtime defines"""
+_SWEEPS_OF_ITERATION = 3
+"""of the interior point: predictor, corrector, and centring where the corrector led astray"""
 
 
 def configuration_hash(configuration: Configuration) -> str:
@@ -73,7 +80,16 @@ def _calls(build: Built) -> Mapping[str, Any]:
 
 
 def _bounds(unit: Unit) -> Mapping[str, int]:
-    return {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
+    """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
+
+    One factorisation and one sweep without bounds; a sweep for each column of the active set, two to publish its answer
+    and one to take it back; then the interior point.
+    """
+    bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
+    bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
+    iterations = bounds["interior_point_iterations"]
+    sweeps = 1 + bounds["active_set_columns"] + 3 + _SWEEPS_OF_ITERATION * iterations
+    return bounds | {"factorisations": 1 + iterations, "sweeps": sweeps}
 
 
 def _defined(macro: str, sources: Iterable[str]) -> int:

@@ -3,7 +3,8 @@
 #ifndef DRAWBAR_BOUNDS_WORK_H
 #define DRAWBAR_BOUNDS_WORK_H
 
-#define ACTIVE_MOST (NB < 24 ? NB : 24)    /* sweeps that cost less than the interior point */
+#define ACTIVE_COLUMNS 24
+#define ACTIVE_MOST (NB < ACTIVE_COLUMNS ? NB : ACTIVE_COLUMNS)    /* sweeps that cost less than the interior point */
 #define BLOCK 8                            /* sides are worked on in blocks, for SIMD code */
 #define NLOWER ((NB + BLOCK - 1) / BLOCK * BLOCK)
 #define NSLOTS AT_LEAST_ONE(2 * NLOWER)    /* slot i: lower side of bounded variable i, slot NLOWER + i: its upper side */
