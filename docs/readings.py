@@ -20,13 +20,15 @@ from drawbar.autopilot.autopilot import Autopilot
 from drawbar.autopilot.build import build_autopilot, build_machine, build_path
 from drawbar.autopilot.run import RunAborted, drive
 from drawbar.config import Configuration, load_configuration
+from drawbar.estimation.estimator import Estimator
+from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.geometry import Floats, wrap
 from drawbar.guidance.look_ahead import LookAhead
 from drawbar.guidance.path import Path
 from drawbar.machine.base import Machine
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.report.path_errors import project_track
-from drawbar.signals import Command, Measurement, StepRecord, Truth
+from drawbar.signals import Command, Estimate, Measurement, SolveTimes, StepRecord, Truth
 
 SEEDS = range(5)
 FIELD = FilePath(__file__).parents[2] / "shared/data/agopengps-field"
@@ -67,6 +69,41 @@ class BothAdvance(LookAhead):
 def with_reversed_sensor(configuration: Configuration, path: Path, machine: SimulatedMachine) -> Autopilot:
     """Build the autopilot on a machine whose joint sensor is reversed too."""
     return build_autopilot(configuration, path, ReversedSensor(machine))
+
+
+class ToldOfTheSlope(Estimator):
+    """A moving horizon estimator that somebody tells when a slope begins: for 1.5 s it lets the slope drift at will."""
+
+    DRIFT = 0.05
+    """rad per sample"""
+
+    def __init__(self, estimator: Estimator) -> None:
+        """Take over the product's estimator."""
+        assert isinstance(estimator, MovingHorizonEstimator)
+        self._estimator, self._drift = estimator, estimator.solver.workspace.array("common")
+        self._quiet = self._drift.copy()
+
+    def update(self, measurement: Measurement) -> Estimate:
+        """Return the estimate at the measurement's time."""
+        begins = 25.0 <= measurement.time < 26.5
+        self._drift[:] = self._quiet * (self.DRIFT / self._quiet.max() if begins else 1.0)
+        return self._estimator.update(measurement)
+
+    def prepare(self, command: Command | None = None) -> None:
+        """Prepare for the next measurement."""
+        self._estimator.prepare(command)
+
+    @property
+    def times(self) -> SolveTimes:
+        """Wall-clock times, s."""
+        return self._estimator.times
+
+
+def told_of_the_slope(configuration: Configuration, path: Path, machine: SimulatedMachine) -> Autopilot:
+    """Build the autopilot with an estimator that knows when the slope begins."""
+    autopilot = build_autopilot(configuration, path, machine)
+    autopilot.estimator = ToldOfTheSlope(autopilot.estimator)
+    return autopilot
 
 
 def with_look_ahead(
@@ -144,6 +181,16 @@ READINGS = (
     _product("window 1 s", "estimator.window=5"),
     _product("window 6 s", "estimator.window=30"),
 )
+SLOPE_READINGS = (
+    _product("as shipped"),
+    _product("no common drift", "estimator.drift.slope=0.0"),
+    _product("no common drift, more of each", "estimator.drift={slope=0.0, crab=0.003, steering_offset=0.001}"),
+    _product("common drift 0.004", "estimator.drift.slope=0.004"),
+    _product("window 3 s", "estimator.window=15"),
+    Reading(name="told when the slope begins", base="articulated", build=told_of_the_slope),
+    Reading(name="the true state", base="articulated-ideal"),
+)
+"""what the estimator is told of slopes"""
 EVENTS = {
     "no event": "",
     "GPS lost for 3 s": "{kind='gps_loss', start=25.0, duration=3.0}",
@@ -155,6 +202,8 @@ EVENTS = {
     "side slope, 3° of crab": "{kind='side_slope', start=25.0, crab=0.0524}",
 }
 """on the first curve of one eight of radius 8 m"""
+SLOPE_SEEDS = range(20)
+SLOPE_COLUMNS = ("side slope, 3° of crab", "GPS lost for 10 s", "no event")
 JUMPS = (0.05, 0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 1.0, 5.0)
 """of one antenna, m"""
 DIRECTIONS = 8
@@ -231,6 +280,16 @@ def event_row(name: str, event: str) -> str:
     return f"| {name} | {' | '.join(cells)} |"
 
 
+def slope_row(reading: Reading) -> str:
+    """Return the row of one estimator: means over 20 seeds of the largest distance, by event."""
+    cells = []
+    for column in SLOPE_COLUMNS:
+        changes = (*reading.changes, "path.radii=[8.0]", f"machine.events=[{EVENTS[column]}]")
+        runs = [run(replace(reading, changes=changes), seed).largest for seed in SLOPE_SEEDS]
+        cells.append("{:.1f} / {:.1f}".format(*(100.0 * np.mean(runs, axis=0))))
+    return f"| {reading.name} | {' | '.join(cells)} |"
+
+
 def jump_row(antenna: str) -> str:
     """Return the row of one antenna: the largest distances of any run by size of a jump that lasts 20 s."""
     cells = []
@@ -280,6 +339,10 @@ def main(wanted: Sequence[str]) -> None:
     for name, event in EVENTS.items():
         if not wanted or any(text in name for text in wanted):
             print(event_row(name, event), flush=True)
+    print(f"\n| what the estimator knows of slopes | {' | '.join(SLOPE_COLUMNS)} |\n|---|---|---|---|")
+    for reading in SLOPE_READINGS:
+        if not wanted or any(text in f"slopes: {reading.name}" for text in wanted):
+            print(slope_row(reading), flush=True)
     print(f"\n| jump of | {' | '.join(f'{size:g} m' for size in JUMPS)} |\n|{'---|' * (len(JUMPS) + 1)}")
     for antenna in ("tractor", "trailer"):
         if not wanted or any(text in f"jump of {antenna}" for text in wanted):

@@ -22,6 +22,8 @@ LATE = 35.0
 """10 s after the events, s"""
 OVERSHOOT = 20.0
 """time at the start in which the path may be crossed to its other side, s"""
+SLOPES = "side slope"
+"""how the names of the variants begin that have two limits, one of them from 10 s after the onset on"""
 STARTS = "starts"
 """how the names of the variants begin that do not start on the path"""
 LARGEST = tuple(f"{body} largest" for body in BODIES)
@@ -30,6 +32,7 @@ LOOKS = {
     PRODUCT: {"color": TRACTOR, "marker": "o", "ms": 6.0, "zorder": 3.0},
     "articulated-centralised": {"color": CENTRALISED, "marker": "D", "ms": 4.0},
     "articulated-ekf": {"color": ESTIMATOR, "marker": "x", "ms": 5.0, "mew": 1.4},
+    "articulated-ideal": {"color": INK, "marker": "+", "ms": 6.0, "mew": 1.2},
     "lqr-pi": {"color": KINK, "marker": "^", "ms": 5.0},
     "paper": {"color": REFERENCE, "marker": "s", "ms": 4.0},
 }
@@ -68,7 +71,7 @@ def _overshoot(errors: np.ndarray) -> float:
 
 
 def report(campaign: Campaign) -> Iterator[Part]:
-    """Yield the picture, the product's table, the comparators' table and that of the starts."""
+    """Yield the picture, the product's table, the comparators' table, and those of the slopes and the starts."""
     yield Picture(
         name="robustness",
         caption="Largest distance from the path in a run, mean over the seeds with its 95 % interval, logarithmic. "
@@ -79,6 +82,7 @@ def report(campaign: Campaign) -> Iterator[Part]:
     yield _product(campaign)
     yield _comparators(campaign)
     yield Text(text=_nearer(campaign))
+    yield _slopes(campaign)
     yield _starts(campaign)
 
 
@@ -159,7 +163,7 @@ def _nearer(campaign: Campaign) -> str:
         lines.append(f"- `{case}`: {'; '.join(filter(None, claims)) or 'never'}")
     explanation = (
         "In brackets: by how many cm, tractor / trailer, over the same seeds; **bold** where the 95 % intervals of "
-        "both differences leave out zero."
+        "both differences leave out zero. `…-ideal` knows the true state, which no machine does."
     )
     return "\n".join([*lines, "", explanation])
 
@@ -180,6 +184,23 @@ def _margin(campaign: Campaign, name: str, product: str, figure: str) -> Statist
     """Return by how much a comparator is nearer to the path than the product, seed by seed."""
     pairs = zip(campaign.values(product, figure), campaign.values(name, figure), strict=False)
     return Statistic.of([own - other for own, other in pairs])
+
+
+def _slopes(campaign: Campaign) -> Table:
+    rows = []
+    for variant in (variant for variant in _all_variants(campaign) if variant.startswith(SLOPES)):
+        limits = [f"≤ {_limit(campaign, variant, name):g}" for name in (*LARGEST, *LATE_LARGEST)]
+        rows.append([variant, "limit of `articulated`", *limits])
+        for case in _cases(campaign):
+            if (name := _name(case, variant)) in campaign.runs:
+                cells = [campaign.statistic(name, figure).text() for figure in (*LARGEST, *LATE_LARGEST)]
+                rows.append([variant, case, *cells])
+    return Table(
+        name="slopes",
+        caption="Side slopes: largest distance in the whole run and from 10 s after the onset on, cm.",
+        header=["", "", *LARGEST, *LATE_LARGEST],
+        rows=rows,
+    )
 
 
 def _starts(campaign: Campaign) -> Table:

@@ -14,7 +14,7 @@ from drawbar.machine.base import Machine
 from drawbar.signals import BodyPlan, BodySteering, GateVerdict, Plan, SolverStatus
 
 STEPS = 150
-AHEAD, ACTING = "where the commands under way lead", "the command that acts"
+ACTING = "the command that acts"
 
 
 class Part:
@@ -44,16 +44,18 @@ def faked(simulate):
     """Return an autopilot made of fakes that repeat one recorded step, the calls it makes, and that step."""
     record = simulate("articulated").records[100]
     calls = []
+    ahead = replace(record.estimate, time=record.estimate.time + 0.4)  # where the commands under way lead
     autopilot = Autopilot(
         machine=Part("machine", calls, read=record.measurement, truth=record.truth),
         estimator=Part("estimator", calls, update=record.estimate, times=record.estimator_times),
-        predictor=Part("predictor", calls, ahead=AHEAD, sent=ACTING),
+        predictor=Part("predictor", calls, ahead=ahead, sent=ACTING),
         guidance=Part("guidance", calls, reference=record.reference),
         controller=Part("controller", calls, feedback=record.plan, times=(record.tractor_times, record.trailer_times)),
         tractor_law=Part("tractor_law", calls, apply=steering(0.11)),
         trailer_law=Part("trailer_law", calls, apply=steering(-0.22)),
         gate=Part("gate", calls, check=lambda command: (replace(command, speed=0.7), GateVerdict.LIMITED)),
         speed=1.2,
+        planned_speed=0.0,
     )
     return autopilot, calls, record
 
@@ -75,8 +77,9 @@ def test_one_step_is_the_block_diagram(faked):
     given = dict(calls)
     assert given["estimator.update"] == (record.measurement,)
     assert given["predictor.ahead"] == (record.estimate,)
-    assert given["guidance.reference"] == (AHEAD,)
-    assert given["controller.feedback"] == (AHEAD, record.reference)
+    ahead = replace(record.estimate, time=record.estimate.time + 0.4)
+    assert given["guidance.reference"] == (ahead,)
+    assert given["controller.feedback"] == (ahead, record.reference)
     assert given["tractor_law.apply"] == (record.plan.tractor,)
     assert given["trailer_law.apply"] == (record.plan.trailer,)
     (asked,) = given["gate.check"]
@@ -86,6 +89,17 @@ def test_one_step_is_the_block_diagram(faked):
     assert given["estimator.prepare"] == (ACTING,)
     assert made.command == replace(asked, speed=0.7)
     assert made.gate is GateVerdict.LIMITED  # as the gate said
+
+
+@pytest.mark.parametrize(("estimated", "planned"), [(0.3, 1.2), (1.3, 1.3), (-0.1, 1.2), (float("nan"), float("nan"))])
+def test_plans_reckon_with_the_set_speed_at_least(faked, estimated, planned):
+    autopilot, calls, record = faked
+    autopilot.planned_speed = 1.2
+    autopilot.predictor = Part("predictor", calls, ahead=replace(record.estimate, speed=estimated), sent=ACTING)
+    autopilot.step()
+    ((given,), (handed, _)) = (dict(calls)[name] for name in ("guidance.reference", "controller.feedback"))
+    np.testing.assert_equal((given.speed, handed.speed), (planned, planned))
+    assert dict(calls)["predictor.ahead"] == (record.estimate,)
 
 
 def test_steps_are_counted_from_zero_and_failures_with_them(faked):

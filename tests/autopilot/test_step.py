@@ -19,6 +19,7 @@ PARTS = "\n".join(f"#define DRAWBAR_{name}_SIZE 256" for name in (*NAMES, "WORK"
 UNITS = {
     "drawbar_size.h": f"#define DRAWBAR_STATE_DOUBLES 512\n#define DRAWBAR_SAMPLE_TIME {SAMPLE}\n",
     "drawbar_parts.h": f"{PARTS}\n#define DRAWBAR_DEAD_TIME\n#define DRAWBAR_SPEED 1.0\n"
+    "#define DRAWBAR_PLANNED_SPEED 1.0\n"
     f'#define DRAWBAR_PATIENCE {PATIENCE}\n#define DRAWBAR_VERSION "of this test"\n',
     "step.c": '#include "step.h"\n',
     "gate.c": """

@@ -117,7 +117,9 @@ def dense_filter(model, measurements):
         u = np.where(np.isfinite(y[-2:]), y[-2:], u)
         A, B = slope(lambda x, u=u: step(rates, x, u), z), slope(lambda v, z=z: step(rates, z, v), u)
         z = step(rates, z, u)
-        P = A @ P @ A.T + B @ R[-2:, -2:] @ B.T + np.diag(np.square(problem.process_deviation))
+        common = np.array(problem.common_deviation or (0.0,) * len(z))
+        noise = np.diag(np.square(problem.process_deviation)) + np.outer(common, common)
+        P = A @ P @ A.T + B @ R[-2:, -2:] @ B.T + noise
     return result
 
 

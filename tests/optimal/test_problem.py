@@ -69,6 +69,8 @@ def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
         ({"prior_deviation": (1.0,) * 6}, "prior_deviation needs 11 values"),
         ({"prior_deviation": (0.0,) * 11}, "prior_deviation must be positive"),
         ({"process_deviation": (math.inf,) * 11}, "process_deviation must be finite"),
+        ({"common_deviation": (1.0,) * 6}, "common_deviation needs 11 values"),
+        ({"common_deviation": (-1.0,) * 11}, "common_deviation must be finite and not negative"),
     ],
 )
 def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:

@@ -8,7 +8,7 @@ import pytest
 from drawbar.report.figures import error_figure
 from drawbar.report.metrics import compute_metrics, error_statistics
 from drawbar.report.path_errors import Bodies, PathErrors, project_track, true_path_errors
-from drawbar.signals import FixStatus
+from drawbar.signals import FixStatus, GateVerdict
 
 
 def paths_errors(error, labels):
@@ -50,6 +50,12 @@ def test_errors_are_told_apart_by_class(make_run):
     assert error.tractor["all"].mean == pytest.approx(0.025, rel=1e-12)
     assert error.trailer["straight"].max == 0.0
     assert math.isnan(error.trailer["0.125"].mean)
+
+
+def test_what_the_gate_did_is_counted(make_run):
+    log = with_column(small(make_run), "gate", [GateVerdict.LIMITED, *list(GateVerdict)[1:]])
+    metrics = compute_metrics(log, true_path_errors(log))
+    assert (metrics.limited_commands, metrics.refused_commands) == (2, 2)
 
 
 def test_masked_fixes_of_both_antennas_are_counted(make_run):

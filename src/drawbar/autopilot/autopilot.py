@@ -1,5 +1,7 @@
 """One control step, in the order of the block diagram."""
 
+from dataclasses import replace
+
 from drawbar.autopilot.dead_time import DeadTimePredictor
 from drawbar.autopilot.gate import CommandGate
 from drawbar.control.ancillary import AncillaryLaw
@@ -25,8 +27,13 @@ class Autopilot:
         trailer_law: AncillaryLaw,
         gate: CommandGate,
         speed: float,
+        planned_speed: float,
     ) -> None:
-        """Take the parts and the set speed, m/s."""
+        """Take the parts, the set speed and the least that plans reckon with, m/s.
+
+        A plan takes the speed for constant. One that took that of a machine which has just started would be made for
+        one that creeps, and steer too much too late.
+        """
         self.machine = machine
         self.guidance = guidance
         self.estimator = estimator
@@ -34,7 +41,7 @@ class Autopilot:
         self.predictor = predictor
         self.tractor_law, self.trailer_law = tractor_law, trailer_law
         self.gate = gate
-        self.speed = speed
+        self.speed, self.planned_speed = speed, planned_speed
         self._step = 0
 
     def step(self) -> StepRecord:
@@ -43,6 +50,7 @@ class Autopilot:
         measurement = self.machine.read()
         estimate = self.estimator.update(measurement)
         ahead = self.predictor.ahead(estimate)  # where the vehicle is when the next command begins to act
+        ahead = replace(ahead, speed=max(ahead.speed, self.planned_speed))  # NaN stays NaN
         reference = self.guidance.reference(ahead)
         plan = self.controller.feedback(ahead, reference)
         tractor = self.tractor_law.apply(plan.tractor)

@@ -122,7 +122,13 @@ def build_autopilot(configuration: Configuration, path: Path, machine: Machine, 
         trailer_law=AncillaryLaw(tubes.trailer if tubes else None, vehicle.trailer_steering_limit),
         gate=CommandGate(vehicle, first, speed_limit=configuration.speed, sample_time=configuration.sample_time),
         speed=configuration.speed,
+        planned_speed=planned_speed(configuration),
     )
+
+
+def planned_speed(configuration: Configuration) -> float:
+    """Return the least speed that plans reckon with, m/s: the set speed, but none for the paper's set."""
+    return configuration.speed if configuration.guidance.mode == "preview" else 0.0
 
 
 def _estimator(configuration: Configuration, machine: Machine, first: Measurement, seed: int) -> Estimator:

@@ -47,13 +47,13 @@ class TricycleControllerSettings(Settings):
 class ArticulatedTractorWeights(Settings):
     """Weights of the tractor's stage cost."""
 
-    lateral: Positive = 65.0
+    lateral: Positive = 75.0
     """1/m²"""
-    heading: NonNegative = 110.0
-    """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(110/65) m"""
+    heading: NonNegative = 55.0
+    """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(55/75) m"""
     steering: NonNegative = 0.1
     """on the distance to the curvature feed-forward, 1/rad²"""
-    steering_rate: Positive = 0.6
+    steering_rate: Positive = 0.7
     """s²/rad²"""
 
 
@@ -75,8 +75,8 @@ class SharingSettings(Settings):
     """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
     accepted_error: NonNegative = 0.04
     """steady error that stays with the trailer, m"""
-    widening: NonNegative = 0.041
-    """how far the tractor keeps outside a curve per curvature, m²: 4 mm at 0.1 1/m"""
+    widening: NonNegative = 0.046
+    """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m"""
 
 
 class ArticulatedControllerSettings(Settings):
@@ -87,7 +87,7 @@ class ArticulatedControllerSettings(Settings):
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
-    yaw_rate_lag: Positive = 0.5
+    yaw_rate_lag: Positive = 0.9
     """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon: held noise
     would send the trailer's preview astray, s"""
     sharing: SharingSettings = SharingSettings()

@@ -12,6 +12,14 @@ from drawbar.vehicle.model import Model, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
+_ORDER = (
+    *("position", "position", "yaw", "yaw", "steering", "steering", "longitudinal_slip", "tractor_slip"),
+    *("steering_offset", "crab", "speed", "crab"),
+)
+"""the problem's states and parameters, by the names of prior and drift"""
+_ON_A_SLOPE = ("steering_offset", "crab")
+"""what a side slope moves, all by the same angle"""
+
 
 class ArticulatedEstimation(EstimationModel):
     """States x_t, y_t, theta, psi, delta_t, delta_i; parameters mu, kappa, b, alpha_i, v, alpha_r."""
@@ -52,6 +60,7 @@ class ArticulatedEstimation(EstimationModel):
             weights=tuple(deviation**-2 for deviation in (*deviations, *(settings.crab,) * 2, *rates)),
             prior_deviation=_ordered(settings.prior.model_dump()),
             process_deviation=_ordered(settings.drift.model_dump()),
+            common_deviation=tuple(settings.drift.slope if name in _ON_A_SLOPE else 0.0 for name in _ORDER),
             bounds={
                 "longitudinal_slip": _bound(settings.longitudinal_slip_bounds),
                 "tractor_slip": _bound(settings.tractor_slip_bounds),
@@ -74,17 +83,7 @@ def _with_crab(model: Model) -> Model:
 
 def _ordered(values: dict[str, float]) -> tuple[float, ...]:
     """Return a prior or drift section in the order of the problem's states and parameters."""
-    order = (
-        "position",
-        "position",
-        "yaw",
-        "yaw",
-        "steering",
-        "steering",
-        "longitudinal_slip",
-        "tractor_slip",
-    )
-    return tuple(values[name] for name in (*order, "steering_offset", "crab", "speed", "crab"))
+    return tuple(values[name] for name in _ORDER)
 
 
 def _bound(bounds: SlipBounds) -> Bound:

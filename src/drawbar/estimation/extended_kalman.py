@@ -67,6 +67,7 @@ class ExtendedKalmanFilter(Estimator):
         """Tell the filter its settings."""
         field = self.part.array
         field("filter.prior")[:], field("filter.drift")[:] = problem.prior_deviation, problem.process_deviation
+        field("filter.common")[:] = problem.common_deviation or 0.0
         field("filter.noise")[:] = np.power(problem.weights, -0.5)
         field("filter.lower")[:], field("filter.upper")[:] = _bounds(problem)
         field("filter.input_row")[:] = np.flatnonzero(discrete.input_outputs)

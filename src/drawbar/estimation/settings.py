@@ -143,28 +143,30 @@ class ArticulatedPrior(Settings):
     """b, rad"""
     crab: PositiveAngle = 0.02
     """of both axles, rad"""
-    speed: Positive = 0.2
+    speed: Positive = 0.5
     """m/s"""
 
 
 class ArticulatedDrift(Settings):
     """Process noise per sample, standard deviations."""
 
-    position: NonNegative = 0.004
+    position: NonNegative = 0.003
     """m"""
-    yaw: NonNegativeAngle = 0.002
+    yaw: NonNegativeAngle = 0.001
     """of both bodies, rad"""
     steering: NonNegativeAngle = 1e-4
     """of both steering angles, on top of the steering rates, rad"""
     longitudinal_slip: NonNegative = 0.01
     """mu"""
-    tractor_slip: NonNegative = 0.002
+    tractor_slip: NonNegative = 0.003
     """kappa"""
-    steering_offset: NonNegativeAngle = 0.001
+    steering_offset: NonNegativeAngle = 0.0005
     """b, rad"""
-    crab: NonNegativeAngle = 0.003
-    """of both axles, rad"""
-    speed: NonNegative = 0.02
+    crab: NonNegativeAngle = 0.001
+    """of both axles, each by itself, rad"""
+    slope: NonNegativeAngle = 0.0013
+    """of both axles and the steering offset together, as a side slope moves them, rad"""
+    speed: NonNegative = 0.1
     """m/s"""
 
 
@@ -173,11 +175,12 @@ class ArticulatedEstimatorSettings(Settings):
 
     model: Literal["articulated"]
     method: Method = "moving_horizon"
-    window: Horizon = 15
-    """N, samples in the window besides the newest; 3 s at 5 Hz"""
-    steering_rate: PositiveAngle = 0.04
+    window: Horizon = 6
+    """N, samples in the window besides the newest; 1.2 s at 5 Hz. Parameters are constant within it, so that a longer
+    one learns later what the ground does"""
+    steering_rate: PositiveAngle = 0.06
     """standard deviation of both steering rates from what the last command asks of lag and rate limit, rad/s"""
-    crab: PositiveAngle = 0.05
+    crab: PositiveAngle = 0.1
     """standard deviation with which each sample that lacks a fix takes both crab angles for zero, rad; with drift.crab
     it sets how soon an angle that nothing shows any more is forgotten: within some crab / drift.crab samples"""
     first_slip: Positive = 0.9

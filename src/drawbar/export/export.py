@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drawbar import __version__
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path
+from drawbar.autopilot.build import build_autopilot, build_machine, build_path, planned_speed
 from drawbar.autopilot.gate import PATIENCE
 from drawbar.config import Configuration
 from drawbar.errors import DrawbarError
@@ -72,6 +72,7 @@ def _source_files(configuration: Configuration, units: Sequence[Unit]) -> dict[s
         **({"DRAWBAR_CENTRALISED": ""} if "controller" in names else {}),
         **({"DRAWBAR_DEAD_TIME": ""} if "predictor" in names else {}),
         "DRAWBAR_SPEED": repr(configuration.speed),
+        "DRAWBAR_PLANNED_SPEED": repr(planned_speed(configuration)),
         "DRAWBAR_PATIENCE": repr(PATIENCE),
         "DRAWBAR_VERSION": f'"drawbar {version}"',
     }

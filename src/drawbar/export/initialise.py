@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drawbar.export.unit import Unit
 
-_OF_SOLVER = ("w", "lower", "upper", "root", "process")
+_OF_SOLVER = ("w", "lower", "upper", "root", "process", "common")
 """settings of a solver, which is the first member of its part"""
 _C_TYPES = {"f": "double", "i": "int32_t"}
 

@@ -41,21 +41,17 @@ class Target:
         return "windows" not in self.triple
 
 
-_SIZED, _SHARED = "-fstack-size-section", "-fPIC"
+_SIZED = "-fstack-size-section"
 TARGETS = (
-    Target(
-        name="linux-x86_64",
-        triple="x86_64-linux-gnu",
-        flags=(_SIZED, _SHARED),
-        static="libdrawbar.a",
-        shared="libdrawbar.so",
-    ),
-    Target(
-        name="linux-aarch64",
-        triple="aarch64-linux-gnu",
-        flags=(_SIZED, _SHARED),
-        static="libdrawbar.a",
-        shared="libdrawbar.so",
+    *(
+        Target(
+            name=f"linux-{processor}",
+            triple=f"{processor}-linux-gnu",
+            flags=(_SIZED, "-fPIC"),
+            static="libdrawbar.a",
+            shared="libdrawbar.so",
+        )
+        for processor in ("x86_64", "aarch64")
     ),
     Target(
         name="windows-x86_64",

@@ -79,6 +79,8 @@ class EstimationProblem:
     """standard deviation of the first prior, per state and parameter"""
     process_deviation: tuple[float, ...]
     """standard deviation of the process noise per sample, per state and parameter; zero is allowed"""
+    common_deviation: tuple[float, ...] = ()
+    """the same of one more noise that moves all states and parameters at once; empty: there is none"""
     bounds: dict[str, Bound] = field(default_factory=dict)
     """by name of a state, parameter or input"""
     integration_steps: int = 1
@@ -89,6 +91,7 @@ class EstimationProblem:
         size = len(self.model.states) + len(self.model.parameters)
         _check_weights("prior_deviation", self.prior_deviation, size)
         _check_weights("process_deviation", self.process_deviation, size)
+        _check_weights("common_deviation", self.common_deviation or (0.0,) * size, size)
         if not all(deviation > 0.0 for deviation in self.prior_deviation):
             raise SolverError(f"prior_deviation must be positive, got {self.prior_deviation}.")
         _check_bounds(self.model, self.bounds, "state, parameter or input")

@@ -138,6 +138,7 @@ class EstimationSolver(_RealTimeIteration):
         self.w[:] = problem.weights
         self.w[-1, list(transcription.input_outputs)] = 0.0
         array("process")[:], array("window.deviation")[:] = problem.process_deviation, problem.prior_deviation
+        array("common")[:] = problem.common_deviation or 0.0
         if prior is not None:
             self.restart(prior)
 

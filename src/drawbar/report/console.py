@@ -74,8 +74,9 @@ def summary(metrics: Metrics) -> RenderableType:
     return Group(
         "",
         Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
-        f"{distance} in {duration}, {pace}, solver failures: {metrics.solver_failures}, "
-        f"refused commands: {metrics.refused_commands}",
+        f"{distance} in {duration}, {pace}",
+        f"solver failures: {metrics.solver_failures}, commands limited: {metrics.limited_commands}, "
+        f"refused: {metrics.refused_commands}",
         "",
         _table("error, cm", error_columns, error_rows(metrics)),
         "",

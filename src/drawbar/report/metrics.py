@@ -89,6 +89,8 @@ class Metrics:
     rejected_fixes: int
     """of both antennas: further from where they were expected than they can be"""
     solver_failures: int
+    limited_commands: int
+    """commands that the gate brought nearer to the wheels, as no actuator could tell the difference"""
     refused_commands: int
     """commands that the gate did not let pass"""
     solve_time_s: SolverTimes
@@ -193,6 +195,7 @@ def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
         stale_fixes=_fixes(log, FixStatus.STALE),
         rejected_fixes=_fixes(log, FixStatus.REJECTED),
         solver_failures=sum(record.solver_failures for record in log.records),
+        limited_commands=sum(record.gate is GateVerdict.LIMITED for record in log.records),
         refused_commands=sum(record.gate >= GateVerdict.REPEATED for record in log.records),
         solve_time_s=SolverTimes(
             estimator=_phase_times(log, "estimator"),

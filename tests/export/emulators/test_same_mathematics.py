@@ -18,6 +18,8 @@ BUMPS = (
     "{kind='bump', start=40, lateral=-0.5, trailer_yaw=-0.6}",
     "{kind='bump', start=60, tractor_yaw=0.5}",
     "{kind='bump', start=70, tractor_yaw=-0.5}",
+    "{kind='bump', start=85, lateral=0.5, tractor_yaw=0.5}",
+    "{kind='bump', start=100, lateral=-0.5, tractor_yaw=-0.5}",
 )
 RUNS = ("gps_loss", "saturation", "solver_fallback")
 OTHERS = ("articulated-centralised", "articulated-ekf", "paper", "lqr")

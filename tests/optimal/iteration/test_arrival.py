@@ -54,7 +54,7 @@ class Line:
         return cls(np.array(A), np.array(B)[:, 0])
 
 
-def problem(process: Floats) -> EstimationProblem:
+def problem(process: Floats, common: tuple[float, ...] = ()) -> EstimationProblem:
     return EstimationProblem(
         model=cart(),
         horizon=N,
@@ -62,6 +62,7 @@ def problem(process: Floats) -> EstimationProblem:
         weights=tuple(1.0 / NOISE**2),
         prior_deviation=tuple(DEVIATION),
         process_deviation=tuple(process),
+        common_deviation=common,
     )
 
 
@@ -100,10 +101,19 @@ def batch(line: Line, y: Floats) -> Floats:
     return states
 
 
-@pytest.mark.parametrize("process", [(0.05, 0.1, 0.02), (0.0, 0.1, 0.0), (0.0, 0.0, 0.0)])
-def test_linear_arrival_cost_is_a_kalman_filter(process: tuple[float, ...]) -> None:
-    y, noise = measurements(200), np.array(process)
-    solver = EstimationSolver(problem(noise), PRIOR)
+@pytest.mark.parametrize(
+    ("process", "common"),
+    [
+        ((0.05, 0.1, 0.02), ()),
+        ((0.0, 0.1, 0.0), ()),
+        ((0.0, 0.0, 0.0), ()),
+        ((0.0, 0.0, 0.0), (0.03, 0.0, 0.05)),
+        ((0.05, 0.1, 0.02), (0.1, 0.2, 0.3)),
+    ],
+)
+def test_linear_arrival_cost_is_a_kalman_filter(process: tuple[float, ...], common: tuple[float, ...]) -> None:
+    y, noise, shared = measurements(200), np.array(process), np.array(common or (0.0,) * 3)
+    solver = EstimationSolver(problem(noise, common), PRIOR)
     line = Line.of(cart())
     mean, covariance = PRIOR.copy(), np.diag(DEVIATION**2)
     for count in fed(solver, y):
@@ -117,7 +127,7 @@ def test_linear_arrival_cost_is_a_kalman_filter(process: tuple[float, ...]) -> N
             covariance = left @ covariance @ left.T + NOISE[0] ** 2 * np.outer(gain, gain)
         mean = line.A @ mean + line.B * y[oldest, 1]
         push = NOISE[1] ** 2 * np.outer(line.B, line.B)
-        covariance = line.A @ covariance @ line.A.T + push + np.diag(noise**2)
+        covariance = line.A @ covariance @ line.A.T + push + np.diag(noise**2) + np.outer(shared, shared)
         np.testing.assert_allclose(solver.prior, mean, rtol=0, atol=1e-9)
         information = solver.root.T @ solver.root
         np.testing.assert_allclose(information @ covariance, np.eye(3), rtol=0, atol=1e-8)

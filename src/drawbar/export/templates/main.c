@@ -62,6 +62,10 @@ static struct drawbar_path_node *read_path(const char *name, int32_t *count)
         ++*count;
     }
     fclose(file);
+    if (nodes == NULL) {
+        fprintf(stderr, "%s: holds no nodes\n", name);
+        exit(2);
+    }
     return nodes;
 }
 

@@ -14,7 +14,7 @@
 #define APPROACH_TIGHTER 1.4               /* how much tighter than their limit turns may become beside a curve */
 #define APPROACH_LOOK (DRAWBAR_PI / 4.0)   /* between the directions in which an arc is looked at, rad */
 #define APPROACH_LOOKS 18                  /* of them in a turn, at most */
-#define APPROACH_LAID 6                    /* ways that are laid beside the path, at most */
+#define APPROACH_LAID 5                    /* ways that are laid beside the path, at most */
 
 /* Where a tractor stands, seen from the path. */
 struct beside_path {

@@ -50,7 +50,7 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *firs
     return DRAWBAR_OK;
 }
 
-/* Where the vehicle is when the next command begins to act. */
+/* Where the vehicle is when the next command begins to act, and at what speed plans take it from there. */
 static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 {
 #ifdef DRAWBAR_DEAD_TIME
@@ -58,6 +58,8 @@ static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 #else
     *ahead = a->estimate;
 #endif
+    if (ahead->speed < DRAWBAR_PLANNED_SPEED)
+        ahead->speed = DRAWBAR_PLANNED_SPEED;
 }
 
 /* The command that acts during most of the sample that now begins. */

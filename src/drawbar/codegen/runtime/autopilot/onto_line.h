@@ -34,6 +34,7 @@ struct onto_line {
     double room;                           /* beside the line, m */
     double asides[2 * LINE_STEPS + 1];     /* how far a last turn leads aside, by its angle, m */
     double middles[3][4 * LINE_STEPS + 1]; /* chord of the turn between, by rounds and the other two turns' sum, m */
+    double sideways[4 * LINE_STEPS + 1];   /* sine of its direction, by the first turn less the last */
     struct way ways[LINE_WAYS];            /* still to be tried */
     int32_t count;
 };
@@ -58,13 +59,17 @@ static inline double line_after(const struct onto_line *line, double first)
     return line->offset + turn_chord(&line->limits, &line->circle, first) * lane_sin(line->heading + 0.5 * first);
 }
 
-/* How far left of the line all turns end, m: `after` the first, by the chord of the middle one and how far the last one
- * leads aside. */
-static inline double line_left(const struct onto_line *line, const struct way *way, double after, double middle,
-                               double aside)
+/* The sine of the middle turn's direction, without whole rounds; `turned` is the first turn less the last, rad. */
+static inline double line_sideways(const struct onto_line *line, double turned)
 {
-    const double direction = 0.5 * (line->heading + way->first - way->last);
-    return after + middle * lane_sin(direction + DRAWBAR_PI * way->rounds) - aside;
+    return lane_sin(0.5 * (line->heading + turned));
+}
+
+/* How far left of the line all turns end, m: `after` the first, by the chord of the middle one in its direction, and how
+ * far the last one leads aside. */
+static inline double line_left(const struct way *way, double after, double middle, double sideways, double aside)
+{
+    return after + middle * (way->rounds % 2 ? -sideways : sideways) - aside;
 }
 
 /* On which side of the line that is: 1 left, -1 right, 0 on it. */
@@ -79,7 +84,7 @@ static inline double way_left(const struct onto_line *line, const struct way *wa
 
     way_angles(line, way, angles);
     const double middle = turn_chord(&line->limits, &line->circle, angles[1]);
-    return line_left(line, way, after, middle, line_aside(line, way->last));
+    return line_left(way, after, middle, line_sideways(line, way->first - way->last), line_aside(line, way->last));
 }
 
 /* The least that can be of an angle's size, rad, which is between two others. */
@@ -141,7 +146,7 @@ static inline void line_bracket(struct onto_line *line, int first, int rounds)
         const int before = side;
         way.last = LINE_STEP * last;
         const double middle = line->middles[rounds + 1][first + last + 2 * LINE_STEPS];
-        side = line_side(line_left(line, &way, after, middle, *asides));
+        side = line_side(line_left(&way, after, middle, line->sideways[first - last + 2 * LINE_STEPS], *asides));
         if (last == -LINE_STEPS || side == before || line->count == LINE_WAYS
             || smallest_between(asides[-1], *asides) > line->room + LINE_SLACK)
             continue;
@@ -164,6 +169,8 @@ static inline void line_ways(struct onto_line *line, const struct turn_limits *l
     line->count = 0;
     for (int k = -LINE_STEPS; k <= LINE_STEPS; ++k)
         line->asides[k + LINE_STEPS] = line_aside(line, LINE_STEP * k);
+    for (int k = -2 * LINE_STEPS; k <= 2 * LINE_STEPS; ++k)
+        line->sideways[k + 2 * LINE_STEPS] = line_sideways(line, LINE_STEP * k);
     for (int rounds = -1; rounds <= 1; ++rounds)
         for (int k = -2 * LINE_STEPS; k <= 2 * LINE_STEPS; ++k)
             line->middles[rounds + 1][k + 2 * LINE_STEPS]

@@ -20,7 +20,9 @@
 
 struct filter {
     /* settings */
-    double prior[NX], drift[NX];           /* standard deviations: of the first state; of the process noise, per sample */
+    double prior[NX];                      /* standard deviations of the first state */
+    double drift[NX], common[NX];          /* those of the process noise per sample: of each state alone, and of one noise
+                                            * that moves all of them at once */
     double noise[NY];                      /* standard deviation of each output */
     double lower[NX], upper[NX];           /* bounds of the state, infinite where there are none */
     int32_t input_row[NU];                 /* the output by which each input is measured */
@@ -33,6 +35,7 @@ struct filter {
 
 #define FILTER_FIELDS(type, prefix)                                                                          \
     SETTING(type, prefix prior, 0, NX, 0, 0) SETTING(type, prefix drift, 0, NX, 0, 0)                        \
+    SETTING(type, prefix common, 0, NX, 0, 0)                                                                \
     SETTING(type, prefix noise, 0, NY, 0, 0) SETTING(type, prefix lower, 0, NX, 0, 0)                        \
     SETTING(type, prefix upper, 0, NX, 0, 0) SETTING(type, prefix input_row, 1, NU, 0, 0)                    \
     FIELD(type, prefix x, 0, NX, 0, 0) FIELD(type, prefix R, 0, NX, NX, 0)
@@ -142,21 +145,22 @@ static int filter_update(struct filter *filter, const double *y)
     return status;
 }
 
-/* Move state and covariance by one sample: the triangle of [R A'; N B'; G] is R+, N the noise of the inputs and G that of
- * the process. On failure the state stays, and the covariance is the first one again. */
+/* Move state and covariance by one sample: the triangle of [R A'; N B'; g'; G] is R+, N the noise of the inputs, g the
+ * process noise that all states share and G that of each. On failure the state stays, and the covariance is the first one again. */
 static int filter_predict(struct filter *filter)
 {
-    double M[2 * NX + NU][COLUMNS] = {{0.0}};
+    double M[2 * NX + NU + 1][COLUMNS] = {{0.0}};
 
     transition(filter, 0, 1);
     for (int i = 0; i < NX; ++i) {
         filter_project(filter, filter->A[0][i], M, 0, i);
         for (int a = 0; a < NU; ++a)
             M[NX + a][i] = filter->B[0][i][a] * filter->noise[filter->input_row[a]];
-        M[NX + NU + i][i] = filter->drift[i];
+        M[NX + NU][i] = filter->common[i];
+        M[NX + NU + 1 + i][i] = filter->drift[i];
     }
     for (int i = 0; i < NX; ++i)           /* the later noises have not come into play yet */
-        reflect_rows(M, i, i + 1, NX + NU + i + 1, NX);
+        reflect_rows(M, i, i + 1, NX + NU + i + 2, NX);
     const int status = filter_accept(filter, filter->F[0], M, 0);
     if (status != SOLVED)
         filter_forget(filter);

@@ -140,6 +140,7 @@ static inline int32_t curve_trace(const struct curve *curve, double x, double y,
                                   struct drawbar_path_node *nodes, int32_t capacity)
 {
     const int32_t count = curve_nodes(curve, nodes, capacity);
+    double cosine = lane_cos(heading), sine = lane_sin(heading);
 
     for (int32_t i = 0; i < count; ++i) {
         const double first = nodes[i].yaw;
@@ -151,10 +152,13 @@ static inline int32_t curve_trace(const struct curve *curve, double x, double y,
         const double step = nodes[i + 1].arc_length - nodes[i].arc_length, last = nodes[i + 1].yaw;
         const double middle = heading + 0.125 * (3.0 * first + last) * step;
         const double end = heading + 0.5 * (first + last) * step;
+        const double next_cosine = lane_cos(end), next_sine = lane_sin(end);
         /* Simpson's rule for the mean direction */
-        x += step * (lane_cos(heading) + 4.0 * lane_cos(middle) + lane_cos(end)) / 6.0;
-        y += step * (lane_sin(heading) + 4.0 * lane_sin(middle) + lane_sin(end)) / 6.0;
+        x += step * (cosine + 4.0 * lane_cos(middle) + next_cosine) / 6.0;
+        y += step * (sine + 4.0 * lane_sin(middle) + next_sine) / 6.0;
         heading = end;
+        cosine = next_cosine;
+        sine = next_sine;
     }
     return count;
 }

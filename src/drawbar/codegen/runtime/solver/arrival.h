@@ -67,20 +67,43 @@ static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first
     M[pivot][column] = alpha;
 }
 
-/* Let noise of the given deviation act on the state in `column` of the NX rows M: || M d ||^2 becomes its minimum over n
- * of || M (d - deviation n) ||^2 + n^2, that is M'(I + a a')^-1 M with a = deviation times the column (Potter 1963). */
-static inline void widen(double (*restrict M)[OLD_WIDTH], int column, double deviation)
+/* Let a unit noise n act through a vector g on the states of the NX rows M, given `along` = M g: || M d ||^2 becomes its
+ * minimum over n of || M (d - g n) ||^2 + n^2, that is M' (I + along along')^-1 M (Potter 1963). */
+static inline void widen(double (*restrict M)[OLD_WIDTH], const double *restrict along)
 {
-    double norm[OLD_WIDTH];
+    double norm = 0.0;
     pack product[OLD_PACKS];
 
     for (int b = 0; b < OLD_PACKS; ++b)
         product[b] = 0.0 * read_pack(M[0], b);
-    column_products((const double (*)[OLD_WIDTH])M, 0, NX, column, product);
-    for (int b = 0; b < OLD_PACKS; ++b)
-        write_pack(norm, b, product[b]);
-    const double variance = deviation * deviation, root = sqrt(1.0 + variance * norm[column]);
-    subtract_products(M, 0, NX, column, variance / (root * (1.0 + root)), product);
+    for (int i = 0; i < NX; ++i) {
+        norm += along[i] * along[i];
+        for (int b = 0; b < OLD_PACKS; ++b)
+            product[b] += along[i] * read_pack(M[i], b);
+    }
+    const double root = sqrt(1.0 + norm);
+    const double factor = 1.0 / (root * (1.0 + root)) + 0.0 * norm;   /* NaN where the norm overflows */
+    for (int i = 0; i < NX; ++i)
+        for (int b = 0; b < OLD_PACKS; ++b)
+            write_pack(M[i], b, read_pack(M[i], b) - factor * along[i] * product[b]);
+}
+
+/* Let the process noise act on the states of the rows M over (du, d). */
+static inline void arrival_widen(const struct rti *restrict s, double (*restrict M)[OLD_WIDTH])
+{
+    double along[NX];
+
+    for (int j = 0; j < NX; ++j) {
+        for (int i = 0; i < NX; ++i)
+            along[i] = s->process[j] * M[i][NU + j];
+        widen(M, along);
+    }
+    for (int i = 0; i < NX; ++i) {
+        along[i] = 0.0;
+        for (int j = 0; j < NX; ++j)
+            along[i] += s->common[j] * M[i][NU + j];
+    }
+    widen(M, along);
 }
 
 /* Triangularise prior and oldest measurements over (dx, du): NX rows on dx, then NU rows on du alone. */
@@ -194,8 +217,7 @@ static int arrival_update(struct rti *s)
     if (!arrival_transition((const double (*)[WIDTH])s->qp.A[0], (const double (*)[OLD_WIDTH])T, Z))
         return NOT_FINITE;
     arrival_substitute((const double (*)[NU])s->qp.B[0], (const double (*)[OLD_WIDTH])T, (const double (*)[WIDTH])Z, M);
-    for (int j = 0; j < NX; ++j)
-        widen(M, NU + j, s->process[j]);
+    arrival_widen(s, M);
     for (int a = 0; a < NU; ++a)           /* the rows that du claims are the last ones */
         reflect(M, NX + NU - 1 - a, 0, NX + NU - 1 - a, a);
     for (int j = 0; j < NX; ++j)

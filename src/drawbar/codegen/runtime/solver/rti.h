@@ -20,7 +20,8 @@ struct rti {
     double initial[NX];                    /* current state (control) */
     double lower[AT_LEAST_ONE(NB)], upper[AT_LEAST_ONE(NB)];
     double root[NX][NX], prior[NX];        /* arrival cost (estimation): R, and what the first state should be */
-    double process[NX];                    /* process noise per sample (standard deviation), for the arrival cost */
+    double process[NX], common[NX];        /* process noise per sample (standard deviations), for the arrival cost: of
+                                            * each state alone, and of one noise that moves all of them at once */
     int32_t status, open_end;              /* open_end: x_N is still to be predicted */
     uint8_t missing[N + 1][NY];            /* measurements, as rti_note_missing last saw them */
     struct qp qp;
@@ -112,7 +113,8 @@ static int rti_feedback(struct rti *s, union bounds_work *work)
     if (changed)
         rti_hessian(s);
 #if FREE_INITIAL                           /* entries that no output sees are not written by gradient */
-    memset(STATE(s->qp.g, 0), 0, NX * sizeof(double));
+    for (int i = 0; i < NX; ++i)
+        s->qp.g[i] = 0.0;
 #endif
     gradient(s, 0, N + 1);
 #if FREE_INITIAL
