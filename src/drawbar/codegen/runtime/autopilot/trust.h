@@ -2,13 +2,15 @@
  *
  * Two antennas that agree with each other cannot be locked out by an estimate that is wrong. An estimate that both have
  * confirmed for some time is overruled by both only: then it was moved by more than it can know (a new base station, a
- * tow). Before that one suffices: its yaw, say, was wrong from the start.
+ * tow). Before that one suffices, twice in a row: its yaw, say, was wrong from the start.
  */
 #ifndef DRAWBAR_TRUST_H
 #define DRAWBAR_TRUST_H
 
 #include <math.h>
 #include <stdint.h>
+
+#define AGAIN 1e-3                         /* s; shorter than any sample */
 
 struct lasting {
     double since;                          /* s */
@@ -35,9 +37,10 @@ static inline int lasts(struct lasting *lasting, double time, int holds, double 
 static inline int trust_overruled(struct trust *trust, double time, int agreeing, int rejected, double patience)
 {
     const int contradicted = agreeing && rejected > (trust->earned ? 1 : 0);
+    const double long_enough = trust->earned ? patience : AGAIN;
 
     trust->earned |= lasts(&trust->confirmed, time, agreeing && rejected == 0, patience);
-    if (!lasts(&trust->contradicted, time, contradicted, patience))
+    if (!lasts(&trust->contradicted, time, contradicted, long_enough))
         return 0;
     trust->earned = trust->contradicted.holds = 0;
     return 1;
