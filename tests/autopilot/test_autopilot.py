@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drawbar.autopilot.autopilot import Autopilot
-from drawbar.autopilot.build import build_autopilot, build_path
+from drawbar.autopilot.build import build_autopilot, build_path, planned_speed
 from drawbar.config import load_configuration
 from drawbar.guidance.path import Path
 from drawbar.machine.base import Machine
@@ -55,7 +55,7 @@ def faked(simulate):
         trailer_law=Part("trailer_law", calls, apply=steering(-0.22)),
         gate=Part("gate", calls, check=lambda command: (replace(command, speed=0.7), GateVerdict.LIMITED)),
         speed=1.2,
-        planned_speed=0.0,
+        planned_speed=-math.inf,
     )
     return autopilot, calls, record
 
@@ -100,6 +100,11 @@ def test_plans_reckon_with_the_set_speed_at_least(faked, estimated, planned):
     ((given,), (handed, _)) = (dict(calls)[name] for name in ("guidance.reference", "controller.feedback"))
     np.testing.assert_equal((given.speed, handed.speed), (planned, planned))
     assert dict(calls)["predictor.ahead"] == (record.estimate,)
+
+
+def test_only_plans_along_a_preview_reckon_with_the_set_speed():
+    assert planned_speed(load_configuration("articulated", ["speed=0.7"])) == 0.7
+    assert planned_speed(load_configuration("paper", ["speed=0.7"])) == -math.inf
 
 
 def test_steps_are_counted_from_zero_and_failures_with_them(faked):

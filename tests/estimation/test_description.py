@@ -8,7 +8,7 @@ from drawbar.errors import HardwareError
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.extended_kalman import ExtendedKalmanFilter
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
-from drawbar.estimation.settings import ArticulatedEstimatorSettings, TricycleEstimatorSettings
+from drawbar.estimation.settings import ArticulatedDrift, ArticulatedEstimatorSettings, TricycleEstimatorSettings
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import wrap
 from drawbar.signals import Measurement
@@ -110,3 +110,11 @@ def test_steering_that_is_not_measured_stays_as_it_was_on_the_papers_model(compi
     estimate = tricycle.estimate(blind)
     assert estimate.tractor_steering == measurement.tractor_steering
     assert estimate.trailer_steering == measurement.trailer_steering
+
+
+def test_a_slope_moves_both_crab_angles_and_the_offset_alike_and_nothing_else():
+    settings = ArticulatedEstimatorSettings(model="articulated", drift=ArticulatedDrift(slope=0.007))
+    problem = ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, 0.2).problem
+    names = [variable.name for variable in (*problem.model.states, *problem.model.parameters)]
+    moved = {name: size for name, size in zip(names, problem.common_deviation, strict=True) if size}
+    assert moved == dict.fromkeys(("steering_offset", "trailer_crab", "tractor_crab"), 0.007)

@@ -127,8 +127,8 @@ def build_autopilot(configuration: Configuration, path: Path, machine: Machine, 
 
 
 def planned_speed(configuration: Configuration) -> float:
-    """Return the least speed that plans reckon with, m/s: the set speed, but none for the paper's set."""
-    return configuration.speed if configuration.guidance.mode == "preview" else 0.0
+    """Return the least speed that plans reckon with, m/s: the set speed along a preview, else (the paper's) none."""
+    return configuration.speed if configuration.guidance.mode == "preview" else -math.inf
 
 
 def _estimator(configuration: Configuration, machine: Machine, first: Measurement, seed: int) -> Estimator:

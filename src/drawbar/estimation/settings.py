@@ -56,7 +56,8 @@ class ScreeningSettings(Settings):
     repetition: Positive = 0.05
     """a fix that repeats exactly while the vehicle moved by more than this is stale, m"""
     patience: Positive = 1.0
-    """time for which both antennas must agree with each other against the estimate to be believed, s"""
+    """time for which both antennas must agree with each other against the estimate to be believed, and for which they
+    must first have confirmed it: before that, two samples in a row are enough, s"""
 
     @model_validator(mode="after")
     def _release_below_shift(self) -> Self:
@@ -181,8 +182,9 @@ class ArticulatedEstimatorSettings(Settings):
     steering_rate: PositiveAngle = 0.06
     """standard deviation of both steering rates from what the last command asks of lag and rate limit, rad/s"""
     crab: PositiveAngle = 0.1
-    """standard deviation with which each sample that lacks a fix takes both crab angles for zero, rad; with drift.crab
-    it sets how soon an angle that nothing shows any more is forgotten: within some crab / drift.crab samples"""
+    """standard deviation with which each sample that lacks a fix takes both crab angles for zero, rad; with
+    drift.crab and drift.slope it sets how soon an angle that nothing shows any more is forgotten: within some
+    crab / hypot(drift.crab, drift.slope) samples"""
     first_slip: Positive = 0.9
     """first guess of mu and kappa"""
     first_yaw_error: Angle = 0.0

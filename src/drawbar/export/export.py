@@ -1,6 +1,7 @@
 """From a configuration to a folder with its controller as a C library."""
 
 import json
+import math
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
@@ -68,11 +69,12 @@ def _source_files(configuration: Configuration, units: Sequence[Unit]) -> dict[s
     """Return all that is the same for every target, by its place in the folder."""
     names = {unit.name for unit in units}
     version = f"{__version__} {configuration_hash(configuration)[:16]}"
+    planned = planned_speed(configuration)
     constants = {
         **({"DRAWBAR_CENTRALISED": ""} if "controller" in names else {}),
         **({"DRAWBAR_DEAD_TIME": ""} if "predictor" in names else {}),
         "DRAWBAR_SPEED": repr(configuration.speed),
-        "DRAWBAR_PLANNED_SPEED": repr(planned_speed(configuration)),
+        **({"DRAWBAR_PLANNED_SPEED": repr(planned)} if math.isfinite(planned) else {}),
         "DRAWBAR_PATIENCE": repr(PATIENCE),
         "DRAWBAR_VERSION": f'"drawbar {version}"',
     }

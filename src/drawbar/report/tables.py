@@ -81,6 +81,5 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
         ("mean error, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
         ("fixes masked, stale / false", f"{metrics.stale_fixes} / {metrics.rejected_fixes}"),
         ("solver failures", f"{metrics.solver_failures}"),
-        ("limited commands", f"{metrics.limited_commands}"),
-        ("refused commands", f"{metrics.refused_commands}"),
+        ("commands limited / refused", f"{metrics.limited_commands} / {metrics.refused_commands}"),
     ]

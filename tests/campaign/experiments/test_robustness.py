@@ -79,3 +79,8 @@ def test_the_report_marks_misses_and_names_who_is_nearer(experiment, run, assemb
     assert "`lqr-pi`: **κ to 0.7" in text
     assert "- `paper`: never" in text
     assert {row[0] for row in tables["starts"].rows} >= {"starts 2 m left", "starts turned by 180°"}
+    slopes = {tuple(row[:2]): row[2:] for row in tables["slopes"].rows}
+    left = "side slope 3° to the left"
+    assert slopes[left, "limit of `articulated`"] == ["≤ 15", "≤ 15", "≤ 6", "≤ 8"]
+    assert slopes[left, "articulated"][:2] == ["5.1 ± 0.2"] * 2
+    assert {variant for variant, _ in slopes} == {left, "side slope 3° to the right"}

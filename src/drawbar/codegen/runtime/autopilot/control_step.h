@@ -58,8 +58,10 @@ static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 #else
     *ahead = a->estimate;
 #endif
+#ifdef DRAWBAR_PLANNED_SPEED
     if (ahead->speed < DRAWBAR_PLANNED_SPEED)
         ahead->speed = DRAWBAR_PLANNED_SPEED;
+#endif
 }
 
 /* The command that acts during most of the sample that now begins. */

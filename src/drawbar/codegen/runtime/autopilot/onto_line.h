@@ -65,8 +65,8 @@ static inline double line_sideways(const struct onto_line *line, double turned)
     return lane_sin(0.5 * (line->heading + turned));
 }
 
-/* How far left of the line all turns end, m: `after` the first, by the chord of the middle one in its direction, and how
- * far the last one leads aside. */
+/* How far left of the line all turns end, m: `after` the first, by the chord of the middle one in its direction, and
+ * how far the last one leads aside. */
 static inline double line_left(const struct way *way, double after, double middle, double sideways, double aside)
 {
     return after + middle * (way->rounds % 2 ? -sideways : sideways) - aside;

@@ -21,8 +21,8 @@
 struct filter {
     /* settings */
     double prior[NX];                      /* standard deviations of the first state */
-    double drift[NX], common[NX];          /* those of the process noise per sample: of each state alone, and of one noise
-                                            * that moves all of them at once */
+    double drift[NX], common[NX];          /* those of the process noise per sample: of each state alone, and of one
+                                            * noise that moves all of them at once */
     double noise[NY];                      /* standard deviation of each output */
     double lower[NX], upper[NX];           /* bounds of the state, infinite where there are none */
     int32_t input_row[NU];                 /* the output by which each input is measured */
@@ -146,7 +146,8 @@ static int filter_update(struct filter *filter, const double *y)
 }
 
 /* Move state and covariance by one sample: the triangle of [R A'; N B'; g'; G] is R+, N the noise of the inputs, g the
- * process noise that all states share and G that of each. On failure the state stays, and the covariance is the first one again. */
+ * process noise that all states share and G that of each. On failure the state stays, and the covariance is the first
+ * one again. */
 static int filter_predict(struct filter *filter)
 {
     double M[2 * NX + NU + 1][COLUMNS] = {{0.0}};

@@ -31,7 +31,8 @@ static inline int lasts(struct lasting *lasting, double time, int holds, double 
     return holds && time - lasting->since >= patience;
 }
 
-/* Has the estimate been contradicted for long enough (s)? It then has to earn its trust anew.
+/* Has the estimate been contradicted for long enough: for the patience (s) where it has earned trust, else twice in a
+ * row? It then has to earn its trust anew.
  *
  * agreeing: both antennas have a fix, as far from each other as they should be; rejected: how many of the two are. */
 static inline int trust_overruled(struct trust *trust, double time, int agreeing, int rejected, double patience)

@@ -67,8 +67,8 @@ static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first
     M[pivot][column] = alpha;
 }
 
-/* Let a unit noise n act through a vector g on the states of the NX rows M, given `along` = M g: || M d ||^2 becomes its
- * minimum over n of || M (d - g n) ||^2 + n^2, that is M' (I + along along')^-1 M (Potter 1963). */
+/* Let a unit noise n act through a vector g on the states of the NX rows M, given `along` = M g: || M d ||^2 becomes
+ * its minimum over n of || M (d - g n) ||^2 + n^2, that is M' (I + along along')^-1 M (Potter 1963). */
 static inline void widen(double (*restrict M)[OLD_WIDTH], const double *restrict along)
 {
     double norm = 0.0;
