@@ -63,14 +63,14 @@ class Replay:
 
 
 class RunawayWheel(Machine):
-    """A machine whose wheel-speed sensor reports 12 m/s for a while, which the estimator comes to believe."""
+    """A machine whose wheel-speed sensor reports 20 m/s for a while, which the estimator comes to believe."""
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
 
     def read(self) -> Measurement:
         measurement = self._machine.read()
-        return replace(measurement, speed=12.0) if 30.0 <= measurement.time < 34.0 else measurement
+        return replace(measurement, speed=20.0) if 30.0 <= measurement.time < 34.0 else measurement
 
     def write(self, command: Command) -> None:
         self._machine.write(command)
