@@ -20,17 +20,15 @@ from drawbar.autopilot.autopilot import Autopilot
 from drawbar.autopilot.build import build_autopilot, build_machine, build_path
 from drawbar.autopilot.run import RunAborted, drive
 from drawbar.config import Configuration, load_configuration
-from drawbar.errors import PathError
 from drawbar.estimation.estimator import Estimator
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.geometry import Floats, wrap
 from drawbar.guidance.look_ahead import LookAhead
 from drawbar.guidance.path import Path
-from drawbar.guidance.preview import Preview
 from drawbar.machine.base import Machine
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.report.path_errors import project_track
-from drawbar.signals import Command, Estimate, Measurement, Pose, SolverStatus, SolveTimes, StepRecord, Truth
+from drawbar.signals import Command, Estimate, Measurement, SolveTimes, StepRecord, Truth
 
 SEEDS = range(5)
 FIELD = FilePath(__file__).parents[2] / "shared/data/agopengps-field"
@@ -209,9 +207,6 @@ SLOPE_COLUMNS = ("side slope, 3° of crab", "GPS lost for 10 s", "no event")
 JUMPS = (0.05, 0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 1.0, 5.0)
 """of one antenna, m"""
 DIRECTIONS = 8
-TURNED_POSES, TURNED_SEED = 2000, 1
-TURNED = {"straight": ("straight",), "curve": ("0.1", "0.125", "0.15")}
-"""classes of the path beside which a vehicle faces away"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -313,58 +308,6 @@ def jump_row(antenna: str) -> str:
     return f"| {antenna}'s antenna | {' | '.join(cells)} |"
 
 
-def turned_row(kind: str, classes: Sequence[str]) -> str:
-    """Return the row of one part of the paper's eights: of how many random poses that face away there is no way."""
-    configuration = load_configuration("articulated", ())
-    path, _ = build_path(configuration)
-    rng, lost = np.random.default_rng(TURNED_SEED), 0
-    begins = [k for k, label in enumerate(path.labels(path.nodes[:-1, 0])) if label in classes]
-    for k in rng.choice(begins, TURNED_POSES):
-        rest = path.nodes[k:] - [path.nodes[k, 0], 0.0, 0.0, 0.0]
-        ahead = replace(path, nodes=np.ascontiguousarray(rest), label_of_piece=path.label_of_piece[k:])
-        pose = (rng.uniform(-3.0, 3.0), rng.choice((-1.0, 1.0)) * rng.uniform(np.pi / 3, np.pi))
-        lost += not _finds_a_way(configuration, ahead, *pose)
-    return f"| {kind} | {100.0 * lost / TURNED_POSES:.1f} |"
-
-
-def _finds_a_way(configuration: Configuration, path: Path, left: float, turned: float) -> bool:
-    """Tell whether a tractor so far left of the path's start (m), and so turned from it (rad), is led onto it."""
-    _, x, y, along = path.nodes[0]
-    yaw = along + turned
-    tractor = (x - left * np.sin(along), y + left * np.cos(along))
-    trailer = (tractor[0] - 2.15 * np.cos(yaw), tractor[1] - 2.15 * np.sin(yaw))
-    start = Estimate(
-        time=0.0,
-        tractor=Pose(x=tractor[0], y=tractor[1], yaw=yaw),
-        trailer=Pose(x=trailer[0], y=trailer[1], yaw=yaw),
-        hitch_angle=0.0,
-        speed=configuration.speed,
-        tractor_steering=0.0,
-        trailer_steering=0.0,
-        longitudinal_slip=1.0,
-        tractor_slip=1.0,
-        trailer_slip=1.0,
-        steering_offset=0.0,
-        tractor_crab=0.0,
-        trailer_crab=0.0,
-        status=SolverStatus.SOLVED,
-    )
-    guidance = Preview(
-        path,
-        configuration.guidance,
-        vehicle=configuration.vehicle,
-        stages=configuration.controller.horizon,
-        interval=configuration.sample_time,
-        tractor=tractor,
-        trailer=trailer,
-    )
-    try:
-        guidance.reference(start)
-    except PathError:
-        return False
-    return True
-
-
 def line_row(track: str) -> str:
     """Return the row of one recorded line: means by class, the largest distance, and what making it drivable cost."""
     where = (f'path.file="{FIELD.as_posix()}"', f'path.track="{track}"')
@@ -404,10 +347,6 @@ def main(wanted: Sequence[str]) -> None:
     for antenna in ("tractor", "trailer"):
         if not wanted or any(text in f"jump of {antenna}" for text in wanted):
             print(jump_row(antenna), flush=True)
-    print("\n| random poses turned away beside a | without a way, % |\n|---|---|")
-    for kind, classes in TURNED.items():
-        if not wanted or any(text in f"turned away: {kind}" for text in wanted):
-            print(turned_row(kind, classes), flush=True)
     print("\n| line | straights | curves | kinks | largest | deviation at 0.3 / 0.41 1/m, m |")
     print("|---|---|---|---|---|---|")
     for track in TRACKS if FIELD.exists() else ():

@@ -79,6 +79,7 @@ def test_the_same_run_without_tightening_asks_for_more_than_there_is(mode):
         assert (np.abs(asked(records, body)) > limit).any()
 
 
+# an optimised nominal state gives way, and takes twice what was declared to be left behind
 @pytest.mark.parametrize(("mode", "scale"), [("propagated", 1.5), ("optimised", 2.0), ("predicted", 1.5)])
 def test_errors_beyond_their_declaration_are_seen_before_a_bound_is_exceeded(mode, scale):
     vehicle, _, records = run(mode, HARDEST, f"bounded_errors.scale={scale}", seed=1)

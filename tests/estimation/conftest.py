@@ -110,8 +110,8 @@ def estimation(name: str, **tricycle: Settings) -> EstimationModel:
             {"model": name, "weighting": "statistical", "screening": OPEN} | tricycle
         )
         return TricycleEstimation(VehicleParameters(), SensorNoise(), paper, SAMPLE_TIME)
-    # nothing is believed of crab angles, and little of steering rates, of which no command tells here
-    settings = ArticulatedEstimatorSettings(model="articulated", screening=OPEN, crab=3.0, steering_rate=0.15)
+    # nothing is believed of crab angles, nor of steering rates, of which no command tells here
+    settings = ArticulatedEstimatorSettings(model="articulated", screening=OPEN, crab=3.0, steering_rate=1.5)
     return ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, SAMPLE_TIME)
 
 

@@ -47,12 +47,12 @@ def test_exact_measurements_of_the_model_are_explained_exactly(model, travel, me
     truth = dict(zip(names, states[-1].tolist(), strict=True))
     assert last.status is SolverStatus.SOLVED
     # the articulated model takes steering rates for noise around zero, which leaves a trace; the tricycle's are free
-    tolerance = 2e-4 if model.problem.model.name == "articulated" else 2e-6
+    tolerance = 5e-6 if model.problem.model.name == "articulated" else 2e-6
     assert (last.tractor.x, last.tractor.y) == pytest.approx((truth["tractor_x"], truth["tractor_y"]), abs=tolerance)
     assert (last.trailer.x, last.trailer.y) == pytest.approx(tuple(outputs[-1, 2:4]), abs=tolerance)
     assert wrap(last.tractor.yaw - truth["tractor_yaw"]) == pytest.approx(0.0, abs=tolerance)
     assert wrap(last.trailer.yaw - truth["trailer_yaw"]) == pytest.approx(0.0, abs=tolerance)
-    assert last.longitudinal_slip == pytest.approx(p[0], abs=max(1e-6, 0.01 * tolerance))
+    assert last.longitudinal_slip == pytest.approx(p[0], abs=1e-6)
     assert last.tractor_slip == pytest.approx(p[1], abs=10.0 * tolerance)
 
 

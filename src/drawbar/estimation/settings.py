@@ -177,8 +177,7 @@ class ArticulatedEstimatorSettings(Settings):
     model: Literal["articulated"]
     method: Method = "moving_horizon"
     window: Horizon = 6
-    """N, samples in the window besides the newest; 1.2 s at 5 Hz. Parameters are constant within it, so that a longer
-    one learns later what the ground does"""
+    """N, samples in the window besides the newest; 1.2 s at 5 Hz; a longer one brings nothing (docs/theory.md)"""
     steering_rate: PositiveAngle = 0.06
     """standard deviation of both steering rates from what the last command asks of lag and rate limit, rad/s"""
     crab: PositiveAngle = 0.1
