@@ -16,9 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from drawbar.autopilot.autopilot import Autopilot
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.autopilot.run import RunAborted, drive
 from drawbar.config import Configuration, load_configuration
 from drawbar.estimation.estimator import Estimator
 from drawbar.estimation.moving_horizon import MovingHorizonEstimator
@@ -29,6 +26,9 @@ from drawbar.machine.base import Machine
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.report.path_errors import project_track
 from drawbar.signals import Command, Estimate, Measurement, SolveTimes, StepRecord, Truth
+from drawbar.simulation import RunAborted, drive
+from drawbar.step.autopilot import Autopilot
+from drawbar.step.build import build_autopilot, build_machine, build_path
 
 SEEDS = range(5)
 FIELD = FilePath(__file__).parents[2] / "shared/data/agopengps-field"
@@ -62,7 +62,7 @@ class BothAdvance(LookAhead):
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
-        advance = self.part.array("advance")
+        advance = self.component.array("advance")
         advance[1] = advance[0]
 
 

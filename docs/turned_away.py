@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from drawbar.autopilot.build import build_path
 from drawbar.config import Configuration, load_configuration
 from drawbar.errors import PathError
 from drawbar.guidance.path import Path
 from drawbar.guidance.preview import Preview
 from drawbar.signals import Estimate, Pose, SolverStatus
+from drawbar.step.build import build_path
 
 POSES, SEED = 2000, 1
 CLASSES = {"straight": ("straight",), "curve": ("0.1", "0.125", "0.15")}

@@ -8,14 +8,14 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 
-from drawbar.autopilot.autopilot import Autopilot
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.autopilot.run import drive
 from drawbar.config import load_configuration
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.report.path_errors import PathErrors, project_track
 from drawbar.signals import StepRecord
+from drawbar.simulation import drive
+from drawbar.step.autopilot import Autopilot
+from drawbar.step.build import build_autopilot, build_machine, build_path
 
 FIELD = FilePath(__file__).parents[2] / "shared" / "data" / "agopengps-field"
 

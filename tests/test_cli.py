@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 
-from drawbar import cli
-from drawbar.autopilot.log import read_log
+from drawbar.cli import main as cli
 from drawbar.config import load_configuration, shipped_names
 from drawbar.machine.simulated import SimulatedMachine
+from drawbar.recording.log import read_log
 from drawbar.signals import Command
 
 SHORT = ("--set", "path.radii=[5.0]", "--set", "path.straight_length=1.0")
@@ -141,7 +141,7 @@ def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
     hidden += "u.find_spec = lambda name, *rest: None if name == 'ziglang' else f(name, *rest); "
     environment = {"PATH": "", "CC": chosen, "DRAWBAR_CACHE": str(tmp_path / "cache")}
     ended = subprocess.run(
-        [sys.executable, "-c", hidden + "from drawbar.cli import main; main()", "run"],
+        [sys.executable, "-c", hidden + "from drawbar.cli.main import main; main()", "run"],
         cwd=tmp_path,
         env=environment,
         capture_output=True,
@@ -211,7 +211,14 @@ def test_a_crash_leaves_a_log_up_to_the_last_step(
 @pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
 def test_a_process_that_is_stopped_leaves_a_readable_log(tmp_path: Path, sent: signal.Signals, code: int) -> None:
     # a tiny speed, so that the run would go on for hours
-    command = [sys.executable, "-c", "from drawbar.cli import main; main()", "run", "--set=speed=0.05", "--out=out"]
+    command = [
+        sys.executable,
+        "-c",
+        "from drawbar.cli.main import main; main()",
+        "run",
+        "--set=speed=0.05",
+        "--out=out",
+    ]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
     # a shell's background job ignores the interrupt, and so would its children
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)

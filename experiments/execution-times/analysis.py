@@ -9,10 +9,10 @@ from matplotlib.ticker import NullFormatter
 from drawbar.benchmark.bench import STAGES
 from drawbar.benchmark.closed_loop import probed_runs
 from drawbar.benchmark.figures import machine, on_one_core
-from drawbar.campaign.campaign import Campaign
-from drawbar.campaign.parts import Part, Picture, Table, Text
-from drawbar.campaign.statistics import Statistic
-from drawbar.campaign.task import Result
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.parts import Part, Picture, Table, Text
+from drawbar.experiment.statistics import Statistic
+from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, INK, REFERENCE, TRACTOR, TRAILER
 
 SOLVERS = ("tractor", "trailer", "estimator")

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from drawbar.campaign.campaign import Campaign
-from drawbar.campaign.parts import Part, Picture, Table, Text
-from drawbar.campaign.statistics import Statistic
-from drawbar.campaign.task import Result
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.parts import Part, Picture, Table, Text
+from drawbar.experiment.statistics import Statistic
+from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, GRID, INK, KINK, REFERENCE, TRACTOR, TRAILER
 
 PRODUCT = "articulated"

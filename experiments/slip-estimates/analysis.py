@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drawbar.campaign.campaign import Campaign
-from drawbar.campaign.parts import Part, Picture, Table
-from drawbar.campaign.task import Result
 from drawbar.config import Configuration
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.parts import Part, Picture, Table
+from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, INK, REFERENCE
 
 SLIPS = {"longitudinal_slip": "μ", "tractor_slip": "κ", "trailer_slip": "η"}

@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drawbar.autopilot.build import build_path
-from drawbar.campaign.campaign import Campaign
-from drawbar.campaign.parts import Part, Picture, Table
-from drawbar.campaign.task import Result
 from drawbar.config import Configuration
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.parts import Part, Picture, Table
+from drawbar.experiment.task import Result
 from drawbar.report.style import BODY_COLOURS, GRID, INK, REFERENCE
+from drawbar.step.build import build_path
 
 BODIES = tuple(BODY_COLOURS)
 REVERSED = ("paper", "paper-ideal")

@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from drawbar.autopilot.build import build_path
-from drawbar.campaign.campaign import Campaign
-from drawbar.campaign.parts import Part, Picture, Table, Text
-from drawbar.campaign.statistics import Statistic
 from drawbar.config import Configuration
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.parts import Part, Picture, Table, Text
+from drawbar.experiment.statistics import Statistic
 from drawbar.report.style import BODY_COLOURS, GRID, REFERENCE
+from drawbar.step.build import build_path
 
 PRODUCT = "articulated"
 CLASSES = ("straight", "0.1", "0.125", "0.15")

@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drawbar.autopilot.build import build_tubes
-from drawbar.campaign.campaign import Campaign
-from drawbar.campaign.parts import Part, Picture, Table
-from drawbar.campaign.task import Result
 from drawbar.config import Configuration, load_configuration
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.parts import Part, Picture, Table
+from drawbar.experiment.task import Result
 from drawbar.geometry import Floats
 from drawbar.report.style import BODY_COLOURS, REFERENCE
+from drawbar.step.build import build_tubes
 from drawbar.vehicle.parameters import VehicleParameters
 
 FOLDER = Path(__file__).parent

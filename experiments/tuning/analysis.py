@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
-from drawbar.campaign.campaign import Campaign
-from drawbar.campaign.experiment import Case
-from drawbar.campaign.parts import Part, Picture, Table
-from drawbar.campaign.statistics import Statistic
-from drawbar.campaign.task import Result
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.experiment import Case
+from drawbar.experiment.parts import Part, Picture, Table
+from drawbar.experiment.statistics import Statistic
+from drawbar.experiment.task import Result
 from drawbar.report.metrics import ALL
 from drawbar.report.style import TRACTOR, TRAILER
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path
 from drawbar.benchmark.closed_loop import HORIZON, probed_runs
 from drawbar.benchmark.condensing import CondensingRoute
 from drawbar.benchmark.probe import Probe
 from drawbar.config import load_configuration
 from drawbar.optimal import EstimationSolver
 from drawbar.optimal.transcription import transcribe
+from drawbar.step.build import build_autopilot, build_machine, build_path
 
 STAGES, STEPS = 5, 30
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drawbar.codegen.part import Part
+from drawbar.codegen.component import Component
 from drawbar.control.explicit import ExplicitController
 from drawbar.control.lqr import LinearQuadraticRegulator
 from drawbar.control.pure_pursuit import PurePursuit
@@ -17,12 +17,16 @@ SAMPLE_TIME, LIMIT = 0.2, 0.35
 GAINS = TrailerProportionalIntegral(proportional=4.0, integral=2.0)
 UNIT = """
 #include "proportional_integral.h"
-struct part { struct proportional_integral law; double error, output; };
-#define PART_FIELDS \\
-    SETTING(part, law.proportional, 0, 1, 0, 0) SETTING(part, law.integral, 0, 1, 0, 0) \\
-    SETTING(part, law.interval, 0, 1, 0, 0) SETTING(part, law.limit, 0, 1, 0, 0) \\
-    FIELD(part, error, 0, 1, 0, 0) FIELD(part, output, 0, 1, 0, 0)
-int answer(struct part *part) { part->output = proportional_integral(&part->law, part->error); return 0; }
+struct component { struct proportional_integral law; double error, output; };
+#define COMPONENT_FIELDS \\
+    SETTING(component, law.proportional, 0, 1, 0, 0) SETTING(component, law.integral, 0, 1, 0, 0) \\
+    SETTING(component, law.interval, 0, 1, 0, 0) SETTING(component, law.limit, 0, 1, 0, 0) \\
+    FIELD(component, error, 0, 1, 0, 0) FIELD(component, output, 0, 1, 0, 0)
+int answer(struct component *component)
+{
+    component->output = proportional_integral(&component->law, component->error);
+    return 0;
+}
 """
 
 
@@ -101,7 +105,7 @@ def test_without_gains_the_joint_is_held_straight(situation):
 
 def proportional_integral(**gains: float) -> Callable[[float], float]:
     """Return a function from the lateral error (m) of each sample to the joint angle (rad)."""
-    part = Part("proportional_integral", UNIT)
+    part = Component("proportional_integral", UNIT)
     part.write({"law.interval": SAMPLE_TIME, "law.limit": LIMIT, **{f"law.{name}": gains[name] for name in gains}})
     answer = part.function("answer")
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from drawbar.codegen import Workspace, build
-from drawbar.codegen.exchange import CEstimate
 from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import SharingSettings
+from drawbar.exchange import CEstimate
 from drawbar.machine.settings import CrabProcess, GroundSettings, SensorSettings, SimulatedMachineSettings, SlipProcess
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.signals import Command, Pose
@@ -23,18 +23,18 @@ STAGES = 400
 UNIT = f"""
 #include "off_tracking.h"
 #include "fields.h"
-struct part {{ struct shared_error shared; double samples[{STAGES}][4], result[{STAGES}]; int32_t stages; }};
-int64_t drawbar_size = sizeof(struct part);
+struct component {{ struct shared_error shared; double samples[{STAGES}][4], result[{STAGES}]; int32_t stages; }};
+int64_t drawbar_size = sizeof(struct component);
 const struct drawbar_field drawbar_fields[] = {{
-    SHARED_ERROR_FIELDS(shared) FIELD(part, samples, 0, {STAGES}, 4, 0) FIELD(part, result, 0, {STAGES}, 0, 0)
-    FIELD(part, stages, 1, 1, 0, 0) END_OF_FIELDS
+    SHARED_ERROR_FIELDS(shared) FIELD(component, samples, 0, {STAGES}, 4, 0) FIELD(component, result, 0, {STAGES}, 0, 0)
+    FIELD(component, stages, 1, 1, 0, 0) END_OF_FIELDS
 }};
-int targets(struct part *p, const struct drawbar_estimate *estimate)
+int targets(struct component *p, const struct drawbar_estimate *estimate)
 {{
     shared_targets(&p->shared, estimate, (const double (*)[4])p->samples, p->stages, p->result, 1);
     return 0;
 }}
-int remainder_of(struct part *p, const struct drawbar_estimate *e)
+int remainder_of(struct component *p, const struct drawbar_estimate *e)
 {{
     for (int k = 0; k < p->stages; ++k)
         p->result[k] = off_tracking_remainder(&p->shared.off_tracking, p->samples[k][3], e->tractor_crab,

@@ -9,8 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from drawbar.codegen.exchange import CCommand, CEstimate, CMeasurement
-from drawbar.codegen.part import Part
+from drawbar.codegen.component import Component
 from drawbar.config import load_configuration
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
@@ -23,6 +22,7 @@ from drawbar.estimation.settings import (
     TricycleEstimatorSettings,
 )
 from drawbar.estimation.tricycle import TricycleEstimation
+from drawbar.exchange import CCommand, CEstimate, CMeasurement
 from drawbar.geometry import Floats
 from drawbar.settings import Settings
 from drawbar.signals import Command, Estimate, Measurement
@@ -38,32 +38,33 @@ DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
 
 UNIT = """
 #include "{name}_estimation.h"
-struct part {{ struct estimation_model model; double state[12], y[12], rates[2]; }};
-#define PART_FIELDS MODEL_FIELDS(part, model.) \\
-    FIELD(part, state, 0, 12, 0, 0) FIELD(part, y, 0, 12, 0, 0) FIELD(part, rates, 0, 2, 0, 0)
-int first_guess(struct part *part, const struct drawbar_measurement *first)
+struct component {{ struct estimation_model model; double state[12], y[12], rates[2]; }};
+#define COMPONENT_FIELDS MODEL_FIELDS(component, model.) \\
+    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 12, 0, 0) FIELD(component, rates, 0, 2, 0, 0)
+int first_guess(struct component *component, const struct drawbar_measurement *first)
 {{
-    return model_first_guess(&part->model, first, part->state);
+    return model_first_guess(&component->model, first, component->state);
 }}
-int outputs(struct part *part, const struct drawbar_measurement *measurement)
+int outputs(struct component *component, const struct drawbar_measurement *measurement)
 {{
-    model_outputs(&part->model, measurement, part->y);
+    model_outputs(&component->model, measurement, component->y);
     return 0;
 }}
-int steering_rates(struct part *part, const struct drawbar_command *command)
+int steering_rates(struct component *component, const struct drawbar_command *command)
 {{
-    model_steering_rates(&part->model, part->state, command, part->rates);
+    model_steering_rates(&component->model, component->state, command, component->rates);
     return STEERING_RATES;
 }}
-int estimate(struct part *part, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate)
+int estimate(struct component *component, const struct drawbar_measurement *measurement,
+             struct drawbar_estimate *estimate)
 {{
-    model_estimate(&part->model, part->state, measurement, 0, estimate);
+    model_estimate(&component->model, component->state, measurement, 0, estimate);
     return 0;
 }}
 """
 
 
-class CompiledModel(Part):
+class CompiledModel(Component):
     """What a model's header offers to the estimators, by itself."""
 
     def __init__(self, model: EstimationModel) -> None:
@@ -187,7 +188,7 @@ def follow() -> Callable[..., list[Estimate]]:
 @pytest.fixture(scope="session")
 def recording() -> list[Measurement]:
     """Return 60 s of a real drive: the simulated machine's own noise, slips and rounding on the first curve."""
-    from drawbar.autopilot.build import build_autopilot, build_machine, build_path
+    from drawbar.step.build import build_autopilot, build_machine, build_path
 
     configuration = load_configuration("articulated")
     path, _ = build_path(configuration)

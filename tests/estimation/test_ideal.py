@@ -3,11 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from drawbar.autopilot.build import build_machine, build_path
 from drawbar.config import load_configuration
 from drawbar.errors import HardwareError
 from drawbar.estimation.ideal import IdealEstimator
 from drawbar.signals import Command
+from drawbar.step.build import build_machine, build_path
 
 
 def test_everything_is_true():

@@ -1,24 +1,24 @@
 import numpy as np
 import pytest
 
-from drawbar.codegen.part import Part
+from drawbar.codegen.component import Component
 
 UNIT = """
 #include "noise_level.h"
-struct part { struct noise_level noise; double disagreement[2], limit, deviation; int32_t memory; };
-#define PART_FIELDS FIELD(part, disagreement, 0, 2, 0, 0) FIELD(part, limit, 0, 1, 0, 0) \\
-    FIELD(part, deviation, 0, 1, 0, 0) FIELD(part, memory, 1, 1, 0, 0)
-int update(struct part *part)
+struct component { struct noise_level noise; double disagreement[2], limit, deviation; int32_t memory; };
+#define COMPONENT_FIELDS FIELD(component, disagreement, 0, 2, 0, 0) FIELD(component, limit, 0, 1, 0, 0) \\
+    FIELD(component, deviation, 0, 1, 0, 0) FIELD(component, memory, 1, 1, 0, 0)
+int update(struct component *component)
 {
-    noise_update(&part->noise, part->disagreement, part->limit, part->memory);
-    part->deviation = noise_deviation(&part->noise);
+    noise_update(&component->noise, component->disagreement, component->limit, component->memory);
+    component->deviation = noise_deviation(&component->noise);
     return 0;
 }
-int interrupt(struct part *part) { noise_interrupt(&part->noise); return 0; }
+int interrupt(struct component *component) { noise_interrupt(&component->noise); return 0; }
 """
 
 
-class NoiseLevel(Part):
+class NoiseLevel(Component):
     def __init__(self, memory):
         super().__init__("noise_level", UNIT)
         self.array("memory")[:] = memory

@@ -8,9 +8,9 @@ from dataclasses import fields as dataclass_fields
 import numpy as np
 import pytest
 
-from drawbar.codegen.exchange import CMeasurement
-from drawbar.codegen.part import Part
+from drawbar.codegen.component import Component
 from drawbar.estimation.settings import ScreeningSettings
+from drawbar.exchange import CMeasurement
 from drawbar.signals import FixStatus, Measurement
 
 OK, MISSING, STALE, REJECTED = FixStatus
@@ -22,13 +22,13 @@ LATER = 100
 
 UNIT = """
 #include "screening.h"
-struct part { struct screening screening; double expected[4]; struct screened screened; };
-#define PART_FIELDS SCREENING_FIELDS(part, screening.) FIELD(part, expected, 0, 2, 2, 0) \\
-    FIELD(part, screened.measurement, 0, 9, 0, 0) FIELD(part, screened.fixes, 1, 2, 0, 0) \\
-    FIELD(part, screened.exposed, 1, 1, 0, 0) FIELD(part, screened.restart, 1, 1, 0, 0)
-int judge(struct part *part, const struct drawbar_measurement *measurement)
+struct component { struct screening screening; double expected[4]; struct screened screened; };
+#define COMPONENT_FIELDS SCREENING_FIELDS(component, screening.) FIELD(component, expected, 0, 2, 2, 0) \\
+    FIELD(component, screened.measurement, 0, 9, 0, 0) FIELD(component, screened.fixes, 1, 2, 0, 0) \\
+    FIELD(component, screened.exposed, 1, 1, 0, 0) FIELD(component, screened.restart, 1, 1, 0, 0)
+int judge(struct component *component, const struct drawbar_measurement *measurement)
 {
-    screening_judge(&part->screening, measurement, part->expected, &part->screened);
+    screening_judge(&component->screening, measurement, component->expected, &component->screened);
     return 0;
 }
 """
@@ -43,7 +43,7 @@ class Screened:
     restart: bool
 
 
-class Screening(Part):
+class Screening(Component):
     def __init__(self, settings, deviation):
         super().__init__("screening", UNIT)
         for name, value in (settings.model_dump() | {"deviation": deviation}).items():

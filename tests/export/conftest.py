@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
-from drawbar.codegen.exchange import CCommand, CMeasurement
 from drawbar.config import load_configuration
+from drawbar.exchange import CCommand, CMeasurement
 from drawbar.export.export import export_library
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.signals import Command, Measurement

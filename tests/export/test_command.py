@@ -35,7 +35,7 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
     for name in ("include/drawbar.h", "src/step.c", "example/main.c", "example/path.csv", "CMakeLists.txt"):
         assert (folder / name).is_file()
     assert "speed = 0.8" in (folder / "config.toml").read_text("utf-8")
-    assert "DRAWBAR_SPEED 0.8" in (folder / "src" / "drawbar_parts.h").read_text("utf-8")
+    assert "DRAWBAR_SPEED 0.8" in (folder / "src" / "drawbar_components.h").read_text("utf-8")
     manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
     assert manifest["configuration"]["name"] == "articulated"
     assert manifest["targets"] == {}

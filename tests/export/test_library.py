@@ -5,8 +5,8 @@ from itertools import islice
 
 import pytest
 
-from drawbar.autopilot.run import drive
 from drawbar.export.units import units_of
+from drawbar.simulation import drive
 
 
 @pytest.fixture(scope="module")

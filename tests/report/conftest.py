@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from drawbar.autopilot.log import Outcome, PathTable, RunHeader, RunLog
 from drawbar.guidance.figure_eight import figure_eights
+from drawbar.recording.log import Outcome, PathTable, RunHeader, RunLog
 from drawbar.signals import (
     BodyPlan,
     BodyReference,

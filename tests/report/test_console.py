@@ -5,7 +5,7 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
-from drawbar.autopilot.log import Outcome
+from drawbar.recording.log import Outcome
 from drawbar.report import console as module
 from drawbar.report.console import RunProgress, progress_line, summary
 from drawbar.report.metrics import compute_metrics

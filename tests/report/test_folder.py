@@ -2,8 +2,8 @@ import json
 
 import pytest
 
-from drawbar.autopilot.recorder import Recorder
 from drawbar.errors import DrawbarError
+from drawbar.recording.recorder import Recorder
 from drawbar.report.folder import LOG_NAME, write_report
 
 

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from drawbar.autopilot.log import Outcome
+from drawbar.recording.log import Outcome
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import true_path_errors

@@ -4,9 +4,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from drawbar.autopilot.autopilot import Autopilot
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.autopilot.run import drive
 from drawbar.benchmark.probe import Probe
 from drawbar.config import Configuration, load_configuration
 from drawbar.control.centralised import CentralisedController
@@ -15,6 +12,9 @@ from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.machine.base import Machine
 from drawbar.optimal import ControlSolver, EstimationSolver
 from drawbar.signals import Command, Measurement, Truth
+from drawbar.simulation import drive
+from drawbar.step.autopilot import Autopilot
+from drawbar.step.build import build_autopilot, build_machine, build_path
 
 HORIZON = 3.0
 """Length of horizon and window, s: 15 samples of 0.2 s."""

@@ -29,9 +29,9 @@ def cache_folder() -> Path:
 
 @cache
 def runtime_sources() -> dict[str, str]:
-    """Return the hand-written C99 runtime by file name."""
-    folders = (resources.files("drawbar.codegen") / "runtime" / name for name in ("solver", "autopilot"))
-    return {file.name: file.read_text("utf-8") for folder in folders for file in folder.iterdir()}
+    """Return all hand-written C99 headers of the package by file name, which is unique among them."""
+    with resources.as_file(resources.files("drawbar")) as root:
+        return {file.name: file.read_text("utf-8") for file in sorted(root.rglob("*.h"))}
 
 
 @cache

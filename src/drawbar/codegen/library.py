@@ -70,8 +70,8 @@ class Workspace:
 
     @property
     def part_size(self) -> int:
-        """Bytes of `struct part`, behind which there is only what the part borrows (workspace.h)."""
-        return ctypes.c_int64.in_dll(self._library, "drawbar_part_size").value
+        """Bytes of `struct component`, behind which there is only what the component borrows (workspace.h)."""
+        return ctypes.c_int64.in_dll(self._library, "drawbar_component_size").value
 
     def write(self, values: Mapping[str, ArrayLike]) -> None:
         """Set fields by name."""

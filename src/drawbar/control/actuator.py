@@ -1,4 +1,4 @@
-"""What a controller must know of a lagging actuator (runtime/autopilot/actuator.h)."""
+"""What a controller must know of a lagging actuator (actuator.h)."""
 
 import math
 

@@ -2,7 +2,7 @@
 
 import ctypes
 
-from drawbar.codegen.exchange import CBodyPlan, CBodyReference, CEstimate
+from drawbar.exchange import CBodyPlan, CBodyReference, CEstimate
 from drawbar.signals import Estimate, Plan, Reference
 
 

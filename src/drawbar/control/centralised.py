@@ -14,14 +14,14 @@ class CentralisedController(NominalController):
     """Solves the whole vehicle's problem by the real-time iteration; a subclass states the problem.
 
     The coupling needs no assumption here: the model holds it. What goes on around the solver's phases is C,
-    runtime/autopilot/centralised_phases.h, with what a model needs in a header of its own.
+    centralised_phases.h, with what a model needs in a header of its own.
     """
 
-    def __init__(self, part: str, problem: ControlProblem, tubes: Tubes) -> None:
+    def __init__(self, component: str, problem: ControlProblem, tubes: Tubes) -> None:
         """Compile the controller.
 
         Args:
-            part: header of the model.
+            component: header of the model.
             problem: with the bounds that the tubes leave.
             tubes: what both bodies are held by.
 
@@ -35,7 +35,7 @@ class CentralisedController(NominalController):
                 f'tube.nominal = "{tubes.tractor.nominal}" needs one nominal problem per body; with '
                 f'controller.structure = "centralised" only "predicted" is possible'
             )
-        self.solver = ControlSolver(problem, part)
+        self.solver = ControlSolver(problem, component)
         self._iteration = TimedIteration(self.solver)
         self._bodies = BothBodies(problem.horizon)
         function = self.solver.workspace.function

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from numpy.typing import ArrayLike
 
-from drawbar.codegen.part import Part
+from drawbar.codegen.component import Component
 from drawbar.control.both_bodies import BothBodies
 from drawbar.control.chain import chain_settings
 from drawbar.control.nominal import NO_SOLVER, NominalController
@@ -17,7 +17,7 @@ class ExplicitController(NominalController):
     """Steers both bodies without a prediction; the plan says what would follow if the command were held.
 
     The predicted tractor rolls on at constant speed and curvature, the bicycle's; the predicted trailer is on its
-    reference. The arithmetic is C, runtime/autopilot/explicit.h, with the tractor's law in a header of its own.
+    reference. The arithmetic is C, explicit.h, with the tractor's law in a header of its own.
     """
 
     def __init__(
@@ -40,10 +40,10 @@ class ExplicitController(NominalController):
         Raises:
             CompilerError: no compiler, or it refused the code.
         """
-        self.part = Part(law, f'#define N {settings.horizon}\n#include "{law}.h"\n')
-        self.part.write(constants)
-        self.part.write(chain_settings(vehicle))
-        self.part.write(
+        self.component = Component(law, f'#define N {settings.horizon}\n#include "{law}.h"\n')
+        self.component.write(constants)
+        self.component.write(chain_settings(vehicle))
+        self.component.write(
             {
                 "trailer.proportional": settings.trailer.proportional,
                 "trailer.integral": settings.trailer.integral,
@@ -55,12 +55,12 @@ class ExplicitController(NominalController):
             }
         )
         self._bodies = BothBodies(settings.horizon)
-        self._feedback = self.part.function("feedback", pointers=6)
+        self._feedback = self.component.function("feedback", pointers=6)
 
     def feedback(self, estimate: Estimate, reference: Reference) -> Plan:
         """Return both bodies' commands and what would follow from them."""
         self._bodies.write(estimate, reference)
-        self._feedback(*self._bodies.given, *self._bodies.plans, self.part.work)
+        self._feedback(*self._bodies.given, *self._bodies.plans, self.component.work)
         return self._bodies.plan(estimate.time)
 
     def prepare(self) -> None:

@@ -1,4 +1,4 @@
-"""One body's nominal controller: what all of them share (runtime/autopilot/subsystem.h)."""
+"""One body's nominal controller: what all of them share (subsystem.h)."""
 
 from collections.abc import Mapping
 from ctypes import byref
@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drawbar.codegen.exchange import CBodyPlan, CBodyReference, CEstimate
 from drawbar.control.iteration import TimedIteration
 from drawbar.control.settings import Coupling, Nominal
 from drawbar.control.tube.inner_box import initial_choice
 from drawbar.control.tube.tube import SubsystemTube
+from drawbar.exchange import CBodyPlan, CBodyReference, CEstimate
 from drawbar.geometry import Floats
 from drawbar.optimal import ControlProblem, ControlSolver
 from drawbar.signals import BodyPlan, BodyReference, Estimate, SolveTimes
@@ -23,19 +23,19 @@ _PULL = 1e-3
 class SubsystemController:
     """Solves one subsystem's problem by the real-time iteration; a subclass says which, and by which C.
 
-    The arithmetic around the solver's phases is that of the part's header; here the phases are called and timed.
+    The arithmetic around the solver's phases is that of the component's header; here the phases are called and timed.
     """
 
     def __init__(
-        self, problem: ControlProblem, tube: SubsystemTube, part: str, settings: Mapping[str, ArrayLike]
+        self, problem: ControlProblem, tube: SubsystemTube, component: str, settings: Mapping[str, ArrayLike]
     ) -> None:
         """Compile the controller.
 
         Args:
             problem: with the bounds that the tube leaves, starting from a given state.
             tube: says where the problem starts at each sample.
-            part: header of the runtime.
-            settings: the part's own, by name.
+            component: header of the runtime.
+            settings: the component's own, by name.
 
         Raises:
             ConfigurationError: the nominal state shall be optimised, but there is no set to choose it from.
@@ -47,7 +47,7 @@ class SubsystemController:
         if tube.nominal is Nominal.OPTIMISED:
             problem = replace(problem, initial_weights=(_PULL,) * states)
             start |= _box(initial_choice(tube), states)
-        self.solver = ControlSolver(problem, part)
+        self.solver = ControlSolver(problem, component)
         self._iteration = TimedIteration(self.solver)
         workspace = self.solver.workspace
         workspace.write({**settings, **start})

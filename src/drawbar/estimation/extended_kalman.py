@@ -1,6 +1,6 @@
 """The extended Kalman filter: states and parameters jointly, one sample at a time, clipped to their bounds.
 
-The arithmetic is C: runtime/autopilot/extended_kalman.h, on the square-root filter of square_root_filter.h.
+The arithmetic is C: extended_kalman.h, on the square-root filter of square_root_filter.h.
 """
 
 from ctypes import byref
@@ -9,12 +9,12 @@ from time import perf_counter
 import casadi as ca
 import numpy as np
 
+from drawbar.codegen.component import Component
 from drawbar.codegen.emit import Input, Output, emit, emit_constants
-from drawbar.codegen.exchange import CCommand, CEstimate, CMeasurement
-from drawbar.codegen.part import Part
 from drawbar.errors import ModelError
 from drawbar.estimation.description import EstimationModel, no_position
 from drawbar.estimation.estimator import Estimator
+from drawbar.exchange import CCommand, CEstimate, CMeasurement
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
 from drawbar.optimal.transcription import Transcription, transcribe
@@ -49,23 +49,26 @@ class ExtendedKalmanFilter(Estimator):
         """
         discrete = transcribe(model.problem)
         _require_measured_inputs(discrete)
-        self.part = Part(f"{model.name}_filter", _source(discrete, model.name))
+        self.component = Component(f"{model.name}_filter", _source(discrete, model.name))
         self._fill_in(model.problem, discrete)
-        model.configure(self.part)
-        self._update, self._ready = self.part.function("update", pointers=3), self.part.function("ready", pointers=1)
+        model.configure(self.component)
+        self._update, self._ready = (
+            self.component.function("update", pointers=3),
+            self.component.function("ready", pointers=1),
+        )
         self._measurement, self._estimate, self._command = CMeasurement(), CEstimate(), CCommand()
         self._prepare_time = self._feedback_time = 0.0
-        self.state: Floats = self.part.array("filter.x")
+        self.state: Floats = self.component.array("filter.x")
         """(nx + np,) states, then parameters: the estimate after update(), its prediction after prepare()"""
-        self.root: Floats = self.part.array("filter.R").T
+        self.root: Floats = self.component.array("filter.R").T
         """(nx + np, nx + np) S, a square root of the state's covariance S S', lower triangular"""
         self._measurement.write(first)
-        if self.part.function("begin", pointers=1)(byref(self._measurement)) != SolverStatus.SOLVED:
+        if self.component.function("begin", pointers=1)(byref(self._measurement)) != SolverStatus.SOLVED:
             raise no_position(first)
 
     def _fill_in(self, problem: EstimationProblem, discrete: Transcription) -> None:
         """Tell the filter its settings."""
-        field = self.part.array
+        field = self.component.array
         field("filter.prior")[:], field("filter.drift")[:] = problem.prior_deviation, problem.process_deviation
         field("filter.common")[:] = problem.common_deviation or 0.0
         field("filter.noise")[:] = np.power(problem.weights, -0.5)
@@ -86,7 +89,7 @@ class ExtendedKalmanFilter(Estimator):
         """
         self._measurement.write(measurement)
         start = perf_counter()
-        self._update(byref(self._measurement), byref(self._estimate), self.part.work)
+        self._update(byref(self._measurement), byref(self._estimate), self.component.work)
         self._feedback_time = perf_counter() - start
         return self._estimate.read()
 

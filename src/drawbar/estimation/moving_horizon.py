@@ -3,10 +3,10 @@
 from ctypes import byref
 from time import perf_counter
 
-from drawbar.codegen.exchange import CCommand, CEstimate, CMeasurement
 from drawbar.estimation.description import EstimationModel, no_position
 from drawbar.estimation.deviation import newest_deviation
 from drawbar.estimation.estimator import Estimator
+from drawbar.exchange import CCommand, CEstimate, CMeasurement
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationSolver
 from drawbar.signals import Command, Estimate, Measurement, SolverStatus, SolveTimes
@@ -25,7 +25,7 @@ class MovingHorizonEstimator(Estimator):
             HardwareError: the first measurement lacks a position.
             CompilerError: the solver could not be compiled.
         """
-        self.solver = EstimationSolver(model.problem, None, part=f"{model.name}_moving_horizon.h")
+        self.solver = EstimationSolver(model.problem, None, component=f"{model.name}_moving_horizon.h")
         workspace = self.solver.workspace
         model.configure(workspace)
         self._enter, self._leave = workspace.function("enter", pointers=1), workspace.function("leave", pointers=1)

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drawbar import __version__
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path, planned_speed
-from drawbar.autopilot.gate import PATIENCE
 from drawbar.config import Configuration
 from drawbar.errors import DrawbarError
 from drawbar.export import sources
@@ -18,6 +16,8 @@ from drawbar.export.targets import Target
 from drawbar.export.toolchain import build_target
 from drawbar.export.unit import Unit
 from drawbar.export.units import units_of
+from drawbar.safety.gate import PATIENCE
+from drawbar.step.build import build_autopilot, build_machine, build_path, planned_speed
 
 _FOLDERS = ("include", "src", "example", "lib")
 _SEED = 0
@@ -30,7 +30,7 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
     The folder is new, empty, or that of an earlier export, which is replaced.
 
     Raises:
-        ConfigurationError: a part of the configuration exists in simulation only.
+        ConfigurationError: a component of the configuration exists in simulation only.
         PathError, HardwareError: the configuration's own run, which goes with the example, cannot begin.
         CompilerError: a target cannot be built.
         DrawbarError: the folder holds other files, or cannot be written.
@@ -84,7 +84,7 @@ def _source_files(configuration: Configuration, units: Sequence[Unit]) -> dict[s
         **texts,
         **sources.headers(texts.values()),
         "drawbar_size.h": sources.size_header(units, configuration.sample_time),
-        "drawbar_parts.h": sources.parts_header(units, constants),
+        "drawbar_components.h": sources.parts_header(units, constants),
     }
     listed = " ".join(f"src/{name}" for name in sorted(texts))
     marks = {"NAME": configuration.name, "VERSION": __version__, "HASH": version.split()[1], "SOURCES": listed}

@@ -1,4 +1,4 @@
-"""What a part knows from the configuration, as C: its settings after construction, laid down once."""
+"""What a component knows from the configuration, as C: its settings after construction, laid down once."""
 
 import math
 from collections.abc import Iterator
@@ -12,24 +12,24 @@ from numpy.typing import NDArray
 from drawbar.export.unit import Unit
 
 _OF_SOLVER = ("w", "lower", "upper", "root", "process", "common")
-"""settings of a solver, which is the first member of its part"""
+"""settings of a solver, which is the first member of its component"""
 _C_TYPES = {"f": "double", "i": "int32_t"}
 
 
 def initialiser(unit: Unit) -> str:
-    """Return the C function that makes a part ready to begin: all zero, then its constants and settings.
+    """Return the C function that makes a component ready to begin: all zero, then its constants and settings.
 
     Rows that repeat, as weights do from stage to stage, are stored once.
     """
     tables = {kind: list(_runs(unit, kind)) for kind in _C_TYPES}
     used = [c_type for kind, c_type in _C_TYPES.items() if tables[kind]]
-    calls = "".join(f"    WRITE_SETTINGS(part, {c_type}_settings, {c_type}_values);\n" for c_type in used)
-    constants = "    rti_constants(&part->rti);\n" if unit.has_solver else ""
+    calls = "".join(f"    WRITE_SETTINGS(component, {c_type}_settings, {c_type}_values);\n" for c_type in used)
+    constants = "    rti_constants(&component->rti);\n" if unit.has_solver else ""
     return f"""
 {"".join(_table(c_type, tables[kind]) for kind, c_type in _C_TYPES.items() if tables[kind])}
-int UNIT(initialise)(struct part *part)
+int UNIT(initialise)(struct component *component)
 {{
-    memset(part, 0, sizeof *part);
+    memset(component, 0, sizeof *component);
 {constants}{calls}    return 0;
 }}
 """
@@ -75,7 +75,7 @@ def _table(c_type: str, runs: list[_Run]) -> str:
         values.append(
             fill(f"{', '.join(map(_literal, run.row))},", 118, initial_indent="    ", subsequent_indent="    ")
         )
-        offset = f"offsetof(struct part, {run.member})"
+        offset = f"offsetof(struct component, {run.member})"
         if run.first:
             offset += f" + {run.first * width} * sizeof({c_type})"
         places.append(f"    {{{offset}, {count}, {width}, {run.count}}},")

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
 
-from drawbar.autopilot.autopilot import Autopilot
 from drawbar.guidance.path import Path
 from drawbar.signals import Measurement
+from drawbar.step.autopilot import Autopilot
 
 SECONDS = 30.0
 """how long the run is that is recorded; a shorter path ends it before"""

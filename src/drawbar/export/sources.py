@@ -31,10 +31,10 @@ def unit_text(unit: Unit) -> str:
 #define UNIT(name) drawbar_{unit.name}_##name
 {unit.source.strip()}
 
-#include "drawbar_parts.h"
+#include "drawbar_components.h"
 #include "settings.h"
 /* where this fails, rows are padded wider than on the machine that exported: compile with -DPACK=1 */
-typedef char {unit.name}_fits[sizeof(struct part) <= DRAWBAR_{unit.name.upper()}_SIZE ? 1 : -1];
+typedef char {unit.name}_fits[sizeof(struct component) <= DRAWBAR_{unit.name.upper()}_SIZE ? 1 : -1];
 {_WORK_FITS if unit.work_size else ""}{initialiser(unit).strip()}
 """
 
@@ -69,7 +69,7 @@ def work_size(units: Sequence[Unit]) -> int:
 
 
 def parts_header(units: Sequence[Unit], constants: Mapping[str, str]) -> str:
-    """Return the header with the bytes that each part needs, and what step.h wants to know besides."""
+    """Return the header with the bytes that each component needs, and what step.h wants to know besides."""
     needs = {f"DRAWBAR_{unit.name.upper()}_SIZE": str(unit.size) for unit in units}
     return _header("drawbar_parts", {**needs, "DRAWBAR_WORK_SIZE": str(work_size(units)), **constants})
 

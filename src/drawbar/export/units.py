@@ -1,20 +1,20 @@
 """The parts of an autopilot as units of a library."""
 
-from drawbar.autopilot.autopilot import Autopilot
-from drawbar.autopilot.supervisor import Supervisor
-from drawbar.codegen.part import Part
+from drawbar.codegen.component import Component
 from drawbar.control.decentralised import DecentralisedController
 from drawbar.control.nominal import NominalController
 from drawbar.errors import ConfigurationError
 from drawbar.export.unit import Unit
 from drawbar.optimal import ControlSolver, EstimationSolver
+from drawbar.safety.supervisor import Supervisor
+from drawbar.step.autopilot import Autopilot
 
 
 def units_of(autopilot: Autopilot) -> list[Unit]:
     """Return the autopilot's parts, and the supervisor that watches a run of it.
 
     Raises:
-        ConfigurationError: a part exists in simulation only.
+        ConfigurationError: a component exists in simulation only.
     """
     parts: dict[str, object] = {
         "estimator": autopilot.estimator,
@@ -25,9 +25,9 @@ def units_of(autopilot: Autopilot) -> list[Unit]:
         "gate": autopilot.gate,
         "supervisor": Supervisor(),
     }
-    if autopilot.predictor.part is not None:
+    if autopilot.predictor.component is not None:
         parts["predictor"] = autopilot.predictor
-    return [_unit(name, part) for name, part in parts.items()]
+    return [_unit(name, component) for name, component in parts.items()]
 
 
 def _controllers(controller: NominalController) -> dict[str, object]:
@@ -40,9 +40,9 @@ def _unit(name: str, owner: object) -> Unit:
     solver = getattr(owner, "solver", None)
     if isinstance(solver, ControlSolver | EstimationSolver):
         return Unit(name=name, source=solver.source, workspace=solver.workspace, has_solver=True)
-    part = getattr(owner, "part", None)
-    if isinstance(part, Part):
-        return Unit(name=name, source=part.source, workspace=part, has_solver=False)
+    component = getattr(owner, "component", None)
+    if isinstance(component, Component):
+        return Unit(name=name, source=component.source, workspace=component, has_solver=False)
     raise ConfigurationError(
         f"The {name} of this configuration, {type(owner).__name__}, exists in simulation only and cannot be exported; "
         f'set {name}.model to another, for example "articulated".'

@@ -2,7 +2,7 @@
 
 The closest point of each body is searched in a window around that body's last progress, never on the whole
 path: where the path crosses itself a global search would jump to the other branch. The arithmetic is C,
-runtime/autopilot/guidance.h.
+guidance.h.
 """
 
 import ctypes
@@ -13,9 +13,9 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drawbar.codegen.exchange import CBodyReference, CEstimate, CMeasurement
-from drawbar.codegen.part import Part
+from drawbar.codegen.component import Component
 from drawbar.errors import PathError
+from drawbar.exchange import CBodyReference, CEstimate, CMeasurement
 from drawbar.guidance.path import CPath, Path
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.signals import BodyReference, Estimate, Pose, Reference
@@ -64,10 +64,10 @@ class Guidance:
                 finite.
         """
         self.path = path
-        self.part = Part("guidance", f'#define STAGES {stages}\n#include "{header}"\n')
+        self.component = Component("guidance", f'#define STAGES {stages}\n#include "{header}"\n')
         """the compiled unit"""
-        self.part.write(values)
-        self.part.write(
+        self.component.write(values)
+        self.component.write(
             {
                 "guidance.window_behind": settings.window_behind,
                 "guidance.window_ahead": settings.window_ahead,
@@ -76,14 +76,17 @@ class Guidance:
         )
         self._path, self._estimate = CPath(path.nodes), CEstimate()
         self._references = CBodyReference(), CBodyReference()
-        self._samples = self.part.array("guidance.samples")
-        self._reference, self._finished = self.part.function("reference", 5), self.part.function("finished", 1)
+        self._samples = self.component.array("guidance.samples")
+        self._reference, self._finished = (
+            self.component.function("reference", 5),
+            self.component.function("finished", 1),
+        )
         self._begin(tractor, trailer, settings.maximum_start_distance)
 
     def _begin(self, tractor: Position, trailer: Position, reach: float) -> None:
         """Place both bodies on the path; see the constructor."""
         first = CMeasurement((math.nan, *tractor, *trailer, *[math.nan] * 4))
-        status = self.part.function("begin", 2)(ctypes.byref(self._path), ctypes.byref(first))
+        status = self.component.function("begin", 2)(ctypes.byref(self._path), ctypes.byref(first))
         if status == GuidanceStatus.FAR_FROM_START:
             raise _far_from_start(self.path, tractor, reach)
         if status != GuidanceStatus.FINE:
@@ -107,7 +110,7 @@ class Guidance:
             ctypes.byref(self._estimate),
             ctypes.byref(tractor),
             ctypes.byref(trailer),
-            self.part.work,
+            self.component.work,
         )
         if status != GuidanceStatus.FINE:
             raise self._refusal(status, estimate)

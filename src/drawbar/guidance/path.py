@@ -1,6 +1,6 @@
 """The path to follow: poses joined by cubic Hermite pieces, continued as straight lines beyond both ends.
 
-The arithmetic is C, runtime/autopilot/path.h; a look-up costs about the same for any length of path.
+The arithmetic is C, path.h; a look-up costs about the same for any length of path.
 """
 
 import ctypes

@@ -53,7 +53,7 @@ class Preview(Guidance):
         return super()._refusal(status, estimate)
 
     def _no_way(self, estimate: Estimate) -> PathError:
-        tractor, progress = estimate.tractor, self.part.array("guidance.progress")[0]
+        tractor, progress = estimate.tractor, self.component.array("guidance.progress")[0]
         curvature, rate, room = self._limits
         turned = wrap(tractor.yaw - float(self.path.sample(np.array(progress))[2]))
         return PathError(

@@ -21,7 +21,7 @@ _REACH = 12.0
 _BEHIND = 4.0
 """margin of a kink's label: the trailer is still in it when the tractor has left, m"""
 _NOTICEABLE = 0.05
-"""distance from the recorded line that makes a stretch part of a kink, m"""
+"""distance from the recorded line that makes a stretch component of a kink, m"""
 _STRAIGHT = 0.02
 """curvature below which a stretch is called straight, 1/m"""
 _HELD = 4

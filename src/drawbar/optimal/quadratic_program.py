@@ -46,7 +46,7 @@ class QuadraticProgram:
     """Fill `array(name)` for Q, S, R, A, B, c, g, initial, lower, upper, soft_*, bound; solve; read z, pi, multiplier.
 
     The variables z are x_0 .. x_N, then u_0 .. u_{N-1}; `bound` holds the bounded ones' indices. An infinite
-    `soft_linear` makes a bound hard. See runtime/solver/qp.h for the problem's formula.
+    `soft_linear` makes a bound hard. See qp.h for the problem's formula.
     """
 
     def __init__(self, sizes: Sizes) -> None:

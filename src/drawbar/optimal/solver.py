@@ -12,9 +12,9 @@ from drawbar.signals import SolverStatus
 class _RealTimeIteration:
     """What control and estimation share: the workspace and the phases prepare, feedback and shift."""
 
-    def __init__(self, transcription: Transcription, part: str) -> None:
-        self.source = transcription.source(part)
-        """C unit of the solver and of the part that it is of"""
+    def __init__(self, transcription: Transcription, component: str) -> None:
+        self.source = transcription.source(component)
+        """C unit of the solver and of the component that it is of"""
         self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
         self.workspace.function("reset")()
         array = self.workspace.array
@@ -64,19 +64,19 @@ class ControlSolver(_RealTimeIteration):
     apply u[0]; then advance().
     """
 
-    def __init__(self, problem: ControlProblem, part: str = "") -> None:
+    def __init__(self, problem: ControlProblem, component: str = "") -> None:
         """Compile the problem's solver (or take it from the cache).
 
         Args:
             problem: the problem.
-            part: header of the runtime that makes the solver a part of the autopilot, see Transcription.source.
+            component: header that makes the solver a component of the autopilot, see Transcription.source.
 
         Raises:
             SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
         self.problem = problem
-        super().__init__(transcribe(problem), part)
+        super().__init__(transcribe(problem), component)
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
         free = bool(problem.initial_weights)
@@ -112,13 +112,13 @@ class EstimationSolver(_RealTimeIteration):
     advance(). The window fills from its first row on.
     """
 
-    def __init__(self, problem: EstimationProblem, prior: Floats | None, part: str = "") -> None:
+    def __init__(self, problem: EstimationProblem, prior: Floats | None, component: str = "") -> None:
         """Compile the problem's solver (or take it from the cache) and start it at the prior.
 
         Args:
             problem: the problem.
-            prior: (nx + np,) first guess of states and parameters; None for a part, which begins by itself.
-            part: header of the runtime that makes the solver a part of the autopilot, see Transcription.source.
+            prior: (nx + np,) first guess of states and parameters; None for a component, which begins by itself.
+            component: header that makes the solver a component of the autopilot, see Transcription.source.
 
         Raises:
             SolverError: the problem contradicts itself.
@@ -126,7 +126,7 @@ class EstimationSolver(_RealTimeIteration):
         """
         transcription = transcribe(problem)
         self.problem = problem
-        super().__init__(transcription, part)
+        super().__init__(transcription, component)
         array = self.workspace.array
         self.slide = self.workspace.function("slide")
         self._restart = self.workspace.function("restart", pointers=1)

@@ -32,7 +32,7 @@ _UNIT = """
 #define IP_ITERATIONS {iterations}
 #include "{header}"
 {functions}
-{part}
+{component}
 """
 _INTROSPECTION = """
 #include "workspace.h"
@@ -44,22 +44,29 @@ const struct drawbar_field drawbar_fields[] = {
     RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) SET(w, N + 1, NY)
     RTI(initial, 0, NX, 0, 0) SET(lower, NB, 0) SET(upper, NB, 0) SET(root, NX, NX)
     RTI(prior, 0, NX, 0, 0) SET(process, NX, 0) SET(common, NX, 0) RTI(status, 1, 1, 0, 0)
-    QP_FIELDS(rti, qp.) PART_FIELDS END_OF_FIELDS
+    QP_FIELDS(rti, qp.) COMPONENT_FIELDS END_OF_FIELDS
 };
-int reset(struct part *part) { memset(part, 0, sizeof *part); rti_constants(&part->rti); return SOLVED; }
+int reset(struct component *component)
+{
+    memset(component, 0, sizeof *component);
+    rti_constants(&component->rti);
+    return SOLVED;
+}
 int prepare(struct rti *work) { return rti_prepare(work); }
-int feedback(struct workspace *s) { return rti_feedback(&s->part.rti, &s->work); }
+int feedback(struct workspace *s) { return rti_feedback(&s->component.rti, &s->work); }
 int shift(struct rti *work) { rti_shift(work); return SOLVED; }
 int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
 """
 _WINDOW_PHASES = """
-int restart(struct part *part, const double *prior) { return window_restart(&part->window, &part->rti, prior); }
-int slide(struct part *part) { return window_slide(&part->window, &part->rti); }
+int restart(struct component *component, const double *prior)
+{
+    return window_restart(&component->window, &component->rti, prior);
+}
+int slide(struct component *component) { return window_slide(&component->window, &component->rti); }
 """
-_BARE = "struct part { struct rti rti; };\n#define PART_FIELDS"
-_BARE_WINDOW = (
-    "struct part { struct rti rti; struct window window; };\n#define PART_FIELDS WINDOW_FIELDS(part, window.)"
-)
+_BARE = "struct component { struct rti rti; };\n#define COMPONENT_FIELDS"
+_BARE_WINDOW = """struct component { struct rti rti; struct window window; };
+#define COMPONENT_FIELDS WINDOW_FIELDS(component, window.)"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,12 +102,12 @@ class Transcription:
         states, inputs = (ca.jacobian(self.output, variables) for variables in (self.x, self.u))
         return bool(ca.mtimes(inputs.T, states).nnz())
 
-    def source(self, part: str = "") -> str:
+    def source(self, component: str = "") -> str:
         """Return the C unit of this problem's solver.
 
-        part: header of the runtime that makes the solver a part of the autopilot. It defines `struct part`, which
-            begins with the solver (an estimator's with solver and window), and its PART_FIELDS; empty: the solver is
-            all there is.
+        component: header that makes the solver a component of the autopilot. It defines `struct component`, which
+            begins with the solver (an estimator's with solver and window), and its COMPONENT_FIELDS; empty: the
+            solver is all there is.
         """
         nx, nu = self.x.numel(), self.u.numel()
         return _UNIT.format(
@@ -116,7 +123,7 @@ class Transcription:
             iterations=ESTIMATION_ITERATIONS if self.arrival else CONTROL_ITERATIONS,
             header="window.h" if self.arrival else "rti.h",
             functions=self._functions(),
-            part=f'#include "{part}"' if part else _BARE_WINDOW if self.arrival else _BARE,
+            component=f'#include "{component}"' if component else _BARE_WINDOW if self.arrival else _BARE,
         )
 
     def introspection(self) -> str:

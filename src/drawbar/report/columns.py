@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
+from drawbar.recording.log import RunLog
 
 
 def along(log: RunLog, body: str) -> Floats:

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
+from drawbar.recording.log import RunLog
 from drawbar.report import style
 from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from drawbar.autopilot.log import read_log
 from drawbar.errors import DrawbarError
+from drawbar.recording.log import read_log
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import true_path_errors

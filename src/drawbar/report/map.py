@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from drawbar.autopilot.log import PathTable, RecordedPoints, RunLog
 from drawbar.geometry import Floats
+from drawbar.recording.log import PathTable, RecordedPoints, RunLog
 from drawbar.report import style
 from drawbar.report.columns import track
 from drawbar.report.outline import tractor_outline, trailer_outline

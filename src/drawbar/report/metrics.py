@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
+from drawbar.recording.log import RunLog
 from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.signals import FixStatus, GateVerdict

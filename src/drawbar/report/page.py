@@ -7,7 +7,7 @@ from string import Template
 import msgspec
 from plotly.offline import get_plotlyjs  # type: ignore[import-untyped]
 
-from drawbar.autopilot.log import RunLog, encode_special
+from drawbar.recording.log import RunLog, encode_special
 from drawbar.report import style
 from drawbar.report.columns import track
 from drawbar.report.metrics import Metrics

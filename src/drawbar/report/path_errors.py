@@ -6,9 +6,9 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
+from drawbar.recording.log import RunLog
 
 T = TypeVar("T")
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drawbar.autopilot.log import RunLog
 from drawbar.geometry import Floats
+from drawbar.recording.log import RunLog
 from drawbar.report import style
 from drawbar.report.columns import along, track
 from drawbar.report.map import outlines, polyline

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from drawbar.autopilot.log import RunLog
+from drawbar.recording.log import RunLog
 from drawbar.report import style
 from drawbar.report.figures import (
     ancillary_figure,

@@ -13,8 +13,6 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.autopilot.run import drive
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.config import load_configuration
 from drawbar.export.targets import find_target
@@ -22,6 +20,8 @@ from drawbar.export.toolchain import Built, build_target
 from drawbar.geometry import Floats
 from drawbar.machine.base import Machine
 from drawbar.signals import Command, Measurement, StepRecord, Truth
+from drawbar.simulation import drive
+from drawbar.step.build import build_autopilot, build_machine, build_path
 
 HERE = FilePath(__file__).parent
 REPLAY = str(HERE / "replay.c")

@@ -7,13 +7,13 @@
 
 static struct workspace memory;
 static union bounds_work *const lent = &memory.work;
-#define work memory.part.rti
+#define work memory.component.rti
 
 static void fill(void)
 {
     const double spread = one_in(4) ? 1e3 : 1.0;
 
-    reset(&memory.part);
+    reset(&memory.component);
     numbers(work.z, NZ, spread);
     numbers(&work.p[0][0], (N + 1) * NP, 1.0);
     numbers(&work.y[0][0], (N + 1) * NY, spread);

@@ -9,13 +9,13 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from drawbar import cli
-from drawbar.autopilot.build import build_autopilot, build_machine, build_path
-from drawbar.autopilot.header import run_header
-from drawbar.autopilot.recorder import Recorder
-from drawbar.autopilot.run import drive
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError, DrawbarError
+from drawbar.recording.header import run_header
+from drawbar.recording.recorder import Recorder
 from drawbar.report.tube.command import show_tubes
+from drawbar.simulation import drive
+from drawbar.step.build import build_autopilot, build_machine, build_path
 
 SHORT = ("path.radii=[8.0]", "path.straight_length=1.0")
 

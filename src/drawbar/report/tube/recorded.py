@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from drawbar.autopilot.log import RunLog, read_log
 from drawbar.config import Configuration
 from drawbar.control.settings import BodyTubeSettings, Nominal
 from drawbar.control.tube.bodies import Body
@@ -15,6 +14,7 @@ from drawbar.control.tube.error_model import ErrorModel
 from drawbar.control.tube.identification import Identified, identified
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
+from drawbar.recording.log import RunLog, read_log
 
 CONFIDENCE = 0.95
 SECTIONS = ("disturbances", "estimation", "increments")

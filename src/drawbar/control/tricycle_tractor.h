@@ -1,0 +1,42 @@
+/* The paper's nominal controller of the tractor, f_1; the steering reference is the last measured angle. */
+#ifndef DRAWBAR_TRICYCLE_TRACTOR_H
+#define DRAWBAR_TRICYCLE_TRACTOR_H
+
+#include "tricycle_body.h"
+
+struct component {
+    struct rti rti;
+    struct subsystem subsystem;
+};
+
+#define COMPONENT_FIELDS SUBSYSTEM_FIELDS
+
+static void body_state(const struct drawbar_estimate *estimate, double *state)
+{
+    pose_state(&estimate->tractor, state);
+}
+
+static void fill(struct component *component, const struct drawbar_estimate *estimate,
+                 const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+{
+    const double known[3] = {estimate->longitudinal_slip, estimate->tractor_slip, estimate->speed};
+
+    (void)neighbour;
+    for (int k = 0; k <= N; ++k)
+        memcpy(component->rti.p[k], known, sizeof known);
+    fill_references(&component->rti, reference, estimate->tractor_steering);
+}
+
+static double body_command(struct component *component)
+{
+    return INPUT(component->rti.z, 0)[0];
+}
+
+static void body_plan(struct component *component)
+{
+    pose_plan(&component->subsystem, &component->rti);
+}
+
+#include "subsystem_phases.h"
+
+#endif

@@ -1,0 +1,58 @@
+/* The paper's nominal controller of the trailer, f_2, with g_2 as the coupling says. */
+#ifndef DRAWBAR_TRICYCLE_TRAILER_H
+#define DRAWBAR_TRICYCLE_TRAILER_H
+
+#include "tricycle_body.h"
+
+struct component {
+    struct rti rti;
+    struct subsystem subsystem;
+    int32_t coupling;                      /* enum coupling */
+    double leverage;                       /* l / L_t */
+};
+
+#define COMPONENT_FIELDS SUBSYSTEM_FIELDS SETTING(component, coupling, 1, 1, 0, 0) SETTING(component, leverage, 0, 1, 0, 0)
+
+static void body_state(const struct drawbar_estimate *estimate, double *state)
+{
+    pose_state(&estimate->trailer, state);
+}
+
+/* l/L_t tan(kappa delta_t) over the horizon, as far as this controller knows it. */
+static void fill_pull(struct component *component, const struct drawbar_estimate *estimate,
+                      const struct drawbar_body_plan *tractor)
+{
+    const int planned = component->coupling == PLANNED && tractor;
+
+    for (int k = 0; k <= N; ++k) {
+        const double steering = planned ? tractor->steerings[k < N ? k : N - 1] : estimate->tractor_steering;
+        const double pull = component->leverage * tan(estimate->tractor_slip * steering);
+        component->rti.p[k][4] = component->coupling == NEGLECTED ? 0.0 : pull;
+    }
+}
+
+static void fill(struct component *component, const struct drawbar_estimate *estimate,
+                 const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+{
+    const double known[4] = {estimate->longitudinal_slip, estimate->trailer_slip, estimate->hitch_angle,
+                             estimate->speed};
+
+    for (int k = 0; k <= N; ++k)
+        memcpy(component->rti.p[k], known, sizeof known);
+    fill_pull(component, estimate, neighbour);
+    fill_references(&component->rti, reference, estimate->trailer_steering);
+}
+
+static double body_command(struct component *component)
+{
+    return INPUT(component->rti.z, 0)[0];
+}
+
+static void body_plan(struct component *component)
+{
+    pose_plan(&component->subsystem, &component->rti);
+}
+
+#include "subsystem_phases.h"
+
+#endif

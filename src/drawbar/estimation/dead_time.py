@@ -1,0 +1,175 @@
+"""Dead-time compensation: plan from where the commands under way will have taken the vehicle.
+
+What was commanded within the last dead time is known and still to act. The estimate is integrated through it with the
+vehicle's model, and all that comes after the estimator works on the state that the next command will find (Smith 1957;
+Findeisen and Allgöwer 2004 for predictive control). Here the model is put into C; dead_time.h does
+the rest.
+"""
+
+import ctypes
+import math
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+
+from drawbar.codegen.component import Component
+from drawbar.codegen.emit import Input, Output, emit
+from drawbar.exchange import CCommand, CEstimate
+from drawbar.signals import Command, Estimate
+from drawbar.vehicle.model import Model, Variable, integrate, symbols, variables
+from drawbar.vehicle.parameters import VehicleParameters
+
+_STEPS = 4
+"""Runge-Kutta steps per command"""
+_STEERING = ("tractor_steering", "trailer_steering")
+_MOVED = (
+    *(f"{body}_{coordinate}" for body in ("tractor", "trailer") for coordinate in ("x", "y", "yaw")),
+    "hitch_angle",
+    *_STEERING,
+)
+"""What of an estimate the motion changes; whatever else the model has is taken for constant"""
+_UNIT = """
+#define LANES 1
+#define COMMANDS {commands}
+#define STATES {states}
+#define PARAMETERS {parameters}
+#define OUTPUTS {outputs}
+#include "dead_time.h"
+static void take_estimate(struct component *work, const struct drawbar_estimate *estimate)
+{{
+    {take}
+}}
+static void give_estimate(const struct component *work, struct drawbar_estimate *estimate)
+{{
+    {give}
+}}
+{motion}
+"""
+
+
+class DeadTimePredictor:
+    """Remembers the commands under way and moves estimates forward through them.
+
+    The speed stays as it is estimated: a drive is slower than any dead time. Without dead time nothing is computed.
+    """
+
+    def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float) -> None:
+        """Compile the prediction.
+
+        Args:
+            vehicle: lag, rates, sign and dead time of the actuators.
+            model: of the whole vehicle, articulated or tricycle.
+            sample_time: s.
+
+        Raises:
+            CompilerError: no compiler, or it refused the code.
+        """
+        count = math.ceil(round(vehicle.dead_time / sample_time, 9))
+        self.component: Component | None = None
+        """the compiled prediction; None without dead time"""
+        if not count:
+            return
+        self.component = component = Component("dead_time", _source(actuated(vehicle, model), count))
+        first = vehicle.dead_time - (count - 1) * sample_time
+        component.array("dead_time")[:], component.array("sign")[:] = vehicle.dead_time, vehicle.joint_sign
+        component.array("durations")[:] = [first, *[sample_time] * (count - 1)]
+        component.array("soon")[:] = first < 0.5 * sample_time
+        self._now, self._then, self._newest, self._acting = CEstimate(), CEstimate(), CCommand(), CCommand()
+        pointers = [ctypes.byref(each) for each in (self._now, self._then, self._newest, self._acting)]
+        self._ahead, self._sent = component.function("ahead", pointers=2), component.function("sent", pointers=2)
+        self._estimates, self._commands = pointers[:2], pointers[2:]
+
+    def ahead(self, estimate: Estimate) -> Estimate:
+        """Return the estimate for the moment at which the next command begins to act."""
+        if self.component is None:
+            return estimate
+        self._now.write(estimate)
+        self._ahead(*self._estimates)
+        return self._then.read()
+
+    def sent(self, command: Command) -> Command:
+        """Remember the newest command, and return the one that acts during most of the sample that now begins.
+
+        All its values are NaN as long as no command has arrived at the actuators.
+        """
+        if self.component is None:
+            return command
+        self._newest.write(command)
+        self._sent(*self._commands)
+        return self._acting.read()
+
+
+def actuated(vehicle: VehicleParameters, model: Model) -> Model:
+    """Return the model with its actuators: the inputs are what both steering angles are driven to, rad.
+
+    The angles follow with the actuators' lag and within their rates. They are states of the new model, if they were
+    not already: the articulated model takes their rates as inputs, the tricycle the angles themselves.
+    """
+    target, names = ca.SX.sym("target", 2), [variable.name for variable in model.states]
+    inner = all(name in names for name in _STEERING)
+    steering = variables(tractor_steering="rad", trailer_steering="rad")
+    angles = ca.vertcat(*(model.x[names.index(name)] for name in _STEERING)) if inner else symbols(steering)
+    limit = ca.vertcat(vehicle.tractor_steering_rate, vehicle.trailer_steering_rate)
+    rates = ca.fmin(ca.fmax((target - angles) / vehicle.steering_lag, -limit), limit)
+    derivative, output = ca.substitute([model.derivative, model.output], [model.u], [rates if inner else angles])
+    return replace(
+        model,
+        name=f"actuated_{model.name}",
+        states=model.states if inner else (*model.states, *steering),
+        inputs=variables(tractor_target="rad", trailer_target="rad"),
+        x=model.x if inner else ca.vertcat(model.x, angles),
+        u=target,
+        derivative=derivative if inner else ca.vertcat(derivative, rates),
+        output=output,
+    )
+
+
+def _source(model: Model, commands: int) -> str:
+    """Return the C unit of the prediction through so many commands with an actuated model."""
+    take = [*_taken("x", model.states), *_taken("p", model.parameters)]
+    given = dict([*_places("y", model.outputs), *_places("x", model.states)])  # a state rather than its measurement
+    return _UNIT.format(
+        commands=commands,
+        states=len(model.states),
+        parameters=len(model.parameters),
+        outputs=len(model.outputs),
+        take="\n    ".join(take),
+        give="\n    ".join(f"{_field(name)} = {given[name]};" for name in _MOVED),
+        motion=_motion(model),
+    )
+
+
+def _motion(model: Model) -> str:
+    """Return the C function that moves x through a duration (s) with u held, and makes the outputs y then."""
+    duration = ca.SX.sym("duration")
+    scaled = replace(  # in units of the duration every motion takes 1
+        model,
+        derivative=duration * model.derivative,
+        parameters=(*model.parameters, *variables(duration="s")),
+        p=ca.vertcat(model.p, duration),
+    )
+    after = integrate(scaled, 1.0, _STEPS)
+    arguments: dict[str, Any] = {"x": model.x, "u": model.u, "p": model.p, "duration": duration}
+    results = {"x": after, "y": ca.substitute(model.output, model.x, after)}
+    return emit(
+        "motion",
+        [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()],
+        [Output(place=f"work->{name}[k]", rows="1", value=value) for name, value in results.items()],
+        "struct component *work",
+    )
+
+
+def _places(array: str, declared: tuple[Variable, ...]) -> list[tuple[str, str]]:
+    """Return the names of variables with the C expressions of their places."""
+    return [(variable.name, f"work->{array}[0][{i}]") for i, variable in enumerate(declared)]
+
+
+def _taken(array: str, declared: tuple[Variable, ...]) -> list[str]:
+    return [f"{place} = {_field(name)};" for name, place in _places(array, declared)]
+
+
+def _field(name: str) -> str:
+    """Return the C expression of what a model calls so, in an estimate."""
+    body, _, coordinate = name.partition("_")
+    return f"estimate->{body}.{coordinate}" if coordinate in ("x", "y", "yaw") else f"estimate->{name}"

@@ -1,0 +1,81 @@
+/* Estimation by the extended Kalman filter, one sample at a time: screen, correct, and after the command is out predict.
+ *
+ * The including unit defines the filter's sizes, includes the estimation model before this header and what evaluates the
+ * model after it, see square_root_filter.h.
+ */
+#ifndef DRAWBAR_EXTENDED_KALMAN_H
+#define DRAWBAR_EXTENDED_KALMAN_H
+
+#include "screening.h"
+#include "square_root_filter.h"
+#include "unit.h"
+
+struct component {
+    struct filter filter;
+    struct estimation_model model;
+    struct screening screening;
+    int32_t predicted;                     /* outcome of the last prediction, enum qp_status */
+};
+
+#define COMPONENT_FIELDS FILTER_FIELDS(component, filter.) MODEL_FIELDS(component, model.) SCREENING_FIELDS(component, screening.)
+
+/* Start from the first measurement; BAD_INPUT where it lacks a position. */
+int UNIT(begin)(struct component *component, const struct drawbar_measurement *first)
+{
+    constants(&component->filter);
+    filter_forget(&component->filter);
+    return model_first_guess(&component->model, first, component->filter.x[0]) ? SOLVED : BAD_INPUT;
+}
+
+/* Judge the newest fixes, and start anew where both overrule the prediction. */
+static void screen(struct component *component, const struct drawbar_measurement *measurement, struct screened *seen)
+{
+    double antennas[4], guess[NX];
+
+    model_antennas(&component->model, component->filter.x[0], antennas);
+    screening_judge(&component->screening, measurement, antennas, seen);
+    if (seen->restart && model_new_guess(&component->model, measurement, component->filter.x[0], guess)) {
+        memcpy(component->filter.x[0], guess, sizeof guess);
+        filter_forget(&component->filter);
+    }
+}
+
+/* The estimate at the measurement's time; returns its status.
+ *
+ * When the result is not finite the estimate is the prediction, and its status says so; a failure of the prediction
+ * before it shows here too. A missing input keeps its last measured value. */
+int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
+                 void *work)
+{
+    struct screened seen;
+    double y[NY];
+
+    (void)work;
+    screen(component, measurement, &seen);
+    model_outputs(&component->model, &seen.measurement, y);
+    const int corrected = filter_update(&component->filter, y), status = corrected == SOLVED ? component->predicted : corrected;
+    model_estimate(&component->model, component->filter.x[0], &seen.measurement, status, estimate);
+    screened_mark(&seen, estimate);
+    return status;
+}
+
+/* Let the inputs be what the command does to the steering until the next sample: the last ones, where there are such. A
+ * command that is not finite tells nothing, and the inputs stay as they were measured. */
+static void expect(struct component *component, const struct drawbar_command *acting)
+{
+    double rates[NU], *told = component->filter.u[0] + NU - STEERING_RATES;
+
+    model_steering_rates(&component->model, component->filter.x[0], acting, rates);
+    for (int i = 0; i < STEERING_RATES; ++i)
+        told[i] = isfinite(rates[i]) ? rates[i] : told[i];
+}
+
+/* Predict one sample ahead, under the command that acts until then (NULL where nobody tells). */
+int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
+{
+    if (acting != NULL)
+        expect(component, acting);
+    return component->predicted = filter_predict(&component->filter);
+}
+
+#endif

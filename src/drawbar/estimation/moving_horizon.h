@@ -1,0 +1,121 @@
+/* Moving horizon estimation: one Gauss-Newton iteration per sample over a sliding window (equation mhe of theory.md).
+ *
+ * The window fills from the first measurement on; once full, its oldest stage moves into the arrival cost. The
+ * including unit is the solver of the window's problem and has included the model.
+ */
+#ifndef DRAWBAR_MOVING_HORIZON_H
+#define DRAWBAR_MOVING_HORIZON_H
+
+#include "screening.h"
+#include "unit.h"
+#include "window.h"
+
+struct component {
+    struct rti rti;
+    struct window window;
+    struct estimation_model model;
+    struct screening screening;
+    struct screened seen;                  /* the newest measurement */
+    int32_t prepared;                      /* outcome of the last preparation, enum qp_status */
+};
+
+#define COMPONENT_FIELDS                                                                                          \
+    WINDOW_FIELDS(component, window.) MODEL_FIELDS(component, model.) SCREENING_FIELDS(component, screening.)
+
+static double *newest_state(struct component *component)
+{
+    return STATE(component->rti.z, component->window.newest);
+}
+
+/* Start from the first measurement; BAD_INPUT where it lacks a position. */
+int UNIT(begin)(struct component *component, const struct drawbar_measurement *first)
+{
+    double guess[NX];
+
+    if (!model_first_guess(&component->model, first, guess))
+        return BAD_INPUT;
+    return component->prepared = window_restart(&component->window, &component->rti, guess);
+}
+
+/* Start anew where both antennas overrule the prediction. */
+static void overrule(struct component *component, const struct drawbar_measurement *measurement)
+{
+    double guess[NX];
+
+    if (model_new_guess(&component->model, measurement, newest_state(component), guess))
+        component->prepared = window_restart(&component->window, &component->rti, guess);
+}
+
+/* Forget the fixes of an antenna that has just turned out to be wrong, as far back as the disagreement was averaged. */
+static void disbelieve(struct component *component, int antenna)
+{
+    const int newest = component->window.newest, column = 2 * (antenna - TRACTOR_ANTENNA);
+    const int first = newest > component->screening.memory ? newest - component->screening.memory : 0;
+
+    for (int k = first; k < newest; ++k)
+        component->rti.y[k][column] = component->rti.y[k][column + 1] = NAN;
+}
+
+/* Take in a measurement: judge its fixes, let the window forget what they show to have been wrong. */
+int UNIT(enter)(struct component *component, const struct drawbar_measurement *measurement)
+{
+    double antennas[4];
+
+    model_antennas(&component->model, newest_state(component), antennas);
+    screening_judge(&component->screening, measurement, antennas, &component->seen);
+    if (component->seen.restart)
+        overrule(component, measurement);
+    if (component->seen.exposed != NEITHER)
+        disbelieve(component, component->seen.exposed);
+    model_outputs(&component->model, &component->seen.measurement, component->rti.y[component->window.newest]);
+    return SOLVED;
+}
+
+/* The estimate at the window's newest stage. When the solver failed it is the prediction, and its status says so; a
+ * failure of the preparation before it shows here too. */
+int UNIT(leave)(struct component *component, struct drawbar_estimate *estimate)
+{
+    const int32_t status = component->rti.status != SOLVED ? component->rti.status : component->prepared;
+
+    model_estimate(&component->model, newest_state(component), &component->seen.measurement, status, estimate);
+    screened_mark(&component->seen, estimate);
+    return status;
+}
+
+/* Let the newest stage know what the command does to the steering until the next sample; NULL: nobody tells. */
+int UNIT(expect)(struct component *component, const struct drawbar_command *acting)
+{
+    double *rates = component->rti.y[component->window.newest] + NY - STEERING_RATES;
+
+    if (acting != NULL)
+        model_steering_rates(&component->model, newest_state(component), acting, rates);
+    return SOLVED;
+}
+
+/* Keep how the preparation, to slide the window and to linearise along the predicted trajectory, went. */
+int UNIT(judge)(struct component *component)
+{
+    return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
+}
+
+#ifdef EXPORTED
+/* The estimate at the measurement's time. */
+int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
+                 void *work)
+{
+    UNIT(enter)(component, measurement);
+    rti_feedback(&component->rti, work);
+    return UNIT(leave)(component, estimate);
+}
+
+/* Do what can be done before the next measurement is known. */
+int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
+{
+    UNIT(expect)(component, acting);
+    window_slide(&component->window, &component->rti);
+    rti_prepare(&component->rti);
+    return UNIT(judge)(component);
+}
+#endif
+
+#endif

@@ -1,0 +1,65 @@
+"""What is computed and shown of an experiment: the functions of its analysis.py, or the defaults."""
+
+import runpy
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from drawbar.errors import ConfigurationError
+from drawbar.experiment.campaign import Campaign, Figures
+from drawbar.experiment.parts import Part, Table
+from drawbar.experiment.task import Result
+from drawbar.report.metrics import ALL, Metrics
+
+FILE_NAME = "analysis.py"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Analysis:
+    """The two functions of an experiment's analysis.py; each has a default."""
+
+    figures: Callable[[Result], Figures]
+    """of one run"""
+    report: Callable[[Campaign], Iterable[Part]]
+    """of all"""
+
+
+def error_figures(metrics: Metrics) -> dict[str, float]:
+    """Return mean distance from the path by class of the path, and the largest, as `BODY CLASS`, in cm."""
+    figures: dict[str, float] = {}
+    for body, errors in (("tractor", metrics.error_m.tractor), ("trailer", metrics.error_m.trailer)):
+        figures |= {f"{body} {label}": 100.0 * error.mean for label, error in errors.items()}
+        figures[f"{body} largest"] = 100.0 * errors[ALL].max
+    return figures
+
+
+def table_of_means(campaign: Campaign) -> list[Part]:
+    """Return one table: every figure of every case, mean ± 95 % interval over the seeds."""
+    names = campaign.figure_names
+    rows = [
+        [case, campaign.finished(case), *(campaign.statistic(case, name).text() for name in names)]
+        for case in campaign.cases
+    ]
+    return [
+        Table(
+            name="means", caption="Mean ± 95 % interval over the seeds.", header=["case", "finished", *names], rows=rows
+        )
+    ]
+
+
+def load_analysis(folder: Path) -> Analysis:
+    """Return the functions `figures` and `report` of the folder's analysis.py, or the defaults.
+
+    Raises ConfigurationError when analysis.py has neither.
+    """
+    file = folder / FILE_NAME
+    if not file.is_file():
+        return Analysis(figures=_figures, report=table_of_means)
+    names = runpy.run_path(str(file))
+    if not {"figures", "report"} & names.keys():
+        raise ConfigurationError(f"{file}: has neither a function figures(result) nor report(campaign); add one.")
+    return Analysis(figures=names.get("figures", _figures), report=names.get("report", table_of_means))
+
+
+def _figures(result: Result) -> Figures:
+    return error_figures(result.metrics)

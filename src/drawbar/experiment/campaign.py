@@ -1,0 +1,84 @@
+"""What an experiment's analysis looks at: every run of every case, and the figures of each run."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from drawbar.experiment.experiment import Expectation, Experiment
+from drawbar.experiment.measure import Runs
+from drawbar.experiment.statistics import Statistic
+
+Figures = Mapping[str, float]
+"""the figures of one run by name"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """One expectation beside what came out."""
+
+    case: str
+    figure: str
+    statistic: Statistic
+    expected: Expectation
+
+    @property
+    def holds(self) -> bool:
+        """Whether the mean is as expected."""
+        return self.expected.holds(self.statistic.mean)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Campaign:
+    """An experiment with its runs."""
+
+    experiment: Experiment
+    seeds: int
+    runs: Mapping[str, Runs]
+    """by name of the case"""
+    figures: Mapping[str, Sequence[Figures]]
+    """by name of the case, one per seed; empty where a run has no result"""
+
+    @property
+    def cases(self) -> list[str]:
+        """Names of the cases, in the order of experiment.toml."""
+        return list(self.runs)
+
+    @property
+    def figure_names(self) -> list[str]:
+        """Names of all figures, in the order of their first appearance."""
+        return list(dict.fromkeys(name for runs in self.figures.values() for run in runs for name in run))
+
+    def values(self, case: str, figure: str) -> list[float]:
+        """Return a figure of a case, one value per seed; NaN where a run does not have it, or has no result."""
+        return [run.get(figure, float("nan")) for run in self.figures[case]]
+
+    def statistic(self, case: str, figure: str) -> Statistic:
+        """Return a figure of a case over the seeds."""
+        return Statistic.of(self.values(case, figure))
+
+    def finished(self, case: str) -> str:
+        """Return how many runs of a case came to the end of the path, of how many."""
+        return f"{sum(result.metrics.finished for result in self.runs[case].results)}/{self.seeds}"
+
+    def verdicts(self) -> list[Verdict]:
+        """Return every expectation beside what came out."""
+        return [
+            Verdict(case=case, figure=figure, statistic=self.statistic(case, figure), expected=expected)
+            for case, by_figure in self.experiment.settings.expected.items()
+            for figure, expected in by_figure.items()
+        ]
+
+    def misses(self) -> list[str]:
+        """Say what is not as expected: runs without a result, expected cases not driven to the end, figures."""
+        failures = [f"{case}: {reason}" for case, runs in self.runs.items() for reason in runs.failures]
+        lost = [
+            f"{case}, seed {result.metrics.seed}: {result.metrics.outcome}"
+            for case in self.experiment.settings.expected
+            for result in self.runs[case].results
+            if not result.metrics.finished
+        ]
+        missed = [
+            f"{verdict.case}: {verdict.figure} is {verdict.statistic.text(2)}, expected {verdict.expected}"
+            for verdict in self.verdicts()
+            if not verdict.holds
+        ]
+        return [*failures, *lost, *missed]

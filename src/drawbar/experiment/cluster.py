@@ -1,0 +1,113 @@
+"""Pure functions of plain data on a Dask cluster (Rocklin 2015, *Dask: parallel computation with blocked algorithms*).
+
+A worker that dies loses nothing: Dask gives its calls to another one, up to `distributed.scheduler.allowed-failures`
+times. A call that raises, or that kills every worker it meets, ends in a Failure and disturbs no other.
+"""
+
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, TypeVar
+
+import dask
+from dask.system import CPU_COUNT
+from distributed import Client, Future, LocalCluster, as_completed
+
+from drawbar.errors import DrawbarError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+_PATIENCE = 30.0
+"""s, for a scheduler to answer and for its first worker"""
+_CONFIGURATION: dict[str, Any] = {
+    "distributed.scheduler.no-workers-timeout": 60.0,  # s; then the calls fail: all workers died, and none came back
+    "distributed.worker.profile.enabled": False,  # nobody looks at the samples, and taking them costs a fifth
+}
+_LOCAL: dict[str, Any] = {
+    "threads_per_worker": 1,
+    "dashboard_address": ":0",  # any free port
+    "silence_logs": logging.CRITICAL,
+    "preload": "drawbar.experiment.worker",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Failure:
+    """Why a call has no result."""
+
+    reason: str
+
+
+@contextmanager
+def open_cluster(address: str = "", jobs: int | None = None) -> Iterator[Client]:
+    """Connect to the scheduler at the address, or, if that is empty, start a cluster on this machine; as a context.
+
+    Args:
+        address: of a running scheduler, e.g. tcp://10.0.0.1:8786, or empty.
+        jobs: processes of the cluster on this machine; None: one per processor core.
+
+    Raises:
+        DrawbarError: no scheduler answers at the address, or it has no workers.
+    """
+    if address:
+        with _connect(address) as client:
+            yield client
+        return
+    with (
+        dask.config.set(_CONFIGURATION),
+        LocalCluster(n_workers=jobs or CPU_COUNT, **_LOCAL) as local,
+        Client(local) as client,
+    ):
+        yield client
+
+
+def _connect(address: str) -> Client:
+    try:
+        client = Client(address, timeout=_PATIENCE)
+    except (OSError, ValueError) as error:
+        raise DrawbarError(
+            f"--cluster {address}: no Dask scheduler answers there ({error}); start one with: dask scheduler"
+        ) from error
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except TimeoutError as error:
+        client.close()
+        raise DrawbarError(
+            f"--cluster {address}: the scheduler has no workers; start one with: dask worker {address}"
+        ) from error
+    return client
+
+
+def call_all(
+    client: Client, function: Callable[[T], R], arguments: Mapping[str, T], *, at_once: int | None = None
+) -> Iterator[tuple[str, R | Failure]]:
+    """Call the function with every argument; yield each result under its key as soon as it is there.
+
+    Args:
+        client: of the cluster.
+        function: pure, importable by the workers.
+        arguments: plain data; the key tells an argument from every other that this function is ever given.
+        at_once: calls that may run at the same time; None: as many as there are workers.
+    """
+    waiting = iter(arguments.items())
+
+    def submitted(count: int | None) -> Iterator[Future[Any]]:
+        for key, argument in islice(waiting, count):
+            keys[future := client.submit(function, argument, key=f"{function.__name__}-{key}")] = key
+            yield future
+
+    keys: dict[Future[Any], str] = {}
+    completed = as_completed(list(submitted(at_once)), loop=client.loop, with_results=True, raise_errors=False)
+    for future, outcome in completed:
+        key = keys.pop(future)
+        yield key, outcome if future.status == "finished" else Failure(reason=_reason(outcome))
+        completed.update(list(submitted(1)))
+
+
+def _reason(outcome: Any) -> str:
+    """Say why a call failed, from what Dask gives in place of a result: an exception, alone or with its traceback."""
+    error = outcome[1] if isinstance(outcome, tuple) else outcome
+    return str(error) if isinstance(error, DrawbarError) else f"{type(error).__name__}: {error}"

@@ -1,0 +1,73 @@
+"""`drawbar experiment`: measure, analyse, write, and say whether the expected figures were met."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from distributed import Client
+from rich.console import Console
+from rich.text import Text
+
+from drawbar.experiment.analysis import Analysis, load_analysis, table_of_means
+from drawbar.experiment.campaign import Campaign, Figures
+from drawbar.experiment.cluster import open_cluster
+from drawbar.experiment.document import REPORT_NAME, RESULTS_NAME, write_report, write_results
+from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, load_experiment
+from drawbar.experiment.measure import Runs, measure
+from drawbar.experiment.parts import Part
+from drawbar.experiment.progress import CampaignProgress
+
+
+def run_experiments(console: Console, name: str, *, seeds: int | None, jobs: int | None, address: str) -> bool:
+    """Run the experiment of this name, or `all`, and return whether everything came out as expected.
+
+    Args:
+        console: to report to.
+        name: of the experiment, its folder, or `all`.
+        seeds: runs of each case; None: as the experiment says.
+        jobs: processes on this machine; None: one per core.
+        address: of a running Dask scheduler; empty: a cluster of this machine's own.
+
+    Raises:
+        DrawbarError: no such experiment, an impossible configuration, no cluster.
+    """
+    experiments = [load_experiment(folder) for folder in find_experiments(name)]
+    with open_cluster(address, jobs) as client:
+        outcomes = [_conduct(console, client, experiment, seeds) for experiment in experiments]
+    if name == "all":
+        write_report(FOLDER / REPORT_NAME, outcomes)
+        console.print(f"{FOLDER / REPORT_NAME}")
+    return not any(campaign.misses() for campaign, _ in outcomes)
+
+
+def _conduct(
+    console: Console, client: Client, experiment: Experiment, seeds: int | None
+) -> tuple[Campaign, Sequence[Part]]:
+    """Run one experiment, leave its results in its folder, and print what was missed."""
+    analysis, count = load_analysis(experiment.folder), seeds or experiment.settings.seeds
+    with CampaignProgress(console, experiment.folder.name) as progress:
+        runs = measure(client, experiment, count, progress)
+    campaign = Campaign(
+        experiment=experiment,
+        seeds=count,
+        runs=runs,
+        figures={case: _figures(analysis, each, count) for case, each in runs.items()},
+    )
+    report = analysis.report if all(each.results for each in runs.values()) else table_of_means
+    parts = list(report(campaign))
+    write_results(campaign, parts)
+    _print_outcome(console, campaign, experiment.folder / RESULTS_NAME)
+    return campaign, parts
+
+
+def _figures(analysis: Analysis, runs: Runs, seeds: int) -> list[Figures]:
+    """Return the figures of every seed; empty where its run has no result."""
+    by_seed = {result.metrics.seed: analysis.figures(result) for result in runs.results}
+    return [by_seed.get(seed, {}) for seed in range(seeds)]
+
+
+def _print_outcome(console: Console, campaign: Campaign, file: Path) -> None:
+    misses = campaign.misses()
+    for miss in misses:
+        console.print(Text(f"missed: {miss}", "red"))
+    met = sum(verdict.holds for verdict in campaign.verdicts())
+    console.print(f"{met} of {len(campaign.verdicts())} expected figures met: {file}", soft_wrap=True)

@@ -1,0 +1,81 @@
+"""Results as Markdown: one results.md per experiment, and REPORT.md of all of them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from drawbar.benchmark.figures import machine
+from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.parts import Part, markdown_table
+
+RESULTS_NAME = "results.md"
+REPORT_NAME = "REPORT.md"
+
+
+def write_results(campaign: Campaign, parts: Sequence[Part]) -> None:
+    """Write tables (CSV), pictures (SVG) and results.md into the experiment's folder."""
+    folder = campaign.experiment.folder
+    for part in parts:
+        part.write(folder)
+    title = f"# {campaign.experiment.settings.title}"
+    origin = f"Made by `drawbar experiment {folder.name}`; [README.md](README.md) says what is compared."
+    text = "\n\n".join([title, origin, *_sections(campaign, parts, "")])
+    (folder / RESULTS_NAME).write_text(f"{text}\n", "utf-8")
+
+
+def write_report(file: Path, outcomes: Sequence[tuple[Campaign, Sequence[Part]]]) -> None:
+    """Write the report of several experiments, whose folders lie beside it."""
+    blocks = ["# Experiments", "Made by `drawbar experiment all`; do not edit.", _machine_table(), _overview(outcomes)]
+    for campaign, parts in outcomes:
+        prefix = f"{campaign.experiment.folder.name}/"
+        blocks += [
+            f"## {campaign.experiment.settings.title}",
+            f"What is compared, and with what: [{prefix}README.md]({prefix}README.md).",
+        ]
+        blocks += _sections(campaign, parts, prefix)
+    file.write_text("\n\n".join(blocks) + "\n", "utf-8")
+
+
+def _machine_table() -> str:
+    facts = {name: text for name, text in machine().items() if name != "compiler"}  # it names a path of this machine
+    return markdown_table(["measured on", ""], [list(fact) for fact in facts.items()])
+
+
+def _overview(outcomes: Sequence[tuple[Campaign, Sequence[Part]]]) -> str:
+    rows = [
+        [
+            campaign.experiment.folder.name,
+            f"{len(campaign.cases)}",
+            f"{campaign.seeds}",
+            f"{len(campaign.verdicts())}",
+            f"**{len(campaign.misses())}**" if campaign.misses() else "0",
+        ]
+        for campaign, _ in outcomes
+    ]
+    return markdown_table(["experiment", "cases", "seeds", "expected figures", "missed"], rows)
+
+
+def _sections(campaign: Campaign, parts: Sequence[Part], prefix: str) -> list[str]:
+    results = [result for runs in campaign.runs.values() for result in runs.results]
+    given_up = sum(not result.metrics.finished for result in results)
+    said = (
+        f"{len(campaign.cases)} cases with the seeds 0 to {campaign.seeds - 1}: {len(results)} runs, "
+        f"{given_up} of them given up before the end of the path."
+    )
+    return [said, *(part.markdown(prefix) for part in parts), *_judgement(campaign)]
+
+
+def _judgement(campaign: Campaign) -> list[str]:
+    """Return the expected figures beside the measured ones, and everything that is missed."""
+    rows = [
+        [
+            verdict.case,
+            verdict.figure,
+            verdict.statistic.text(2),
+            str(verdict.expected),
+            "yes" if verdict.holds else "**missed**",
+        ]
+        for verdict in campaign.verdicts()
+    ]
+    table = markdown_table(["case", "figure", "mean", "expected", "held"], rows)
+    missed = "\n".join(f"- {miss}" for miss in campaign.misses())
+    return [*(["**Expected figures**", table] if rows else []), *(["**Missed**", missed] if missed else [])]

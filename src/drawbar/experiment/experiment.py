@@ -1,0 +1,180 @@
+"""An experiment: a folder with an experiment.toml that says what is driven, how often, and what must come out."""
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from drawbar.config import load_configuration
+from drawbar.errors import ConfigurationError
+from drawbar.experiment.task import Task
+from drawbar.settings import Positive, Settings
+
+FILE_NAME = "experiment.toml"
+FOLDER = Path("experiments")
+Texts = Annotated[tuple[str, ...], Field(strict=False)]
+
+
+class Variant(Settings):
+    """Changes under a name."""
+
+    name: str
+    changes: Texts = ()
+    """texts KEY=VALUE, as for --set"""
+
+
+class Case(Variant):
+    """A configuration under a name, with changes."""
+
+    configuration: str = ""
+    """shipped name, or a TOML file in the experiment's folder; empty: the case's own name"""
+    variants: Texts = ()
+    """names of those that it is driven in; empty: all"""
+
+
+class Expectation(Settings):
+    """What a figure's mean over the seeds must be: near a value, or not above a limit; in the figure's own unit."""
+
+    value: float | None = None
+    within: Positive | None = None
+    """largest deviation from value, relative to it"""
+    at_most: float | None = None
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        near = (self.value is None, self.within is None)
+        if near not in ((True, True), (False, False)) or near[0] == (self.at_most is None):
+            raise ValueError("give either value and within, or at_most")
+        return self
+
+    def holds(self, mean: float) -> bool:
+        """Tell whether a mean meets it; NaN never does."""
+        if self.value is not None and self.within is not None:
+            return abs(mean - self.value) <= self.within * abs(self.value)
+        return self.at_most is not None and mean <= self.at_most
+
+    def __str__(self) -> str:
+        if self.value is not None and self.within is not None:
+            return f"{self.value:g} ± {100.0 * self.within:g} %"
+        return f"≤ {self.at_most:g}"
+
+
+class ExperimentSettings(Settings):
+    """The content of experiment.toml."""
+
+    title: str
+    seeds: Annotated[int, Field(ge=1)] = 20
+    """runs of each case, with the seeds 0, 1, …"""
+    columns: Texts = ()
+    """what is kept of a run step by step, see Task.columns"""
+    one_at_a_time: bool = False
+    """for figures of time: no other run beside the one that is measured, and that one on a single core"""
+    changes: Texts = ()
+    """of all cases"""
+    cases: Annotated[tuple[Case, ...], Field(strict=False, min_length=1)]
+    variants: Annotated[tuple[Variant, ...], Field(strict=False)] = ()
+    """each case is driven in every one, or in those that it names; empty: as it is"""
+    expected: Mapping[str, Mapping[str, Expectation]] = {}
+    """by name of the case (`CASE: VARIANT` where there are variants), then by name of the figure"""
+
+    @model_validator(mode="after")
+    def _variants_exist(self) -> Self:
+        known = [variant.name for variant in self.variants]
+        for case in self.cases:
+            if strangers := sorted(set(case.variants) - set(known)):
+                raise ValueError(
+                    f"case {case.name!r} names no variant: {', '.join(strangers)}; "
+                    f"variants: {', '.join(known) or 'none'}"
+                )
+        return self
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Experiment:
+    """An experiment, read and checked."""
+
+    folder: Path
+    settings: ExperimentSettings
+    configurations: Mapping[str, str]
+    """complete TOML by name of the case (`CASE: VARIANT` where there are variants)"""
+
+    def tasks(self, seeds: int) -> dict[str, list[Task]]:
+        """Return the runs of every case, with the seeds from 0 up to, but not including, the given one."""
+        columns, one_core = self.settings.columns, self.settings.one_at_a_time
+        return {
+            name: [
+                Task(configuration=configuration, seed=seed, columns=columns, one_core=one_core)
+                for seed in range(seeds)
+            ]
+            for name, configuration in self.configurations.items()
+        }
+
+
+def find_experiments(name: str) -> list[Path]:
+    """Return the folder of the experiment (its path, or its name in ./experiments), or of every one for `all`.
+
+    Raises:
+        ConfigurationError: there is no such experiment; lists those that there are.
+    """
+    known = sorted(file.parent for file in FOLDER.glob(f"*/{FILE_NAME}"))
+    if name == "all" and known:
+        return known
+    for folder in (FOLDER / name, Path(name)):
+        if (folder / FILE_NAME).is_file():
+            return [folder]
+    listed = ", ".join(folder.name for folder in known) or "none; run the command where drawbar's repository lies"
+    raise ConfigurationError(
+        f"{name}: is no experiment (a folder with {FILE_NAME}). Give a folder, `all`, or one of {FOLDER}/: {listed}."
+    )
+
+
+def load_experiment(folder: Path) -> Experiment:
+    """Read an experiment with the configurations of all its cases.
+
+    Raises:
+        ConfigurationError: unreadable, unknown or impossible key, double name, a configuration that cannot be read, an
+            expectation of no case.
+    """
+    file = folder / FILE_NAME
+    try:
+        settings = ExperimentSettings.model_validate(tomllib.loads(file.read_text("utf-8")))
+    except (OSError, ValueError) as error:
+        raise ConfigurationError(f"{file}: {_reason(error)}") from error
+    configurations = _configurations(folder, settings)
+    if strangers := set(settings.expected) - set(configurations):
+        raise ConfigurationError(
+            f"{file}: expected names no case: {', '.join(sorted(strangers))}; cases: {', '.join(configurations)}."
+        )
+    return Experiment(folder=folder, settings=settings, configurations=configurations)
+
+
+def _reason(error: Exception) -> str:
+    if not isinstance(error, ValidationError):
+        return f"cannot be read as an experiment ({error})."
+    problems = (f"{'.'.join(map(str, problem['loc']))}: {problem['msg']}" for problem in error.errors())
+    return "wrong value(s): " + "; ".join(problems) + "."
+
+
+def _driven(settings: ExperimentSettings) -> Iterator[tuple[Case, Variant]]:
+    """Yield every case with every variant that it is driven in."""
+    for case, variant in product(settings.cases, settings.variants or (Variant(name=""),)):
+        if not case.variants or variant.name in case.variants:
+            yield case, variant
+
+
+def _configurations(folder: Path, settings: ExperimentSettings) -> dict[str, str]:
+    """Return the complete configuration of every case in every variant."""
+    configurations: dict[str, str] = {}
+    for case, variant in _driven(settings):
+        name = f"{case.name}: {variant.name}" if variant.name else case.name
+        if name in configurations:
+            raise ConfigurationError(f"{folder / FILE_NAME}: two cases are called {name!r}; rename one.")
+        source = case.configuration or case.name
+        beside = folder / source
+        changes = (*settings.changes, *case.changes, *variant.changes)
+        configurations[name] = load_configuration(str(beside) if beside.is_file() else source, changes).to_toml()
+    return configurations

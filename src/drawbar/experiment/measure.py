@@ -1,0 +1,91 @@
+"""Drive every run of an experiment that has no result yet, and collect all of them."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from distributed import Client
+
+from drawbar.experiment.cluster import Failure, call_all
+from drawbar.experiment.experiment import Experiment
+from drawbar.experiment.progress import CampaignProgress
+from drawbar.experiment.store import ResultStore
+from drawbar.experiment.task import Result, Task, compile_solvers, digest, run_task, solver_sections, source_digest
+
+RUNS_FOLDER = ".runs"
+"""in the experiment's folder: finished runs, for the same command to go on from"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Runs:
+    """The runs of one case."""
+
+    results: Sequence[Result]
+    """in the order of the seeds"""
+    failures: Sequence[str]
+    """why a run has no result"""
+
+
+def measure(client: Client, experiment: Experiment, seeds: int, progress: CampaignProgress) -> Mapping[str, Runs]:
+    """Return the runs of every case of an experiment."""
+    at_once = 1 if experiment.settings.one_at_a_time else None
+    return measure_cases(client, experiment.folder, experiment.tasks(seeds), progress, at_once=at_once)
+
+
+def measure_cases(
+    client: Client,
+    folder: Path,
+    cases: Mapping[str, Sequence[Task]],
+    progress: CampaignProgress,
+    *,
+    at_once: int | None = None,
+) -> Mapping[str, Runs]:
+    """Return the runs of every case; each result is on disk, in the folder, before the next one is waited for.
+
+    A run that was given up (`metrics.finished` false) is a result; one that raised, or killed its workers, is
+    a failure.
+    """
+    store = ResultStore(folder / RUNS_FOLDER)
+    tasks = {task.key: task for tasks in cases.values() for task in tasks}
+    results = {key: result for key, task in tasks.items() if (result := store.get(task))}
+    missing = {key: task for key, task in tasks.items() if key not in results}
+    failures: dict[str, str] = {}
+    _compile(client, missing.values(), progress)
+    progress.begin("runs", len(tasks), done=len(results))
+    for key, outcome in call_all(client, run_task, missing, at_once=at_once):
+        reason = _refusal(outcome)
+        if isinstance(outcome, Result) and not reason:
+            results[key] = outcome
+            store.put(tasks[key], outcome)
+        else:
+            failures[key] = reason
+        progress.advance(reason)
+    return {name: _runs(tasks, results, failures) for name, tasks in cases.items()}
+
+
+def _refusal(outcome: Result | Failure) -> str:
+    """Return why an outcome is no result to be kept; empty for one that is."""
+    if isinstance(outcome, Failure):
+        return outcome.reason
+    if outcome.source != source_digest():
+        return "a worker has another version of drawbar's code; install the same on every machine of the cluster"
+    return ""
+
+
+def _compile(client: Client, tasks: Iterable[Task], progress: CampaignProgress) -> None:
+    """Compile what the runs will need; what cannot be built here fails, and says so, in its runs."""
+    needed: dict[str, str] = {}
+    for task in tasks:
+        needed.setdefault(solver_sections(task.configuration), task.configuration)
+    progress.begin("solvers", len(needed))
+    arguments = {digest(source_digest(), sections): configuration for sections, configuration in needed.items()}
+    for _ in call_all(client, compile_solvers, arguments):
+        progress.advance()
+
+
+def _runs(tasks: Sequence[Task], results: Mapping[str, Result], failures: Mapping[str, str]) -> Runs:
+    keys = [task.key for task in tasks]
+    return Runs(
+        results=[results[key] for key in keys if key in results],
+        failures=[f"seed {task.seed}: {failures[task.key]}" for task in tasks if task.key in failures],
+    )

@@ -1,0 +1,158 @@
+"""One run of an experiment: plain data in, plain data out, so that any worker can do it and a file can keep it."""
+
+import hashlib
+import tomllib
+from collections.abc import Mapping
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from time import time
+from typing import Any
+
+import msgspec
+import numpy as np
+import tomli_w
+from numpy.typing import NDArray
+
+from drawbar.benchmark.figures import on_one_core
+from drawbar.config import Configuration
+from drawbar.experiment.deviation import RecordedDeviation
+from drawbar.geometry import Floats
+from drawbar.recording.header import run_header
+from drawbar.recording.log import Outcome, RunLog
+from drawbar.report.metrics import Metrics, compute_metrics
+from drawbar.report.path_errors import Bodies, PathErrors, true_path_errors
+from drawbar.simulation import RunAborted, drive, longest_time
+from drawbar.step.build import build_autopilot, build_machine, build_path
+
+_BESIDE_THE_RUN = ("benchmark", "experiment", "cli")
+"""parts of the package that no figure of a run depends on, but for these files of experiment"""
+_OF_THE_RUN = ("task.py", "deviation.py")
+_BESIDE_THE_SOLVERS = ("name", "path", "start", "machine", "bounded_errors", "tuning")
+"""sections of a configuration that no solver depends on"""
+_DEVIATION = "deviation."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """What to drive and what to keep of it."""
+
+    configuration: str
+    """complete, TOML"""
+    seed: int
+    """of all randomness in the simulated machine"""
+    columns: tuple[str, ...] = ()
+    """kept step by step: names as in RunLog.column, error.BODY and progress.BODY of the true antennas, m, or
+    deviation.NAME, the standard deviation of a state or parameter of the estimator's model"""
+    one_core: bool = False
+    """stay on a single core of the processor, for figures of time"""
+
+    @property
+    def key(self) -> str:
+        """Return what tells this task's result from every other's, and from that of another drawbar."""
+        return digest(source_digest(), self.configuration, str(self.seed), str(self.one_core), *self.columns)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """What is kept of one run: n steps."""
+
+    source: str
+    """digest of the drawbar that measured it"""
+    metrics: Metrics
+    columns: Mapping[str, Floats]
+    """(n,) each, SI"""
+
+
+def run_task(task: Task) -> Result:
+    """Drive the whole path; a run that was given up is a result as well, with `metrics.finished` false.
+
+    Raises:
+        DrawbarError: the configuration cannot be built.
+        AttributeError: there is no such column.
+    """
+    with on_one_core() if task.one_core else nullcontext():
+        log, deviations = _simulate(task)
+    errors = true_path_errors(log)
+    return Result(
+        source=source_digest(),
+        metrics=compute_metrics(log, errors),
+        columns={name: _column(log, errors, deviations, name) for name in task.columns},
+    )
+
+
+def compile_solvers(configuration: str) -> None:
+    """Build everything that a complete configuration (TOML) needs, once, so that its libraries lie in the cache."""
+    settings = Configuration.model_validate(tomllib.loads(configuration))
+    path, _ = build_path(settings)
+    build_autopilot(settings, path, build_machine(settings, path, 0))
+
+
+def solver_sections(configuration: str) -> str:
+    """Return what is left of a complete configuration (TOML) without that on which no solver depends."""
+    sections = tomllib.loads(configuration)
+    return tomli_w.dumps({key: value for key, value in sections.items() if key not in _BESIDE_THE_SOLVERS})
+
+
+@cache
+def source_digest() -> str:
+    """Return the hash of all of drawbar's own code that a figure of a run depends on."""
+    with resources.as_file(resources.files("drawbar")) as root:
+        files = sorted(file for suffix in ("py", "h") for file in root.rglob(f"*.{suffix}"))
+        measuring = [file for file in files if file.relative_to(root).parts[0] not in _BESIDE_THE_RUN]
+        measuring += [root / "experiment" / name for name in _OF_THE_RUN]
+        return digest(*(file.read_text("utf-8") for file in measuring))
+
+
+def encode_result(result: Result) -> bytes:
+    """Return the result as bytes (MessagePack: exact, NaN included)."""
+    return msgspec.msgpack.encode(result, enc_hook=_array_to_bytes)
+
+
+def decode_result(data: bytes) -> Result:
+    """Return the result that was encoded. Raises msgspec.MsgspecError when the bytes are damaged."""
+    return msgspec.msgpack.decode(data, type=Result, dec_hook=_bytes_to_array)
+
+
+def _array_to_bytes(value: NDArray[np.float64]) -> bytes:
+    return value.tobytes()
+
+
+def _bytes_to_array(_kind: Any, value: bytes) -> Floats:
+    return np.frombuffer(value)
+
+
+def _simulate(task: Task) -> tuple[RunLog, RecordedDeviation | None]:
+    """Drive, and keep standard deviations where the task asks for any."""
+    configuration, seed = Configuration.model_validate(tomllib.loads(task.configuration)), task.seed
+    path, drivable = build_path(configuration)
+    autopilot = build_autopilot(configuration, path, build_machine(configuration, path, seed), seed)
+    deviations = None
+    if any(name.startswith(_DEVIATION) for name in task.columns):
+        autopilot.estimator = deviations = RecordedDeviation(autopilot.estimator, configuration)
+    header = run_header(configuration, path, drivable, seed)
+    records, times, stopped = [], [], None
+    try:
+        for record in drive(autopilot, time_limit=longest_time(path.length, configuration.speed)):
+            records.append(record)
+            times.append(time())
+    except RunAborted as error:
+        stopped = error
+    log = RunLog(header=header, records=tuple(records), wall_time=np.array(times), outcome=Outcome.of(stopped))
+    return log, deviations
+
+
+def _column(log: RunLog, errors: Bodies[PathErrors], deviations: RecordedDeviation | None, name: str) -> Floats:
+    if deviations and name.startswith(_DEVIATION):
+        return deviations.column(name.removeprefix(_DEVIATION))
+    quantity, _, body = name.partition(".")
+    if quantity in ("error", "progress"):
+        values: Floats = getattr(getattr(errors, body), quantity)
+        return values
+    return log.column(name)
+
+
+def digest(*texts: str) -> str:
+    """Return a short hash of all texts."""
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:20]

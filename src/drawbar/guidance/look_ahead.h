@@ -1,0 +1,48 @@
+/* The paper's guidance: references from the point a fixed distance ahead of the closest one. The tractor's reference
+ * advances from there at nominal speed, the trailer's stays. */
+#ifndef DRAWBAR_LOOK_AHEAD_H
+#define DRAWBAR_LOOK_AHEAD_H
+
+#include "guidance.h"
+#include "unit.h"
+
+struct component {
+    struct guidance guidance;
+    double look_ahead;                     /* m */
+    double advance[BODIES];                /* of each body's reference from stage to stage, m */
+};
+
+#define COMPONENT_FIELDS                                                                                          \
+    GUIDANCE_FIELDS(component, guidance.) SETTING(component, look_ahead, 0, 1, 0, 0) SETTING(component, advance, 0, BODIES, 0, 0)
+
+/* Place both bodies on the path from where they stand when the run begins; returns an enum guidance_status. */
+int UNIT(begin)(struct component *component, const struct path *path, const struct drawbar_measurement *first)
+{
+    return guidance_begin(&component->guidance, path, first);
+}
+
+/* Whether the tractor has reached the end of the path. */
+int UNIT(finished)(struct component *component, const struct path *path)
+{
+    return guidance_finished(&component->guidance, path);
+}
+
+/* What both controllers shall follow now; returns an enum guidance_status. */
+int UNIT(reference)(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
+                    struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer, void *work)
+{
+    struct guidance *guidance = &component->guidance;
+    struct drawbar_body_reference *const references[BODIES] = {tractor, trailer};
+    const int status = guidance_advance(guidance, path, estimate, references);
+
+    (void)work;
+    if (status != GUIDANCE_FINE)
+        return status;
+    for (int i = 0; i < BODIES; ++i)
+        for (int j = 0; j <= STAGES; ++j)
+            path_sample(path, component->look_ahead + component->advance[i] * j + guidance->progress[i], guidance->samples[i][j]);
+    guidance_to_branch(guidance, estimate);
+    return GUIDANCE_FINE;
+}
+
+#endif

@@ -1,0 +1,127 @@
+/* Preview guidance: the path itself, at the pace at which the vehicle will cover it over the horizon.
+ *
+ * Stage j of each body is the path at its progress plus j mu v dt; it never moves back. A tractor that faces away from
+ * what it shall follow is led onto the path by turns (approach.h); the trailer comes after as it may.
+ */
+#ifndef DRAWBAR_PREVIEW_H
+#define DRAWBAR_PREVIEW_H
+
+#include "approach.h"
+#include "guidance.h"
+#include "unit.h"
+
+#define ASTRAY (DRAWBAR_PI / 3.0)          /* heading error up to which the controllers find their way by themselves;
+                                              beyond it their linearisations do not, rad */
+
+struct component {
+    struct guidance guidance;
+    struct turn_limits limits;
+    double interval;                       /* s */
+    double wheelbase;                      /* m */
+    double room;                           /* how far beside the path turns may lead, m */
+    double furthest[BODIES];               /* progress so far, m */
+    double approached;                     /* progress on the approach, m */
+    struct approach approach;
+};
+
+#define WORK struct onto_line              /* what the search for turns borrows, see workspace.h */
+#define COMPONENT_FIELDS                                                                                          \
+    GUIDANCE_FIELDS(component, guidance.) SETTING(component, limits.curvature, 0, 1, 0, 0)                             \
+    SETTING(component, limits.rate, 0, 1, 0, 0) SETTING(component, interval, 0, 1, 0, 0)                               \
+    SETTING(component, wheelbase, 0, 1, 0, 0) SETTING(component, room, 0, 1, 0, 0)
+
+/* Place both bodies on the path from where they stand when the run begins; returns an enum guidance_status. */
+int UNIT(begin)(struct component *component, const struct path *path, const struct drawbar_measurement *first)
+{
+    component->furthest[TRACTOR] = component->furthest[TRAILER] = -INFINITY;
+    component->approach.count = 0;
+    return guidance_begin(&component->guidance, path, first);
+}
+
+/* Whether the tractor has reached the end of the path. */
+int UNIT(finished)(struct component *component, const struct path *path)
+{
+    return guidance_finished(&component->guidance, path);
+}
+
+/* Move the progress forward, on an approach as long as there is one. */
+static void preview_advance(struct component *component, const struct drawbar_pose *tractor)
+{
+    const struct guidance *guidance = &component->guidance;
+    const struct path track = approach_track(&component->approach);
+    double error;
+
+    for (int i = 0; i < BODIES; ++i)
+        component->furthest[i] = fmax(component->furthest[i], guidance->progress[i]);
+    if (track.count == 0)
+        return;
+    component->approached = fmax(component->approached, guidance_closest(guidance, &track, tractor, component->approached, &error));
+    if (component->approached < path_length(&track))
+        return;
+    component->approach.count = 0;
+    for (int i = 0; i < BODIES; ++i)       /* the turns may have led back behind where they began */
+        component->furthest[i] = guidance->progress[i];
+}
+
+/* Sample what the tractor follows at a distance (m) ahead. */
+static void preview_ahead(const struct component *component, const struct path *path, double distance, double *sample)
+{
+    if (component->approach.count > 0)
+        approach_sample(&component->approach, path, component->approached + distance, sample);
+    else
+        path_sample(path, component->furthest[TRACTOR] + distance, sample);
+}
+
+/* Whether a heading (rad) is too far from that of what the tractor follows. */
+static int preview_astray(const struct component *component, const struct path *path, double yaw)
+{
+    double sample[4];
+
+    preview_ahead(component, path, 0.0, sample);
+    return fabs(wrapped(yaw - sample[2])) > ASTRAY;
+}
+
+/* Begin turns where the tractor faces away from the path, and leave those that it faces away from. Returns 0 where no
+ * turns lead onto the path. */
+static int preview_turn(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
+                        struct onto_line *line)
+{
+    const struct drawbar_pose *tractor = &estimate->tractor;
+
+    if (component->approach.count > 0 && preview_astray(component, path, tractor->yaw))
+        component->approach.count = 0;
+    if (component->approach.count > 0 || !preview_astray(component, path, tractor->yaw))
+        return 1;
+    const double angle = estimate->tractor_slip * estimate->tractor_steering + estimate->steering_offset;
+    const struct beside_path beside
+        = beside_path(path, tractor, component->guidance.progress[TRACTOR], tan(angle) / component->wheelbase);
+    component->approached = 0.0;
+    return approach_find(&component->approach, path, &beside, &component->limits, component->room, line);
+}
+
+/* What both controllers shall follow now; returns an enum guidance_status. */
+int UNIT(reference)(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
+                    struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer, void *work)
+{
+    struct guidance *guidance = &component->guidance;
+    struct drawbar_body_reference *const references[BODIES] = {tractor, trailer};
+    const double speed = estimate->longitudinal_slip * estimate->speed;
+    const int status = guidance_advance(guidance, path, estimate, references);
+
+    if (status != GUIDANCE_FINE)
+        return status;
+    if (!isfinite(speed))
+        return GUIDANCE_SPEED_NOT_FINITE;
+    preview_advance(component, &estimate->tractor);
+    if (!preview_turn(component, path, estimate, work))
+        return GUIDANCE_NO_WAY;
+    for (int j = 0; j <= STAGES; ++j) {
+        const double distance = speed * (component->interval * j);
+        preview_ahead(component, path, distance, guidance->samples[TRACTOR][j]);
+        path_sample(path, component->furthest[TRAILER] + distance, guidance->samples[TRAILER][j]);
+    }
+    guidance_to_branch(guidance, estimate);
+    return GUIDANCE_FINE;
+}
+
+#endif

@@ -1,0 +1,1 @@
+"""Logs: what a run was, written step by step and read back."""

@@ -1,0 +1,33 @@
+"""What is known of a run before its first step, from its configuration and path."""
+
+from datetime import UTC, datetime
+
+from drawbar.config import Configuration
+from drawbar.guidance.path import Path
+from drawbar.guidance.smoothing import DrivablePath
+from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
+
+
+def run_header(configuration: Configuration, path: Path, drivable: DrivablePath | None, seed: int) -> RunHeader:
+    """Describe a run that starts now; `drivable` tells how a recorded line was made drivable, None for other paths."""
+    return RunHeader(
+        configuration_name=configuration.name,
+        configuration=configuration.to_toml(),
+        seed=seed,
+        started=datetime.now(UTC),
+        vehicle=configuration.vehicle,
+        path_name=configuration.path.track or configuration.path.file or "figure-eights",
+        path_note=deviation_note(configuration, drivable) if drivable else "",
+        path=PathTable.of(path),
+        recorded=RecordedPoints.of(drivable.recorded, drivable.deviations) if drivable else None,
+        estimate_bounds=configuration.estimator.bounds_by_estimate(),
+    )
+
+
+def deviation_note(configuration: Configuration, drivable: DrivablePath) -> str:
+    """Return how far a recorded line's points are from the path that will be driven."""
+    worst, limit = int(drivable.deviations.argmax()), configuration.guidance.path_tolerance
+    return (
+        f"made drivable: at most {drivable.deviations[worst]:.2f} m off, at recorded point {worst + 1} of "
+        f"{len(drivable.deviations)} (limit {limit:.2f} m)"
+    )

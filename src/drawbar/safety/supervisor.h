@@ -1,0 +1,34 @@
+/* Whether a run may go on: the supervisor watches what the controllers cannot mend. */
+#ifndef DRAWBAR_SUPERVISOR_H
+#define DRAWBAR_SUPERVISOR_H
+
+#include <math.h>
+#include "signals.h"
+#include "unit.h"
+#include "verdicts.h"
+
+struct component {
+    double lost;                           /* distance from the path at which a run is given up, m */
+    double blind;                          /* time without a fix of either antenna after which it is, s */
+    double last_fix;                       /* time of the last fix, s */
+    int32_t begun;
+};
+
+#define COMPONENT_FIELDS SETTING(component, lost, 0, 1, 0, 0) SETTING(component, blind, 0, 1, 0, 0)
+
+/* Look at one step's estimate and the tractor's reference. A fix counts if it was believed; one that a receiver repeats
+ * is none. */
+int UNIT(watch)(struct component *supervisor, const struct drawbar_estimate *estimate,
+                const struct drawbar_body_reference *tractor)
+{
+    const int fix = estimate->tractor_fix == DRAWBAR_FIX_ACCEPTED || estimate->trailer_fix == DRAWBAR_FIX_ACCEPTED;
+
+    if (fix || !supervisor->begun)
+        supervisor->last_fix = estimate->time;
+    supervisor->begun = 1;
+    if (!(fabs(tractor->lateral_error) <= supervisor->lost)) /* also when it is NaN */
+        return OFF_COURSE;
+    return estimate->time - supervisor->last_fix > supervisor->blind ? BLIND : ON_COURSE;
+}
+
+#endif

@@ -1,0 +1,35 @@
+/* What the controllers and estimators on the chain share: lengths, feed-forward, the trailer's antenna. */
+#ifndef DRAWBAR_CHAIN_H
+#define DRAWBAR_CHAIN_H
+
+#include "geometry.h"
+#include "signals.h"
+
+struct chain {
+    double wheelbase;                      /* L_t, m */
+    double hitch;                          /* a, rear axle to free joint, m */
+    double drawbar;                        /* d, m */
+    double back;                           /* actuated joint to the trailer's antenna, L_i - c, m */
+};
+
+#define CHAIN_FIELDS(place)                                                                       \
+    SETTING(component, place.wheelbase, 0, 1, 0, 0) SETTING(component, place.hitch, 0, 1, 0, 0)              \
+    SETTING(component, place.drawbar, 0, 1, 0, 0) SETTING(component, place.back, 0, 1, 0, 0)
+
+/* The steering (rad) that holds the tractor on a curvature (1/m), for the estimated slip. */
+static inline double curvature_steering(const struct chain *chain, const struct drawbar_estimate *estimate,
+                                        double curvature)
+{
+    const double slope = chain->wheelbase * curvature + tan(estimate->tractor_crab);
+    return (atan(slope) - estimate->steering_offset) / estimate->tractor_slip;
+}
+
+/* The trailer antenna's position (m) behind a rear axle at x, y (m); yaws of tractor, drawbar and trailer, rad. */
+static inline void trailer_antenna(const struct chain *chain, double x, double y, double theta, double phi, double psi,
+                                   double *antenna)
+{
+    antenna[0] = x - chain->hitch * cos(theta) - chain->drawbar * cos(phi) - chain->back * cos(psi);
+    antenna[1] = y - chain->hitch * sin(theta) - chain->drawbar * sin(phi) - chain->back * sin(psi);
+}
+
+#endif

@@ -1,0 +1,134 @@
+"""The prediction through commands under way: against a fine independent integration, and in closed loop."""
+
+import math
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from drawbar.estimation.dead_time import DeadTimePredictor
+from drawbar.signals import Command, Estimate, Pose, SolverStatus
+from drawbar.vehicle.articulated import articulated
+from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.tricycle import tricycle
+
+SAMPLE = 0.2
+COMMANDS = [(0.3, -0.2), (-0.1, 0.25), (0.25, 0.1), (0.05, -0.3)]
+
+
+def vehicle(dead_time: float, sign: int = 1) -> VehicleParameters:
+    return VehicleParameters(dead_time=dead_time, joint_sign=sign)
+
+
+def estimate() -> Estimate:
+    return Estimate(
+        time=7.0,
+        tractor=Pose(x=3.0, y=-2.0, yaw=0.7),
+        trailer=Pose(x=1.3, y=-3.3, yaw=0.6),
+        hitch_angle=0.06,
+        speed=1.2,
+        tractor_steering=0.1,
+        trailer_steering=0.04,
+        longitudinal_slip=0.9,
+        tractor_slip=0.95,
+        trailer_slip=0.85,
+        steering_offset=0.01,
+        tractor_crab=0.02,
+        trailer_crab=-0.01,
+        status=SolverStatus.SOLVED,
+    )
+
+
+def command(tractor: float, trailer: float) -> Command:
+    return Command(time=0.0, tractor_steering=tractor, trailer_steering=trailer, speed=1.0)
+
+
+def predictor(model, dead_time: float, sign: int = 1) -> DeadTimePredictor:
+    return DeadTimePredictor(vehicle(dead_time, sign), model(vehicle(dead_time, sign)), SAMPLE)
+
+
+def yaws(model, e: Estimate, dead_time: float, sign: int) -> tuple[float, float, float, float]:
+    """Return both yaws and both steering angles after the dead time, by an adaptive integrator on the model."""
+    declared = model(vehicle(dead_time, sign))
+    f = ca.Function("f", [declared.x, declared.u, declared.p], [declared.derivative])
+    slips = e.longitudinal_slip, e.tractor_slip
+    if model is articulated:
+        x = [e.tractor.x, e.tractor.y, e.tractor.yaw, e.trailer.yaw, e.tractor_steering, e.trailer_steering]
+        p, at = [*slips, e.steering_offset, e.trailer_crab, e.speed, e.tractor_crab], (2, 3, 4, 5)
+    else:
+        poses = [e.tractor.x, e.tractor.y, e.tractor.yaw, e.trailer.x, e.trailer.y, e.trailer.yaw]
+        x, p, at = (
+            [*poses, e.tractor_steering, e.trailer_steering],
+            [*slips, e.trailer_slip, 0.06, e.speed],
+            (2, 5, 6, 7),
+        )
+
+    def rates(t, z):
+        # a command sent k samples ago acts from (dead time - k samples) on
+        index = len(COMMANDS) - math.ceil((dead_time - t) / SAMPLE - 1e-9)
+        tractor, trailer = COMMANDS[min(index, len(COMMANDS) - 1)]
+        error = (np.array([tractor, sign * trailer]) - z[-2:]) / 0.3
+        limit = np.radians([25.0, 20.0])
+        steer = np.clip(error, -limit, limit)
+        if model is articulated:
+            return f(z, steer, p).full().ravel()
+        return np.concatenate([f(z[:6], z[6:], p).full().ravel(), steer])
+
+    end = solve_ivp(rates, (0.0, dead_time), x, rtol=1e-8, atol=1e-10, max_step=0.005).y[:, -1]
+    return tuple(end[list(at)])
+
+
+@pytest.mark.parametrize("model", [articulated, tricycle])
+@pytest.mark.parametrize(("dead_time", "sign"), [(0.1, 1), (0.2, -1), (0.5, 1), (0.6, -1)])
+def test_the_prediction_is_the_model_driven_by_the_commands_under_way(model, dead_time, sign) -> None:
+    ahead = predictor(model, dead_time, sign)
+    for values in COMMANDS:
+        ahead.sent(command(*values))
+    then = ahead.ahead(estimate())
+    seen = (then.tractor.yaw, then.trailer.yaw, then.tractor_steering, then.trailer_steering)
+    assert seen == pytest.approx(yaws(model, estimate(), dead_time, sign), abs=2e-4)
+    assert then.time == pytest.approx(7.0 + dead_time)
+    assert math.hypot(then.tractor.x - 3.0, then.tractor.y + 2.0) == pytest.approx(1.08 * dead_time, rel=2e-3)
+    assert (then.speed, then.longitudinal_slip, then.status) == (1.2, 0.9, SolverStatus.SOLVED)
+
+
+def test_the_trailers_antenna_and_hitch_follow_the_chain() -> None:
+    shape = vehicle(0.3)
+    then = predictor(articulated, 0.3).ahead(estimate())
+    phi = then.trailer.yaw + then.trailer_steering
+    back = shape.trailer_length - shape.trailer_antenna
+    arms = [(shape.free_joint_offset, then.tractor.yaw), (shape.drawbar_length, phi), (back, then.trailer.yaw)]
+    antenna = complex(then.tractor.x, then.tractor.y) - sum(length * np.exp(1j * yaw) for length, yaw in arms)
+    assert complex(then.trailer.x, then.trailer.y) == pytest.approx(antenna)
+    assert then.hitch_angle == pytest.approx(then.tractor.yaw - phi)
+
+
+def test_before_any_command_the_wheels_stay_as_they_are() -> None:
+    then = predictor(articulated, 0.4).ahead(estimate())
+    assert (then.tractor_steering, then.trailer_steering) == pytest.approx((0.1, 0.04))
+
+
+def test_without_dead_time_the_estimate_is_passed_on() -> None:
+    ahead, now = predictor(articulated, 0.0), estimate()
+    newest = command(0.2, 0.1)
+    assert ahead.sent(newest) is newest
+    assert ahead.ahead(now) is now
+
+
+@pytest.mark.parametrize(("dead_time", "late"), [(0.05, 0), (0.1, 1), (0.2, 1), (0.25, 1), (0.6, 3)])
+def test_the_command_that_acts_is_the_one_of_the_dead_time_ago(dead_time: float, late: int) -> None:
+    ahead = predictor(articulated, dead_time)
+    commands = [command(*values) for values in COMMANDS]
+    acting = [ahead.sent(each) for each in commands]
+    assert acting[late:] == commands[: len(commands) - late]
+    assert all(math.isnan(each.tractor_steering) for each in acting[:late])
+
+
+def test_a_known_dead_time_costs_next_to_nothing(simulate) -> None:
+    path = ("path.radii=[8.0]", "path.straight_length=5.0", "machine.actuators.dead_time=0.4")
+    known, unknown = simulate("articulated", *path, "vehicle.dead_time=0.4"), simulate("articulated", *path)
+    for body in ("tractor", "trailer"):
+        assert np.abs(known.true_errors(body).error).max() <= 0.12
+    worst = [np.abs(run.true_errors("tractor").error).max() for run in (known, unknown)]
+    assert worst[0] < 0.7 * worst[1]

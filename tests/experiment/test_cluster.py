@@ -1,0 +1,57 @@
+"""Calls on a cluster: every argument has its answer, and a bad call harms no other."""
+
+import math
+import os
+import time
+
+import pytest
+from distributed import Client
+
+from drawbar.errors import DrawbarError
+from drawbar.experiment import cluster as cluster_module
+from drawbar.experiment.cluster import Failure, call_all, open_cluster
+
+
+def test_every_argument_has_its_answer(cluster: Client) -> None:
+    arguments = {str(number): float(number) for number in range(50)}
+    answers = list(call_all(cluster, math.sqrt, arguments))
+    assert len(answers) == len(arguments)
+    assert dict(answers) == {key: math.sqrt(value) for key, value in arguments.items()}
+
+
+def test_nothing_to_do_is_done(cluster: Client) -> None:
+    assert list(call_all(cluster, math.sqrt, {})) == []
+
+
+def test_a_call_that_raises_says_why_and_harms_no_other(cluster: Client) -> None:
+    answers = dict(call_all(cluster, math.sqrt, {"good": 9.0, "bad": -1.0, "best": 16.0}))
+    assert answers == {"good": 3.0, "bad": Failure(reason="ValueError: math domain error"), "best": 4.0}
+
+
+def test_a_call_that_kills_its_worker_is_given_up(cluster: Client) -> None:
+    ((key, answer),) = call_all(cluster, os._exit, {"deadly": 3})
+    assert key == "deadly"
+    assert isinstance(answer, Failure)
+    assert answer.reason.startswith("KilledWorker")
+    assert dict(call_all(cluster, math.sqrt, {"after": 25.0})) == {"after": 5.0}
+
+
+def test_calls_do_not_wait_for_ever_where_all_workers_are_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(cluster_module._CONFIGURATION, "distributed.scheduler.no-workers-timeout", 0.5)
+    with open_cluster(jobs=1) as client:
+        client.retire_workers()
+        answers = dict(call_all(client, math.sqrt, {"a": 1.0, "b": 4.0, "c": 9.0}))
+    assert answers.keys() == {"a", "b", "c"}
+    assert all(isinstance(answer, Failure) for answer in answers.values())
+
+
+def test_one_at_a_time_is_in_order(cluster: Client) -> None:
+    waits = {"a": 0.3, "b": 0.0, "c": 0.1}
+    assert [key for key, _ in call_all(cluster, time.sleep, waits, at_once=1)] == ["a", "b", "c"]
+
+
+def test_an_address_without_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("drawbar.experiment.cluster._PATIENCE", 0.2)
+    for address in ("tcp://127.0.0.1:1", "nonsense://x"):
+        with pytest.raises(DrawbarError, match="no Dask scheduler answers"), open_cluster(address):
+            pass

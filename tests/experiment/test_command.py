@@ -1,0 +1,156 @@
+"""`drawbar experiment` as its user sees it: interrupted, resumed, on a cluster whose workers die."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, nullcontext
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+import pytest
+from distributed import Client
+
+from drawbar import cli
+from drawbar.experiment import command, extras
+from drawbar.experiment.experiment import Experiment
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+
+Write = Callable[[str], Experiment]
+PROGRAM = (sys.executable, "-c", "from drawbar.cli.main import main; main()", "experiment")
+
+
+@contextmanager
+def process(*command: str) -> Iterator[subprocess.Popen[str]]:
+    """Start a program in a group of its own, as a shell does, that heeds interrupts; at the end no part of it lives."""
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    options: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen(command, start_new_session=True, preexec_fn=heed, **options) as started:
+        try:
+            yield started
+        finally:
+            if started.poll() is None:
+                os.killpg(started.pid, signal.SIGKILL)
+
+
+def wait_for(condition: Callable[[], bool], of: subprocess.Popen[str]) -> None:
+    end = monotonic() + 120.0
+    while not condition() and of.poll() is None and monotonic() < end:
+        sleep(0.02)
+
+
+def finished(experiment: Experiment) -> dict[str, int]:
+    return {file.name: os.stat(file).st_mtime_ns for file in experiment.folder.glob(".runs/*/*.msgpack")}
+
+
+def results(experiment: Experiment) -> str:
+    return (experiment.folder / "results.md").read_text("utf-8")
+
+
+@pytest.fixture
+def drawbar(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
+    """Return a function that runs the command line in this process: exit code, and what it said."""
+
+    def drawbar(*arguments: str) -> tuple[int, str]:
+        monkeypatch.setattr(sys, "argv", ["drawbar", "experiment", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out + captured.err
+
+    return drawbar
+
+
+@pytest.fixture
+def on_cluster(cluster: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let `drawbar` use the cluster of the session instead of one of its own."""
+    monkeypatch.setattr(command, "open_cluster", lambda address, jobs: nullcontext(cluster))
+
+
+def test_an_interrupted_experiment_goes_on_from_its_finished_runs(
+    drawbar, on_cluster: None, write_experiment: Write, two_cases: str
+) -> None:
+    experiment = write_experiment(two_cases)
+    arguments = (str(experiment.folder), "--seeds", "8")
+    with process(*PROGRAM, *arguments, "--jobs", "2") as first:
+        wait_for(lambda: len(finished(experiment)) >= 3, first)
+        os.killpg(first.pid, signal.SIGINT)  # as from a keyboard: to the workers too
+        said = first.communicate(timeout=120)[0]
+    assert first.returncode == 130
+    assert "the same command goes on" in said
+    assert "Traceback" not in said
+    before = finished(experiment)
+    assert 3 <= len(before) < 16
+    code, said = drawbar(*arguments)
+    assert code == 0, said
+    after = finished(experiment)
+    assert len(after) == 16
+    assert before.items() <= after.items()
+    assert "16 runs, 0 of them given up" in results(experiment)
+
+
+def test_a_worker_killed_on_a_cluster_loses_nothing(write_experiment: Write, two_cases: str, tmp_path: Path) -> None:
+    experiment = write_experiment(two_cases + 'expected.slow."trailer all" = { at_most = 0.001 }')
+    file = tmp_path / "scheduler.json"
+    with ExitStack() as stack:
+        dask = (sys.executable, "-m", "distributed.cli.dask_scheduler")
+        scheduler = stack.enter_context(process(*dask, "--port", "0", "--no-dashboard", "--scheduler-file", str(file)))
+        wait_for(lambda: file.exists() and file.read_text().endswith("}"), scheduler)
+        worker = (sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(file), "--no-nanny")
+        doomed, _ = (stack.enter_context(process(*worker, "--nthreads", "1", "--no-dashboard")) for _ in range(2))
+        address = json.loads(file.read_text())["address"]
+        client = (*PROGRAM, str(experiment.folder), "--seeds", "8", "--cluster", address)
+        with process(*client) as started:
+            wait_for(lambda: len(finished(experiment)) >= 3, started)
+            assert len(finished(experiment)) < 16
+            doomed.kill()
+            said = started.communicate(timeout=120)[0]
+    assert doomed.wait() == -signal.SIGKILL
+    assert started.returncode == 1, said  # by the expected figure alone
+    assert said.count("missed: ") == 1, said
+    assert len(finished(experiment)) == 16
+    assert "16 runs, 0 of them given up" in results(experiment)
+
+
+def test_a_run_needs_no_extras() -> None:
+    extras = {"distributed", "dask", "matplotlib", "optuna"}
+    program = f"import sys, drawbar.cli.main; sys.exit(bool({extras} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+def test_extras_that_are_missing_are_told(drawbar, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "distributed" else find_spec(name))
+    code, said = drawbar("all")
+    assert code == 2
+    assert 'experiments need distributed, not installed here. Run: pip install "drawbar[experiments]"' in said
+
+
+def test_jobs_are_not_for_a_running_cluster(drawbar) -> None:
+    code, said = drawbar("all", "--jobs", "2", "--cluster", "tcp://127.0.0.1:1")
+    assert code == 2
+    assert "--jobs 2 and --cluster" in said
+
+
+def test_all_experiments_make_one_report(
+    drawbar, on_cluster: None, two_cases: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("first", "second"):
+        folder = tmp_path / "experiments" / name
+        folder.mkdir(parents=True)
+        (folder / "experiment.toml").write_text(two_cases.replace("Two controllers", f"The {name} one"), "utf-8")
+    analysis = "def figures(result):\n    return {'seed': result.metrics.seed}\n"
+    (tmp_path / "experiments" / "second" / "analysis.py").write_text(analysis, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    code, said = drawbar("all", "--seeds", "2")
+    assert code == 0, said
+    report = (tmp_path / "experiments" / "REPORT.md").read_text("utf-8")
+    assert "| first | 2 | 2 | 0 | 0 |" in report
+    assert report.index("## The first one") < report.index("## The second one")
+    assert "| slow | 2/2 | 0.5 ± 6.4 |" in report  # of the seeds 0 and 1: t(0.975, 1) = 12.7
+    assert (tmp_path / "experiments" / "second" / "means.csv").exists()

@@ -1,0 +1,117 @@
+"""experiment.toml: what it says is what is driven, and what is wrong in it is told."""
+
+import math
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from drawbar.config import load_configuration
+from drawbar.errors import ConfigurationError
+from drawbar.experiment.experiment import Expectation, Experiment, find_experiments
+
+Write = Callable[[str], Experiment]
+
+
+def test_every_case_has_a_task_per_seed(write_experiment: Write, two_cases: str) -> None:
+    tasks = write_experiment(two_cases).tasks(4)
+    assert list(tasks) == ["articulated", "slow"]
+    assert [task.seed for task in tasks["slow"]] == [0, 1, 2, 3]
+    assert len({task.key for case in tasks.values() for task in case}) == 8
+    changes = ("path.radii=[5.0]", "path.straight_length=1.0", "speed=0.8")
+    assert tasks["slow"][0].configuration == load_configuration("articulated", changes).to_toml()
+    assert tasks["slow"][0].columns == ("error.tractor",)
+
+
+def test_every_case_is_driven_in_every_variant(write_experiment: Write, two_cases: str) -> None:
+    variants = 'variants = [{ name = "fast", changes = ["speed=1.5"] }, { name = "as it is" }]'
+    experiment = write_experiment(two_cases + variants)
+    speeds = {name: tomllib.loads(text)["speed"] for name, text in experiment.configurations.items()}
+    assert speeds == {
+        "articulated: fast": 1.5,
+        "articulated: as it is": 1.0,
+        "slow: fast": 1.5,
+        "slow: as it is": 0.8,
+    }
+
+
+def test_a_case_may_be_driven_in_some_variants_only(write_experiment: Write) -> None:
+    experiment = write_experiment(
+        'title = "x"\ncases = [{ name = "paper", variants = ["b"] }, { name = "articulated" }]\n'
+        'variants = [{ name = "a" }, { name = "b" }]'
+    )
+    assert list(experiment.configurations) == ["paper: b", "articulated: a", "articulated: b"]
+
+
+def test_figures_of_time_are_measured_on_one_core(write_experiment: Write, two_cases: str) -> None:
+    alone = write_experiment("one_at_a_time = true\n" + two_cases).tasks(1)
+    assert all(task.one_core for tasks in alone.values() for task in tasks)
+    assert not any(task.one_core for task in write_experiment(two_cases).tasks(1)["slow"])
+
+
+def test_a_case_may_have_a_configuration_of_its_own(write_experiment: Write, tmp_path: Path) -> None:
+    (tmp_path / "small").mkdir()
+    (tmp_path / "small" / "mine.toml").write_text('extends = "paper"\nname = "mine"\n', "utf-8")
+    experiment = write_experiment('title = "x"\ncases = [{ name = "a", configuration = "mine.toml" }]')
+    assert tomllib.loads(experiment.configurations["a"])["name"] == "mine"
+
+
+WRONG = {
+    "no TOML": ("title = ", "cannot be read as an experiment"),
+    "no case": ('title = "x"\ncases = []', "cases"),
+    "unknown key": ('title = "x"\nseed = 3\ncases = [{ name = "paper" }]', "has no key seed"),
+    "unknown configuration": ('title = "x"\ncases = [{ name = "papre" }]', "papre: cannot be read"),
+    "same name twice": (
+        'title = "x"\ncases = [{ name = "paper" }, { name = "paper" }]',
+        "two cases are called 'paper'",
+    ),
+    "expectation of no case": (
+        'title = "x"\ncases = [{ name = "paper" }]\nexpected.papre.x = { at_most = 1.0 }',
+        "expected names no case: papre",
+    ),
+    "case of no variant": (
+        'title = "x"\ncases = [{ name = "paper", variants = ["b"] }]\nvariants = [{ name = "a" }]',
+        "case 'paper' names no variant: b; variants: a",
+    ),
+    "half an expectation": (
+        'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { value = 1.0 }',
+        "either value and within, or at_most",
+    ),
+    "two expectations": (
+        'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { value = 1.0, within = 0.1, at_most = 1.0 }',
+        "either value and within, or at_most",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_is_told(write_experiment: Write, case: str) -> None:
+    text, part = WRONG[case]
+    with pytest.raises(ConfigurationError) as error:
+        write_experiment(text)
+    assert part in str(error.value)
+
+
+def test_an_expectation_holds_or_not() -> None:
+    near, limit = Expectation(value=-50.0, within=0.1), Expectation(at_most=3.0)
+    assert [near.holds(mean) for mean in (-44.9, -45.0, -55.0, -55.1, math.nan)] == [False, True, True, False, False]
+    assert [limit.holds(mean) for mean in (-9.0, 3.0, 3.1, math.nan)] == [True, True, False, False]
+    assert (str(near), str(limit)) == ("-50 ± 10 %", "≤ 3")
+
+
+def test_experiments_are_found_by_name_by_path_and_all(
+    write_experiment: Write, two_cases: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = write_experiment(two_cases).folder
+    assert find_experiments(str(folder)) == [folder]
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ConfigurationError, match="none; run the command where"):
+        find_experiments("all")
+    for name in ("second", "first"):
+        (tmp_path / "experiments" / name).mkdir(parents=True)
+        (tmp_path / "experiments" / name / "experiment.toml").write_text(two_cases, "utf-8")
+    assert [folder.name for folder in find_experiments("all")] == ["first", "second"]
+    assert find_experiments("second") == [Path("experiments/second")]
+    with pytest.raises(ConfigurationError, match=r"third: is no experiment .* first, second"):
+        find_experiments("third")
