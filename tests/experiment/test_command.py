@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from distributed import Client
 
-from drawbar import cli
+from drawbar.cli import main as cli
 from drawbar.experiment import command, extras
 from drawbar.experiment.experiment import Experiment
 

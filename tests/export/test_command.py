@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drawbar import cli
+from drawbar.cli import main as cli
 from drawbar.optimal.transcription import CONTROL_ITERATIONS, ESTIMATION_ITERATIONS
 
 Drawbar = Callable[..., tuple[int, str]]

@@ -12,7 +12,7 @@ import pytest
 from distributed import Client
 from rich.console import Console
 
-from drawbar import cli
+from drawbar.cli import main as cli
 from drawbar.config import TuningSettings
 from drawbar.errors import DrawbarError
 from drawbar.experiment.cluster import Failure

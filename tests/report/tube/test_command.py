@@ -8,7 +8,7 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
-from drawbar import cli
+from drawbar.cli import main as cli
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.recording.header import run_header
