@@ -85,6 +85,8 @@ class Configuration(Settings):
     """s; RTK GNSS at 5 Hz"""
     speed: Annotated[float, Field(ge=0.05)] = 1.0
     """set wheel speed, m/s"""
+    acceleration: Annotated[float, Field(gt=0.0)] = 0.5
+    """fastest change of the commanded speed during a run, m/s²; a run begins with the set speed"""
     vehicle: VehicleParameters = VehicleParameters()
     sensors: SensorNoise = SensorNoise()
     """what the estimator believes of the sensors; the simulated ones are machine.sensors"""

@@ -12,12 +12,11 @@ from rich.text import Text
 from drawbar.config import Configuration, load_configuration, shipped_names
 from drawbar.errors import DrawbarError
 from drawbar.export.targets import TARGETS, find_target
-from drawbar.recording.header import deviation_note, run_header
+from drawbar.recording.header import deviation_note
 from drawbar.recording.recorder import Recorder
 from drawbar.report.console import RunProgress, summary
 from drawbar.report.folder import LOG_NAME, write_report
-from drawbar.simulation import drive, longest_time
-from drawbar.step.build import build_autopilot, build_machine, build_path
+from drawbar.simulation import Simulation
 
 app = typer.Typer(
     add_completion=False,
@@ -51,17 +50,16 @@ def run(
     given = (("path.file", path), ("path.track", track))
     settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
     config = load_configuration(configuration, [*settings, *(changes or [])])
-    line, drivable = build_path(config)
-    if drivable:
-        console.print(deviation_note(config, drivable))
-    with console.status("compiling the solvers (the first time only) …"):
-        autopilot = build_autopilot(config, line, build_machine(config, line, seed), seed)
+    with console.status("compiling the control step (the first time only) …"):
+        simulation = Simulation(config, seed)
+    if simulation.drivable:
+        console.print(deviation_note(config, simulation.drivable))
     folder = _new_folder(out, config, seed)
-    log = Recorder(folder / LOG_NAME, run_header(config, line, drivable, seed))
+    log = Recorder(folder / LOG_NAME, simulation.header())
     stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
-        with log as recorder, RunProgress(console, line.length) as live:
-            for record in drive(autopilot, time_limit=longest_time(line.length, config.speed)):
+        with simulation, log as recorder, RunProgress(console, simulation.path.length) as live:
+            for record in simulation.steps():
                 recorder.write(record)
                 live.show(record)
     except (DrawbarError, KeyboardInterrupt) as error:

@@ -3,5 +3,6 @@
 from drawbar.codegen.cache import build
 from drawbar.codegen.function import CompiledFunction
 from drawbar.codegen.library import Workspace
+from drawbar.codegen.unit import Component, Unit
 
-__all__ = ["CompiledFunction", "Workspace", "build"]
+__all__ = ["CompiledFunction", "Component", "Unit", "Workspace", "build"]

@@ -6,17 +6,14 @@ Findeisen and Allgöwer 2004 for predictive control). Here the model is put into
 the rest.
 """
 
-import ctypes
 import math
 from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 
-from drawbar.codegen.component import Component
+from drawbar.codegen import Unit
 from drawbar.codegen.emit import Input, Output, emit
-from drawbar.exchange import CCommand, CEstimate
-from drawbar.signals import Command, Estimate
 from drawbar.vehicle.model import Model, Variable, integrate, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -48,56 +45,28 @@ static void give_estimate(const struct component *work, struct drawbar_estimate 
 """
 
 
-class DeadTimePredictor:
-    """Remembers the commands under way and moves estimates forward through them.
+def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float) -> Unit | None:
+    """Return what remembers the commands under way and moves estimates forward through them; None without dead time.
 
-    The speed stays as it is estimated: a drive is slower than any dead time. Without dead time nothing is computed.
+    The speed stays as it is estimated: a drive is slower than any dead time.
+
+    Args:
+        vehicle: lag, rates, sign and dead time of the actuators.
+        model: of the whole vehicle, articulated or tricycle.
+        sample_time: s.
     """
-
-    def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float) -> None:
-        """Compile the prediction.
-
-        Args:
-            vehicle: lag, rates, sign and dead time of the actuators.
-            model: of the whole vehicle, articulated or tricycle.
-            sample_time: s.
-
-        Raises:
-            CompilerError: no compiler, or it refused the code.
-        """
-        count = math.ceil(round(vehicle.dead_time / sample_time, 9))
-        self.component: Component | None = None
-        """the compiled prediction; None without dead time"""
-        if not count:
-            return
-        self.component = component = Component("dead_time", _source(actuated(vehicle, model), count))
-        first = vehicle.dead_time - (count - 1) * sample_time
-        component.array("dead_time")[:], component.array("sign")[:] = vehicle.dead_time, vehicle.joint_sign
-        component.array("durations")[:] = [first, *[sample_time] * (count - 1)]
-        component.array("soon")[:] = first < 0.5 * sample_time
-        self._now, self._then, self._newest, self._acting = CEstimate(), CEstimate(), CCommand(), CCommand()
-        pointers = [ctypes.byref(each) for each in (self._now, self._then, self._newest, self._acting)]
-        self._ahead, self._sent = component.function("ahead", pointers=2), component.function("sent", pointers=2)
-        self._estimates, self._commands = pointers[:2], pointers[2:]
-
-    def ahead(self, estimate: Estimate) -> Estimate:
-        """Return the estimate for the moment at which the next command begins to act."""
-        if self.component is None:
-            return estimate
-        self._now.write(estimate)
-        self._ahead(*self._estimates)
-        return self._then.read()
-
-    def sent(self, command: Command) -> Command:
-        """Remember the newest command, and return the one that acts during most of the sample that now begins.
-
-        All its values are NaN as long as no command has arrived at the actuators.
-        """
-        if self.component is None:
-            return command
-        self._newest.write(command)
-        self._sent(*self._commands)
-        return self._acting.read()
+    count = math.ceil(round(vehicle.dead_time / sample_time, 9))
+    if not count:
+        return None
+    first = vehicle.dead_time - (count - 1) * sample_time
+    settings = {
+        "dead_time": vehicle.dead_time,
+        "sign": vehicle.joint_sign,
+        "durations": [first, *[sample_time] * (count - 1)],
+        "soon": first < 0.5 * sample_time,
+    }
+    source = _source(actuated(vehicle, model), count)
+    return Unit(name="predictor", source=source, configure=lambda workspace: workspace.write(settings))
 
 
 def actuated(vehicle: VehicleParameters, model: Model) -> Model:

@@ -4,10 +4,8 @@ from abc import ABC
 from collections.abc import Mapping
 
 from drawbar.codegen import Workspace
-from drawbar.errors import HardwareError
 from drawbar.estimation.settings import ScreeningSettings
 from drawbar.optimal import EstimationProblem
-from drawbar.signals import Measurement
 from drawbar.vehicle.parameters import VehicleParameters
 
 
@@ -42,11 +40,3 @@ def chain(vehicle: VehicleParameters) -> dict[str, float]:
         "chain.drawbar": vehicle.drawbar_length,
         "chain.back": vehicle.trailer_length - vehicle.trailer_antenna,
     }
-
-
-def no_position(first: Measurement) -> HardwareError:
-    """Return what to raise when an estimator cannot begin: the first measurement lacks a position."""
-    return HardwareError(
-        f"The first measurement lacks a position (tractor {first.tractor_x}, {first.tractor_y}; "
-        f"trailer {first.trailer_x}, {first.trailer_y}); wait for a fix of both antennas to start."
-    )

@@ -78,4 +78,10 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
     return component->predicted = filter_predict(&component->filter);
 }
 
+/* Let a sample pass in which nothing was measured. */
+int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
+{
+    return UNIT(ready)(component, acting);
+}
+
 #endif

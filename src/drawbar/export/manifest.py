@@ -6,12 +6,13 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from drawbar.codegen import Component
 from drawbar.codegen.cache import runtime_sources
 from drawbar.config import Configuration
 from drawbar.export.sources import state_doubles, work_size
 from drawbar.export.stack import CallGraph
 from drawbar.export.toolchain import Built
-from drawbar.export.unit import Unit
+from drawbar.optimal import SolverUnit
 
 ENTRIES = ("drawbar_init", "drawbar_set_path", "drawbar_feedback", "drawbar_prepare", "drawbar_step")
 """functions whose stack is stated"""
@@ -35,22 +36,22 @@ def configuration_hash(configuration: Configuration) -> str:
 
 
 def manifest(
-    configuration: Configuration, version: str, units: Sequence[Unit], builds: Sequence[Built]
+    configuration: Configuration, version: str, units: Sequence[Component], builds: Sequence[Built]
 ) -> dict[str, Any]:
     """Return the manifest.
 
     Args:
         configuration: what was exported.
         version: of drawbar.
-        units: the parts.
+        units: the components.
         builds: what was built, one entry a target.
     """
     return {
         "drawbar": version,
         "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
         "state_bytes": 8 * state_doubles(units),
-        "parts_bytes": {unit.name: unit.size for unit in units} | {"work": work_size(units)},
-        "bounds": {unit.name: _bounds(unit) for unit in units if unit.has_solver},
+        "components_bytes": {unit.name: unit.size for unit in units} | {"work": work_size(units)},
+        "bounds": {unit.name: _bounds(unit) for unit in units if isinstance(unit.unit, SolverUnit)},
         "targets": {build.target.name: _target(build) for build in builds},
     }
 
@@ -79,13 +80,13 @@ def _calls(build: Built) -> Mapping[str, Any]:
     }
 
 
-def _bounds(unit: Unit) -> Mapping[str, int]:
+def _bounds(unit: Component) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
     One factorisation and one sweep without bounds; a sweep for each column of the active set, two to publish its answer
     and one to take it back; then the interior point.
     """
-    bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
+    bounds = {name: _defined(macro, [unit.unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
     bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
     sweeps = 1 + bounds["active_set_columns"] + 3 + _SWEEPS_OF_ITERATION * iterations

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
+from itertools import islice
 
 from drawbar.guidance.path import Path
 from drawbar.signals import Measurement
-from drawbar.step.autopilot import Autopilot
+from drawbar.simulation import Simulation
 
 SECONDS = 30.0
 """how long the run is that is recorded; a shorter path ends it before"""
@@ -23,12 +24,11 @@ def measurement_table(measurements: Iterable[Measurement]) -> str:
     return _table(MEASURED, map(astuple, measurements))
 
 
-def record(autopilot: Autopilot, sample_time: float) -> list[Measurement]:
+def record(simulation: Simulation) -> list[Measurement]:
     """Return what the sensors report in the first seconds of a run."""
-    measurements: list[Measurement] = []
-    while len(measurements) * sample_time < SECONDS and not autopilot.guidance.finished:
-        measurements.append(autopilot.step().measurement)
-    return measurements
+    count = round(SECONDS / simulation.configuration.sample_time)
+    with simulation:
+        return [record.measurement for record in islice(simulation.steps(), count)]
 
 
 def _table(names: Sequence[str], rows: Iterable[Sequence[float]]) -> str:

@@ -2,5 +2,14 @@
 
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.solver import ControlSolver, EstimationSolver
+from drawbar.optimal.unit import SolverUnit, solver_unit
 
-__all__ = ["Bound", "ControlProblem", "ControlSolver", "EstimationProblem", "EstimationSolver"]
+__all__ = [
+    "Bound",
+    "ControlProblem",
+    "ControlSolver",
+    "EstimationProblem",
+    "EstimationSolver",
+    "SolverUnit",
+    "solver_unit",
+]

@@ -9,12 +9,32 @@ from drawbar.optimal.transcription import Transcription, transcribe
 from drawbar.signals import SolverStatus
 
 
+def write_settings(
+    workspace: Workspace, problem: ControlProblem | EstimationProblem, transcription: Transcription
+) -> None:
+    """Write a problem's numbers into its solver's fields: bounds, weights, and what its cost has besides."""
+    array, weights = workspace.array, workspace.array("w")
+    for i, (index, bound) in enumerate(transcription.bounds):
+        array("qp.bound")[i] = index
+        array("lower")[i], array("upper")[i] = bound.lower, bound.upper
+        array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = bound.linear_penalty, bound.quadratic_penalty
+    weights[:] = problem.weights
+    if isinstance(problem, EstimationProblem):
+        weights[-1, list(transcription.input_outputs)] = 0.0
+        array("process")[:], array("window.deviation")[:] = problem.process_deviation, problem.prior_deviation
+        array("common")[:] = problem.common_deviation or 0.0
+        return
+    weights[-1] = problem.terminal_weights
+    if problem.initial_weights:
+        array("root")[:] = np.diag(np.sqrt(problem.initial_weights))
+
+
 class _RealTimeIteration:
     """What control and estimation share: the workspace and the phases prepare, feedback and shift."""
 
-    def __init__(self, transcription: Transcription, component: str) -> None:
-        self.source = transcription.source(component)
-        """C unit of the solver and of the component that it is of"""
+    def __init__(self, transcription: Transcription) -> None:
+        self.source = transcription.source()
+        """C unit of the solver"""
         self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
         self.workspace.function("reset")()
         array = self.workspace.array
@@ -29,17 +49,6 @@ class _RealTimeIteration:
         self.prepare = self.workspace.function("prepare")
         self.feedback = self.workspace.function("feedback")
         self.shift = self.workspace.function("shift")
-        self._set_bounds(transcription)
-
-    def _set_bounds(self, transcription: Transcription) -> None:
-        array = self.workspace.array
-        for i, (index, bound) in enumerate(transcription.bounds):
-            array("qp.bound")[i] = index
-            array("lower")[i], array("upper")[i] = bound.lower, bound.upper
-            array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = (
-                bound.linear_penalty,
-                bound.quadratic_penalty,
-            )
 
     @property
     def status(self) -> SolverStatus:
@@ -64,19 +73,17 @@ class ControlSolver(_RealTimeIteration):
     apply u[0]; then advance().
     """
 
-    def __init__(self, problem: ControlProblem, component: str = "") -> None:
+    def __init__(self, problem: ControlProblem) -> None:
         """Compile the problem's solver (or take it from the cache).
-
-        Args:
-            problem: the problem.
-            component: header that makes the solver a component of the autopilot, see Transcription.source.
 
         Raises:
             SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
         self.problem = problem
-        super().__init__(transcribe(problem), component)
+        transcription = transcribe(problem)
+        super().__init__(transcription)
+        write_settings(self.workspace, problem, transcription)
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
         free = bool(problem.initial_weights)
@@ -89,10 +96,6 @@ class ControlSolver(_RealTimeIteration):
         """(nx,) largest first state where it is free; infinite at first"""
         self.defects: Floats = self.workspace.array("qp.c")
         """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
-        self.w[:-1] = problem.weights
-        self.w[-1] = problem.terminal_weights
-        if free:
-            self.workspace.array("root")[:] = np.diag(np.sqrt(problem.initial_weights))
 
     def start(self) -> None:
         """Linearise along a trajectory that rests at `initial` under zero input."""
@@ -112,13 +115,12 @@ class EstimationSolver(_RealTimeIteration):
     advance(). The window fills from its first row on.
     """
 
-    def __init__(self, problem: EstimationProblem, prior: Floats | None, component: str = "") -> None:
+    def __init__(self, problem: EstimationProblem, prior: Floats) -> None:
         """Compile the problem's solver (or take it from the cache) and start it at the prior.
 
         Args:
             problem: the problem.
-            prior: (nx + np,) first guess of states and parameters; None for a component, which begins by itself.
-            component: header that makes the solver a component of the autopilot, see Transcription.source.
+            prior: (nx + np,) first guess of states and parameters.
 
         Raises:
             SolverError: the problem contradicts itself.
@@ -126,7 +128,8 @@ class EstimationSolver(_RealTimeIteration):
         """
         transcription = transcribe(problem)
         self.problem = problem
-        super().__init__(transcription, component)
+        super().__init__(transcription)
+        write_settings(self.workspace, problem, transcription)
         array = self.workspace.array
         self.slide = self.workspace.function("slide")
         self._restart = self.workspace.function("restart", pointers=1)
@@ -135,12 +138,7 @@ class EstimationSolver(_RealTimeIteration):
         """(nx, nx) upper triangular R of the arrival cost ||R (x_0 - prior)||²"""
         self.prior: Floats = array("prior")
         """(nx,) what the window's first state should be"""
-        self.w[:] = problem.weights
-        self.w[-1, list(transcription.input_outputs)] = 0.0
-        array("process")[:], array("window.deviation")[:] = problem.process_deviation, problem.prior_deviation
-        array("common")[:] = problem.common_deviation or 0.0
-        if prior is not None:
-            self.restart(prior)
+        self.restart(prior)
 
     @property
     def newest(self) -> int:

@@ -34,18 +34,19 @@ _UNIT = """
 {functions}
 {component}
 """
-_INTROSPECTION = """
-#include "workspace.h"
-#define RTI(name, kind, a, b, c) FIELD(rti, name, kind, a, b, c)
-#define SET(name, a, b) SETTING(rti, name, 0, a, b, 0)
-const struct drawbar_field drawbar_fields[] = {
+SOLVER_FIELDS = """
     {"x", offsetof(struct rti, z), 0, {N + 1, NX, 0}, 0, 0},
     {"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {N, NU, 0}, 0, 0},
     RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) SET(w, N + 1, NY)
     RTI(initial, 0, NX, 0, 0) SET(lower, NB, 0) SET(upper, NB, 0) SET(root, NX, NX)
     RTI(prior, 0, NX, 0, 0) SET(process, NX, 0) SET(common, NX, 0) RTI(status, 1, 1, 0, 0)
-    QP_FIELDS(rti, qp.) COMPONENT_FIELDS END_OF_FIELDS
-};
+    QP_FIELDS(rti, qp.)"""
+"""entries of the table of fields (fields.h)"""
+_TABLE = """
+#include "workspace.h"
+const struct drawbar_field drawbar_fields[] = {%s COMPONENT_FIELDS END_OF_FIELDS};
+"""
+_PHASES = """
 int reset(struct component *component)
 {
     memset(component, 0, sizeof *component);
@@ -128,7 +129,7 @@ class Transcription:
 
     def introspection(self) -> str:
         """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
-        return _INTROSPECTION + (_WINDOW_PHASES if self.arrival else "")
+        return _TABLE % SOLVER_FIELDS + _PHASES + (_WINDOW_PHASES if self.arrival else "")
 
     def _functions(self) -> str:
         nx = self.x.numel()
