@@ -19,12 +19,14 @@ from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
 from drawbar.optimal.transcription import Transcription, transcribe
 from drawbar.signals import Command, Estimate, Measurement, SolverStatus, SolveTimes
+from drawbar.vehicle.model import column
 
 _FILTER = "struct filter *work"
 _UNIT = """
 #define NX {states}
 #define NU {inputs}
 #define NY {outputs}
+#define CONSTANTS {constants}
 #define LANES 1
 #include "{model}_estimation.h"
 #include "extended_kalman.h"
@@ -69,6 +71,7 @@ class ExtendedKalmanFilter(Estimator):
     def _fill_in(self, problem: EstimationProblem, discrete: Transcription) -> None:
         """Tell the filter its settings."""
         field = self.component.array
+        field("filter.constants")[:] = [each.value for each in discrete.constants]
         field("filter.prior")[:], field("filter.drift")[:] = problem.prior_deviation, problem.process_deviation
         field("filter.common")[:] = problem.common_deviation or 0.0
         field("filter.noise")[:] = np.power(problem.weights, -0.5)
@@ -112,6 +115,7 @@ def _source(discrete: Transcription, model: str) -> str:
     inputs = [
         Input(place="work->x[{k}][{i}]", rows="1", symbol=discrete.x),
         Input(place="work->u[{k}][{i}]", rows="1", symbol=discrete.u),
+        Input(place="work->constants[{i}]", rows="", symbol=column(discrete.constants)),
     ]
     F, A, B, h, C = _linearised(discrete)
     functions = {
@@ -123,8 +127,9 @@ def _source(discrete: Transcription, model: str) -> str:
         states=discrete.x.numel(),
         inputs=discrete.u.numel(),
         outputs=discrete.output.numel(),
+        constants=len(discrete.constants),
         model=model,
-        functions=emit_constants("constants", every, _FILTER)
+        functions=emit_constants("filter_constants", inputs, every, _FILTER)
         + "".join(emit(name, inputs, results, _FILTER) for name, results in functions.items()),
     )
 

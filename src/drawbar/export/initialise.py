@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from drawbar.export.unit import Unit
 
-_OF_SOLVER = ("w", "lower", "upper", "root", "process", "common")
+_OF_SOLVER = ("constants", "w", "lower", "upper", "root", "process", "common")
 """settings of a solver, which is the first member of its component"""
 _C_TYPES = {"f": "double", "i": "int32_t"}
 
 
 def initialiser(unit: Unit) -> str:
-    """Return the C function that makes a component ready to begin: all zero, then its constants and settings.
+    """Return the C function that makes a component ready to begin: all zero, its settings, and what follows from them.
 
     Rows that repeat, as weights do from stage to stage, are stored once.
     """
@@ -30,7 +30,7 @@ def initialiser(unit: Unit) -> str:
 int UNIT(initialise)(struct component *component)
 {{
     memset(component, 0, sizeof *component);
-{constants}{calls}    return 0;
+{calls}{constants}    return 0;
 }}
 """
 

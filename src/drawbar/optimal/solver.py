@@ -16,8 +16,9 @@ class _RealTimeIteration:
         self.source = transcription.source(component)
         """C unit of the solver and of the component that it is of"""
         self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
-        self.workspace.function("reset")()
         array = self.workspace.array
+        array("constants")[:] = [each.value for each in transcription.constants]
+        self.workspace.function("lay_down")()
         self.x: Floats = array("x")
         """(N+1, nx) state trajectory"""
         self.u: Floats = array("u")
