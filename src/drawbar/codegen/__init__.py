@@ -1,7 +1,7 @@
 """From CasADi to machine code: C generation, compiler discovery, build cache, loading."""
 
 from drawbar.codegen.cache import build
-from drawbar.codegen.function import CompiledFunction
 from drawbar.codegen.library import Workspace
+from drawbar.codegen.recurrence import CompiledRecurrence
 
-__all__ = ["CompiledFunction", "Workspace", "build"]
+__all__ = ["CompiledRecurrence", "Workspace", "build"]
