@@ -57,8 +57,8 @@ def declared(**changes: Any) -> Model:
         ({"derivative": ca.SX(1, 2)}, "declares 1 states but the expression has shape (1, 2)"),
         ({"u": ca.SX.sym("u", 2)}, "declares 1 inputs"),
         ({"inputs": (), "u": ca.SX(0, 1), "derivative": ca.SX(1, 1)}, "at least one state and one input"),
-        ({"derivative": ca.SX.sym("ghost")}, "neither state, input nor parameter: ['ghost']"),
-        ({"derivative": ca.SX.sym("position")}, "neither state, input nor parameter: ['position']"),
+        ({"derivative": ca.SX.sym("ghost")}, "neither state, input, parameter nor constant: ['ghost']"),
+        ({"derivative": ca.SX.sym("position")}, "neither state, input, parameter nor constant: ['position']"),
     ],
 )
 def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], complaint: str) -> None:
@@ -68,7 +68,7 @@ def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], compl
 
 @pytest.mark.parametrize("declare", MODELS)
 def test_runge_kutta_has_order_four(declare: Callable[..., Model], draw: Callable[..., Any]) -> None:
-    model = declare(VehicleParameters())
+    model = declare(VehicleParameters()).numeric()
     x, u, p = draw(model, np.random.default_rng(5))
     p[[v.name == "speed" for v in model.parameters]] = 3.0
     f = ca.Function("f", [model.x, model.u, model.p], [model.derivative])

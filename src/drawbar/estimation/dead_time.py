@@ -14,11 +14,13 @@ import casadi as ca
 
 from drawbar.codegen import Unit
 from drawbar.codegen.emit import Input, Output, emit
-from drawbar.vehicle.model import Model, Variable, integrate, symbols, variables
+from drawbar.vehicle.model import Model, Variable, constant, runge_kutta, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 
 _STEPS = 4
 """Runge-Kutta steps per command"""
+_ROOM = 16
+"""Commands under way for which there is always room: their number is data up to here"""
 _STEERING = ("tractor_steering", "trailer_steering")
 _MOVED = (
     *(f"{body}_{coordinate}" for body in ("tractor", "trailer") for coordinate in ("x", "y", "yaw")),
@@ -28,10 +30,11 @@ _MOVED = (
 """What of an estimate the motion changes; whatever else the model has is taken for constant"""
 _UNIT = """
 #define LANES 1
-#define COMMANDS {commands}
+#define MOST_COMMANDS {room}
 #define STATES {states}
 #define PARAMETERS {parameters}
 #define OUTPUTS {outputs}
+#define CONSTANTS {constants}
 #include "dead_time.h"
 static void take_estimate(struct component *work, const struct drawbar_estimate *estimate)
 {{
@@ -59,13 +62,16 @@ def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float)
     if not count:
         return None
     first = vehicle.dead_time - (count - 1) * sample_time
+    driven, room = actuated(vehicle, model), max(count, _ROOM)
     settings = {
         "dead_time": vehicle.dead_time,
         "sign": vehicle.joint_sign,
-        "durations": [first, *[sample_time] * (count - 1)],
+        "constants": [each.value for each in driven.constants],
+        "durations": [first, *[sample_time] * (count - 1), *[0.0] * (room - count)],
+        "count": count,
         "soon": first < 0.5 * sample_time,
     }
-    source = _source(actuated(vehicle, model), count)
+    source = _source(driven, room)
     return Unit(name="predictor", source=source, configure=lambda workspace: workspace.write(settings))
 
 
@@ -79,8 +85,10 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
     inner = all(name in names for name in _STEERING)
     steering = variables(tractor_steering="rad", trailer_steering="rad")
     angles = ca.vertcat(*(model.x[names.index(name)] for name in _STEERING)) if inner else symbols(steering)
-    limit = ca.vertcat(vehicle.tractor_steering_rate, vehicle.trailer_steering_rate)
-    rates = ca.fmin(ca.fmax((target - angles) / vehicle.steering_lag, -limit), limit)
+    lag = constant("steering_lag", "s", vehicle.steering_lag)
+    limits = [constant(f"{name}_rate", "rad/s", getattr(vehicle, f"{name}_rate")) for name in _STEERING]
+    limit = ca.vertcat(*(each.symbol for each in limits))
+    rates = ca.fmin(ca.fmax((target - angles) / lag.symbol, -limit), limit)
     derivative, output = ca.substitute([model.derivative, model.output], [model.u], [rates if inner else angles])
     return replace(
         model,
@@ -91,18 +99,20 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
         u=target,
         derivative=derivative if inner else ca.vertcat(derivative, rates),
         output=output,
+        constants=(*model.constants, lag, *limits),
     )
 
 
-def _source(model: Model, commands: int) -> str:
-    """Return the C unit of the prediction through so many commands with an actuated model."""
+def _source(model: Model, room: int) -> str:
+    """Return the C unit of the prediction with an actuated model, through so many commands at most."""
     take = [*_taken("x", model.states), *_taken("p", model.parameters)]
     given = dict([*_places("y", model.outputs), *_places("x", model.states)])  # a state rather than its measurement
     return _UNIT.format(
-        commands=commands,
+        room=room,
         states=len(model.states),
         parameters=len(model.parameters),
         outputs=len(model.outputs),
+        constants=len(model.constants),
         take="\n    ".join(take),
         give="\n    ".join(f"{_field(name)} = {given[name]};" for name in _MOVED),
         motion=_motion(model),
@@ -118,12 +128,13 @@ def _motion(model: Model) -> str:
         parameters=(*model.parameters, *variables(duration="s")),
         p=ca.vertcat(model.p, duration),
     )
-    after = integrate(scaled, 1.0, _STEPS)
+    after = runge_kutta(scaled, 1.0, _STEPS)
     arguments: dict[str, Any] = {"x": model.x, "u": model.u, "p": model.p, "duration": duration}
     results = {"x": after, "y": ca.substitute(model.output, model.x, after)}
+    inputs = [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()]
     return emit(
         "motion",
-        [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()],
+        [*inputs, Input(place="work->constants[{i}]", rows="", symbol=model.c)],
         [Output(place=f"work->{name}[k]", rows="1", value=value) for name, value in results.items()],
         "struct component *work",
     )

@@ -22,7 +22,7 @@ struct component {
 /* Start from the first measurement; BAD_INPUT where it lacks a position. */
 int UNIT(begin)(struct component *component, const struct drawbar_measurement *first)
 {
-    constants(&component->filter);
+    filter_constants(&component->filter);
     filter_forget(&component->filter);
     return model_first_guess(&component->model, first, component->filter.x[0]) ? SOLVED : BAD_INPUT;
 }

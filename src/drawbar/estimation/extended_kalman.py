@@ -13,12 +13,14 @@ from drawbar.estimation.description import EstimationModel
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
 from drawbar.optimal.transcription import Transcription, transcribe
+from drawbar.vehicle.model import column
 
 _FILTER = "struct filter *work"
 _UNIT = """
 #define NX {states}
 #define NU {inputs}
 #define NY {outputs}
+#define CONSTANTS {constants}
 #define LANES 1
 #include "{model}_estimation.h"
 #include "extended_kalman.h"
@@ -41,6 +43,7 @@ def extended_kalman_unit(model: EstimationModel) -> Unit:
 
     def configure(workspace: Workspace) -> None:
         field = workspace.array
+        field("filter.constants")[:] = [each.value for each in discrete.constants]
         field("filter.prior")[:], field("filter.drift")[:] = problem.prior_deviation, problem.process_deviation
         field("filter.common")[:] = problem.common_deviation or 0.0
         field("filter.noise")[:] = np.power(problem.weights, -0.5)
@@ -56,6 +59,7 @@ def _source(discrete: Transcription, model: str) -> str:
     inputs = [
         Input(place="work->x[{k}][{i}]", rows="1", symbol=discrete.x),
         Input(place="work->u[{k}][{i}]", rows="1", symbol=discrete.u),
+        Input(place="work->constants[{i}]", rows="", symbol=column(discrete.constants)),
     ]
     F, A, B, h, C = _linearised(discrete)
     functions = {
@@ -67,8 +71,9 @@ def _source(discrete: Transcription, model: str) -> str:
         states=discrete.x.numel(),
         inputs=discrete.u.numel(),
         outputs=discrete.output.numel(),
+        constants=len(discrete.constants),
         model=model,
-        functions=emit_constants("constants", every, _FILTER)
+        functions=emit_constants("filter_constants", inputs, every, _FILTER)
         + "".join(emit(name, inputs, results, _FILTER) for name, results in functions.items()),
     )
 

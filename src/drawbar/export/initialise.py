@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from drawbar.codegen import Component
 from drawbar.optimal import SolverUnit
 
-_OF_SOLVER = ("w", "lower", "upper", "root", "process", "common")
+_OF_SOLVER = ("constants", "w", "lower", "upper", "root", "process", "common")
 """settings of a solver, which is the first member of its component"""
 _C_TYPES = {"f": "double", "i": "int32_t"}
 
 
 def initialiser(unit: Component) -> str:
-    """Return the C function that makes a component ready to begin: all zero, then its constants and settings.
+    """Return the C function that makes a component ready to begin: all zero, its settings, and what follows from them.
 
     Rows that repeat, as weights do from stage to stage, are stored once.
     """
@@ -31,7 +31,7 @@ def initialiser(unit: Component) -> str:
 int UNIT(initialise)(struct component *component)
 {{
     memset(component, 0, sizeof *component);
-{constants}{calls}    return 0;
+{calls}{constants}    return 0;
 }}
 """
 

@@ -5,12 +5,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drawbar.codegen import CompiledFunction
+from drawbar.codegen import CompiledRecurrence
 from drawbar.errors import ConfigurationError, HardwareError
 from drawbar.geometry import Floats
 from drawbar.machine.base import Machine
 from drawbar.machine.ground import Ground
-from drawbar.machine.plant import COMMANDS, EFFECTS, STATES, plant
+from drawbar.machine.plant import COMMANDS, EFFECTS, plant_constants, plant_step
 from drawbar.machine.sensing import Sensing
 from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
 from drawbar.signals import Command, Measurement, Pose, Truth
@@ -57,11 +57,10 @@ class SimulatedMachine(Machine):
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
-        self._plant = CompiledFunction(plant(self._vehicle, settings, self._steps))
-        self._state = self._plant.inputs[0]
+        self._plant = CompiledRecurrence(plant_step(), self._steps)
+        self._plant.constants[:] = plant_constants(self._vehicle, settings)
+        self._state, self._inputs, self._states = self._plant.state, self._plant.inputs, self._plant.states
         self._state[:4] = start.x, start.y, start.yaw, start.yaw
-        self._inputs = self._plant.inputs[1].reshape(self._steps, COMMANDS + EFFECTS)
-        self._states = self._plant.outputs[0].reshape(self._steps, STATES)
         delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
         self._commands = np.zeros((delay + self._steps, COMMANDS))
         self._unknown = unknown

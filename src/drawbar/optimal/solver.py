@@ -14,6 +14,7 @@ def write_settings(
 ) -> None:
     """Write a problem's numbers into its solver's fields: bounds, weights, and what its cost has besides."""
     array, weights = workspace.array, workspace.array("w")
+    array("constants")[:] = [each.value for each in transcription.constants]
     for i, (index, bound) in enumerate(transcription.bounds):
         array("qp.bound")[i] = index
         array("lower")[i], array("upper")[i] = bound.lower, bound.upper
@@ -32,11 +33,12 @@ def write_settings(
 class _RealTimeIteration:
     """What control and estimation share: the workspace and the phases prepare, feedback and shift."""
 
-    def __init__(self, transcription: Transcription) -> None:
+    def __init__(self, problem: ControlProblem | EstimationProblem, transcription: Transcription) -> None:
         self.source = transcription.source()
         """C unit of the solver"""
         self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
-        self.workspace.function("reset")()
+        write_settings(self.workspace, problem, transcription)
+        self.workspace.function("lay_down")()
         array = self.workspace.array
         self.x: Floats = array("x")
         """(N+1, nx) state trajectory"""
@@ -82,8 +84,7 @@ class ControlSolver(_RealTimeIteration):
         """
         self.problem = problem
         transcription = transcribe(problem)
-        super().__init__(transcription)
-        write_settings(self.workspace, problem, transcription)
+        super().__init__(problem, transcription)
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
         free = bool(problem.initial_weights)
@@ -128,8 +129,7 @@ class EstimationSolver(_RealTimeIteration):
         """
         transcription = transcribe(problem)
         self.problem = problem
-        super().__init__(transcription)
-        write_settings(self.workspace, problem, transcription)
+        super().__init__(problem, transcription)
         array = self.workspace.array
         self.slide = self.workspace.function("slide")
         self._restart = self.workspace.function("restart", pointers=1)
