@@ -140,6 +140,7 @@ def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
     hidden = "import sys; sys.modules['ziglang'] = None; import importlib.util as u; f = u.find_spec; "
     hidden += "u.find_spec = lambda name, *rest: None if name == 'ziglang' else f(name, *rest); "
     environment = {"PATH": "", "CC": chosen, "DRAWBAR_CACHE": str(tmp_path / "cache")}
+    environment["PYTHONPATH"] = os.environ.get("PYTHONPATH", "")
     ended = subprocess.run(
         [sys.executable, "-c", hidden + "from drawbar.cli.main import main; main()", "run"],
         cwd=tmp_path,

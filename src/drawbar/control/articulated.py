@@ -25,13 +25,18 @@ class ArticulatedTractor(SubsystemController):
     ) -> None:
         """Compile the controller for this vehicle, with what the tube leaves of the bounds."""
         weights = settings.tractor
+        errors = {
+            "lateral_error": weights.lateral,
+            "heading_error": weights.heading,
+            "steering": weights.steering,
+        }
         super().__init__(
             ControlProblem(
                 model=articulated_tractor(vehicle),
                 horizon=settings.horizon,
                 sample_time=sample_time,
-                weights=(weights.lateral, weights.heading, weights.steering, weights.steering_rate),
-                terminal_weights=(weights.lateral, weights.heading, weights.steering, 0.0),
+                weights=errors | {"steering_rate": weights.steering_rate},
+                terminal_weights=errors,
                 bounds=_bounds(tube),
             ),
             tube,
@@ -56,13 +61,14 @@ class ArticulatedTrailer(SubsystemController):
     ) -> None:
         """Compile the controller for this vehicle, with what the tube leaves of the bounds."""
         weights = settings.trailer
+        errors = {"lateral_error": weights.lateral, "steering": weights.steering}
         super().__init__(
             ControlProblem(
                 model=articulated_trailer(vehicle),
                 horizon=settings.horizon,
                 sample_time=sample_time,
-                weights=(weights.lateral, weights.steering, weights.steering_rate),
-                terminal_weights=(weights.lateral, weights.steering, 0.0),
+                weights=errors | {"steering_rate": weights.steering_rate},
+                terminal_weights=errors,
                 bounds=_bounds(tube),
             ),
             tube,

@@ -42,11 +42,11 @@ class SubsystemController:
             SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
-        states = len(problem.model.states)
+        states = [variable.name for variable in problem.model.states]
         start: dict[str, ArrayLike] = {"subsystem.restarts": tube.nominal is Nominal.PREDICTED}
         if tube.nominal is Nominal.OPTIMISED:
-            problem = replace(problem, initial_weights=(_PULL,) * states)
-            start |= _box(initial_choice(tube), states)
+            problem = replace(problem, initial_weights=dict.fromkeys(states, _PULL))
+            start |= _box(initial_choice(tube), len(states))
         self.solver = ControlSolver(problem, component)
         self._iteration = TimedIteration(self.solver)
         workspace = self.solver.workspace
