@@ -16,7 +16,7 @@ SAMPLE_TIME, HORIZON, WINDOW = 0.1, 20, 20  # s; samples
 WHEELBASE, RADIUS, LIMIT = 0.5, 5.0, 0.3  # m, m, rad
 TRUTH = np.array([1.0, 0.12])  # m/s, rad: speed and askew compass, which the estimator has to find out
 GUESS = np.array([6.5, 0.0, 1.3, 0.8, 0.0])  # m, m, rad, m/s, rad: what it starts from
-DEVIATIONS = np.array([0.03, 0.03, 0.02, 0.05, 0.001])  # of the outputs: m, m, rad, m/s, rad
+DEVIATIONS = {"x": 0.03, "y": 0.03, "compass": 0.02, "speed": 0.05, "steering": 0.001}  # of the outputs: m, rad, m/s
 STATES, INPUTS = variables(x="m", y="m", yaw="rad"), variables(steering="rad")
 PARAMETERS = variables(speed="m/s", compass_offset="rad")
 x, u, p = symbols(STATES), symbols(INPUTS), symbols(PARAMETERS)
@@ -36,17 +36,17 @@ CONTROL = ControlProblem(
     model=ROBOT,
     horizon=HORIZON,
     sample_time=SAMPLE_TIME,
-    weights=(1.0, 1.0, 0.0, 0.0, 0.5),
-    terminal_weights=(5.0, 5.0, 0.0, 0.0, 0.0),
+    weights={"x": 1.0, "y": 1.0, "compass": 0.0, "speed": 0.0, "steering": 0.5},
+    terminal_weights={"x": 5.0, "y": 5.0, "compass": 0.0, "speed": 0.0},
     bounds={"steering": Bound(lower=-LIMIT, upper=LIMIT)},
 )
 ESTIMATION = EstimationProblem(
     model=ROBOT,
     horizon=WINDOW,
     sample_time=SAMPLE_TIME,
-    weights=tuple((DEVIATIONS**-2).tolist()),
-    prior_deviation=(0.1, 0.1, 0.3, 0.3, 0.3),
-    process_deviation=(0.002, 0.002, 0.002, 0.005, 1e-4),
+    weights={name: deviation**-2 for name, deviation in DEVIATIONS.items()},
+    prior_deviation={"x": 0.1, "y": 0.1, "yaw": 0.3, "speed": 0.3, "compass_offset": 0.3},
+    process_deviation={"x": 0.002, "y": 0.002, "yaw": 0.002, "speed": 0.005, "compass_offset": 1e-4},
     bounds={"compass_offset": Bound(lower=-0.3, upper=0.3)},
 )
 
@@ -65,7 +65,7 @@ def run(seconds: float, seed: int) -> Floats:
     controller.initial[:], controller.p[:] = GUESS[:3], GUESS[3:]
     controller.start()
     for _ in range(round(seconds / SAMPLE_TIME)):
-        newest, noise = estimator.newest, DEVIATIONS * rng.standard_normal(5)
+        newest, noise = estimator.newest, list(DEVIATIONS.values()) * rng.standard_normal(5)
         compass = nearest_branch(wrap(state[2] + TRUTH[1] + noise[2]), estimator.x[newest, 2])
         estimator.y[newest, :4] = *(state[:2] + noise[:2]), compass, TRUTH[0] + noise[3]
         estimator.feedback()

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drawbar.config import load_configuration, shipped_names
+from drawbar.config import load_configuration
+from drawbar.configurations import shipped_names
 from drawbar.control.settings import TubeSettings
 from drawbar.errors import ConfigurationError
 

@@ -3,7 +3,6 @@
 import reprlib
 import tomllib
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -11,6 +10,7 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
 from drawbar.bounded import BoundedErrors
+from drawbar.configurations import shipped_names, shipped_text
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     LqrSettings,
@@ -137,11 +137,6 @@ class Configuration(Settings):
         return tomli_w.dumps(self.model_dump(mode="json"))
 
 
-def shipped_names() -> list[str]:
-    """Return the names of the configurations that come with drawbar."""
-    return sorted(file.name.removesuffix(".toml") for file in _shipped().iterdir() if file.name.endswith(".toml"))
-
-
 def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuration:
     """Read a configuration file, or a shipped one by name, with changes applied.
 
@@ -200,13 +195,9 @@ def _goes_on(old: Any, new: Any) -> bool:
     return bool(both) and new.get("model") in (None, old.get("model"))
 
 
-def _shipped() -> Any:
-    return resources.files("drawbar") / "configurations"
-
-
 def _read(source: str) -> tuple[str, str]:
     if source in shipped_names():
-        return (_shipped() / f"{source}.toml").read_text("utf-8"), source
+        return shipped_text(source), source
     try:
         return Path(source).read_text("utf-8-sig"), source
     except (OSError, ValueError) as error:

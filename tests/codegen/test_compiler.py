@@ -77,8 +77,8 @@ def solved() -> Floats:
         model=tricycle_tractor(VehicleParameters()),
         horizon=10,
         sample_time=0.2,
-        weights=(1.0, 1.0, 0.1),
-        terminal_weights=(10.0, 10.0, 0.0),
+        weights={"x": 1.0, "y": 1.0, "steering": 0.1},
+        terminal_weights={"x": 10.0, "y": 10.0},
         bounds={"steering": Bound(lower=-0.3, upper=0.3)},
     )
     solver = ControlSolver(problem)

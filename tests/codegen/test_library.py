@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from drawbar.codegen import Workspace, build
+from drawbar.errors import SolverError
 
 UNIT = """
 #include "fields.h"
@@ -48,7 +49,7 @@ def test_a_function_keeps_the_memory_it_works_on() -> None:
 
 def test_unknown_names_are_errors() -> None:
     workspace = Workspace(build("views", UNIT))
-    with pytest.raises(KeyError):
+    with pytest.raises(SolverError, match="There is no array 'velocity'; there are grid, counts, last"):
         workspace.array("velocity")
     with pytest.raises(AttributeError):
         workspace.function("stop")

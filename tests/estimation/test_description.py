@@ -115,6 +115,4 @@ def test_steering_that_is_not_measured_stays_as_it_was_on_the_papers_model(compi
 def test_a_slope_moves_both_crab_angles_and_the_offset_alike_and_nothing_else():
     settings = ArticulatedEstimatorSettings(model="articulated", drift=ArticulatedDrift(slope=0.007))
     problem = ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, 0.2).problem
-    names = [variable.name for variable in (*problem.model.states, *problem.model.parameters)]
-    moved = {name: size for name, size in zip(names, problem.common_deviation, strict=True) if size}
-    assert moved == dict.fromkeys(("steering_offset", "trailer_crab", "tractor_crab"), 0.007)
+    assert problem.common_deviation == dict.fromkeys(("steering_offset", "trailer_crab", "tractor_crab"), 0.007)

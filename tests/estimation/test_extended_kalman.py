@@ -21,6 +21,7 @@ from drawbar.estimation.settings import (
 )
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import Floats
+from drawbar.optimal.problem import row
 from drawbar.signals import Command, FixStatus, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
@@ -102,8 +103,9 @@ def dense_filter(model, measurements):
     rates, output = TEXTBOOK[problem.model.name]
     names = [variable.name for variable in (*problem.model.states, *problem.model.parameters)]
     z = ExtendedKalmanFilter(model, measurements[0]).state.copy()
-    P = np.diag(np.square(problem.prior_deviation))
-    R, u, result = np.diag(1.0 / np.array(problem.weights)), np.zeros(2), []
+    P = np.diag(np.square(row(problem.prior_deviation, problem.estimated)))
+    R = np.diag(1.0 / np.array(row(problem.weights, problem.model.outputs)))
+    u, result = np.zeros(2), []
     for measurement in measurements:
         y = outputs_of(model, measurement)
         seen = np.isfinite(y[:-2])
@@ -117,8 +119,8 @@ def dense_filter(model, measurements):
         u = np.where(np.isfinite(y[-2:]), y[-2:], u)
         A, B = slope(lambda x, u=u: step(rates, x, u), z), slope(lambda v, z=z: step(rates, z, v), u)
         z = step(rates, z, u)
-        common = np.array(problem.common_deviation or (0.0,) * len(z))
-        noise = np.diag(np.square(problem.process_deviation)) + np.outer(common, common)
+        common = np.array(row(problem.common_deviation, problem.estimated))
+        noise = np.diag(np.square(row(problem.process_deviation, problem.estimated))) + np.outer(common, common)
         P = A @ P @ A.T + B @ R[-2:, -2:] @ B.T + noise
     return result
 
@@ -356,7 +358,8 @@ def window_deviation(estimator, model, travel) -> Floats:
     """Return what the window's residuals, differentiated by differences along its trajectory, say of its last state."""
     solver = estimator.solver
     declared, newest = model.problem.model, solver.newest
-    nx, nu, weights = len(declared.states), len(declared.inputs), np.sqrt(model.problem.weights)
+    nx, nu = len(declared.states), len(declared.inputs)
+    weights = np.sqrt(row(model.problem.weights, declared.outputs))
 
     def both(v):
         z, u = v[: solver.x.shape[1]], v[solver.x.shape[1] :].reshape(newest, nu)

@@ -163,7 +163,7 @@ def test_a_new_base_station_is_believed_on_the_present_branch(recording, name, r
         estimator.update(measurement)
         estimator.prepare()
     solver.x[:, rows] += 4.0 * math.pi  # continuous along a run, so whole turns add up
-    solver.prior[rows] += 4.0 * math.pi
+    solver.workspace.array("prior")[rows] += 4.0 * math.pi
     yaws, begun = [], []
     for measurement in recording[60:90]:
         towed = replace(measurement, tractor_x=measurement.tractor_x + 4.0, trailer_x=measurement.trailer_x + 4.0)

@@ -8,18 +8,36 @@ import pytest
 
 from drawbar.errors import SolverError
 from drawbar.optimal import Bound, ControlProblem, EstimationProblem
+from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import transcribe
 from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import MEASURED
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
+
+MODEL = tricycle_tractor(VehicleParameters())
+WEIGHTS = {"x": 1.0, "y": 1.0, "steering": 1.0}
+TERMINAL = {"x": 1.0, "y": 1.0}
+SENSORS = {variable.name: 1.0 for variable in MEASURED}
+DEVIATIONS = dict.fromkeys(
+    (
+        *("tractor_x", "tractor_y", "tractor_yaw", "trailer_x", "trailer_y", "trailer_yaw"),
+        *("longitudinal_slip", "tractor_slip", "trailer_slip", "hitch_angle", "speed"),
+    ),
+    1.0,
+)
+
+
+def without(values: dict[str, float], name: str) -> dict[str, float]:
+    return {key: value for key, value in values.items() if key != name}
 
 
 def control(**changes: Any) -> ControlProblem:
     whole = {
-        "model": tricycle_tractor(VehicleParameters()),
+        "model": MODEL,
         "horizon": 5,
         "sample_time": 0.2,
-        "weights": (1.0, 1.0, 1.0),
-        "terminal_weights": (1.0, 1.0, 0.0),
+        "weights": WEIGHTS,
+        "terminal_weights": TERMINAL,
     }
     return ControlProblem(**{**whole, **changes})
 
@@ -29,9 +47,9 @@ def estimation(**changes: Any) -> EstimationProblem:
         "model": tricycle(VehicleParameters()),
         "horizon": 5,
         "sample_time": 0.2,
-        "weights": (1.0,) * 8,
-        "prior_deviation": (1.0,) * 11,
-        "process_deviation": (0.0,) * 11,
+        "weights": SENSORS,
+        "prior_deviation": DEVIATIONS,
+        "process_deviation": dict.fromkeys(DEVIATIONS, 0.0),
     }
     return EstimationProblem(**{**whole, **changes})
 
@@ -50,9 +68,17 @@ WRONG = (
     ("changes", "complaint"),
     [
         *WRONG,
-        ({"weights": (1.0, 1.0)}, "weights needs 3 values, got 2"),
-        ({"weights": (1.0, -1.0, 1.0)}, "weights must be finite and not negative"),
-        ({"terminal_weights": (1.0, math.nan, 0.0)}, "terminal_weights must be finite"),
+        (
+            {"weights": (1.0, 1.0, 1.0)},
+            "weights go by name, such as {'x': 1.0}, got (1.0, 1.0, 1.0); the names are x, y",
+        ),
+        ({"weights": without(WEIGHTS, "y")}, "weights: 'y' is missing; give 0.0 to what shall not count"),
+        ({"weights": WEIGHTS | {"yaw": 1.0}}, "weights: there is no 'yaw'; the names are x, y, steering"),
+        ({"weights": WEIGHTS | {"y": -1.0}}, "weights must be finite and not negative"),
+        ({"terminal_weights": {"x": 1.0}}, "terminal_weights: 'y' is missing"),
+        ({"terminal_weights": TERMINAL | {"y": math.nan}}, "terminal_weights must be finite"),
+        ({"terminal_weights": WEIGHTS}, "terminal_weights: 'steering' of 'tricycle_tractor' depends on an input"),
+        ({"initial_weights": {"x": 1.0, "y": 1.0}}, "initial_weights: 'yaw' is missing"),
         ({"bounds": {"speed": Bound(lower=0.0, upper=1.0)}}, "Bound on 'speed', which is no state or input"),
     ],
 )
@@ -65,12 +91,13 @@ def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
     ("changes", "complaint"),
     [
         *WRONG,
-        ({"weights": (1.0,) * 7}, "weights needs 8 values"),
-        ({"prior_deviation": (1.0,) * 6}, "prior_deviation needs 11 values"),
-        ({"prior_deviation": (0.0,) * 11}, "prior_deviation must be positive"),
-        ({"process_deviation": (math.inf,) * 11}, "process_deviation must be finite"),
-        ({"common_deviation": (1.0,) * 6}, "common_deviation needs 11 values"),
-        ({"common_deviation": (-1.0,) * 11}, "common_deviation must be finite and not negative"),
+        ({"weights": without(SENSORS, "speed")}, "weights: 'speed' is missing"),
+        ({"prior_deviation": without(DEVIATIONS, "hitch_angle")}, "prior_deviation: 'hitch_angle' is missing"),
+        ({"prior_deviation": DEVIATIONS | {"speed": 0.0}}, "prior_deviation must be positive"),
+        ({"process_deviation": DEVIATIONS | {"speed": math.inf}}, "process_deviation must be finite"),
+        ({"process_deviation": TERMINAL}, "process_deviation: there is no 'x', 'y'; the names are tractor_x"),
+        ({"common_deviation": {"slip": 1.0}}, "common_deviation: there is no 'slip'"),
+        ({"common_deviation": {"tractor_slip": -1.0}}, "common_deviation must be finite and not negative"),
     ],
 )
 def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:
@@ -95,9 +122,14 @@ def test_bound(values: dict[str, float]) -> None:
         Bound(**values)
 
 
-def test_terminal_weight_on_an_output_of_the_input_is_refused() -> None:
-    with pytest.raises(SolverError, match=re.escape("its terminal weight must be 0, got 2.0")):
-        transcribe(control(terminal_weights=(1.0, 1.0, 2.0)))
+def test_terminal_weight_of_an_output_of_the_input_may_be_zero_or_absent() -> None:
+    assert row(control(terminal_weights=TERMINAL | {"steering": 0.0}).terminal_weights, MODEL.outputs) == [1, 1, 0]
+    assert row(control().terminal_weights, MODEL.outputs) == [1, 1, 0]
+
+
+def test_common_noise_moves_only_what_is_named() -> None:
+    problem = estimation(common_deviation={"tractor_slip": 0.5})
+    assert row(problem.common_deviation, problem.estimated) == [0.5 * (name == "tractor_slip") for name in DEVIATIONS]
 
 
 def test_bounded_variables_are_those_that_can_move() -> None:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from drawbar.config import load_configuration, shipped_names
+from drawbar.config import load_configuration
+from drawbar.configurations import shipped_names
 from drawbar.signals import GateVerdict
 
 BASES = ("articulated", "paper", "pure-pursuit", "lqr")

@@ -48,6 +48,10 @@ def declared(**changes: Any) -> Model:
     return Model(**{**whole, **changes})
 
 
+SYMBOL = ca.SX.sym("position")
+TWICE = {"x": SYMBOL, "u": SYMBOL, "derivative": SYMBOL, "output": SYMBOL}
+
+
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [
@@ -59,6 +63,16 @@ def declared(**changes: Any) -> Model:
         ({"inputs": (), "u": ca.SX(0, 1), "derivative": ca.SX(1, 1)}, "at least one state and one input"),
         ({"derivative": ca.SX.sym("ghost")}, "neither state, input, parameter nor constant: ['ghost']"),
         ({"derivative": ca.SX.sym("position")}, "neither state, input, parameter nor constant: ['position']"),
+        ({"inputs": variables(position="m/s")}, "declares 'position' more than once"),
+        (
+            {"outputs": 2 * variables(speed="m/s"), "output": ca.SX(2, 1)},
+            "declares 'speed' more than once",
+        ),
+        ({"derivative": ca.MX.sym("speed")}, "the expression for its states is a MX, but must be CasADi's SX"),
+        ({"p": ca.MX(0, 1)}, "the expression for its parameters is a MX"),
+        ({"output": ca.DM(1.0)}, "put constants into ca.SX"),
+        ({"x": 2.0 * SYMBOL, "output": SYMBOL}, "x, u and p must be symbols"),
+        (TWICE, "x, u and p must be symbols, each a different one"),
     ],
 )
 def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], complaint: str) -> None:

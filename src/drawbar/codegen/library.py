@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drawbar.errors import SolverError
+
 _KINDS = (np.float64, np.int32)
 
 
@@ -83,7 +85,13 @@ class Workspace:
         return stored[..., : place.shape[-1] - place.padding]
 
     def array(self, name: str) -> NDArray[Any]:
-        """Return the named field as an array that shares the workspace's memory."""
+        """Return the named field as an array that shares the workspace's memory.
+
+        Raises:
+            SolverError: there is no field of that name; says which there are.
+        """
+        if name not in self._fields:
+            raise SolverError(f"There is no array {name!r}; there are {', '.join(self._fields)}.")
         return self._fields[name]
 
     def write(self, values: Mapping[str, ArrayLike]) -> None:

@@ -19,12 +19,13 @@ def articulated_tractor_unit(
 ) -> Unit:
     """Return the tractor's controller: slip, crab, a steering of limited rate, held near the path's own curvature."""
     weights = settings.tractor
+    errors = {"lateral_error": weights.lateral, "heading_error": weights.heading, "steering": weights.steering}
     problem = ControlProblem(
         model=articulated_tractor(vehicle),
         horizon=settings.horizon,
         sample_time=sample_time,
-        weights=(weights.lateral, weights.heading, weights.steering, weights.steering_rate),
-        terminal_weights=(weights.lateral, weights.heading, weights.steering, 0.0),
+        weights=errors | {"steering_rate": weights.steering_rate},
+        terminal_weights=errors,
         bounds=_bounds(tube),
     )
     actuator = actuator_settings(
@@ -40,12 +41,13 @@ def articulated_trailer_unit(
 ) -> Unit:
     """Return the trailer's controller, on the chain behind a tractor whose motion is given by the coupling."""
     weights = settings.trailer
+    errors = {"lateral_error": weights.lateral, "steering": weights.steering}
     problem = ControlProblem(
         model=articulated_trailer(vehicle),
         horizon=settings.horizon,
         sample_time=sample_time,
-        weights=(weights.lateral, weights.steering, weights.steering_rate),
-        terminal_weights=(weights.lateral, weights.steering, 0.0),
+        weights=errors | {"steering_rate": weights.steering_rate},
+        terminal_weights=errors,
         bounds=_bounds(tube),
     )
     actuator = actuator_settings(

@@ -20,13 +20,20 @@ def centralised_articulated_unit(
     bodies.
     """
     tractor, trailer = settings.tractor, settings.trailer
-    front, rear = (tractor.lateral, tractor.heading, tractor.steering), (trailer.lateral, trailer.steering)
+    errors = {
+        "tractor_lateral_error": tractor.lateral,
+        "tractor_heading_error": tractor.heading,
+        "tractor_steering": tractor.steering,
+        "trailer_lateral_error": trailer.lateral,
+        "trailer_steering": trailer.steering,
+    }
+    rates = {"tractor_steering_rate": tractor.steering_rate, "trailer_steering_rate": trailer.steering_rate}
     problem = ControlProblem(
         model=articulated_tracking(vehicle),
         horizon=settings.horizon,
         sample_time=sample_time,
-        weights=(*front, tractor.steering_rate, *rear, trailer.steering_rate),
-        terminal_weights=(*front, 0.0, *rear, 0.0),
+        weights=errors | rates,
+        terminal_weights=errors,
         bounds=_bounds(tubes),
     )
     own = dict(chain_settings(vehicle))

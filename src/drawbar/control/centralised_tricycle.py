@@ -8,6 +8,11 @@ from drawbar.optimal import Bound, ControlProblem
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle
 
+_POSITIONS = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
+_STEERINGS = ("tractor_steering", "trailer_steering")
+_GIVEN = {"hitch_angle": 0.0, "speed": 0.0}
+"""parameters here, which no input changes"""
+
 
 def centralised_tricycle_unit(
     vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float, tubes: Tubes
@@ -19,8 +24,8 @@ def centralised_tricycle_unit(
         model=tricycle(vehicle),
         horizon=settings.horizon,
         sample_time=sample_time,
-        weights=(q, q, q, q, 0.0, 0.0, r, r),  # hitch angle and speed are given
-        terminal_weights=(s, s, s, s, 0.0, 0.0, 0.0, 0.0),
+        weights=dict.fromkeys(_POSITIONS, q) | dict.fromkeys(_STEERINGS, r) | _GIVEN,
+        terminal_weights=dict.fromkeys(_POSITIONS, s) | _GIVEN,
         bounds={
             "tractor_steering": Bound(lower=-front, upper=front),
             "trailer_steering": Bound(lower=-rear, upper=rear),

@@ -33,11 +33,11 @@ def subsystem_unit(
         ConfigurationError: the nominal state shall be optimised, but there is no set to choose it from.
         SolverError: the problem contradicts itself.
     """
-    states = len(problem.model.states)
+    states = [variable.name for variable in problem.model.states]
     start: dict[str, ArrayLike] = {"subsystem.restarts": tube.nominal is Nominal.PREDICTED}
     if tube.nominal is Nominal.OPTIMISED:
-        problem = replace(problem, initial_weights=(_PULL,) * states)
-        start |= _box(initial_choice(tube), states)
+        problem = replace(problem, initial_weights=dict.fromkeys(states, _PULL))
+        start |= _box(initial_choice(tube), len(states))
     return solver_unit(name, problem, header, {**settings, **start})
 
 

@@ -13,13 +13,14 @@ from drawbar.vehicle.tricycle import tricycle_tractor, tricycle_trailer
 def _problem(
     model: Model, settings: TricycleControllerSettings, sample_time: float, tube: SubsystemTube
 ) -> ControlProblem:
-    q, s, limit = settings.position_weight, settings.terminal_weight, tube.bounds["command"].tightened
+    q, s, r = settings.position_weight, settings.terminal_weight, settings.steering_weight
+    limit = tube.bounds["command"].tightened
     return ControlProblem(
         model=model,
         horizon=settings.horizon,
         sample_time=sample_time,
-        weights=(q, q, settings.steering_weight),
-        terminal_weights=(s, s, 0.0),
+        weights={"x": q, "y": q, "steering": r},
+        terminal_weights={"x": s, "y": s},
         bounds={"steering": Bound(lower=-limit, upper=limit)},
     )
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from drawbar.estimation.description import EstimationModel, chain
+from drawbar.estimation.description import EstimationModel, by_variable, chain, sensor_deviations
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
@@ -12,12 +12,17 @@ from drawbar.vehicle.model import Model, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
-_ORDER = (
-    *("position", "position", "yaw", "yaw", "steering", "steering", "longitudinal_slip", "tractor_slip"),
-    *("steering_offset", "crab", "speed", "crab"),
+_CRABS = ("trailer_crab", "tractor_crab")
+_RATES = ("tractor_steering_rate", "trailer_steering_rate")
+_KEYS = (
+    dict.fromkeys(("tractor_x", "tractor_y"), "position")
+    | dict.fromkeys(("tractor_yaw", "trailer_yaw"), "yaw")
+    | dict.fromkeys(("tractor_steering", "trailer_steering"), "steering")
+    | {name: name for name in ("longitudinal_slip", "tractor_slip", "steering_offset", "speed")}
+    | dict.fromkeys(_CRABS, "crab")
 )
-"""the problem's states and parameters, by the names of prior and drift"""
-_ON_A_SLOPE = ("steering_offset", "crab")
+"""which value of a prior or drift section each state and parameter has"""
+_ON_A_SLOPE = ("steering_offset", *_CRABS)
 """what a side slope moves, all by the same angle"""
 
 
@@ -44,29 +49,24 @@ class ArticulatedEstimation(EstimationModel):
             "trailer_rate": vehicle.trailer_steering_rate,
             "joint_sign": vehicle.joint_sign,
         }
-        rates = (settings.steering_rate,) * 2
         deviations = (
-            *(noise.position,) * 4,
-            noise.hitch_angle,
-            noise.speed,
-            noise.tractor_steering,
-            noise.trailer_steering,
+            sensor_deviations(noise)
+            | dict.fromkeys(_CRABS, settings.crab)
+            | dict.fromkeys(_RATES, settings.steering_rate)
         )
         angle = Bound(lower=-settings.angle_bound, upper=settings.angle_bound)
         self.problem = EstimationProblem(
             model=_with_crab(articulated(vehicle)),
             horizon=settings.window,
             sample_time=sample_time,
-            weights=tuple(deviation**-2 for deviation in (*deviations, *(settings.crab,) * 2, *rates)),
-            prior_deviation=_ordered(settings.prior.model_dump()),
-            process_deviation=_ordered(settings.drift.model_dump()),
-            common_deviation=tuple(settings.drift.slope if name in _ON_A_SLOPE else 0.0 for name in _ORDER),
+            weights={name: deviation**-2 for name, deviation in deviations.items()},
+            prior_deviation=by_variable(settings.prior, _KEYS),
+            process_deviation=by_variable(settings.drift, _KEYS),
+            common_deviation=dict.fromkeys(_ON_A_SLOPE, settings.drift.slope),
             bounds={
                 "longitudinal_slip": _bound(settings.longitudinal_slip_bounds),
                 "tractor_slip": _bound(settings.tractor_slip_bounds),
-                "steering_offset": angle,
-                "trailer_crab": angle,
-                "tractor_crab": angle,
+                **dict.fromkeys(_ON_A_SLOPE, angle),
             },
         )
 
@@ -79,11 +79,6 @@ def _with_crab(model: Model) -> Model:
         outputs=(*model.outputs[:split], *crab, *model.outputs[split:]),
         output=ca.vertcat(model.output[:split], model.p[3], model.p[5], model.output[split:]),
     )
-
-
-def _ordered(values: dict[str, float]) -> tuple[float, ...]:
-    """Return a prior or drift section in the order of the problem's states and parameters."""
-    return tuple(values[name] for name in _ORDER)
 
 
 def _bound(bounds: SlipBounds) -> Bound:

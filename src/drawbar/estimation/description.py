@@ -6,7 +6,14 @@ from collections.abc import Mapping
 from drawbar.codegen import Workspace
 from drawbar.estimation.settings import ScreeningSettings
 from drawbar.optimal import EstimationProblem
+from drawbar.settings import Settings
 from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import MEASURED, SensorNoise
+
+_SENSORS = {variable.name: variable.name for variable in MEASURED} | dict.fromkeys(
+    ("tractor_x", "tractor_y", "trailer_x", "trailer_y"), "position"
+)
+"""key of SensorNoise for each measured output"""
 
 
 class EstimationModel(ABC):
@@ -40,3 +47,18 @@ def chain(vehicle: VehicleParameters) -> dict[str, float]:
         "chain.drawbar": vehicle.drawbar_length,
         "chain.back": vehicle.trailer_length - vehicle.trailer_antenna,
     }
+
+
+def sensor_deviations(noise: SensorNoise) -> dict[str, float]:
+    """Return the standard deviation of every measured output by its name, in the output's unit."""
+    return by_variable(noise, _SENSORS)
+
+
+def by_variable(section: Settings, keys: Mapping[str, str]) -> dict[str, float]:
+    """Return the values of a configuration's section by name of the model's variables.
+
+    Args:
+        section: standard deviations.
+        keys: the section's key for each variable.
+    """
+    return {name: getattr(section, key) for name, key in keys.items()}

@@ -12,6 +12,7 @@ from drawbar.errors import ModelError
 from drawbar.estimation.description import EstimationModel
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
+from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import Transcription, transcribe
 from drawbar.vehicle.model import column
 
@@ -42,11 +43,12 @@ def extended_kalman_unit(model: EstimationModel) -> Unit:
     _require_measured_inputs(discrete)
 
     def configure(workspace: Workspace) -> None:
-        field = workspace.array
+        field, estimated = workspace.array, problem.estimated
         field("filter.constants")[:] = [each.value for each in discrete.constants]
-        field("filter.prior")[:], field("filter.drift")[:] = problem.prior_deviation, problem.process_deviation
-        field("filter.common")[:] = problem.common_deviation or 0.0
-        field("filter.noise")[:] = np.power(problem.weights, -0.5)
+        field("filter.prior")[:] = row(problem.prior_deviation, estimated)
+        field("filter.drift")[:] = row(problem.process_deviation, estimated)
+        field("filter.common")[:] = row(problem.common_deviation, estimated)
+        field("filter.noise")[:] = np.power(row(problem.weights, problem.model.outputs), -0.5)
         field("filter.lower")[:], field("filter.upper")[:] = _bounds(problem)
         field("filter.input_row")[:] = np.flatnonzero(discrete.input_outputs)
         model.configure(workspace)
@@ -108,8 +110,7 @@ def _require_measured_inputs(discrete: Transcription) -> None:
 
 def _bounds(problem: EstimationProblem) -> tuple[Floats, Floats]:
     """Return lower and upper bounds (nx + np,) of states and parameters, infinite where there is none."""
-    names = [variable.name for variable in (*problem.model.states, *problem.model.parameters)]
-    bounds = [problem.bounds.get(name) for name in names]
+    bounds = [problem.bounds.get(variable.name) for variable in problem.estimated]
     lower = np.array([bound.lower if bound else -np.inf for bound in bounds])
     upper = np.array([bound.upper if bound else np.inf for bound in bounds])
     return lower, upper

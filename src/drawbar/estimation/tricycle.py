@@ -1,11 +1,20 @@
 """Estimation on the paper's model."""
 
-from drawbar.estimation.description import EstimationModel, chain
+from drawbar.estimation.description import EstimationModel, by_variable, chain, sensor_deviations
 from drawbar.estimation.settings import TricycleEstimatorSettings
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 from drawbar.vehicle.tricycle import tricycle
+
+_SLIPS = ("longitudinal_slip", "tractor_slip", "trailer_slip")
+_KEYS = (
+    dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), "position")
+    | dict.fromkeys(("tractor_yaw", "trailer_yaw"), "yaw")
+    | dict.fromkeys(_SLIPS, "slip")
+    | {"hitch_angle": "hitch_angle", "speed": "speed"}
+)
+"""which value of a prior or drift section each state and parameter has"""
 
 
 class TricycleEstimation(EstimationModel):
@@ -26,39 +35,14 @@ class TricycleEstimation(EstimationModel):
             "first_slip": settings.first_slip,
             "first_yaw_error": settings.first_yaw_error,
         }
-        deviations = (
-            *(noise.position,) * 4,
-            noise.hitch_angle,
-            noise.speed,
-            noise.tractor_steering,
-            noise.trailer_steering,
-        )
         power = -1 if settings.weighting == "paper" else -2
         slip = Bound(lower=settings.slip_bounds.lower, upper=settings.slip_bounds.upper)
         self.problem = EstimationProblem(
             model=tricycle(vehicle),
             horizon=settings.window,
             sample_time=sample_time,
-            weights=tuple(float(deviation**power) for deviation in deviations),
-            prior_deviation=_ordered(settings.prior.model_dump()),
-            process_deviation=_ordered(settings.drift.model_dump()),
-            bounds=dict.fromkeys(("longitudinal_slip", "tractor_slip", "trailer_slip"), slip),
+            weights={name: float(deviation**power) for name, deviation in sensor_deviations(noise).items()},
+            prior_deviation=by_variable(settings.prior, _KEYS),
+            process_deviation=by_variable(settings.drift, _KEYS),
+            bounds=dict.fromkeys(_SLIPS, slip),
         )
-
-
-def _ordered(values: dict[str, float]) -> tuple[float, ...]:
-    """Return a prior or drift section in the order of the problem's states and parameters."""
-    order = (
-        "position",
-        "position",
-        "yaw",
-        "position",
-        "position",
-        "yaw",
-        "slip",
-        "slip",
-        "slip",
-        "hitch_angle",
-        "speed",
-    )
-    return tuple(values[name] for name in order)

@@ -1,10 +1,13 @@
 """Optimal control and estimation problems as plain data."""
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+import casadi as ca
+
 from drawbar.errors import SolverError
-from drawbar.vehicle.model import Model
+from drawbar.vehicle.model import Model, Variable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +36,8 @@ class Bound:
 class ControlProblem:
     """min over u of the sum over stages of ||h(x,u,p) - y||²_W from a given state, by multiple shooting.
 
-    Weights are per output: `weights` (ny) on stages 0..N-1, `terminal_weights` (ny) on stage N, where outputs that
-    depend on the input must weigh zero.
+    Weights and bounds go by name. Every weight has to be given, 0.0 where an output shall not count: a name that is
+    forgotten or misspelt is refused. Raises SolverError when the problem contradicts itself.
     """
 
     model: Model
@@ -42,22 +45,35 @@ class ControlProblem:
     """N, shooting intervals"""
     sample_time: float
     """s"""
-    weights: tuple[float, ...]
-    terminal_weights: tuple[float, ...]
-    bounds: dict[str, Bound] = field(default_factory=dict)
+    weights: Mapping[str, float]
+    """by name of an output, all of them; on stages 0..N-1"""
+    terminal_weights: Mapping[str, float]
+    """by name of an output, on stage N; outputs that depend on an input have no value there and are left out, or 0.0"""
+    bounds: Mapping[str, Bound] = field(default_factory=dict)
     """by name of a state (stages 1..N) or input (stages 0..N-1)"""
     integration_steps: int = 1
     """Runge-Kutta steps per sample"""
-    initial_weights: tuple[float, ...] = ()
-    """none: the first state is given; else per state, on the distance of a free first state from what it should be"""
+    initial_weights: Mapping[str, float] = field(default_factory=dict)
+    """empty: the first state is given; else by name of a state, all of them: on the distance of a free first state from
+    what it should be"""
 
     def __post_init__(self) -> None:
         _check_time(self.horizon, self.sample_time, self.integration_steps)
-        _check_weights("weights", self.weights, len(self.model.outputs))
-        _check_weights("terminal_weights", self.terminal_weights, len(self.model.outputs))
+        model = self.model
+        _check_values("weights", self.weights, model.outputs)
+        depends = ca.which_depends(model.output, model.u, 1, True)
+        of_inputs = [output for output, on_input in zip(model.outputs, depends, strict=True) if on_input]
+        others = [output for output in model.outputs if output not in of_inputs]
+        _check_values("terminal_weights", self.terminal_weights, model.outputs, required=others)
+        weighed = [output.name for output in of_inputs if self.terminal_weights.get(output.name)]
+        if weighed:
+            raise SolverError(
+                f"terminal_weights: {', '.join(map(repr, weighed))} of {model.name!r} depends on an input, which stage "
+                f"{self.horizon} does not have; leave it out, or give 0.0."
+            )
         if self.initial_weights:
-            _check_weights("initial_weights", self.initial_weights, len(self.model.states))
-        _check_bounds(self.model, self.bounds, "state or input")
+            _check_values("initial_weights", self.initial_weights, model.states)
+        _check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +81,8 @@ class EstimationProblem:
     """min over x_0, p, u of the arrival cost plus the sum of ||h(x,u,p) - y||²_H over a window.
 
     The model's parameters become states that are constant within the window (and drift between windows by their
-    process noise). Rows of `prior_deviation` and `process_deviation` are the states, then the parameters.
+    process noise). Weights, deviations and bounds go by name; one that is forgotten or misspelt is refused. Raises
+    SolverError when the problem contradicts itself.
     """
 
     model: Model
@@ -73,28 +90,39 @@ class EstimationProblem:
     """N, sampling intervals in the window"""
     sample_time: float
     """s"""
-    weights: tuple[float, ...]
-    """diagonal of H, per output"""
-    prior_deviation: tuple[float, ...]
-    """standard deviation of the first prior, per state and parameter"""
-    process_deviation: tuple[float, ...]
-    """standard deviation of the process noise per sample, per state and parameter; zero is allowed"""
-    common_deviation: tuple[float, ...] = ()
-    """the same of one more noise that moves all states and parameters at once; empty: there is none"""
-    bounds: dict[str, Bound] = field(default_factory=dict)
+    weights: Mapping[str, float]
+    """diagonal of H by name of an output, all of them: the inverse variance of its measurement"""
+    prior_deviation: Mapping[str, float]
+    """standard deviation of the first prior, by name of a state or parameter, all of them"""
+    process_deviation: Mapping[str, float]
+    """standard deviation of the process noise per sample, by name of a state or parameter, all of them; 0 is allowed"""
+    common_deviation: Mapping[str, float] = field(default_factory=dict)
+    """the same of one more noise that moves all states and parameters named here at once"""
+    bounds: Mapping[str, Bound] = field(default_factory=dict)
     """by name of a state, parameter or input"""
     integration_steps: int = 1
 
     def __post_init__(self) -> None:
         _check_time(self.horizon, self.sample_time, self.integration_steps)
-        _check_weights("weights", self.weights, len(self.model.outputs))
-        size = len(self.model.states) + len(self.model.parameters)
-        _check_weights("prior_deviation", self.prior_deviation, size)
-        _check_weights("process_deviation", self.process_deviation, size)
-        _check_weights("common_deviation", self.common_deviation or (0.0,) * size, size)
-        if not all(deviation > 0.0 for deviation in self.prior_deviation):
-            raise SolverError(f"prior_deviation must be positive, got {self.prior_deviation}.")
-        _check_bounds(self.model, self.bounds, "state, parameter or input")
+        model, estimated = self.model, self.estimated
+        _check_values("weights", self.weights, model.outputs)
+        _check_values("prior_deviation", self.prior_deviation, estimated)
+        _check_values("process_deviation", self.process_deviation, estimated)
+        _check_values("common_deviation", self.common_deviation, estimated, required=())
+        if not all(deviation > 0.0 for deviation in self.prior_deviation.values()):
+            raise SolverError(f"prior_deviation must be positive, got {dict(self.prior_deviation)}.")
+        kinds = {"state": model.states, "parameter": model.parameters, "input": model.inputs}
+        _check_bounds(model, self.bounds, kinds)
+
+    @property
+    def estimated(self) -> tuple[Variable, ...]:
+        """The states, then the parameters: the order of every array (nx + np,)."""
+        return (*self.model.states, *self.model.parameters)
+
+
+def row(values: Mapping[str, float], declared: Iterable[Variable]) -> list[float]:
+    """Return values given by name in the order in which variables are declared, 0 where one is not named."""
+    return [values.get(variable.name, 0.0) for variable in declared]
 
 
 def _check_time(horizon: int, sample_time: float, steps: int) -> None:
@@ -104,20 +132,33 @@ def _check_time(horizon: int, sample_time: float, steps: int) -> None:
         raise SolverError(f"The sample time must be positive and finite, got {sample_time} s.")
 
 
-def _check_weights(name: str, values: tuple[float, ...], size: int) -> None:
-    if len(values) != size:
-        raise SolverError(f"{name} needs {size} values, got {len(values)}: {values}.")
-    if not all(0.0 <= value < math.inf for value in values):
-        raise SolverError(f"{name} must be finite and not negative, got {values}.")
+def _check_values(
+    what: str,
+    values: Mapping[str, float],
+    declared: Iterable[Variable],
+    required: Iterable[Variable] | None = None,
+) -> None:
+    """Refuse values that are not by name, of unknown names, not complete (required None: all), negative or infinite."""
+    names = [variable.name for variable in declared]
+    if not isinstance(values, Mapping):
+        raise SolverError(
+            f"{what} go by name, such as {{{names[0]!r}: 1.0}}, got {values!r}; the names are {', '.join(names)}."
+        )
+    unknown = [name for name in values if name not in names]
+    if unknown:
+        raise SolverError(f"{what}: there is no {', '.join(map(repr, unknown))}; the names are {', '.join(names)}.")
+    needed = names if required is None else [variable.name for variable in required]
+    missing = [name for name in needed if name not in values]
+    if missing:
+        raise SolverError(f"{what}: {', '.join(map(repr, missing))} is missing; give 0.0 to what shall not count.")
+    if not all(0.0 <= value < math.inf for value in values.values()):
+        raise SolverError(f"{what} must be finite and not negative, got {dict(values)}.")
 
 
-def _check_bounds(model: Model, bounds: dict[str, Bound], allowed: str) -> None:
-    kinds = (
-        (model.states, model.inputs) if "parameter" not in allowed else (model.states, model.parameters, model.inputs)
-    )
-    names = [variable.name for kind in kinds for variable in kind]
+def _check_bounds(model: Model, bounds: Mapping[str, Bound], kinds: Mapping[str, Iterable[Variable]]) -> None:
+    names = [variable.name for kind in kinds.values() for variable in kind]
     for name in bounds:
         if name not in names:
             raise SolverError(
-                f"Bound on {name!r}, which is no {allowed} of {model.name!r}; there are {', '.join(names)}."
+                f"Bound on {name!r}, which is no {' or '.join(kinds)} of {model.name!r}; there are {', '.join(names)}."
             )

@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from drawbar.codegen import Workspace, build
+from drawbar.errors import SolverError
 from drawbar.signals import SolverStatus
 
 _UNIT = """
@@ -41,12 +44,18 @@ class Sizes:
     free_initial: bool
     """the first state is a variable (estimation) instead of given (control)"""
 
+    def __post_init__(self) -> None:
+        if min(self.stages, self.states, self.inputs) < 1 or self.bounds < 0:
+            raise SolverError(f"A program needs at least one stage, state and input, and no negative bounds: {self}.")
+
 
 class QuadraticProgram:
-    """Fill `array(name)` for Q, S, R, A, B, c, g, initial, lower, upper, soft_*, bound; solve; read z, pi, multiplier.
+    """One quadratic program: write its data, solve(), read the solution, all as `array(name)`.
 
-    The variables z are x_0 .. x_N, then u_0 .. u_{N-1}; `bound` holds the bounded ones' indices. An infinite
-    `soft_linear` makes a bound hard. See qp.h for the problem's formula.
+    Data are Q, S, R, A, B, c, g, initial, lower, upper, soft_linear, soft_quadratic and bound; the solution is z, pi
+    and multiplier. The variables z are x_0 .. x_N, then u_0 .. u_{N-1}; `bound` holds the bounded ones' indices. A
+    finite `soft_linear` makes a bound soft. All matrices are zero at first, all bounds infinite and hard. qp.h has the
+    problem's formula.
     """
 
     def __init__(self, sizes: Sizes) -> None:
@@ -59,6 +68,7 @@ class QuadraticProgram:
             free=int(sizes.free_initial),
         )
         self.workspace = Workspace(build("qp", source))
+        self.workspace.write({"lower": -np.inf, "upper": np.inf, "soft_linear": np.inf})
         self.array = self.workspace.array
         self._solve = self.workspace.function("solve")
 

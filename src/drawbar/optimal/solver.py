@@ -1,12 +1,19 @@
 """The compiled real-time iteration: arrays to fill and read, phases to call."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from drawbar.codegen import Workspace, build
+from drawbar.errors import SolverError
 from drawbar.geometry import Floats
-from drawbar.optimal.problem import ControlProblem, EstimationProblem
+from drawbar.optimal.problem import ControlProblem, EstimationProblem, row
 from drawbar.optimal.transcription import Transcription, transcribe
+from drawbar.optimal.views import Guarded, StageBounds, bound_places
 from drawbar.signals import SolverStatus
+
+Phase = Callable[[], int]
+"""A C function bound to its workspace; returns a SolverStatus."""
 
 
 def write_settings(
@@ -19,21 +26,28 @@ def write_settings(
         array("qp.bound")[i] = index
         array("lower")[i], array("upper")[i] = bound.lower, bound.upper
         array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = bound.linear_penalty, bound.quadratic_penalty
-    weights[:] = problem.weights
+    weights[:] = row(problem.weights, problem.model.outputs)
     if isinstance(problem, EstimationProblem):
         weights[-1, list(transcription.input_outputs)] = 0.0
-        array("process")[:], array("window.deviation")[:] = problem.process_deviation, problem.prior_deviation
-        array("common")[:] = problem.common_deviation or 0.0
+        estimated = problem.estimated
+        array("process")[:] = row(problem.process_deviation, estimated)
+        array("window.deviation")[:] = row(problem.prior_deviation, estimated)
+        array("common")[:] = row(problem.common_deviation, estimated)
         return
-    weights[-1] = problem.terminal_weights
+    weights[-1] = row(problem.terminal_weights, problem.model.outputs)
     if problem.initial_weights:
-        array("root")[:] = np.diag(np.sqrt(problem.initial_weights))
+        array("root")[:] = np.diag(np.sqrt(row(problem.initial_weights, problem.model.states)))
 
 
-class _RealTimeIteration:
-    """What control and estimation share: the workspace and the phases prepare, feedback and shift."""
+class _RealTimeIteration(Guarded):
+    """What control and estimation share: the workspace and the phases prepare, feedback and shift.
 
-    def __init__(self, problem: ControlProblem | EstimationProblem, transcription: Transcription) -> None:
+    The arrays are views of the compiled solver's own memory: write into them (`solver.y[...] = values`), read from
+    them. Binding another array to their names raises SolverError.
+    """
+
+    def __init__(self, problem: ControlProblem | EstimationProblem) -> None:
+        transcription = transcribe(problem)
         self.source = transcription.source()
         """C unit of the solver"""
         self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
@@ -48,9 +62,14 @@ class _RealTimeIteration:
         """(N+1, ny) references or measurements"""
         self.w: Floats = array("w")
         """(N+1, ny) weights"""
-        self.prepare = self.workspace.function("prepare")
-        self.feedback = self.workspace.function("feedback")
-        self.shift = self.workspace.function("shift")
+        places = bound_places(problem)
+        self.lower = StageBounds({name: array("lower")[place] for name, place in places.items()})
+        """(stages,) lower bounds by name of a bounded variable: the problem's at first"""
+        self.upper = StageBounds({name: array("upper")[place] for name, place in places.items()})
+        """(stages,) upper bounds, likewise"""
+        self.prepare: Phase = self.workspace.function("prepare")
+        self.feedback: Phase = self.workspace.function("feedback")
+        self.shift: Phase = self.workspace.function("shift")
 
     @property
     def status(self) -> SolverStatus:
@@ -72,19 +91,18 @@ class ControlSolver(_RealTimeIteration):
     """Real-time iteration for a ControlProblem.
 
     Before the first sample: write `initial` and `p`, then start(). Each sample: write `initial`, `p`, `y`; feedback();
-    apply u[0]; then advance().
+    apply u[0]; then advance(). `lower` and `upper` hold (N,) bounds of each bounded variable: of a state on stages
+    1..N, of an input on stages 0..N-1.
     """
 
     def __init__(self, problem: ControlProblem) -> None:
         """Compile the problem's solver (or take it from the cache).
 
         Raises:
-            SolverError: the problem contradicts itself.
             CompilerError: no compiler, or it refused the code.
         """
         self.problem = problem
-        transcription = transcribe(problem)
-        super().__init__(problem, transcription)
+        super().__init__(problem)
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
         free = bool(problem.initial_weights)
@@ -97,9 +115,17 @@ class ControlSolver(_RealTimeIteration):
         """(nx,) largest first state where it is free; infinite at first"""
         self.defects: Floats = self.workspace.array("qp.c")
         """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
+        self.prepare, self.feedback, self.shift = self._first_preparation, self._not_started, self._not_started
 
     def start(self) -> None:
-        """Linearise along a trajectory that rests at `initial` under zero input."""
+        """Linearise along a trajectory that rests at `initial` under zero input.
+
+        Raises:
+            SolverError: `initial` or `p` holds a value that is not finite.
+        """
+        for name, values in (("initial", self.initial), ("p", self.p)):
+            if not np.isfinite(values).all():
+                raise SolverError(f"start() needs finite numbers in {name}, which is {values.tolist()}.")
         self.x[:], self.u[:] = self.initial, 0.0
         self.prepare()
 
@@ -108,12 +134,25 @@ class ControlSolver(_RealTimeIteration):
         self.shift()
         self.prepare()
 
+    def _first_preparation(self) -> int:
+        """Prepare; from now on all phases are the C functions themselves."""
+        function = self.workspace.function
+        self.prepare, self.feedback, self.shift = function("prepare"), function("feedback"), function("shift")
+        return self.prepare()
+
+    def _not_started(self) -> int:
+        raise SolverError(
+            "The solver has no trajectory to start from: write initial and p, then call start() before the first "
+            "feedback() or advance() (or write a trajectory into x and u and call prepare())."
+        )
+
 
 class EstimationSolver(_RealTimeIteration):
     """Real-time iteration for an EstimationProblem.
 
     Each sample: write row `newest` of `y`, NaN where a value is missing; feedback(); read row `newest` of `x`; then
-    advance(). The window fills from its first row on.
+    advance(). The window fills from its first row on. `lower` and `upper` hold the bounds of each bounded variable:
+    (N+1,) of a state, (1,) of a parameter, (N,) of an input.
     """
 
     def __init__(self, problem: EstimationProblem, prior: Floats) -> None:
@@ -124,21 +163,23 @@ class EstimationSolver(_RealTimeIteration):
             prior: (nx + np,) first guess of states and parameters.
 
         Raises:
-            SolverError: the problem contradicts itself.
+            SolverError: the prior is missing, of another size, or not finite.
             CompilerError: no compiler, or it refused the code.
         """
-        transcription = transcribe(problem)
+        if prior is None:
+            raise SolverError(f"An estimator needs a prior: a first guess of {_names(problem)}.")
         self.problem = problem
-        super().__init__(problem, transcription)
+        super().__init__(problem)
         array = self.workspace.array
-        self.slide = self.workspace.function("slide")
+        self.slide: Phase = self.workspace.function("slide")
         self._restart = self.workspace.function("restart", pointers=1)
         self._newest = array("window.newest")
-        self.root: Floats = array("root")
-        """(nx, nx) upper triangular R of the arrival cost ||R (x_0 - prior)||²"""
-        self.prior: Floats = array("prior")
-        """(nx,) what the window's first state should be"""
-        self.restart(prior)
+        self.root: Floats = _read_only(array("root"))
+        """(nx + np, nx + np) upper triangular R of the arrival cost ||R (x_0 - prior)||²; read only"""
+        self.prior: Floats = _read_only(array("prior"))
+        """(nx + np,) what the window's first state should be; read only"""
+        if self.restart(prior) != SolverStatus.SOLVED:
+            raise SolverError(f"The model cannot be linearised at the prior {np.asarray(prior).tolist()}.")
 
     @property
     def newest(self) -> int:
@@ -146,9 +187,38 @@ class EstimationSolver(_RealTimeIteration):
         return int(self._newest[0])
 
     def restart(self, prior: Floats) -> SolverStatus:
-        """Begin an empty window at a first guess (nx + np,) of states and parameters; say how its preparation went."""
-        contiguous = np.ascontiguousarray(prior, np.float64)
+        """Begin an empty window at a first guess, which is as good as `prior_deviation` says.
+
+        Args:
+            prior: (nx + np,) states, then parameters.
+
+        Returns:
+            How the preparation of the first feedback went.
+
+        Raises:
+            SolverError: the prior is of another size, or not finite.
+        """
+        contiguous = self._checked(prior)
         return SolverStatus(self._restart(contiguous.ctypes.data))
+
+    def set_arrival_cost(self, prior: Floats, root: Floats) -> SolverStatus:
+        """Let the arrival cost be ||R (x_0 - prior)||², in place of what the window has gathered so far.
+
+        Args:
+            prior: (nx + np,) what the window's first state should be.
+            root: (nx + np, nx + np) R, upper triangular; R'R is the inverse covariance of the prior.
+
+        Returns:
+            How the preparation of the next feedback went.
+
+        Raises:
+            SolverError: prior or root are of another size, not finite, or the root is not upper triangular.
+        """
+        root = np.asarray(root, np.float64)
+        if root.shape != self.root.shape or not np.isfinite(root).all() or np.tril(root, -1).any():
+            raise SolverError(f"root must be {self.root.shape}, finite and upper triangular, got {root.tolist()}.")
+        self.workspace.write({"prior": self._checked(prior), "root": root})
+        return SolverStatus(self.prepare())
 
     def advance(self) -> SolverStatus:
         """Slide the window on by one sample, once it is full, and prepare the next feedback.
@@ -159,3 +229,21 @@ class EstimationSolver(_RealTimeIteration):
         absorbed = self.slide()
         prepared = self.prepare()
         return SolverStatus(absorbed or prepared)
+
+    def _checked(self, prior: Floats) -> Floats:
+        checked = np.ascontiguousarray(prior, np.float64)
+        if checked.shape != self.prior.shape or not np.isfinite(checked).all():
+            raise SolverError(
+                f"The prior must be {len(self.prior)} finite numbers, {_names(self.problem)}; got {checked.tolist()}."
+            )
+        return checked
+
+
+def _names(problem: EstimationProblem) -> str:
+    return ", ".join(variable.name for variable in problem.estimated)
+
+
+def _read_only(array: Floats) -> Floats:
+    view = array.view()
+    view.flags.writeable = False
+    return view

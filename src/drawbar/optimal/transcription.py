@@ -7,7 +7,6 @@ from typing import Any, Self
 import casadi as ca
 
 from drawbar.codegen.emit import Input, Output, emit, emit_constants
-from drawbar.errors import SolverError
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.vehicle.model import Constant, Variable, column, constant, runge_kutta, with_values
 
@@ -196,7 +195,7 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
     step = runge_kutta(model, sample_time.symbol, problem.integration_steps)
     names = [variable.name for variable in (*model.states, *(model.parameters if estimation else ()))]
     constant_states = len(model.parameters) if estimation else 0
-    transcription = Transcription(
+    return Transcription(
         name=model.name,
         horizon=problem.horizon,
         x=ca.vertcat(model.x, model.p) if estimation else model.x,
@@ -210,13 +209,6 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
         arrival=estimation,
         bounds=tuple(_bounded(problem, names, model.inputs, constant_states)),
     )
-    if isinstance(problem, ControlProblem):
-        for weight, depends in zip(problem.terminal_weights, transcription.input_outputs, strict=True):
-            if depends and weight != 0.0:
-                raise SolverError(
-                    f"An output of {model.name!r} depends on the input: its terminal weight must be 0, got {weight}."
-                )
-    return transcription
 
 
 def _bounded(

@@ -81,6 +81,12 @@ class Model:
             ("outputs", self.outputs, self.output),
         )
         for what, declared, expression in pairs:
+            if not isinstance(expression, ca.SX):
+                raise ModelError(
+                    f"Model {self.name!r}: the expression for its {what} is a {type(expression).__name__}, but must be "
+                    f"CasADi's SX: make symbols by symbols() or ca.SX.sym, expand() functions of MX, and put constants "
+                    f"into ca.SX(...)."
+                )
             if expression.shape != (len(declared), 1):
                 raise ModelError(
                     f"Model {self.name!r} declares {len(declared)} {what} but the expression has shape "
@@ -88,6 +94,7 @@ class Model:
                 )
         if not self.states or not self.inputs:
             raise ModelError(f"Model {self.name!r} needs at least one state and one input.")
+        self._refuse_duplicates()
         # by hash: names may repeat
         known = {s.element_hash() for s in ca.symvar(ca.vertcat(self.x, self.u, self.p, self.c))}
         free = ca.symvar(ca.vertcat(self.derivative, self.output))
@@ -107,6 +114,20 @@ class Model:
         """Return the model with the values of its constants in the expressions: functions of x, u, p alone."""
         derivative, output = with_values([self.derivative, self.output], self.constants)
         return replace(self, derivative=derivative, output=output, constants=())
+
+    def _refuse_duplicates(self) -> None:
+        """Refuse a symbol or a name that stands for two things: bounds, weights and deviations go by name."""
+        given = ca.vertcat(self.x, self.u, self.p)
+        if not given.is_valid_input() or len({s.element_hash() for s in ca.symvar(given)}) != given.numel():
+            raise ModelError(f"Model {self.name!r}: x, u and p must be symbols, each a different one, got {given}.")
+        for group in ((*self.states, *self.inputs, *self.parameters), self.outputs):
+            names = [variable.name for variable in group]
+            repeated = sorted({name for name in names if names.count(name) > 1})
+            if repeated:
+                raise ModelError(
+                    f"Model {self.name!r} declares {', '.join(map(repr, repeated))} more than once; give every state, "
+                    f"input and parameter a name of its own, and every output one among the outputs."
+                )
 
 
 def column(constants: tuple[Constant, ...]) -> Any:

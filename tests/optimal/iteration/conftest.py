@@ -16,7 +16,7 @@ from drawbar.vehicle.articulated import (
     articulated_tractor,
     articulated_trailer,
 )
-from drawbar.vehicle.model import Model, integrate
+from drawbar.vehicle.model import Model, Variable, integrate
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
@@ -54,13 +54,18 @@ class Case:
         return solver
 
 
+def named_values(declared: tuple[Variable, ...], values: Any) -> dict[str, float]:
+    """Return values by name of the variables whose order they have."""
+    return {variable.name: float(value) for variable, value in zip(declared, values, strict=True)}
+
+
 def _control(model: Model, weights: Any, terminal: Any, *limits: float, **data: Floats) -> Case:
     problem = ControlProblem(
         model=model,
         horizon=N,
         sample_time=SAMPLE,
-        weights=weights,
-        terminal_weights=terminal,
+        weights=named_values(model.outputs, weights),
+        terminal_weights=named_values(model.outputs, terminal),
         bounds={v.name: Bound(lower=-limit, upper=limit) for v, limit in zip(model.inputs, limits, strict=True)},
     )
     return Case(problem=problem, **data)
@@ -144,13 +149,14 @@ def _measured(y: Floats, seed: int) -> Floats:
 
 
 def _estimator(model: Model, extra: tuple[float, ...], prior: Any, deviation: Any, y: Floats, **bounds: Bound) -> Case:
+    estimated = (*model.states, *model.parameters)
     problem = EstimationProblem(
         model=model,
         horizon=N,
         sample_time=SAMPLE,
-        weights=tuple(1.0 / np.array([*SIGMA, *extra]) ** 2),
-        prior_deviation=deviation,
-        process_deviation=tuple(0.1 * np.array(deviation)),
+        weights=named_values(model.outputs, 1.0 / np.array([*SIGMA, *extra]) ** 2),
+        prior_deviation=named_values(estimated, deviation),
+        process_deviation=named_values(estimated, 0.1 * np.array(deviation)),
         bounds=bounds,
     )
     return Case(problem=problem, initial=np.array(prior), p=np.zeros((N + 1, 0)), y=y)
@@ -221,5 +227,5 @@ def long_run() -> tuple[Case, Floats, Floats]:
     y[:, 8:] = 0.0
     y[100:115, :4] = np.nan
     assert isinstance(case.problem, EstimationProblem)
-    problem = replace(case.problem, bounds={}, process_deviation=(0.0,) * 12)
+    problem = replace(case.problem, bounds={}, process_deviation=dict.fromkeys(case.problem.prior_deviation, 0.0))
     return replace(case, problem=problem), y, true

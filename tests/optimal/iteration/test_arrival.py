@@ -10,12 +10,14 @@ import pytest
 
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem, EstimationSolver
+from drawbar.optimal.problem import row
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.model import Model, integrate, symbols, variables
 
 SAMPLE, N = 0.2, 5
 NOISE = np.array([0.3, 0.1])
 """standard deviations of the measured position and acceleration"""
+STATES = ("position", "speed", "pull")
 PRIOR, DEVIATION = np.array([0.5, -0.2, 0.1]), np.array([1.0, 2.0, 0.3])
 
 
@@ -59,10 +61,10 @@ def problem(process: Floats, common: tuple[float, ...] = ()) -> EstimationProble
         model=cart(),
         horizon=N,
         sample_time=SAMPLE,
-        weights=tuple(1.0 / NOISE**2),
-        prior_deviation=tuple(DEVIATION),
-        process_deviation=tuple(process),
-        common_deviation=common,
+        weights=dict(zip(("position", "acceleration"), 1.0 / NOISE**2, strict=True)),
+        prior_deviation=dict(zip(STATES, DEVIATION, strict=True)),
+        process_deviation=dict(zip(STATES, process, strict=True)),
+        common_deviation=dict(zip(STATES, common, strict=False)),
     )
 
 
@@ -76,10 +78,10 @@ def measurements(count: int) -> Floats:
 
 def fed(solver: EstimationSolver, y: Floats) -> Iterator[int]:
     """Feed the readings one by one as in operation; yield the number read so far, after each feedback."""
-    for k, row in enumerate(y):
+    for k, reading in enumerate(y):
         if k > 0:
             assert solver.advance() == SolverStatus.SOLVED
-        solver.y[solver.newest] = row
+        solver.y[solver.newest] = reading
         assert solver.feedback() == SolverStatus.SOLVED
         yield k + 1
 
@@ -154,13 +156,13 @@ def extended_kalman(case: Any, y: Floats, process: Floats) -> Floats:
         [x, model.u],
         [step, ca.jacobian(step, x), ca.jacobian(step, model.u), kept, ca.jacobian(kept, x)],
     )
-    mean, covariance = case.initial.copy(), np.diag(np.square(problem.prior_deviation))
-    noise = 1.0 / np.sqrt(np.array(problem.weights))
+    mean, covariance = case.initial.copy(), np.diag(np.square(row(problem.prior_deviation, problem.estimated)))
+    noise = 1.0 / np.sqrt(row(problem.weights, model.outputs))
     rows = []
-    for row in y:
+    for reading in y:
         _, _, _, h, H = (np.array(m) for m in evaluate(mean, np.zeros(2)))
-        seen = ~np.isnan(row[:8])
-        H, innovation = H[seen], (row[:8] - h[:, 0])[seen]
+        seen = ~np.isnan(reading[:8])
+        H, innovation = H[seen], (reading[:8] - h[:, 0])[seen]
         spread = H @ covariance @ H.T + np.diag(noise[:8][seen] ** 2)
         gain = np.linalg.solve(spread, H @ covariance).T
         mean = mean + gain @ innovation

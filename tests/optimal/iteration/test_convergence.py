@@ -7,6 +7,7 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
+from drawbar.optimal.problem import row
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.model import integrate
 
@@ -36,14 +37,14 @@ def reference_solution(case: Any, x0: Floats, u0: Floats) -> tuple[Floats, Float
     for k in range(n + 1):
         known = p if estimation else ca.DM(case.p[k])
         h = output(x[:, k], u[:, min(k, n - 1)], known)
-        weights = problem.weights if estimation or k < n else problem.terminal_weights
+        weights = row(problem.weights if estimation or k < n else problem.terminal_weights, model.outputs)
         for i, weight in enumerate(weights):
             if not (np.isnan(case.y[k, i]) or (k == n and depends[i])):
                 cost += weight * (h[i] - case.y[k, i]) ** 2
         if k < n:
             defects.append(step(x[:, k], u[:, k], known) - x[:, k + 1])
     if estimation:
-        first = (ca.vertcat(x[:, 0], p) - case.initial) / ca.DM(problem.prior_deviation)
+        first = (ca.vertcat(x[:, 0], p) - case.initial) / ca.DM(row(problem.prior_deviation, problem.estimated))
         cost += ca.sumsqr(first)
     else:
         defects.append(x[:, 0] - ca.DM(case.initial))

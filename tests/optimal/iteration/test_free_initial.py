@@ -14,8 +14,8 @@ from drawbar.signals import SolverStatus
 
 def freed(case: Any, weight: float) -> Any:
     """Return the case with its first state free."""
-    size = len(case.problem.model.states)
-    return replace(case, problem=replace(case.problem, initial_weights=(weight,) * size))
+    weights = {state.name: weight for state in case.problem.model.states}
+    return replace(case, problem=replace(case.problem, initial_weights=weights))
 
 
 def settled(solver: ControlSolver) -> ControlSolver:
@@ -71,5 +71,5 @@ def test_without_a_box_a_heavy_weight_holds_the_state_and_a_light_one_lets_it_go
 def test_weights_of_a_free_state_are_one_per_state(named: Any) -> None:
     problem = named("articulated_tractor").problem
     assert isinstance(problem, ControlProblem)
-    with pytest.raises(SolverError, match="initial_weights needs 4 values, got 2"):
-        replace(problem, initial_weights=(1.0, 1.0))
+    with pytest.raises(SolverError, match="initial_weights: 'yaw', 'steering' is missing"):
+        replace(problem, initial_weights={"x": 1.0, "y": 1.0})

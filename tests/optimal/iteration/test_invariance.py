@@ -38,7 +38,7 @@ def run(case: Any, change: Callable[[tuple[Variable, ...], Floats], Floats]) -> 
     solver = case.solver()
     solver.x[:], solver.y[:] = change(states, solver.x), change(model.outputs, case.y)
     if estimation:
-        solver.prior[:] = change(states, solver.prior)
+        solver.workspace.write({"prior": change(states, solver.prior)})
         solver.workspace.array("window.newest")[:] = case.problem.horizon
     else:
         solver.initial[:], solver.p[:] = change(states, case.initial), change(model.parameters, case.p)
@@ -64,10 +64,9 @@ def unchanged(_: tuple[Variable, ...], values: Floats) -> Floats:
 
 def flip_bounds(solver: Any) -> None:
     """Mirror the one bound that is not symmetric: of the trailer's crab angle."""
-    index = solver.workspace.array("qp.bound")
-    crab = index == 9 if solver.x.shape[1] == 12 else np.zeros(index.size, bool)
-    lower, upper = (solver.workspace.array(name) for name in ("lower", "upper"))
-    lower[crab], upper[crab] = -upper[crab], -lower[crab]
+    if "trailer_crab" in solver.lower:
+        lower, upper = solver.lower["trailer_crab"], solver.upper["trailer_crab"]
+        lower[:], upper[:] = -upper, -lower
 
 
 @pytest.mark.parametrize("angle", [0.4, 3.1, -2.0])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drawbar.optimal import EstimationProblem, EstimationSolver
+from drawbar.optimal.problem import row
 from drawbar.signals import SolverStatus
 
 
@@ -150,7 +151,9 @@ def test_estimator_starts_at_its_prior_without_measurements(named: Any) -> None:
     solver = EstimationSolver(case.problem, case.initial)
     assert np.isnan(solver.y).all()
     np.testing.assert_array_equal(solver.x, np.tile(case.initial, (len(solver.x), 1)))
-    np.testing.assert_allclose(np.diag(solver.root), 1.0 / np.array(case.problem.prior_deviation))
+    np.testing.assert_allclose(
+        np.diag(solver.root), 1.0 / np.array(row(case.problem.prior_deviation, case.problem.estimated))
+    )
 
 
 def test_bound_on_a_variable_that_is_not_there_is_bad_input(case: Any) -> None:
@@ -175,6 +178,8 @@ def test_oldest_stage_that_cannot_be_absorbed_starts_the_arrival_cost_anew(named
     following = solver.x[1].copy()
     solver.workspace.array("process")[0] = 1e200  # its square is no number any more
     assert solver.advance() == SolverStatus.NOT_FINITE
-    np.testing.assert_array_equal(solver.root, np.diag(1.0 / np.array(case.problem.prior_deviation)))
+    np.testing.assert_array_equal(
+        solver.root, np.diag(1.0 / np.array(row(case.problem.prior_deviation, case.problem.estimated)))
+    )
     np.testing.assert_array_equal(solver.prior, following)
     assert solver.feedback() == SolverStatus.SOLVED

@@ -8,6 +8,7 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
+from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import LEVENBERG, transcribe
 from drawbar.signals import SolverStatus
 
@@ -61,7 +62,7 @@ def half_cost(case: Any, x: Floats, u: Floats) -> float:
         residual = np.where(np.isnan(case.y[k]), 0.0, h - case.y[k])
         value += 0.5 * float(weights @ residual**2)
     if t.free_initial:
-        value += 0.5 * float((((x[0] - case.initial) / case.problem.prior_deviation) ** 2).sum())
+        value += 0.5 * float((((x[0] - case.initial) / prior_deviations(case)) ** 2).sum())
     return value
 
 
@@ -69,9 +70,13 @@ def stage_weights(case: Any, k: int) -> Floats:
     """Return the weights of stage k; an output of the input has none at the last stage."""
     problem, last = case.problem, k == case.problem.horizon
     if not isinstance(problem, EstimationProblem):
-        return np.array(problem.terminal_weights if last else problem.weights)
+        return np.array(row(problem.terminal_weights if last else problem.weights, problem.model.outputs))
     gone = np.array(transcribe(problem).input_outputs) & last
-    return np.where(gone, 0.0, problem.weights)
+    return np.where(gone, 0.0, row(problem.weights, problem.model.outputs))
+
+
+def prior_deviations(case: Any) -> Floats:
+    return np.array(row(case.problem.prior_deviation, case.problem.estimated))
 
 
 def test_gradient_is_the_slope_of_the_cost(case: Any) -> None:
@@ -127,7 +132,7 @@ def judge_hessian(case: Any) -> None:
         weights = np.where(np.isnan(case.y[k]), 0.0, stage_weights(case, k))
         H = J.T @ (weights[:, None] * J)
         if k == 0 and t.free_initial:
-            H[:nx, :nx] += np.diag(1.0 / np.array(case.problem.prior_deviation) ** 2)
+            H[:nx, :nx] += np.diag(1.0 / prior_deviations(case) ** 2)
         np.testing.assert_allclose(Q[k], H[:nx, :nx], rtol=1e-12, atol=1e-12)
         if k < n:
             np.testing.assert_allclose(S[k] if len(S) else 0.0, H[nx:, :nx], rtol=1e-12, atol=1e-12)

@@ -25,13 +25,13 @@ BOX = Bound(lower=-1.0, upper=1.0)
 
 
 def control(model: Model) -> str:
-    size = len(model.outputs)
+    outputs = [output.name for output in model.outputs]
     problem = ControlProblem(
         model=model,
         horizon=5,
         sample_time=0.2,
-        weights=(1.0,) * size,
-        terminal_weights=(1.0,) + (0.0,) * (size - 1),
+        weights=dict.fromkeys(outputs, 1.0),
+        terminal_weights=dict.fromkeys(outputs, 0.0) | {outputs[0]: 1.0},
         bounds={model.inputs[0].name: BOX},
     )
     transcription = transcribe(problem)
@@ -39,14 +39,14 @@ def control(model: Model) -> str:
 
 
 def estimation(model: Model) -> str:
-    size = len(model.states) + len(model.parameters)
+    estimated = [variable.name for variable in (*model.states, *model.parameters)]
     problem = EstimationProblem(
         model=model,
         horizon=4,
         sample_time=0.2,
-        weights=(1.0,) * len(model.outputs),
-        prior_deviation=(1.0,) * size,
-        process_deviation=(1.0,) * size,
+        weights={output.name: 1.0 for output in model.outputs},
+        prior_deviation=dict.fromkeys(estimated, 1.0),
+        process_deviation=dict.fromkeys(estimated, 1.0),
         bounds={model.inputs[0].name: BOX},
     )
     transcription = transcribe(problem)

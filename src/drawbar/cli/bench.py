@@ -1,0 +1,17 @@
+"""`drawbar bench`: measure what the solvers cost."""
+
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+from drawbar.cli.options import console
+
+
+def bench(
+    json: Annotated[FilePath | None, typer.Option(help="also write the figures to this file")] = None,
+) -> None:
+    """Measure the solvers: phases, floor, growth, and the route through CasADi and DAQP."""
+    from drawbar.benchmark.bench import run_benchmark
+
+    run_benchmark(console, json)

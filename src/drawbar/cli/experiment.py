@@ -1,0 +1,28 @@
+"""`drawbar experiment`: many seeds of every case, their tables and figures."""
+
+from typing import Annotated
+
+import typer
+
+from drawbar.cli.options import Cluster, Jobs, console, one_cluster
+
+
+def experiment(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="folder in experiments/, or its path; all: every one")],
+    seeds: Annotated[int | None, typer.Option(min=1, help="runs of each case; default: as the experiment says")] = None,
+    jobs: Jobs = None,
+    cluster: Cluster = "",
+) -> None:
+    """Drive every case of an experiment with many seeds, and write its tables and figures into its folder."""
+    from drawbar.experiment.extras import require_extras
+
+    require_extras()
+    from drawbar.experiment.command import run_experiments  # imports the extras
+
+    one_cluster(jobs, cluster)
+    try:
+        met = run_experiments(console, name, seeds=seeds, jobs=jobs, address=cluster)
+    except KeyboardInterrupt:
+        console.print("\ninterrupted; the same command goes on from the runs that are finished")
+        raise SystemExit(130) from None
+    raise SystemExit(0 if met else 1)

@@ -1,0 +1,25 @@
+"""What several commands share: the console, arguments and options."""
+
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from drawbar.configurations import shipped_names
+from drawbar.errors import DrawbarError
+
+console = Console(highlight=False, markup=False)  # names of files and lines may hold brackets
+
+ConfigurationName = Annotated[
+    str, typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}")
+]
+Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")]
+Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
+
+
+def one_cluster(jobs: int | None, cluster: str) -> None:
+    """Raise DrawbarError where both a number of processes and a running cluster are chosen."""
+    if jobs and cluster:
+        raise DrawbarError(
+            f"--jobs {jobs} and --cluster {cluster}: a running cluster has its own workers; leave one out."
+        )

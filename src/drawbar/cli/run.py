@@ -1,0 +1,75 @@
+"""`drawbar run`: drive a whole run in simulation and report on it."""
+
+from json import dumps
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drawbar.cli.options import ConfigurationName, console
+from drawbar.errors import DrawbarError
+
+if TYPE_CHECKING:
+    from drawbar.config import Configuration
+
+
+def run(
+    configuration: ConfigurationName = "articulated",
+    path: Annotated[
+        str,
+        typer.Option(help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: figure-eights"),
+    ] = "",
+    track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. vehicle.wheelbase=1.5"),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of all randomness in the simulated machine")] = 0,
+    out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: a new one in runs/")] = None,
+) -> None:
+    """Drive a whole run in simulation and report on it."""
+    from drawbar.config import load_configuration
+    from drawbar.recording.header import deviation_note
+    from drawbar.recording.recorder import Recorder
+    from drawbar.report.console import RunProgress, summary
+    from drawbar.report.folder import LOG_NAME, write_report
+    from drawbar.simulation import Simulation
+
+    # a JSON string is a TOML string
+    given = (("path.file", path), ("path.track", track))
+    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
+    config = load_configuration(configuration, [*settings, *(changes or [])])
+    with console.status("compiling the control step (the first time only) …"):
+        simulation = Simulation(config, seed)
+    if simulation.drivable:
+        console.print(deviation_note(config, simulation.drivable))
+    folder = _new_folder(out, config, seed)
+    log = Recorder(folder / LOG_NAME, simulation.header())
+    stopped: DrawbarError | KeyboardInterrupt | None = None
+    try:
+        with simulation, log as recorder, RunProgress(console, simulation.path.length) as live:
+            for record in simulation.steps():
+                recorder.write(record)
+                live.show(record)
+    except (DrawbarError, KeyboardInterrupt) as error:
+        stopped = error
+    console.print(summary(write_report(folder)))
+    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
+    if stopped is not None:
+        raise SystemExit(130 if isinstance(stopped, KeyboardInterrupt) else 1)
+
+
+def _new_folder(chosen: FilePath | None, config: "Configuration", seed: int) -> FilePath:
+    """Return the folder for the results with config.toml in it; unnamed ones never overwrite each other."""
+    name = f"{config.name}-seed{seed}"
+    folder = chosen or FilePath("runs") / name
+    number = 1
+    while chosen is None and folder.exists():
+        number += 1
+        folder = FilePath("runs") / f"{name}-{number}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "config.toml").write_text(config.to_toml(), "utf-8")
+    except OSError as error:
+        raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
+    return folder

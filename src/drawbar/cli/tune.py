@@ -1,0 +1,45 @@
+"""`drawbar tune`: search settings for the least error and the least steering."""
+
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+from drawbar.cli.options import Cluster, ConfigurationName, Jobs, console, one_cluster
+
+
+def tune(
+    configuration: ConfigurationName,
+    more: Annotated[list[str] | None, typer.Argument(metavar="[KEY=LOW..HIGH ...]", show_default=False)] = None,
+    parameters: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=LOW..HIGH", help="what is searched, e.g. guidance.look_ahead=0.4..3.0; :log behind it"
+        ),
+    ] = None,
+    trials: Annotated[int, typer.Option(min=1, help="in all; the configuration's own values are the first")] = 64,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. tuning.seeds=10"),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of the search")] = 0,
+    jobs: Jobs = None,
+    cluster: Cluster = "",
+    out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: runs/NAME-tune")] = None,
+) -> None:
+    """Search weights or look-ahead for the least error and the least steering; the same command goes on."""
+    from drawbar.experiment.extras import require_extras
+
+    require_extras()
+    from drawbar.experiment.tuning import command  # imports the extras
+    from drawbar.experiment.tuning.parameters import read_space
+
+    one_cluster(jobs, cluster)
+    space = read_space(configuration, changes or [], [*(parameters or []), *(more or [])])
+    folder = out or FilePath("runs") / f"{space.configuration.name}-tune"
+    budget = command.Budget(trials=trials, seed=seed, jobs=jobs, address=cluster)
+    try:
+        command.tune(console, space, folder, budget)
+    except KeyboardInterrupt:
+        console.print("\ninterrupted; the same command goes on from the runs that are finished")
+        raise SystemExit(130) from None

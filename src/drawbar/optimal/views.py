@@ -1,0 +1,56 @@
+"""Arrays within the compiled solver's memory, offered by name and guarded against being replaced instead of written."""
+
+import numpy as np
+
+from drawbar.errors import SolverError
+from drawbar.geometry import Floats
+from drawbar.optimal.problem import ControlProblem, EstimationProblem
+
+
+class Guarded:
+    """A class whose arrays are memory of a compiled solver: binding another array to such a name is an error."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Set an attribute, but not another array in place of one that is the solver's own memory."""
+        present = self.__dict__.get(name)
+        if isinstance(present, np.ndarray) and value is not present:
+            raise SolverError(
+                f"{name} = ... would bind another array of which the compiled solver knows nothing; "
+                f"write into its own: {name}[...] = ..."
+            )
+        super().__setattr__(name, value)
+
+
+class StageBounds(dict[str, Floats]):
+    """One side of the bounds, by name of a variable: (stages,) arrays in the solver's own memory, to read and write."""
+
+    def __missing__(self, name: str) -> Floats:
+        """Say which bounds there are."""
+        raise SolverError(
+            f"No bound on {name!r} was declared; there are {', '.join(self) or 'none'}. To set one while the solver "
+            f"runs, declare it in the problem, with infinite ends at first."
+        )
+
+    def __setitem__(self, name: str, value: object) -> None:
+        """Refuse to replace an array."""
+        raise SolverError(f"Write into the solver's own memory: [{name!r}][...] = ...")
+
+
+def bound_places(problem: ControlProblem | EstimationProblem) -> dict[str, slice]:
+    """Return where each bounded variable's stages stand in the solver's arrays `lower` and `upper`.
+
+    The order is that of transcribe(): states before inputs, of each variable one stage after the other; in front of
+    them all is a free first state, which has no name here.
+    """
+    model, intervals = problem.model, problem.horizon
+    if isinstance(problem, EstimationProblem):
+        first, states, parameters = 0, (intervals + 1, model.states), (1, model.parameters)
+    else:
+        first, states, parameters = len(problem.initial_weights), (intervals, model.states), (0, ())
+    places = {}
+    for stages, kind in (states, parameters, (intervals, model.inputs)):
+        for variable in kind:
+            if variable.name in problem.bounds:
+                places[variable.name] = slice(first, first + stages)
+                first += stages
+    return places

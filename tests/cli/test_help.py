@@ -1,0 +1,55 @@
+"""Help and version: quick, because nothing heavy is imported for them."""
+
+import subprocess
+import sys
+
+import pytest
+
+from drawbar.configurations import shipped_names
+
+HEAVY = "casadi scipy numpy plotly matplotlib dask distributed optuna"
+COMMANDS = ("run", "tube", "export", "bench", "experiment", "tune")
+
+
+def loaded_by(statement: str) -> set[str]:
+    """Return which of HEAVY a fresh interpreter holds after a statement."""
+    program = f"import sys\ntry:\n    {statement}\nexcept SystemExit as end:\n    assert not end.code\n"
+    program += f"print('loaded:', *(name for name in {HEAVY.split()} if name in sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines()[-1].removeprefix("loaded:").split())
+
+
+def program(*arguments: str) -> str:
+    return f"sys.argv = ['drawbar', *{arguments}]; from drawbar.cli.main import main; main()"
+
+
+def said(*arguments: str) -> tuple[int, str]:
+    command = [sys.executable, "-m", "drawbar", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_import_loads_nothing_heavy() -> None:
+    assert loaded_by("import drawbar") == set()
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_loads_nothing_heavy(command: str) -> None:
+    assert loaded_by(program(*command.split(), "--help")) == set()
+
+
+def test_what_is_loaded_is_seen() -> None:
+    assert {"numpy", "casadi", "scipy"} <= loaded_by("import drawbar.step.build")
+
+
+def test_help_names_every_command() -> None:
+    code, text = said("--help")
+    assert code == 0
+    assert all(name in text for name in COMMANDS)
+
+
+@pytest.mark.parametrize("command", ["run", "tube", "export", "tune"])
+def test_help_names_the_shipped_configurations(command: str) -> None:
+    code, text = said(command, "--help")
+    assert code == 0
+    assert all(name in text for name in shipped_names())
