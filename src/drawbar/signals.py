@@ -440,7 +440,7 @@ class Diagnostics:
     overdue: Seconds
     """what is left of the time by which samples came late"""
     status: Status
-    """what drawbar_feedback returned"""
+    """what drawbar_feedback returned, without the flags of a new command"""
     flags: Flag
     estimator: SolverStatus
     gate: GateVerdict

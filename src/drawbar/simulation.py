@@ -67,11 +67,11 @@ def drive(
                 autopilot.give(estimate())
             status, command = autopilot.feedback(measurement)
             machine.write(command)
+            if status is Status.FINISHED:
+                return
             if between is not None:
                 between()
             autopilot.prepare()
-            if status is Status.FINISHED:
-                return
             if status in (Status.POSITION, Status.START):
                 raise _refusal(autopilot, measurement)
             record = autopilot.record(machine.truth() if isinstance(machine, SimulatedMachine) else None)
@@ -101,7 +101,7 @@ class Simulation:
             path: in place of the configuration's.
 
         Raises:
-            PathError: the line cannot be read or driven.
+            PathError: the line cannot be read or driven, or the machine stands too far from its start.
             ConfigurationError: the configuration contradicts itself.
             CompilerError: the control step could not be compiled.
         """
@@ -111,6 +111,10 @@ class Simulation:
         self.autopilot = build_autopilot(configuration)
         self.autopilot.begin(self.path)
         self._wrong = _bounded_errors(configuration, "estimate", seed)
+        place = self.machine.truth().tractor
+        x, y = self.path.nodes[0, 1:3].tolist()
+        if not math.hypot(place.x - x, place.y - y) <= configuration.guidance.maximum_start_distance:
+            raise _far_from_start(self.autopilot, place.x, place.y)
 
     def steps(self, between: Callable[[], None] | None = None) -> Iterator[StepRecord]:
         """Drive; see drive()."""
@@ -230,11 +234,16 @@ def _refusal(autopilot: Autopilot, first: Measurement) -> DrawbarError:
             f"The first measurement lacks a position (tractor {first.tractor_x}, {first.tractor_y}; "
             f"trailer {first.trailer_x}, {first.trailer_y}); wait for a fix of both antennas to start."
         )
+    return _far_from_start(autopilot, first.tractor_x, first.tractor_y)
+
+
+def _far_from_start(autopilot: Autopilot, tractor_x: float, tractor_y: float) -> PathError:
+    """Return the error for a vehicle that stands too far from where the path begins."""
     x, y, _, _ = autopilot.path.sample(np.zeros(1))[0].tolist()
-    distance = math.hypot(first.tractor_x - x, first.tractor_y - y)
+    distance = math.hypot(tractor_x - x, tractor_y - y)
     reach = float(autopilot.library.components["guidance"].live.array("guidance.start_distance")[0])
     return PathError(
-        f"the tractor at ({first.tractor_x:.2f}, {first.tractor_y:.2f}) m is {distance:.2f} m from the start of "
+        f"the tractor at ({tractor_x:.2f}, {tractor_y:.2f}) m is {distance:.2f} m from the start of "
         f"the path at ({x:.2f}, {y:.2f}) m; at most {reach:g} m is allowed: drive to the start, "
         f"or raise guidance.maximum_start_distance"
     )

@@ -8,9 +8,9 @@ import pytest
 
 from drawbar.codegen import cache
 from drawbar.config import Configuration, load_configuration
-from drawbar.step.autopilot import Autopilot
+from drawbar.simulation import Simulation
 
-Build = Callable[..., Autopilot]
+Build = Callable[..., Simulation]
 
 STRUCTURE = ("controller.horizon", "estimator.window")
 """numbers that are structure: the sizes of the problems. So is whether there is a dead time at all (and beyond 16
@@ -89,7 +89,7 @@ def test_another_value_of_every_number_compiles_nothing(
     case: str, build: Build, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     name, *changes = CASES[case]
-    build(name, *changes).step()
+    next(build(name, *changes).steps())
     configuration, same = all_changed(load_configuration(name, changes))
     for key, value in leaves(configuration.model_dump(mode="json")):
         if key in same and isinstance(value, int | float) and not isinstance(value, bool):
@@ -98,8 +98,8 @@ def test_another_value_of_every_number_compiles_nothing(
     file = tmp_path / "changed.toml"
     file.write_text(configuration.to_toml())
 
-    def refuse(source: str, flags: tuple[str, ...], library: Path) -> None:
+    def refuse(files: Any, flags: tuple[str, ...], library: Path) -> None:
         pytest.fail(f"{library.stem} would be compiled")
 
     monkeypatch.setattr(cache, "_compile", refuse)
-    build(str(file)).step()
+    next(build(str(file)).steps())

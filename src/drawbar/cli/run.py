@@ -1,5 +1,6 @@
 """`drawbar run`: drive a whole run in simulation and report on it."""
 
+import signal
 from json import dumps
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
@@ -45,6 +46,7 @@ def run(
         console.print(deviation_note(config, simulation.drivable))
     folder = _new_folder(out, config, seed)
     log = Recorder(folder / LOG_NAME, simulation.header())
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # whoever ends the program stops the machine
     stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
         with simulation, log as recorder, RunProgress(console, simulation.path.length) as live:

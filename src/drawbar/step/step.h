@@ -142,7 +142,9 @@ int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measureme
         return a->called ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
     }
     a->called = 1;
-    return a->diagnostics.status = feed_back(a, measurement, command);
+    const int status = feed_back(a, measurement, command);
+    a->diagnostics.status = status < DRAWBAR_REFUSED ? DRAWBAR_OK : status;
+    return status;
 }
 
 int drawbar_prepare(struct drawbar_state *state)

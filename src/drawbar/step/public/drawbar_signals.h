@@ -194,7 +194,8 @@ struct drawbar_diagnostics {
                                          * its position is missing, m */
     double unsolved;                    /* for how long estimator and controllers have not all had a solution, s */
     double overdue;                     /* what is left of the time by which samples came late, s */
-    int32_t status;                     /* what drawbar_feedback returned, enum drawbar_status */
+    int32_t status;                     /* what drawbar_feedback returned, without the flags of a new command,
+                                         * enum drawbar_status */
     int32_t flags;                      /* enum drawbar_flag */
     int32_t estimator;                  /* enum drawbar_solver */
     int32_t gate;                       /* enum drawbar_gate */
