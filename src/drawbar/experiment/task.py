@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from drawbar.benchmark.figures import on_one_core
 from drawbar.config import Configuration
+from drawbar.experiment.alteration import Alteration
 from drawbar.experiment.deviation import RecordedDeviation
 from drawbar.geometry import Floats
 from drawbar.recording.log import RunLog
@@ -25,7 +26,7 @@ from drawbar.simulation import Simulation
 
 _BESIDE_THE_RUN = ("benchmark", "experiment", "cli")
 """what of the package no figure of a run depends on, but for these files of experiment"""
-_OF_THE_RUN = ("task.py", "deviation.py")
+_OF_THE_RUN = ("task.py", "deviation.py", "alteration.py")
 _BESIDE_THE_SOLVERS = ("name", "path", "start", "machine", "bounded_errors", "tuning")
 """sections of a configuration that no solver depends on"""
 _DEVIATION = "deviation."
@@ -44,11 +45,15 @@ class Task:
     deviation.NAME, the standard deviation of a state or parameter of the estimator's model"""
     one_core: bool = False
     """stay on a single core of the processor, for figures of time"""
+    alterations: tuple[Alteration, ...] = ()
+    """applied before the run begins, one after the other"""
 
     @property
     def key(self) -> str:
         """Return what tells this task's result from every other's, and from that of another drawbar."""
-        return digest(source_digest(), self.configuration, str(self.seed), str(self.one_core), *self.columns)
+        alterations = [text for each in self.alterations for text in (each.name, each.source)]
+        kept = (*self.columns, "altered by", *alterations)
+        return digest(source_digest(), self.configuration, str(self.seed), str(self.one_core), *kept)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,6 +127,8 @@ def _simulate(task: Task) -> tuple[RunLog, RecordedDeviation | None]:
     """Drive, and keep standard deviations where the task asks for any."""
     configuration = Configuration.model_validate(tomllib.loads(task.configuration))
     with Simulation(configuration, task.seed) as simulation:
+        for alteration in task.alterations:
+            alteration.apply(simulation)
         if not any(name.startswith(_DEVIATION) for name in task.columns):
             return simulation.log(), None
         deviations = RecordedDeviation(simulation.autopilot, configuration)

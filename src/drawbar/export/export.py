@@ -39,10 +39,10 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
     _require_room(folder)
     _require_exportable(configuration)
     simulation = Simulation(configuration, _SEED)
-    units = list(simulation.autopilot.library.components.values())
+    components = list(simulation.autopilot.library.components.values())
     files = {
         "config.toml": configuration.to_toml(),
-        **_source_files(configuration, units),
+        **_source_files(configuration, components),
         "example/path.csv": path_table(simulation.path),
         "example/measurements.csv": measurement_table(record(simulation)),
     }
@@ -53,7 +53,7 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text, "utf-8", newline="\n")
         builds = [build_target(target, folder) for target in targets]
-        content = manifest(configuration, __version__, units, builds)
+        content = manifest(configuration, __version__, components, builds)
         (folder / "manifest.json").write_text(json.dumps(content, indent=2) + "\n", "utf-8", newline="\n")
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
@@ -76,9 +76,9 @@ def _require_exportable(configuration: Configuration) -> None:
             )
 
 
-def _source_files(configuration: Configuration, units: Sequence[Component]) -> dict[str, str]:
+def _source_files(configuration: Configuration, components: Sequence[Component]) -> dict[str, str]:
     """Return all that is the same for every target, by its place in the folder."""
-    names = {unit.name for unit in units}
+    names = {component.name for component in components}
     version = f"{__version__} {configuration_hash(configuration)[:16]}"
     constants = {
         **({"DRAWBAR_CENTRALISED": ""} if "controller" in names else {}),
@@ -86,13 +86,13 @@ def _source_files(configuration: Configuration, units: Sequence[Component]) -> d
         "DRAWBAR_STEP_SETTINGS": _initialiser(step_settings(configuration)),
         "DRAWBAR_VERSION": f'"drawbar {version}"',
     }
-    texts = {f"{unit.name}.c": sources.unit_text(unit) for unit in units}
+    texts = {f"{component.name}.c": sources.component_text(component) for component in components}
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     every = {
         **texts,
         **sources.headers(texts.values()),
-        "drawbar_size.h": sources.size_header(units, configuration.sample_time),
-        "drawbar_components.h": sources.components_header(units, constants),
+        "drawbar_size.h": sources.size_header(components, configuration.sample_time),
+        "drawbar_components.h": sources.components_header(components, constants),
     }
     listed = " ".join(f"src/{name}" for name in sorted(texts))
     marks = {"NAME": configuration.name, "VERSION": __version__, "HASH": version.split()[1], "SOURCES": listed}

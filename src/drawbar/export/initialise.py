@@ -17,15 +17,16 @@ _OF_SOLVER = ("constants", "w", "lower", "upper", "root", "process", "common")
 _C_TYPES = {"f": "double", "i": "int32_t"}
 
 
-def initialiser(unit: Component) -> str:
+def initialiser(component: Component) -> str:
     """Return the C function that makes a component ready to begin: all zero, its settings, and what follows from them.
 
     Rows that repeat, as weights do from stage to stage, are stored once.
     """
-    tables = {kind: list(_runs(unit, kind)) for kind in _C_TYPES}
+    tables = {kind: list(_runs(component, kind)) for kind in _C_TYPES}
     used = [c_type for kind, c_type in _C_TYPES.items() if tables[kind]]
     calls = "".join(f"    WRITE_SETTINGS(component, {c_type}_settings, {c_type}_values);\n" for c_type in used)
-    constants = f"    {unit.unit.constants};\n" if unit.unit.constants else ""
+    laid_down = component.unit.constants
+    constants = f"    {laid_down};\n" if laid_down else ""
     return f"""
 {"".join(_table(c_type, tables[kind]) for kind, c_type in _C_TYPES.items() if tables[kind])}
 int UNIT(initialise)(struct component *component)
@@ -47,12 +48,12 @@ class _Run:
     count: int
 
 
-def _runs(unit: Component, kind: str) -> Iterator[_Run]:
+def _runs(component: Component, kind: str) -> Iterator[_Run]:
     """Yield what is not zero in the settings of one kind of number."""
-    for name, array in unit.settings.settings().items():
+    for name, array in component.settings.settings().items():
         if array.dtype.kind != kind:
             continue
-        of_solver = isinstance(unit.unit, SolverUnit) and (name in _OF_SOLVER or name.startswith("qp."))
+        of_solver = isinstance(component.unit, SolverUnit) and (name in _OF_SOLVER or name.startswith("qp."))
         member = f"rti.{name}" if of_solver else name
         first = 0
         for row, count in _grouped(array):

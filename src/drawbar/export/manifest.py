@@ -14,7 +14,10 @@ from drawbar.export.stack import CallGraph
 from drawbar.export.toolchain import Built
 from drawbar.optimal import SolverUnit
 
-ENTRIES = ("drawbar_init", "drawbar_set_path", "drawbar_feedback", "drawbar_prepare", "drawbar_step")
+ENTRIES = tuple(
+    f"drawbar_{name}"
+    for name in ("init", "set_path", "begin_at", "change_path", "set_speed", "feedback", "prepare", "step")
+)
 """functions whose stack is stated"""
 _BOUNDS = {
     "stages": "N",
@@ -36,22 +39,27 @@ def configuration_hash(configuration: Configuration) -> str:
 
 
 def manifest(
-    configuration: Configuration, version: str, units: Sequence[Component], builds: Sequence[Built]
+    configuration: Configuration, version: str, components: Sequence[Component], builds: Sequence[Built]
 ) -> dict[str, Any]:
     """Return the manifest.
 
     Args:
         configuration: what was exported.
         version: of drawbar.
-        units: the components.
+        components: of its control step.
         builds: what was built, one entry a target.
     """
     return {
         "drawbar": version,
         "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
-        "state_bytes": 8 * state_doubles(units),
-        "components_bytes": {unit.name: unit.size for unit in units} | {"work": work_size(units)},
-        "bounds": {unit.name: _bounds(unit) for unit in units if isinstance(unit.unit, SolverUnit)},
+        "state_bytes": 8 * state_doubles(components),
+        "components_bytes": {component.name: component.size for component in components}
+        | {"work": work_size(components)},
+        "bounds": {
+            component.name: _bounds(component.unit)
+            for component in components
+            if isinstance(component.unit, SolverUnit)
+        },
         "targets": {build.target.name: _target(build) for build in builds},
     }
 
@@ -80,13 +88,13 @@ def _calls(build: Built) -> Mapping[str, Any]:
     }
 
 
-def _bounds(unit: Component) -> Mapping[str, int]:
+def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
     One factorisation and one sweep without bounds; a sweep for each column of the active set, two to publish its answer
     and one to take it back; then the interior point.
     """
-    bounds = {name: _defined(macro, [unit.unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
+    bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
     bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
     sweeps = 1 + bounds["active_set_columns"] + 3 + _SWEEPS_OF_ITERATION * iterations
