@@ -1,4 +1,4 @@
-"""Print the tables of docs/theory.md: python docs/readings.py [TEXT ...].
+"""Print the tables of docs/theory/readings.md and results.md: python docs/readings.py [TEXT ...].
 
 Each row is one change of a shipped configuration, or of what joins its parts, driven with seeds 0 to 4. Distances are
 those of each body's true antenna position from the path, in cm, tractor / trailer: means by curvature over all seeds,

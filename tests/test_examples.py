@@ -85,7 +85,8 @@ def test_the_tutorial_quotes_the_example() -> None:
 
 
 def test_every_reading_is_a_configuration_and_in_the_table(readings: ModuleType) -> None:
-    theory = (ROOT / "docs" / "theory.md").read_text("utf-8")
+    chapters = (ROOT / "docs" / "theory").glob("*.md")
+    theory = "".join(chapter.read_text("utf-8") for chapter in chapters)
     for reading in readings.READINGS:
         load_configuration(reading.base, reading.changes)
         assert f"| {reading.base}: {reading.name} |" in theory

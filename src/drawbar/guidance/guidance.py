@@ -1,4 +1,4 @@
-"""Guidance: from where the vehicle is to what its two controllers shall follow (theory, section 7).
+"""Guidance: from where the vehicle is to what its two controllers shall follow (docs/theory/path.md).
 
 The closest point of each body is searched in a window around that body's last progress, never on the whole
 path: where the path crosses itself a global search would jump to the other branch. The arithmetic is C,

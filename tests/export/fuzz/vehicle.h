@@ -1,4 +1,4 @@
-/* A vehicle that obeys: the chain of theory.md section 2 without slip, so that a fuzzer's runs are mostly plausible. The
+/* A vehicle that obeys: the articulated model (docs/theory) without slip, so that a fuzzer's runs are mostly plausible. The
  * lengths are the paper's machine. */
 #ifndef VEHICLE_H
 #define VEHICLE_H
