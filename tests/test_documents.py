@@ -18,6 +18,7 @@ NOT_OURS = {
     *("config.toml", "metrics.json", "report.html", "map.svg", "tube.html", "path.csv", "measurements.csv"),
     *("manifest.json", "include/drawbar.h", "src/", "lib/<target>/", "src/<part>.c", "example/main.c"),
     *("example/path.csv", "step.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
+    "build/reference/index.html",
 }
 """written by a command, or an example of a user's own"""
 

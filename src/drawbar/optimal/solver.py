@@ -16,7 +16,7 @@ Phase = Callable[[], int]
 """A C function bound to its workspace; returns a SolverStatus."""
 
 
-class _RealTimeIteration(Guarded):
+class RealTimeIteration(Guarded):
     """What control and estimation share: the workspace and the phases prepare, feedback and shift.
 
     The arrays are views of the compiled solver's own memory: write into them (`solver.y[...] = values`), read from
@@ -45,8 +45,11 @@ class _RealTimeIteration(Guarded):
         self.upper = StageBounds({name: array("upper")[place] for name, place in places.items()})
         """(stages,) upper bounds, likewise"""
         self.prepare: Phase = self.workspace.function("prepare")
+        """the preparation phase: linearise along the trajectory and factorise; returns a SolverStatus"""
         self.feedback: Phase = self.workspace.function("feedback")
+        """the feedback phase: solve for the newest data, and move the trajectory; returns a SolverStatus"""
         self.shift: Phase = self.workspace.function("shift")
+        """move trajectory and data by one sample"""
         self._set_bounds(transcription)
 
     def _set_bounds(self, transcription: Transcription) -> None:
@@ -75,7 +78,7 @@ class _RealTimeIteration(Guarded):
         return float(self.workspace.array("qp.kkt")[0])
 
 
-class ControlSolver(_RealTimeIteration):
+class ControlSolver(RealTimeIteration):
     """Real-time iteration for a ControlProblem.
 
     Before the first sample: write `initial` and `p`, then start(). Each sample: write `initial`, `p`, `y`; feedback();
@@ -145,7 +148,7 @@ class ControlSolver(_RealTimeIteration):
         )
 
 
-class EstimationSolver(_RealTimeIteration):
+class EstimationSolver(RealTimeIteration):
     """Real-time iteration for an EstimationProblem.
 
     Each sample: write row `newest` of `y`, NaN where a value is missing; feedback(); read row `newest` of `x`; then
@@ -172,6 +175,7 @@ class EstimationSolver(_RealTimeIteration):
         super().__init__(problem, transcription, component)
         array = self.workspace.array
         self.slide: Phase = self.workspace.function("slide")
+        """move the window on by one sample, once it is full; returns a SolverStatus"""
         self._restart = self.workspace.function("restart", pointers=1)
         self._newest = array("window.newest")
         self.root: Floats = _read_only(array("root"))
