@@ -90,7 +90,7 @@ class Guidance:
         if status == GuidanceStatus.FAR_FROM_START:
             raise _far_from_start(self.path, tractor, reach)
         if status != GuidanceStatus.FINE:
-            raise PathError(f"the trailer at ({trailer[0]:.2f}, {trailer[1]:.2f}) m is nowhere; its position is needed")
+            raise _no_position("trailer", trailer)
 
     @property
     def finished(self) -> bool:
@@ -135,8 +135,18 @@ def _finite(pose: Pose) -> bool:
     return math.isfinite(pose.x + pose.y + pose.yaw)
 
 
+def _no_position(body: str, position: Position) -> PathError:
+    """Return the error for a body whose position is not known."""
+    return PathError(
+        f"the {body}'s position is missing (x = {position[0]:.2f} m, y = {position[1]:.2f} m); wait for a fix of both "
+        f"antennas before a run begins"
+    )
+
+
 def _far_from_start(path: Path, tractor: Position, reach: float) -> PathError:
-    """Return the error for a vehicle that stands too far from where the path begins, or nowhere at all."""
+    """Return the error for a tractor that is too far from where the path begins, or whose position is missing."""
+    if not all(map(math.isfinite, tractor)):
+        return _no_position("tractor", tractor)
     x, y, _, _ = path.sample(np.zeros(1))[0].tolist()
     distance = math.hypot(tractor[0] - x, tractor[1] - y)
     return PathError(

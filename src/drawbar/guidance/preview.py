@@ -58,7 +58,7 @@ class Preview(Guidance):
         turned = wrap(tractor.yaw - float(self.path.sample(np.array(progress))[2]))
         return PathError(
             f"the tractor at ({tractor.x:z.2f}, {tractor.y:z.2f}) m faces {math.degrees(turned):.0f}° away from the "
-            f"path; turns of {curvature:g} 1/m and {rate:g} 1/m² do not lead onto it within "
+            f"path; no turns of at most {curvature:g} 1/m and {rate:g} 1/m² lead onto it within "
             f"{room:g} m beside it: turn the vehicle by hand, or raise guidance.turning_room or "
             f"vehicle.curvature_limit"
         )
