@@ -13,9 +13,7 @@ from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.report.path_errors import PathErrors, project_track
 from drawbar.signals import StepRecord
-from drawbar.simulation import drive
-from drawbar.step.autopilot import Autopilot
-from drawbar.step.build import build_autopilot, build_machine, build_path
+from drawbar.simulation import Simulation
 
 FIELD = FilePath(__file__).parents[2] / "shared" / "data" / "agopengps-field"
 
@@ -38,25 +36,23 @@ class Run:
 
 
 @pytest.fixture(scope="session")
-def build() -> Callable[..., Autopilot]:
-    """Return a function that makes an autopilot on a simulated machine from a shipped name and changes."""
+def build() -> Callable[..., Simulation]:
+    """Return a function that makes a run on the simulated machine from a shipped name and changes."""
 
-    def build(name: str, *changes: str, seed: int = 0) -> Autopilot:
-        configuration = load_configuration(name, changes)
-        path, _ = build_path(configuration)
-        return build_autopilot(configuration, path, build_machine(configuration, path, seed))
+    def build(name: str, *changes: str, seed: int = 0) -> Simulation:
+        return Simulation(load_configuration(name, changes), seed)
 
     return build
 
 
 @pytest.fixture(scope="session")
-def simulate(build: Callable[..., Autopilot]) -> Callable[..., Run]:
+def simulate(build: Callable[..., Simulation]) -> Callable[..., Run]:
     """Return a function that drives a shipped configuration with changes to the end of its path."""
 
     @cache
     def simulate(name: str, *changes: str, seed: int = 0) -> Run:
-        autopilot = build(name, *changes, seed=seed)
-        return Run(path=autopilot.guidance.path, records=list(drive(autopilot, time_limit=2000.0)))
+        with build(name, *changes, seed=seed) as simulation:
+            return Run(path=simulation.path, records=list(simulation.steps()))
 
     return simulate
 

@@ -129,7 +129,7 @@ def test_a_wrong_value_is_refused_by_key_value_and_what_is_allowed(change: str) 
 @pytest.mark.parametrize(
     ("change", "section", "key", "known"),
     [
-        ("wheelbase=1.4", "configuration", "wheelbase", "sample_time, speed, vehicle"),
+        ("wheelbase=1.4", "configuration", "wheelbase", "sample_time, speed, acceleration"),
         ("vehicle.wheelbse=1.4", "vehicle", "wheelbse", "wheelbase, hitch_length"),
         ("machine.ground.tractor_crab.average=0.0", "machine.ground.tractor_crab", "average", "mean, deviation"),
         ("estimator.prior.joint=0.1", "estimator.prior", "joint", "position, yaw"),

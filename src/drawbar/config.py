@@ -85,6 +85,8 @@ class Configuration(Settings):
     """s; RTK GNSS at 5 Hz"""
     speed: Annotated[float, Field(ge=0.05)] = 1.0
     """set wheel speed, m/s"""
+    acceleration: Annotated[float, Field(gt=0.0)] = 0.5
+    """fastest change of the commanded speed during a run, m/s²; a run begins with the set speed"""
     vehicle: VehicleParameters = VehicleParameters()
     sensors: SensorNoise = SensorNoise()
     """what the estimator believes of the sensors; the simulated ones are machine.sensors"""
@@ -149,7 +151,24 @@ def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuratio
         ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; says which and why.
     """
     data, origin = _resolved(source, ())
-    configuration = _validated(data, origin)
+    return _changed(_validated(data, origin), changes, origin)
+
+
+def recorded_configuration(text: str, changes: Sequence[str], origin: str) -> Configuration:
+    """Return the configuration that a log holds (complete TOML), with some values changed.
+
+    Args:
+        text: TOML.
+        changes: KEY=VALUE, as in load_configuration.
+        origin: what error messages call it.
+
+    Raises:
+        ConfigurationError: this version of drawbar does not know it any more, or a change is wrong; says which and why.
+    """
+    return _changed(_validated(tomllib.loads(text), origin), changes, origin)
+
+
+def _changed(configuration: Configuration, changes: Sequence[str], origin: str) -> Configuration:
     if not changes:
         return configuration
     resolved = configuration.model_dump(mode="json")

@@ -1,202 +1,315 @@
-"""The signals as C sees them: one structure for each of autopilot/signals.h, filled from and read into signals.py.
+"""The signals in C: structures, enumerations and texts printed from signals.py, and the layout of their bytes.
 
-A structure is made once and used at every sample; to write one costs a microsecond or two.
+`python -m drawbar.exchange` prints the headers anew after a change of signals.py; a test holds them against each other.
 """
 
+import ast
 import ctypes
+import inspect
+import math
+from dataclasses import fields, is_dataclass
+from enum import IntEnum, IntFlag
+from functools import cache
+from importlib import resources
+from itertools import pairwise
 from operator import attrgetter
+from pathlib import Path
 from struct import Struct
+from typing import Any, get_args, get_type_hints
 
-import numpy as np
-
-from drawbar.errors import SolverError
-from drawbar.geometry import Floats
+from drawbar import signals
 from drawbar.signals import (
+    Array,
+    BodyDiagnostics,
     BodyPlan,
     BodyReference,
     BodySteering,
     Command,
+    Diagnostics,
     Estimate,
+    FixQuality,
     FixStatus,
+    Flag,
+    GateVerdict,
+    GuidanceStatus,
     Measurement,
+    PathNode,
     Pose,
+    Quantity,
     SolverStatus,
+    Status,
+    Supervision,
 )
 
-_MEASUREMENT = Struct("9d")
-_ESTIMATE = Struct("17d4i")
-_COMMAND = Struct("4d")
-
-_MEASURED = attrgetter(
-    "time",
-    "tractor_x",
-    "tractor_y",
-    "trailer_x",
-    "trailer_y",
-    "hitch_angle",
-    "speed",
-    "tractor_steering",
-    "trailer_steering",
-)
-_POSE = ("x", "y", "yaw")
-_ESTIMATED = attrgetter(
-    "time",
-    *(f"tractor.{name}" for name in _POSE),
-    *(f"trailer.{name}" for name in _POSE),
-    "hitch_angle",
-    "speed",
-    "tractor_steering",
-    "trailer_steering",
-    "longitudinal_slip",
-    "tractor_slip",
-    "trailer_slip",
-    "steering_offset",
-    "tractor_crab",
-    "trailer_crab",
-    "status",
-    "tractor_fix",
-    "trailer_fix",
-)
-_COMMANDED = attrgetter("time", "tractor_steering", "trailer_steering", "speed")
+_ENUMERATIONS: dict[type[IntEnum] | type[IntFlag], tuple[str, str]] = {
+    Status: ("drawbar_status", "DRAWBAR_"),
+    Flag: ("drawbar_flag", "DRAWBAR_"),
+    FixStatus: ("drawbar_fix", "DRAWBAR_FIX_"),
+    FixQuality: ("drawbar_quality", "DRAWBAR_QUALITY_"),
+    SolverStatus: ("drawbar_solver", "DRAWBAR_SOLVER_"),
+    GateVerdict: ("drawbar_gate", "DRAWBAR_GATE_"),
+    GuidanceStatus: ("drawbar_guidance", "DRAWBAR_GUIDANCE_"),
+    Supervision: ("supervision", ""),
+}
+"""C's name of each enumeration, and what its members' names begin with"""
+_STRUCTURES: dict[Any, str] = {
+    Measurement: "drawbar_measurement",
+    Pose: "drawbar_pose",
+    PathNode: "drawbar_path_node",
+    Estimate: "drawbar_estimate",
+    Command: "drawbar_command",
+    BodyDiagnostics: "drawbar_body_diagnostics",
+    Diagnostics: "drawbar_diagnostics",
+    BodyReference: "drawbar_body_reference",
+    BodyPlan: "drawbar_body_plan",
+    BodySteering: "drawbar_body_steering",
+}
+_PUBLIC_ENUMERATIONS = (Status, Flag, FixStatus, FixQuality, SolverStatus, GateVerdict, GuidanceStatus)
+_PUBLIC_STRUCTURES = (PathNode, Measurement, Pose, Estimate, Command, BodyDiagnostics, Diagnostics)
+_WIDTH = 39
+"""columns of a member before its comment"""
 
 
-class CMeasurement(ctypes.Structure):
-    """struct drawbar_measurement."""
+class Layout:
+    """The bytes of one C structure without arrays: packed from a signal's fields and unpacked into them."""
 
-    _fields_ = (("values", ctypes.c_double * 9),)
+    def __init__(self, kind: Any) -> None:
+        """Derive the layout from a dataclass of signals.py."""
+        self.kind = kind
+        members = list(_leaves(kind))
+        self.struct = Struct("".join("d" if issubclass(leaf, float) else "i" for _, leaf in members))
+        self.size = self.struct.size + self.struct.size % 8
+        self._values = attrgetter(*(place for place, _ in members))
 
-    def write(self, measurement: Measurement) -> None:
-        """Take over the measurement."""
-        _MEASUREMENT.pack_into(self, 0, *_MEASURED(measurement))
+    def pack(self, buffer: Any, signal: Any, offset: int = 0) -> None:
+        """Write a signal into a buffer."""
+        self.struct.pack_into(buffer, offset, *self._values(signal))
 
+    def unpack(self, buffer: Any, offset: int = 0) -> Any:
+        """Read a signal out of a buffer."""
+        return _assemble(self.kind)(iter(self.struct.unpack_from(buffer, offset)))
 
-class CCommand(ctypes.Structure):
-    """struct drawbar_command."""
-
-    _fields_ = (("values", ctypes.c_double * 4),)
-
-    def write(self, command: Command) -> None:
-        """Take over the command."""
-        _COMMAND.pack_into(self, 0, *_COMMANDED(command))
-
-    def read(self) -> Command:
-        """Return the command."""
-        time, tractor, trailer, speed = self.values
-        return Command(time=time, tractor_steering=tractor, trailer_steering=trailer, speed=speed)
-
-
-class CEstimate(ctypes.Structure):
-    """struct drawbar_estimate."""
-
-    _fields_ = (("values", ctypes.c_double * 17), ("flags", ctypes.c_int32 * 4))
-
-    def write(self, estimate: Estimate) -> None:
-        """Take over the estimate."""
-        _ESTIMATE.pack_into(self, 0, *_ESTIMATED(estimate), 0)
-
-    def read(self) -> Estimate:
-        """Return the estimate."""
-        values = _ESTIMATE.unpack_from(self)
-        return Estimate(
-            time=values[0],
-            tractor=Pose(x=values[1], y=values[2], yaw=values[3]),
-            trailer=Pose(x=values[4], y=values[5], yaw=values[6]),
-            hitch_angle=values[7],
-            speed=values[8],
-            tractor_steering=values[9],
-            trailer_steering=values[10],
-            longitudinal_slip=values[11],
-            tractor_slip=values[12],
-            trailer_slip=values[13],
-            steering_offset=values[14],
-            tractor_crab=values[15],
-            trailer_crab=values[16],
-            status=SolverStatus(values[17]),
-            tractor_fix=FixStatus(values[18]),
-            trailer_fix=FixStatus(values[19]),
-        )
+    def buffer(self) -> Any:
+        """Return new memory for one structure, aligned, all zero."""
+        return (ctypes.c_double * (self.size // 8))()
 
 
-class CBodyReference(ctypes.Structure):
-    """struct drawbar_body_reference."""
-
-    _fields_ = (
-        ("progress", ctypes.c_double),
-        ("lateral_error", ctypes.c_double),
-        ("closest", ctypes.c_double * 4),
-        ("samples", ctypes.c_void_p),
-    )
-
-    def write(self, reference: BodyReference, stages: int = 0) -> None:
-        """Take over the reference, with a copy of its samples.
-
-        stages: how many samples C will read at least.
-
-        Raises:
-            SolverError: the reference has fewer samples, or they are not of four numbers each.
-        """
-        rows, *columns = reference.samples.shape
-        if rows < stages or columns != [4]:
-            raise SolverError(
-                f"The reference's samples have the shape {reference.samples.shape}; the controller needs at least "
-                f"({stages}, 4), one sample for each stage of its horizon. Give guidance and controller one horizon."
-            )
-        self.progress, self.lateral_error = reference.progress, reference.lateral_error
-        self.closest[:] = reference.closest.tolist()
-        self._samples = np.array(reference.samples, np.float64, order="C")
-        self.samples = _address(self._samples)
+def _leaves(kind: Any, place: str = "") -> list[tuple[str, Any]]:
+    """Return the dotted name and the type of each number, in C's order."""
+    found: list[tuple[str, Any]] = []
+    for name, hint, _ in _members(kind):
+        base = _base(hint)
+        found += _leaves(base, f"{place}{name}.") if is_dataclass(base) else [(f"{place}{name}", base)]
+    return found
 
 
-class CBodyPlan(ctypes.Structure):
-    """struct drawbar_body_plan."""
+@cache
+def _assemble(kind: Any) -> Any:
+    """Return what makes a signal of an iterator over its numbers."""
+    makers = [(name, _maker(_base(hint))) for name, hint, _ in _members(kind)]
 
-    _fields_ = (
-        ("steering", ctypes.c_double),
-        ("poses", ctypes.c_void_p),
-        ("steerings", ctypes.c_void_p),
-        ("deviation", ctypes.c_void_p),
-        ("deviations", ctypes.c_int32),
-        ("status", ctypes.c_int32),
-    )
+    def assemble(values: Any) -> Any:
+        return kind(**{name: make(values) for name, make in makers})
 
-    def write(self, plan: BodyPlan) -> None:
-        """Take over the plan, with copies of its arrays."""
-        arrays = plan.poses, plan.steerings, plan.deviation
-        self._arrays = [np.array(array, np.float64, order="C") for array in arrays]
-        self.steering, self.status = plan.steering, plan.status
-        self.poses, self.steerings, self.deviation = map(_address, self._arrays)
-        self.deviations = plan.deviation.size
-
-    def read(self, horizon: int) -> BodyPlan:
-        """Return the plan over so many samples; its arrays are copies."""
-        return BodyPlan(
-            steering=self.steering,
-            poses=_copied(self.poses, horizon + 1, 3),
-            steerings=_copied(self.steerings, horizon),
-            deviation=_copied(self.deviation, self.deviations),
-            status=SolverStatus(self.status),
-        )
+    return assemble
 
 
-class CBodySteering(ctypes.Structure):
-    """struct drawbar_body_steering."""
-
-    _fields_ = (("values", ctypes.c_double * 4), ("saturated", ctypes.c_int32))
-
-    def read(self) -> BodySteering:
-        """Return how the command came about."""
-        nominal, ancillary, command, margin = self.values
-        return BodySteering(
-            nominal=nominal, ancillary=ancillary, command=command, margin=margin, saturated=bool(self.saturated)
-        )
+def _maker(base: type[Any]) -> Any:
+    if is_dataclass(base):
+        return _assemble(base)
+    return next if base is float else lambda values: base(next(values))
 
 
-def _address(array: Floats) -> int:
-    """Return where a writable array is, 0 for an empty one; array.ctypes.data takes several times as long."""
-    return ctypes.addressof(ctypes.c_char.from_buffer(array.data)) if array.size else 0
+def _base(hint: Any) -> Any:
+    return get_args(hint)[0] if hasattr(hint, "__metadata__") else hint
 
 
-def _copied(address: int, *shape: int) -> Floats:
-    copy = np.empty(shape)
-    ctypes.memmove(_address(copy), address, copy.nbytes)
-    return copy
+def _annotation(hint: Any, kind: Any) -> Any:
+    return next((note for note in getattr(hint, "__metadata__", ()) if isinstance(note, kind)), None)
+
+
+@cache
+def _members(kind: Any) -> list[tuple[str, Any, str]]:
+    """Return name, type and words of each field, in C's order: what is smaller than a double comes last."""
+    hints, words = get_type_hints(kind, include_extras=True), _words(kind.__name__)
+    members = [(field.name, hints[field.name], words.get(field.name, "")) for field in fields(kind)]
+    return sorted(members, key=lambda member: _is_small(member[1]))
+
+
+def _is_small(hint: Any) -> bool:
+    """Whether a field is an int32_t in C."""
+    return isinstance(_base(hint), type) and issubclass(_base(hint), int)
+
+
+@cache
+def _declarations() -> dict[str, ast.ClassDef]:
+    module = ast.parse(inspect.getsource(signals))
+    return {node.name: node for node in module.body if isinstance(node, ast.ClassDef)}
+
+
+def _words(name: str) -> dict[str, str]:
+    """Return what stands below each field or member of a class of signals.py."""
+    body = _declarations()[name].body
+    words = {}
+    for node, below in pairwise(body):
+        if isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant):
+            target = node.target if isinstance(node, ast.AnnAssign) else getattr(node, "targets", [None])[0]
+            if isinstance(target, ast.Name):
+                words[target.id] = " ".join(str(below.value.value).split())
+    return words
+
+
+def _member(text: str, words: str) -> str:
+    """Return one line of a structure or an enumeration, and what of its comment does not fit on it."""
+    if not words:
+        return f"    {text}"
+    lead, line, lines = f"    {text}".ljust(_WIDTH) + " /* ", "", []
+    for word in words.split():
+        if line and _WIDTH + 4 + len(line) + len(word) > 114:
+            lines.append(line.rstrip())
+            line = ""
+        line += word + " "
+    lines.append(line.rstrip())
+    return lead + ("\n" + " " * _WIDTH + "  * ").join(lines) + " */"
+
+
+def _enumeration(kind: type[IntEnum] | type[IntFlag], name: str = "", prefix: str = "") -> str:
+    """Return an enumeration, under its own names unless others are given."""
+    if not name:
+        name, prefix = _ENUMERATIONS[kind]
+    words, lines = _words(kind.__name__), []
+    for member in kind:
+        comment = getattr(member, "text", "") or words.get(str(member.name), "")
+        lines.append(_member(f"{prefix}{member.name} = {member.value},", comment))
+    return f"/* {kind.__doc__} */\nenum {name} {{\n" + "\n".join(lines) + "\n};\n"
+
+
+def _structure(kind: Any) -> str:
+    members = _members(kind)
+    arrays = [array for _, hint, _ in members if (array := _annotation(hint, Array))]
+    counts = [f"    int32_t {array.rows};" for array in arrays if array.counted]
+    lines = [_c_member(*member) for member in members] + counts
+    if (len(counts) + sum(_is_small(hint) for _, hint, _ in members)) % 2:
+        lines.append("    int32_t reserved;")
+    return f"/* {kind.__doc__} */\nstruct {_STRUCTURES[kind]} {{\n" + "\n".join(lines) + "\n};\n"
+
+
+def _c_member(name: str, hint: Any, words: str) -> str:
+    """Return the declaration of one field."""
+    base, array, quantity = _base(hint), _annotation(hint, Array), _annotation(hint, Quantity)
+    if array:
+        return _c_array(name, array, words)
+    if is_dataclass(base):
+        return _member(f"struct {_STRUCTURES[base]} {name};", words)
+    if quantity:
+        unit = "" if quantity.unit == "1" else quantity.unit
+        return _member(f"double {name};", ", ".join(filter(None, (words, unit))))
+    known = f"enum {_ENUMERATIONS[base][0]}" if base in _ENUMERATIONS else ""
+    return _member(f"int32_t {name};", ", ".join(filter(None, (words, known))))
+
+
+def _c_array(name: str, array: Array, words: str) -> str:
+    if not array.rows:
+        return _member(f"double {name}[{array.columns}];", words)
+    pointer = f"const double (*{name})[{array.columns}];" if array.columns else f"const double *{name};"
+    return _member(pointer, f"({array.rows}) {words}")
+
+
+def _texts() -> str:
+    """Return the function that tells what a status means."""
+    flags = [(f"DRAWBAR_{flag.name}", f"a new command; {flag.text}") for flag in Flag]
+    statuses = [(f"DRAWBAR_{status.name}", status.text) for status in Status]
+    cases = "".join(f'    case {name}:\n        return "{text}";\n' for name, text in (*statuses, *flags))
+    return f"""\
+const char *drawbar_status_text(int status)
+{{
+    if (status > DRAWBAR_OK && status < DRAWBAR_REFUSED && (status & (status - 1)) != 0)
+        return "a new command; several flags are set";
+    switch (status) {{
+{cases}    default:
+        return "no status of this library";
+    }}
+}}
+"""
+
+
+def _limits() -> str:
+    """Return the largest magnitude of each measured double, in the structure's order."""
+    limits = []
+    for name, hint, _ in _members(Measurement):
+        if quantity := _annotation(hint, Quantity):
+            text = repr(quantity.limit) if math.isfinite(quantity.limit) else "INFINITY"
+            limits.append(f"    {text},".ljust(32) + f"/* {name} */")
+    return "static const double measurement_limits[] = {\n" + "\n".join(limits) + "\n};\n"
+
+
+_NOTE = "/* Generated from signals.py by `python -m drawbar.exchange`; change it there."
+_PUBLIC = f"""\
+{_NOTE}
+ *
+ * The signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
+ * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for. */
+#ifndef DRAWBAR_SIGNALS_H
+#define DRAWBAR_SIGNALS_H
+
+#include <stdint.h>
+
+"""
+_INNER = f"""\
+{_NOTE}
+ *
+ * The signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
+ * its next call. */
+#ifndef DRAWBAR_INNER_SIGNALS_H
+#define DRAWBAR_INNER_SIGNALS_H
+
+#include <math.h>
+#include "drawbar_signals.h"
+
+"""
+_TEXTS = f"""\
+{_NOTE} */
+#ifndef DRAWBAR_STATUS_TEXT_H
+#define DRAWBAR_STATUS_TEXT_H
+
+#include "drawbar.h"
+
+/* What a status means, in one line. */
+"""
+_SOLVER = f"""\
+{_NOTE} */
+#ifndef DRAWBAR_STATUS_H
+#define DRAWBAR_STATUS_H
+
+"""
+
+
+def headers() -> dict[str, str]:
+    """Return the text of each generated header by its place in the package."""
+    public = [_enumeration(kind) for kind in _PUBLIC_ENUMERATIONS]
+    public += [
+        _structure(kind) for kind in (PathNode, Measurement, Pose, Estimate, Command, BodyDiagnostics, Diagnostics)
+    ]
+    inner = [_enumeration(Supervision)]
+    inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering)]
+    inner += [
+        "/* Largest magnitudes that sensors can mean, of the measurement's numbers in their order. */\n" + _limits(),
+    ]
+    end = "\n#endif\n"
+    return {
+        "step/public/drawbar_signals.h": _PUBLIC + "\n".join(public) + end,
+        "step/status_text.h": _TEXTS + _texts() + end,
+        "signals.h": _INNER + "\n".join(inner) + end,
+        "solver/status.h": _SOLVER + _enumeration(SolverStatus, "qp_status") + end,
+    }
+
+
+def main() -> None:
+    """Write the generated headers into the package."""
+    with resources.as_file(resources.files("drawbar")) as root:
+        for name, text in headers().items():
+            Path(root / name).write_text(text, "utf-8", newline="\n")
+
+
+if __name__ == "__main__":
+    main()

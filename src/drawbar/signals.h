@@ -1,34 +1,79 @@
-/* The signals between the parts of one control step; signals.py has the same ones, with more words. */
+/* Generated from signals.py by `python -m drawbar.exchange`; change it there.
+ *
+ * The signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
+ * its next call. */
 #ifndef DRAWBAR_INNER_SIGNALS_H
 #define DRAWBAR_INNER_SIGNALS_H
 
+#include <math.h>
 #include "drawbar_signals.h"
 
-/* The path as one body's controller sees it. */
-struct drawbar_body_reference {
-    double progress;                       /* arc length of the closest point, m */
-    double lateral_error;                  /* of the body from the path, left positive, m */
-    double closest[4];                     /* the path there: x, y (m), yaw (rad, any branch), curvature (1/m) */
-    const double (*samples)[4];            /* the same at each stage, yaw on the branch of the estimate: (N+1) rows */
+/* Whether a run may go on. */
+enum supervision {
+    ON_COURSE = 0,
+    OFF_COURSE = 1,                     /* the tractor is too far from the path, or its distance is not known */
+    BLIND = 2,                          /* neither antenna has had a fix that was believed for too long */
 };
 
-/* One nominal controller's answer; the arrays are the controller's own and valid until its next call. */
+/* The path as one body's controller sees it: the closest point and one sample for each stage. */
+struct drawbar_body_reference {
+    double progress;                    /* arc length of the closest point, m */
+    double lateral_error;               /* of the body from the path, left positive, m */
+    double closest[4];                  /* the path at the closest point: x (m), y (m), yaw (rad, on any branch),
+                                         * curvature (1/m) */
+    const double (*samples)[4];         /* (N + 1) x (m), y (m), yaw (rad, on the branch of the estimate),
+                                         * curvature (1/m) of each stage */
+};
+
+/* One nominal controller's answer. */
 struct drawbar_body_plan {
-    double steering;                       /* nominal steering to apply now, rad */
-    const double (*poses)[3];              /* (N+1) rows: predicted x, y (m), yaw (rad) of the antenna */
-    const double *steerings;               /* (N) planned steering, rad */
-    const double *deviation;               /* x^ - x- in the error coordinates of this body's controller */
-    int32_t deviations;                    /* how many there are; none where the vehicle is held to no nominal state */
-    int32_t status;                        /* enum qp_status */
+    double steering;                    /* nominal steering to apply now, rad */
+    const double (*poses)[3];           /* (N + 1) predicted x (m), y (m), yaw (rad) of the antenna */
+    const double *steerings;            /* (N) planned steering, rad */
+    const double *deviation;            /* (deviations) x^ - x- in the error coordinates of this body's
+                                         * controller; empty where there is no nominal state */
+    int32_t status;                     /* enum drawbar_solver */
+    int32_t deviations;
 };
 
 /* How one steering command came about: nominal plus ancillary, then clipped. */
 struct drawbar_body_steering {
-    double nominal;                        /* rad */
-    double ancillary;                      /* K (x^ - x-), rad */
-    double command;                        /* after the bound, rad */
-    double margin;                         /* 1 at the tube's centre, 0 on its boundary; NaN: none declared */
-    int32_t saturated;
+    double nominal;                     /* of the plan, rad */
+    double ancillary;                   /* K (x^ - x-), rad */
+    double command;                     /* their sum within the bound, rad */
+    double margin;                      /* how far inside its tube the body is: 1 at its centre, 0 on its
+                                         * boundary, negative outside; NaN: none declared */
+    int32_t saturated;                  /* the sum was beyond the bound */
+    int32_t reserved;
+};
+
+/* Largest magnitudes that sensors can mean, of the measurement's numbers in their order. */
+static const double measurement_limits[] = {
+    INFINITY,                   /* time */
+    10000000.0,                 /* tractor_x */
+    10000000.0,                 /* tractor_y */
+    10000000.0,                 /* trailer_x */
+    10000000.0,                 /* trailer_y */
+    6.283185307179586,          /* hitch_angle */
+    50.0,                       /* speed */
+    6.283185307179586,          /* tractor_steering */
+    6.283185307179586,          /* trailer_steering */
+    10000000.0,                 /* tractor_fix_deviation */
+    10000000.0,                 /* trailer_fix_deviation */
+    6.283185307179586,          /* tractor_roll */
+    6.283185307179586,          /* tractor_pitch */
+    50.0,                       /* tractor_yaw_rate */
+    6.283185307179586,          /* trailer_roll */
+    6.283185307179586,          /* trailer_pitch */
+    50.0,                       /* trailer_yaw_rate */
+    INFINITY,                   /* tractor_fix_age */
+    INFINITY,                   /* trailer_fix_age */
+    INFINITY,                   /* hitch_angle_age */
+    INFINITY,                   /* speed_age */
+    INFINITY,                   /* tractor_steering_age */
+    INFINITY,                   /* trailer_steering_age */
+    INFINITY,                   /* tractor_attitude_age */
+    INFINITY,                   /* trailer_attitude_age */
 };
 
 #endif

@@ -1,46 +1,287 @@
-"""Drive a path from its start to its end, step by step."""
+"""Drive a path from its start to its end, step by step: the loop of every run, and whole runs in simulation."""
 
-from collections.abc import Iterator
+import math
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path as FilePath
+from types import TracebackType
+from typing import Self
 
-from drawbar.errors import DrawbarError
+import numpy as np
+
+from drawbar.bounded import BoundedSequence, Draw
+from drawbar.config import Configuration
+from drawbar.control.tube.adversary import worst_signs
+from drawbar.errors import ConfigurationError, DrawbarError, HardwareError, PathError
+from drawbar.estimation.ideal import ideal_estimate
+from drawbar.estimation.settings import IdealEstimatorSettings
+from drawbar.geometry import Floats, wrap
+from drawbar.guidance.figure_eight import figure_eights
+from drawbar.guidance.importers.load import load_line
+from drawbar.guidance.path import Path
+from drawbar.guidance.smoothing import DrivablePath, make_drivable
+from drawbar.machine.base import Machine
+from drawbar.machine.simulated import SimulatedMachine
+from drawbar.recording.header import run_header
+from drawbar.recording.log import Outcome, RunHeader, RunLog
 from drawbar.safety.gate import PATIENCE
-from drawbar.safety.supervisor import BLIND, LOST, Supervision, Supervisor
-from drawbar.signals import GateVerdict, StepRecord
+from drawbar.safety.supervisor import BLIND, LOST
+from drawbar.signals import Estimate, Measurement, Pose, Status, StepRecord
 from drawbar.step.autopilot import Autopilot
+from drawbar.step.build import ENDURANCE, build_autopilot, build_tubes
 
 
 class RunAborted(DrawbarError):  # noqa: N818 -- an outcome, not a mistake
     """The run was given up before the end of the path; the log holds all steps up to then."""
 
 
-def drive(autopilot: Autopilot, *, time_limit: float) -> Iterator[StepRecord]:
+def drive(
+    machine: Machine,
+    autopilot: Autopilot,
+    *,
+    time_limit: float,
+    estimate: Callable[[], Estimate] | None = None,
+    between: Callable[[], None] | None = None,
+) -> Iterator[StepRecord]:
     """Yield the record of every step until the tractor reaches the end of the path.
 
+    The last thing that the machine is told is to stop, whatever ends the loop; close the iterator where it may be left
+    early.
+
     Args:
-        autopilot: the control step.
+        machine: to drive.
+        autopilot: that has been given its path.
         time_limit: s, after which the run is given up.
+        estimate: in place of the estimator, where that is ideal.
+        between: called between a step's two phases, after the command is out.
 
     Raises:
-        RunAborted: the vehicle left the path, had no fix for too long, had its commands refused, or did not arrive in
-            time.
+        RunAborted: the run ended before the path did.
+        HardwareError: the first measurement lacks a position.
+        PathError: the vehicle stands too far from where the run is to begin.
     """
-    supervisor = Supervisor()
-    while not autopilot.guidance.finished:
-        record = autopilot.step()
-        yield record
-        time, tractor = record.measurement.time, record.reference.tractor
-        found = supervisor.watch(record.estimate, tractor)
-        if found is Supervision.OFF_COURSE:
-            distance = abs(tractor.lateral_error)
-            raise RunAborted(f"At {time:.1f} s the tractor was {distance:.2f} m from the path (limit {LOST} m).")
-        if found is Supervision.BLIND:
-            raise RunAborted(f"At {time:.1f} s neither antenna had had a valid fix for more than {BLIND:.0f} s.")
-        if record.gate is GateVerdict.STOPPED:
-            raise RunAborted(f"At {time:.1f} s the gate had had no valid command to let pass for {PATIENCE} s.")
-        if time > time_limit:
-            raise RunAborted(f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log.")
+    with machine:
+        while True:
+            measurement = machine.read()
+            if estimate is not None:
+                autopilot.give(estimate())
+            status, command = autopilot.feedback(measurement)
+            machine.write(command)
+            if status is Status.FINISHED:
+                return
+            if between is not None:
+                between()
+            autopilot.prepare()
+            if status in (Status.POSITION, Status.START):
+                raise _refusal(autopilot, measurement)
+            record = autopilot.record(machine.truth() if isinstance(machine, SimulatedMachine) else None)
+            yield record
+            if status.has_ended:
+                raise RunAborted(_reason(status, record, autopilot))
+            if measurement.time > time_limit:
+                raise RunAborted(
+                    f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log."
+                )
 
 
 def longest_time(length: float, speed: float) -> float:
     """Return the time (s) after which a run along a path of this length (m) at this set speed (m/s) is given up."""
     return 60.0 + 3.0 * length / speed
+
+
+class Simulation:
+    """A configuration's run on the simulated machine; as a context it leaves the machine stopped."""
+
+    def __init__(self, configuration: Configuration, seed: int = 0, path: Path | None = None) -> None:
+        """Build path, machine and autopilot.
+
+        Args:
+            configuration: of the run.
+            seed: of everything random.
+            path: in place of the configuration's.
+
+        Raises:
+            PathError: the line cannot be read or driven, or the machine stands too far from its start.
+            ConfigurationError: the configuration contradicts itself.
+            CompilerError: the control step could not be compiled.
+        """
+        self.configuration, self.seed = configuration, seed
+        self.path, self.drivable = build_path(configuration) if path is None else (path, None)
+        self.machine = build_machine(configuration, self.path, seed)
+        self.autopilot = build_autopilot(configuration)
+        self.autopilot.begin(self.path)
+        self._wrong = _bounded_errors(configuration, "estimate", seed)
+        place = self.machine.truth().tractor
+        x, y = self.path.nodes[0, 1:3].tolist()
+        if not math.hypot(place.x - x, place.y - y) <= configuration.guidance.maximum_start_distance:
+            raise _far_from_start(self.autopilot, place.x, place.y)
+
+    def steps(self, between: Callable[[], None] | None = None) -> Iterator[StepRecord]:
+        """Drive; see drive()."""
+        ideal = isinstance(self.configuration.estimator, IdealEstimatorSettings)
+        return drive(
+            self.machine,
+            self.autopilot,
+            time_limit=longest_time(self.path.length, self.configuration.speed),
+            estimate=(lambda: ideal_estimate(self.machine.truth(), self._wrong)) if ideal else None,
+            between=between,
+        )
+
+    def log(self, between: Callable[[], None] | None = None) -> RunLog:
+        """Drive to the end and return the log; see drive()."""
+        header, records, times = self.header(), [], []
+        stopped = None
+        try:
+            for record in self.steps(between):
+                records.append(record)
+                times.append(time.time())
+        except RunAborted as error:
+            stopped = error
+        return RunLog(header=header, records=tuple(records), wall_time=np.array(times), outcome=Outcome.of(stopped))
+
+    def header(self) -> RunHeader:
+        """Describe the run, as starting now."""
+        return run_header(self.configuration, self.path, self.drivable, self.seed)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.machine.stop()
+
+
+def simulate(configuration: Configuration, seed: int = 0) -> RunLog:
+    """Drive a whole run in simulation and return its log; a run that was given up says so in its outcome.
+
+    Args:
+        configuration: of the run.
+        seed: of everything random.
+
+    Raises:
+        DrawbarError: the configuration cannot be built, or its run cannot begin.
+    """
+    with Simulation(configuration, seed) as simulation:
+        return simulation.log()
+
+
+def build_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]:
+    """Return the path to drive and, for a recorded line, how it was made drivable.
+
+    Raises:
+        PathError: the line cannot be read or driven.
+    """
+    settings, limit = configuration.path, configuration.vehicle.curvature_limit
+    if not settings.file:
+        for radius in settings.radii:
+            if not 1.0 / radius <= limit:
+                raise PathError(
+                    f"path.radii holds {radius} m; the vehicle turns no tighter than {1.0 / limit:.2f} m, "
+                    f"by vehicle.curvature_limit = {limit} 1/m"
+                )
+        return figure_eights(settings.radii, settings.straight_length), None
+    line = load_line(FilePath(settings.file), settings.track or None)
+    drivable = make_drivable(
+        line,
+        curvature_limit=limit,
+        curvature_rate_limit=configuration.guidance.curvature_rate_limit,
+        tolerance=configuration.guidance.path_tolerance,
+    )
+    return drivable.path, drivable
+
+
+def build_machine(configuration: Configuration, path: Path, seed: int) -> SimulatedMachine:
+    """Return the simulated machine, standing where the configuration's start says."""
+    x, y, yaw, _ = path.sample(np.zeros(1))[0].tolist()
+    start = configuration.start
+    return SimulatedMachine(
+        vehicle=configuration.vehicle,
+        settings=configuration.machine,
+        sample_time=configuration.sample_time,
+        start=Pose(
+            x=x + start.ahead * math.cos(yaw) - start.left * math.sin(yaw),
+            y=y + start.ahead * math.sin(yaw) + start.left * math.cos(yaw),
+            yaw=yaw + start.yaw,
+        ),
+        seed=seed,
+        unknown=_bounded_errors(configuration, "ground", seed),
+    )
+
+
+def _bounded_errors(configuration: Configuration, kind: str, seed: int) -> Callable[[], Floats] | None:
+    """Return what draws the errors of the ground or of the estimate, None where all their bounds are zero."""
+    errors = configuration.bounded_errors
+    bounds = errors.scale * np.array([bound for _, bound in getattr(errors, kind)])
+    if not bounds.any():
+        return None
+    worst = np.ones((1, len(bounds)))
+    if errors.draw is Draw.ADVERSARIAL:
+        tubes = build_tubes(configuration)
+        if tubes is None:
+            raise ConfigurationError(
+                f'bounded_errors.draw = "adversarial" needs tubes to attack, which controller.model = '
+                f'"{configuration.controller.model}" does not have; use "random" or "vertices"'
+            )
+        worst = dict(zip(("ground", "estimate"), worst_signs(tubes), strict=True))[kind]
+    return BoundedSequence(errors.draw, bounds, seed=seed, worst=worst).draw
+
+
+def _refusal(autopilot: Autopilot, first: Measurement) -> DrawbarError:
+    """Return the error that says why a run cannot begin."""
+    if not np.isfinite([first.tractor_x, first.tractor_y, first.trailer_x, first.trailer_y]).all():
+        return HardwareError(
+            f"The first measurement lacks a position (tractor {first.tractor_x}, {first.tractor_y}; "
+            f"trailer {first.trailer_x}, {first.trailer_y}); wait for a fix of both antennas to start."
+        )
+    return _far_from_start(autopilot, first.tractor_x, first.tractor_y)
+
+
+def _far_from_start(autopilot: Autopilot, tractor_x: float, tractor_y: float) -> PathError:
+    """Return the error for a vehicle that stands too far from where the path begins."""
+    x, y, _, _ = autopilot.path.sample(np.zeros(1))[0].tolist()
+    distance = math.hypot(tractor_x - x, tractor_y - y)
+    reach = float(autopilot.library.components["guidance"].live.array("guidance.start_distance")[0])
+    return PathError(
+        f"the tractor at ({tractor_x:.2f}, {tractor_y:.2f}) m is {distance:.2f} m from the start of "
+        f"the path at ({x:.2f}, {y:.2f}) m; at most {reach:g} m is allowed: drive to the start, "
+        f"or raise guidance.maximum_start_distance"
+    )
+
+
+def _reason(status: Status, record: StepRecord, autopilot: Autopilot) -> str:
+    """Say why a run has ended."""
+    at = f"At {record.measurement.time:.1f} s"
+    if status is Status.OFF_COURSE:
+        return (
+            f"{at} the tractor was {abs(record.reference.tractor.lateral_error):.2f} m from the path (limit {LOST} m)."
+        )
+    if status is Status.BLIND:
+        return f"{at} neither antenna had had a valid fix for more than {BLIND:.0f} s."
+    if status is Status.STOPPED:
+        return f"{at} the gate had had no valid command to let pass for {PATIENCE} s."
+    if status is Status.UNSOLVED:
+        return f"{at} estimator and controllers had not all had a solution for {ENDURANCE:.0f} s."
+    if status is Status.GUIDANCE:
+        return f"{at} {_lost(record.estimate, autopilot)}"
+    return f"{at} the run was {status.text}."
+
+
+def _lost(estimate: Estimate, autopilot: Autopilot) -> str:
+    """Say why guidance had no reference."""
+    guidance = autopilot.library.components["guidance"].live
+    for pose in (estimate.tractor, estimate.trailer):
+        if not math.isfinite(pose.x + pose.y + pose.yaw):
+            return f"the estimated {pose} was not finite."
+    speed = estimate.longitudinal_slip * estimate.speed
+    if not math.isfinite(speed):
+        return f"the estimated speed over ground was {speed} m/s."
+    tractor, progress = estimate.tractor, guidance.array("guidance.progress")[0]
+    turned = wrap(tractor.yaw - float(autopilot.path.sample(np.array(progress))[2]))
+    curvature, rate, room = (float(guidance.array(name)[0]) for name in ("limits.curvature", "limits.rate", "room"))
+    return (
+        f"the tractor at ({tractor.x:z.2f}, {tractor.y:z.2f}) m faced {math.degrees(turned):.0f}° away from the "
+        f"path; turns of {curvature:g} 1/m and {rate:g} 1/m² do not lead onto it within "
+        f"{room:g} m beside it: turn the vehicle by hand, or raise guidance.turning_room or "
+        f"vehicle.curvature_limit"
+    )

@@ -17,7 +17,7 @@ def test_floor_agrees_with_the_solvers_own_linearisation(probes: list[Probe]) ->
             floor.array("p")[:, :-1] = array("p")[:-1]
         floor.function("linearise")()
         probe.solver.workspace.function("linearise")()
-        rows = transcription.x.numel() - transcription.constants
+        rows = transcription.x.numel() - transcription.constant_states
         nx = transcription.x.numel()
         slope = floor.array("slope").T
         np.testing.assert_allclose(floor.array("step"), array("qp.c")[-1, :rows], rtol=0, atol=1e-12)

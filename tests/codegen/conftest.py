@@ -44,7 +44,7 @@ def compiled() -> Callable[..., Workspace]:
             Output(place="work->g[k]", rows=str(LATER), value=g),
         ]
         arguments = "struct work *work"
-        functions = emit_constants("lay_down", outputs, arguments)
+        functions = emit_constants("lay_down", inputs, outputs, arguments)
         functions += emit("evaluate", inputs, outputs, arguments)
         sizes = {"nx": x.numel(), "nu": u.numel(), "nf": f.numel(), "ng": g.numel()}
         return Workspace(build("emitted", _UNIT.format(rows=ROWS, later=LATER, functions=functions, **sizes)))

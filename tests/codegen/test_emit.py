@@ -142,4 +142,4 @@ def test_constant_that_is_no_finite_number_is_refused(value: float) -> None:
     with pytest.raises(ModelError, match="only finite numbers are allowed"):
         emit("f", [row], [Output(place="work->f[k]", rows="1", value=ca.atan2(value, x))], "struct work *work")
     with pytest.raises(ModelError, match="only finite numbers are allowed"):
-        emit_constants("f", [Output(place="work->f[k]", rows="1", value=ca.SX(value))], "struct work *work")
+        emit_constants("f", [row], [Output(place="work->f[k]", rows="1", value=ca.SX(value))], "struct work *work")

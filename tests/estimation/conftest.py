@@ -133,7 +133,7 @@ def travel() -> Callable[..., tuple[Floats, Floats]]:
     """Return a function that integrates a model: states (n+1, nx) and outputs (n+1, ny) under inputs (n, nu)."""
 
     def travel(model: EstimationModel, start: Floats, p: Floats, inputs: Floats) -> tuple[Floats, Floats]:
-        declared = model.problem.model
+        declared = model.problem.model.numeric()
         step = ca.Function("step", [declared.x, declared.u, declared.p], [integrate(declared, SAMPLE_TIME)])
         output = ca.Function("output", [declared.x, declared.u, declared.p], [declared.output])
         states = [start]

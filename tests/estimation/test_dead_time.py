@@ -50,7 +50,7 @@ def predictor(model, dead_time: float, sign: int = 1) -> DeadTimePredictor:
 
 def yaws(model, e: Estimate, dead_time: float, sign: int) -> tuple[float, float, float, float]:
     """Return both yaws and both steering angles after the dead time, by an adaptive integrator on the model."""
-    declared = model(vehicle(dead_time, sign))
+    declared = model(vehicle(dead_time, sign)).numeric()
     f = ca.Function("f", [declared.x, declared.u, declared.p], [declared.derivative])
     slips = e.longitudinal_slip, e.tractor_slip
     if model is articulated:

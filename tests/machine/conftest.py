@@ -64,9 +64,12 @@ def drive() -> Callable[..., list[Truth]]:
         speed: float = 1.0,
     ) -> list[Truth]:
         run = []
+        if not machine._begun:
+            machine.read()  # where it was placed
         for _ in range(samples):
-            command = Command(time=machine.read().time, tractor_steering=tractor, trailer_steering=trailer, speed=speed)
-            machine.write(command)
+            time = machine.truth().time
+            machine.write(Command(time=time, tractor_steering=tractor, trailer_steering=trailer, speed=speed))
+            machine.read()
             run.append(machine.truth())
         return run
 

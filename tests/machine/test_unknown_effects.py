@@ -19,9 +19,11 @@ def driven(settings, unknown=None, samples=30):
         seed=0,
         unknown=unknown,
     )
+    machine.read()
     truths = [machine.truth()]
     for k in range(samples):
         machine.write(Command(time=0.2 * k, tractor_steering=0.1, trailer_steering=-0.05, speed=1.0))
+        machine.read()
         truths.append(machine.truth())
     return truths
 

@@ -8,7 +8,7 @@ import sys
 import types
 import typing
 from datetime import UTC, datetime
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 
 import numpy as np
 import pytest
@@ -35,10 +35,10 @@ def arbitrary(kind, name, rng):
         if name == "time":
             return float(rng.exponential())
         return float("nan") if rng.random() < 1 / 7 else float(rng.normal() * 1e3)
+    if isinstance(kind, type) and issubclass(kind, IntEnum | IntFlag):
+        return list(kind)[int(rng.integers(len(kind)))]
     if kind in (int, bool):
         return kind(rng.integers(0, 2))
-    if isinstance(kind, type) and issubclass(kind, IntEnum):
-        return kind(int(rng.integers(len(kind))))
     array = rng.normal(size=SHAPES[name])
     array.flat[0] = np.nan
     return array

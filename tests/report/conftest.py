@@ -14,6 +14,7 @@ from drawbar.signals import (
     BodySteering,
     Command,
     Estimate,
+    Flag,
     GateVerdict,
     Measurement,
     Plan,
@@ -21,6 +22,7 @@ from drawbar.signals import (
     Reference,
     SolverStatus,
     SolveTimes,
+    Status,
     StepRecord,
     Truth,
 )
@@ -210,6 +212,8 @@ class Drive:
             trailer_times=solve[2],
             solver_failures=0,
             gate=GateVerdict.PASSED,
+            status=Status.OK,
+            flags=Flag(0),
         )
 
 

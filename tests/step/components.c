@@ -1,4 +1,4 @@
-/* Parts that do what the measurement says, so that a test sees what the exported step makes of it:
+/* Components that do what the measurement says, so that a test sees what the exported step makes of it:
  *
  *     tractor_x: progress, trailer_x: the controllers' status, tractor_y: lateral error, trailer_y: the estimator's status,
  *     hitch_angle: the fixes' status, speed: guidance's status, both steering angles: the commands
@@ -10,7 +10,7 @@
 
 #define MISSING 5
 
-char calls[64];                            /* first letters of the parts in the order of their calls */
+char calls[64];                            /* first letters of the components in the order of their calls */
 
 static struct drawbar_measurement seen;
 static const double samples[2][4];
@@ -72,6 +72,14 @@ int drawbar_estimator_ready(struct component *component, const struct drawbar_co
     return 0;
 }
 
+int drawbar_estimator_skip(struct component *component, const struct drawbar_command *acting)
+{
+    (void)component;
+    (void)acting;
+    called('x');
+    return 0;
+}
+
 int drawbar_predictor_ahead(struct component *component, const struct drawbar_estimate *now, struct drawbar_estimate *then)
 {
     (void)component;
@@ -90,12 +98,23 @@ int drawbar_predictor_sent(struct component *component, const struct drawbar_com
     return 0;
 }
 
-int drawbar_guidance_begin(struct component *component, const struct path *path, const struct drawbar_measurement *first)
+int drawbar_guidance_begin(struct component *component, const struct path *path, double start,
+                           const struct drawbar_measurement *first)
 {
     (void)component;
     (void)path;
     called('B');
-    return first->tractor_x < 0.0;
+    return first->tractor_x < start;
+}
+
+int drawbar_guidance_change(struct component *component, const struct path *path, double start,
+                            const struct drawbar_estimate *estimate)
+{
+    (void)component;
+    (void)path;
+    (void)estimate;
+    called('C');
+    return start > 5.0;
 }
 
 int drawbar_guidance_reference(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
@@ -161,6 +180,20 @@ int drawbar_trailer_ready(struct component *component)
 {
     (void)component;
     called('R');
+    return 0;
+}
+
+int drawbar_tractor_skip(struct component *component)
+{
+    (void)component;
+    called('y');
+    return 0;
+}
+
+int drawbar_trailer_skip(struct component *component)
+{
+    (void)component;
+    called('z');
     return 0;
 }
 

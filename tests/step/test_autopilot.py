@@ -1,4 +1,4 @@
-"""The order of one control step, and that a whole run does not care where it takes place."""
+"""The autopilot that Python drives: a whole run does not care where it takes place, and its records are complete."""
 
 import math
 from dataclasses import replace
@@ -7,131 +7,13 @@ import numpy as np
 import pytest
 
 from drawbar.config import load_configuration
+from drawbar.errors import PathError
 from drawbar.guidance.path import Path
-from drawbar.machine.base import Machine
-from drawbar.signals import BodyPlan, BodySteering, GateVerdict, Plan, SolverStatus
-from drawbar.step.autopilot import Autopilot
-from drawbar.step.build import build_autopilot, build_path, planned_speed
+from drawbar.signals import Flag, Status
+from drawbar.simulation import build_path
+from drawbar.step.build import build_autopilot, step_settings
 
 STEPS = 150
-ACTING = "the command that acts"
-
-
-class Part:
-    """Any part of the autopilot: writes down what it is asked for, and answers as told."""
-
-    def __init__(self, name, calls, **answers):
-        self._name, self._calls, self._answers = name, calls, answers
-
-    def __getattr__(self, name):
-        if name == "times":
-            return self._answers["times"]
-
-        def call(*arguments):
-            self._calls.append((f"{self._name}.{name}", arguments))
-            answer = self._answers.get(name)
-            return answer(*arguments) if callable(answer) else answer
-
-        return call
-
-
-def steering(command):
-    return BodySteering(nominal=command, ancillary=0.0, command=command, saturated=False)
-
-
-@pytest.fixture
-def faked(simulate):
-    """Return an autopilot made of fakes that repeat one recorded step, the calls it makes, and that step."""
-    record = simulate("articulated").records[100]
-    calls = []
-    ahead = replace(record.estimate, time=record.estimate.time + 0.4)  # where the commands under way lead
-    autopilot = Autopilot(
-        machine=Part("machine", calls, read=record.measurement, truth=record.truth),
-        estimator=Part("estimator", calls, update=record.estimate, times=record.estimator_times),
-        predictor=Part("predictor", calls, ahead=ahead, sent=ACTING),
-        guidance=Part("guidance", calls, reference=record.reference),
-        controller=Part("controller", calls, feedback=record.plan, times=(record.tractor_times, record.trailer_times)),
-        tractor_law=Part("tractor_law", calls, apply=steering(0.11)),
-        trailer_law=Part("trailer_law", calls, apply=steering(-0.22)),
-        gate=Part("gate", calls, check=lambda command: (replace(command, speed=0.7), GateVerdict.LIMITED)),
-        speed=1.2,
-        planned_speed=-math.inf,
-    )
-    return autopilot, calls, record
-
-
-def test_one_step_is_the_block_diagram(faked):
-    autopilot, calls, record = faked
-    made = autopilot.step()
-    names = [name for name, _ in calls]
-    order = ["machine.read", "estimator.update", "predictor.ahead", "guidance.reference", "controller.feedback"]
-    laws = ["tractor_law.apply", "trailer_law.apply", "gate.check", "machine.write"]
-    assert [name for name in names if name != "machine.truth"] == [
-        *order,
-        *laws,
-        "predictor.sent",
-        "estimator.prepare",
-        "controller.prepare",
-    ]
-    assert names.index("machine.truth") < names.index("machine.write")  # the truth is that of the measurement
-    given = dict(calls)
-    assert given["estimator.update"] == (record.measurement,)
-    assert given["predictor.ahead"] == (record.estimate,)
-    ahead = replace(record.estimate, time=record.estimate.time + 0.4)
-    assert given["guidance.reference"] == (ahead,)
-    assert given["controller.feedback"] == (ahead, record.reference)
-    assert given["tractor_law.apply"] == (record.plan.tractor,)
-    assert given["trailer_law.apply"] == (record.plan.trailer,)
-    (asked,) = given["gate.check"]
-    assert (asked.tractor_steering, asked.trailer_steering, asked.speed) == (0.11, -0.22, 1.2)
-    assert asked.time == record.measurement.time
-    assert given["machine.write"] == given["predictor.sent"] == (replace(asked, speed=0.7),)
-    assert given["estimator.prepare"] == (ACTING,)
-    assert made.command == replace(asked, speed=0.7)
-    assert made.gate is GateVerdict.LIMITED  # as the gate said
-
-
-@pytest.mark.parametrize(("estimated", "planned"), [(0.3, 1.2), (1.3, 1.3), (-0.1, 1.2), (float("nan"), float("nan"))])
-def test_plans_reckon_with_the_set_speed_at_least(faked, estimated, planned):
-    autopilot, calls, record = faked
-    autopilot.planned_speed = 1.2
-    autopilot.predictor = Part("predictor", calls, ahead=replace(record.estimate, speed=estimated), sent=ACTING)
-    autopilot.step()
-    ((given,), (handed, _)) = (dict(calls)[name] for name in ("guidance.reference", "controller.feedback"))
-    np.testing.assert_equal((given.speed, handed.speed), (planned, planned))
-    assert dict(calls)["predictor.ahead"] == (record.estimate,)
-
-
-def test_only_plans_along_a_preview_reckon_with_the_set_speed():
-    assert planned_speed(load_configuration("articulated", ["speed=0.7"])) == 0.7
-    assert planned_speed(load_configuration("paper", ["speed=0.7"])) == -math.inf
-
-
-def test_steps_are_counted_from_zero_and_failures_with_them(faked):
-    autopilot, _, record = faked
-    assert [autopilot.step().step for _ in range(3)] == [0, 1, 2]
-    assert autopilot.step().solver_failures == 0
-    failed = replace(record.plan.tractor, status=SolverStatus.CHECK_FAILED)
-    assert isinstance(failed, BodyPlan)
-    plan = Plan(time=0.0, tractor=failed, trailer=replace(failed, status=SolverStatus.INFEASIBLE))
-    autopilot.controller = Part("controller", [], feedback=plan, times=(record.tractor_times, record.trailer_times))
-    assert autopilot.step().solver_failures == 2
-
-
-class Replayed(Machine):
-    """Reports recorded measurements, whatever it is commanded."""
-
-    def __init__(self, measurements):
-        self._measurements, self._sample = measurements, 0
-
-    def read(self):
-        return self._measurements[self._sample]
-
-    def write(self, command):
-        self._sample += 1
-
-    def truth(self):
-        return None
 
 
 def transformed_path(path, transform, sign, turn):
@@ -163,12 +45,17 @@ def transformed_measurement(measurement, transform, sign):
 
 
 def replay(run, name, transform, sign=1.0, turn=0.0):
-    """Feed a recorded run's measurements to a new autopilot in a moved world: its estimates and commands."""
-    measurements = [transformed_measurement(r.measurement, transform, sign) for r in run.records[: STEPS + 1]]
+    """Feed a recorded run's measurements to a new autopilot in a moved world: its records."""
     configuration = load_configuration(name)
     path, _ = build_path(configuration)
-    autopilot = build_autopilot(configuration, transformed_path(path, transform, sign, turn), Replayed(measurements))
-    return [autopilot.step() for _ in range(STEPS)]
+    autopilot = build_autopilot(configuration)
+    autopilot.begin(transformed_path(path, transform, sign, turn))
+    records = []
+    for record in run.records[:STEPS]:
+        autopilot.feedback(transformed_measurement(record.measurement, transform, sign))
+        autopilot.prepare()
+        records.append(autopilot.record())
+    return records
 
 
 @pytest.mark.parametrize("name", ["articulated", "paper"])
@@ -202,3 +89,108 @@ def test_a_replay_gives_the_commands_of_the_run(simulate, name):
     for here, there in zip(run.records, replay(run, name, lambda point: point), strict=False):
         assert there.command == here.command
         assert there.estimate == here.estimate
+
+
+def test_a_record_holds_the_whole_step(simulate):
+    run = simulate("articulated")
+    for step, record in enumerate(run.records[:STEPS]):
+        assert record.step == step
+        assert record.status is Status.OK
+        assert record.flags in (Flag(0), Flag.LIMITED)
+        for body in ("tractor", "trailer"):
+            reference, plan = getattr(record.reference, body), getattr(record.plan, body)
+            assert (reference.samples.shape, plan.poses.shape, plan.steerings.shape) == ((21, 4), (21, 3), (20,))
+            assert np.isfinite(reference.samples).all()
+            distance = math.hypot(
+                *(
+                    np.array([getattr(record.estimate, body).x, getattr(record.estimate, body).y])
+                    - reference.closest[:2]
+                )
+            )
+            assert distance == pytest.approx(abs(reference.lateral_error), abs=1e-6)
+            steering = getattr(record, f"{body}_steering")
+            assert steering.nominal == plan.steering
+        assert record.command.tractor_steering == pytest.approx(record.tractor_steering.command, abs=0.05)
+        assert min(record.estimator_times.feedback, record.tractor_times.prepare, record.trailer_times.feedback) > 0.0
+
+
+def test_later_steps_leave_a_record_alone(build):
+    steps = build("articulated").steps()
+    first = next(steps)
+    samples = first.reference.tractor.samples.copy()
+    next(steps)
+    np.testing.assert_array_equal(first.reference.tractor.samples, samples)
+
+
+def test_what_a_step_did_not_come_to_is_not_a_number(build):
+    simulation = build("articulated")
+    first = next(simulation.steps()).measurement
+    simulation.autopilot.feedback(replace(first, time=first.time))  # the clock stands still
+    record = simulation.autopilot.record()
+    assert record.status is Status.TIME
+    assert math.isnan(record.estimate.tractor.x)
+    assert np.isnan(record.plan.trailer.poses).all()
+    assert np.isnan(record.reference.tractor.samples).all()
+
+
+def test_only_plans_along_a_preview_reckon_with_the_set_speed():
+    assert step_settings(load_configuration("articulated", ["speed=0.7"])).planned_speed == 0.7
+    assert step_settings(load_configuration("paper", ["speed=0.7"])).planned_speed == -math.inf
+
+
+def test_two_autopilots_of_one_library_do_not_know_of_each_other(simulate, build):
+    alone = simulate("articulated").records[:20]
+    one, other = build("articulated").steps(), build("articulated", "controller.tractor.lateral=30.0", seed=3).steps()
+    for record in alone:
+        next(other)
+        assert next(one).command == record.command
+
+
+def test_a_run_begins_anywhere_on_the_path(build):
+    simulation = build("articulated", "start.ahead=4.9")  # on the first straight
+    with pytest.raises(PathError, match="is not on the path"):
+        simulation.autopilot.begin(simulation.path, at=1e6)
+    simulation.autopilot.begin(simulation.path, at=6.0)
+    record = next(simulation.steps())
+    assert record.reference.tractor.progress == pytest.approx(4.9, abs=0.2)
+    assert record.status is Status.OK
+
+
+def test_the_speed_can_be_set_during_a_run(build):
+    simulation = build("articulated")
+    steps = simulation.steps()
+    next(steps)
+    assert simulation.autopilot.set_speed(0.5)
+    assert not simulation.autopilot.set_speed(1.5)
+    commanded = [next(steps).command.speed for _ in range(8)]
+    np.testing.assert_allclose(commanded, [0.9, 0.8, 0.7, 0.6, 0.5, 0.5, 0.5, 0.5])
+
+
+def test_the_path_changes_under_the_vehicle_without_a_restart(build):
+    simulation = build("articulated", "path.straight_length=40.0")
+    steps = simulation.steps()
+    for _ in range(50):
+        record = next(steps)
+    arc_length, x, y, yaw = simulation.path.nodes.T
+    beside = Path.through(
+        arc_length=arc_length,
+        x=x - 0.3 * np.sin(yaw[0]),
+        y=y + 0.3 * np.cos(yaw[0]),
+        yaw=yaw,
+        label_of_piece=simulation.path.label_of_piece,
+        label_names=simulation.path.label_names,
+    )
+    progress = record.reference.tractor.progress
+    with pytest.raises(PathError, match="not on the new path"):
+        simulation.autopilot.change_path(beside, at=progress + 30.0)
+    simulation.autopilot.change_path(beside, at=progress)
+    after = [next(steps) for _ in range(40)]
+    assert after[0].reference.tractor.lateral_error == pytest.approx(-0.3, abs=0.1)
+    assert abs(after[-1].reference.tractor.lateral_error) < 0.05
+    assert all(record.status is Status.OK for record in after)
+
+
+def test_simulations_are_contexts_that_leave_the_machine_stopped(build):
+    with build("articulated") as simulation:
+        next(simulation.steps())
+    assert simulation.machine._newest[2] == 0.0

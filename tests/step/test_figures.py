@@ -56,9 +56,8 @@ def test_recorded_lines_keep_their_figures(simulate, recorded_field, track):
 
 def test_a_figure_depends_on_the_seed_alone(simulate, build):
     first = simulate("articulated", seed=0)
-    again = build("articulated", seed=0)
-    for record in first.records[:200]:
-        repeated = again.step()
+    again = build("articulated", seed=0).steps()
+    for record, repeated in zip(first.records[:200], again, strict=False):
         assert repeated.measurement == record.measurement
         assert repeated.estimate == record.estimate
         assert repeated.command == record.command

@@ -1,13 +1,14 @@
 """In closed loop: what receivers do wrong does not move the vehicle off its path. One eight of radius 8 m, one seed."""
 
 import math
+from itertools import islice
 
 import numpy as np
 import pytest
 
 from drawbar.geometry import wrap
 from drawbar.signals import FixStatus
-from drawbar.simulation import RunAborted, drive
+from drawbar.simulation import RunAborted
 
 EIGHT = "path.radii=[8.0]"
 
@@ -34,9 +35,9 @@ def test_a_receiver_that_repeats_itself_is_as_good_as_one_that_says_nothing(simu
 
 
 def test_a_run_on_repeated_fixes_is_given_up(build):
-    autopilot = build("articulated", EIGHT, events(loss("held", 30.0)))
+    run = build("articulated", EIGHT, events(loss("held", 30.0)))
     with pytest.raises(RunAborted, match=r"At 39\.8 s neither antenna had had a valid fix"):
-        list(drive(autopilot, time_limit=100.0))
+        list(run.steps())
 
 
 @pytest.mark.parametrize(("antenna", "size"), [("tractor", 0.3), ("trailer", 5.0)])
@@ -57,8 +58,7 @@ def test_doubled_noise_locks_no_fix_out(simulate):
 @pytest.mark.parametrize("name", ["articulated", "paper", "articulated-ekf", "paper-ekf"])
 @pytest.mark.parametrize("error", [math.pi / 4, math.pi / 2, 3.1415])
 def test_a_wrong_first_yaw_is_noticed_within_two_seconds(build, name, error):
-    autopilot = build(name, EIGHT, f"estimator.first_yaw_error={error}")
-    records = [autopilot.step() for _ in range(40)]
+    records = list(islice(build(name, EIGHT, f"estimator.first_yaw_error={error}").steps(), 40))
     wrong = np.array([max(abs(_yaw_error(record, body)) for body in ("tractor", "trailer")) for record in records])
     assert wrong[0] == pytest.approx(error, abs=0.2)
     assert wrong[10:].max() < math.radians(10.0)

@@ -1,4 +1,4 @@
-"""The step of an exported library, between real gate and supervisor and parts that do what a measurement says."""
+"""The step of an exported library, between real gate and supervisor and components that do what a measurement says."""
 
 import ctypes
 import math
@@ -10,17 +10,19 @@ import pytest
 
 from drawbar.codegen.cache import runtime_sources
 from drawbar.codegen.compiler import find_compiler
+from drawbar.exchange import Layout
+from drawbar.signals import Diagnostics, Estimate, Flag, Measurement, Status
 
 HERE = Path(__file__).parent
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
-SAMPLE, PATIENCE, LENGTH = 0.2, 1.0, 10.0
+SAMPLE, PATIENCE, ENDURANCE, LENGTH = 0.2, 1.0, 3.0, 10.0
 NAMES = ("ESTIMATOR", "GUIDANCE", "PREDICTOR", "TRACTOR", "TRAILER", "TRACTOR_LAW", "TRAILER_LAW", "GATE", "SUPERVISOR")
 PARTS = "\n".join(f"#define DRAWBAR_{name}_SIZE 256" for name in (*NAMES, "WORK"))
 UNITS = {
     "drawbar_size.h": f"#define DRAWBAR_STATE_DOUBLES 512\n#define DRAWBAR_SAMPLE_TIME {SAMPLE}\n",
-    "drawbar_components.h": f"{PARTS}\n#define DRAWBAR_DEAD_TIME\n#define DRAWBAR_SPEED 1.0\n"
-    "#define DRAWBAR_PLANNED_SPEED 1.0\n"
-    f'#define DRAWBAR_PATIENCE {PATIENCE}\n#define DRAWBAR_VERSION "of this test"\n',
+    "drawbar_components.h": f"{PARTS}\n#define DRAWBAR_DEAD_TIME\n"
+    f"#define DRAWBAR_STEP_SETTINGS {{{SAMPLE}, 1.0, 1.0, 0.5, {PATIENCE}, {ENDURANCE}}}\n"
+    '#define DRAWBAR_VERSION "of this test"\n',
     "step.c": '#include "step.h"\n',
     "gate.c": """
 #define UNIT(name) drawbar_gate_##name
@@ -30,7 +32,7 @@ int UNIT(initialise)(struct component *component)
 {
     const struct component gate = {
         .limits = {0.5, 0.4}, .signs = {1.0, 1.0}, .rates = {1.0, 1.0}, .lag = 0.1, .sample_time = 0.2,
-        .speed_limit = 1.0, .repeats = 4
+        .speed_limit = 1.0, .patience = 1.0, .repeats = 4
     };
     memcpy(component, &gate, sizeof gate);
     return 0;
@@ -49,40 +51,21 @@ int UNIT(initialise)(struct component *component)
 """,
     "components.c": (HERE / "components.c").read_text(),
 }
-STATUS = {
-    "OK": 0,
-    "MEASUREMENT": 1,
-    "LATE": 2,
-    "LIMITED": 3,
-    "SOLVER": 4,
-    "REFUSED": 16,
-    "TIME": 17,
-    "POSITION": 18,
-    "START": 19,
-    "FINISHED": 32,
-    "OFF_COURSE": 33,
-    "BLIND": 34,
-    "GUIDANCE": 35,
-    "GAP": 36,
-    "STOPPED": 37,
-    "NULL": 64,
-    "NOT_INITIALISED": 65,
-    "NO_PATH": 66,
-    "ORDER": 67,
-    "PATH": 68,
+STATUS = {member.name: member.value for kind in (Status, Flag) for member in kind}
+NAMES_OF = {
+    "time": "time",
+    "tractor_x": "progress",
+    "tractor_y": "lateral_error",
+    "trailer_x": "controllers",
+    "trailer_y": "estimator",
+    "hitch_angle": "fixes",
+    "speed": "guidance",
+    "tractor_steering": "tractor_steering",
+    "trailer_steering": "trailer_steering",
 }
-MEASURED = (
-    "time",
-    "progress",
-    "lateral_error",
-    "controllers",
-    "estimator",
-    "fixes",
-    "guidance",
-    "tractor_steering",
-    "trailer_steering",
-)
-"""how the parts here read a measurement"""
+"""how the components here read a measurement"""
+MEASURED = tuple(NAMES_OF.values())
+MEASUREMENT, ESTIMATE, DIAGNOSTICS = Layout(Measurement), Layout(Estimate), Layout(Diagnostics)
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +101,9 @@ class Driver:
     def measurement(self, *, elapsed=SAMPLE, **values):
         self.time += elapsed
         known = {**dict.fromkeys(MEASURED, 0.0), "time": self.time, **values}
-        return (ctypes.c_double * 9)(*(known[name] for name in MEASURED))
+        given = MEASUREMENT.buffer()
+        MEASUREMENT.pack(given, Measurement(**{name: known[alias] for name, alias in NAMES_OF.items()}))
+        return given
 
     def feedback(self, **values):
         return self.library.drawbar_feedback(self.state, self.measurement(**values), self.command)
@@ -172,16 +157,23 @@ def test_a_solvers_failure_shows_and_its_command_counts(driver, part):
     assert driver.step()[0] == 0
 
 
+def told_by(driver):
+    told = DIAGNOSTICS.buffer()
+    assert driver.library.drawbar_get_diagnostics(driver.state, told) == 0
+    return DIAGNOSTICS.unpack(told)
+
+
 def test_estimate_and_diagnostics_tell_of_the_last_step(driver):
     driver.step(progress=3.0, lateral_error=-0.5, controllers=2.0, estimator=4.0, fixes=1.0, tractor_steering=0.2)
-    estimate, told = (ctypes.c_double * 19)(), (ctypes.c_double * 16)()
+    estimate = ESTIMATE.buffer()
     assert driver.library.drawbar_get_estimate(driver.state, estimate) == 0
-    assert driver.library.drawbar_get_diagnostics(driver.state, told) == 0
     assert estimate[0] == driver.time
-    assert list(told[:5]) == [3.0, -0.5, 0.2, 0.0, 0.25]
-    flags = np.frombuffer(told, np.int32)
-    assert flags[10:13].tolist() == [0, 2, 1]  # saturated, solver, fix of the tractor
-    assert flags[28:].tolist() == [4, 0, STATUS["SOLVER"], 0]  # estimator, gate, status, missing
+    told = told_by(driver)
+    body = told.tractor
+    assert (body.progress, body.lateral_error, body.nominal, body.ancillary, body.margin) == (3.0, -0.5, 0.2, 0.0, 0.25)
+    assert (body.saturated, body.solver, body.fix) == (False, 2, 1)
+    assert (told.estimator, told.gate, told.flags, told.missing) == (4, 0, Flag.SOLVER, 0)
+    assert (told.speed, told.unsolved) == (1.0, SAMPLE)
 
 
 @pytest.mark.parametrize("wrong", [math.inf, -math.inf, 1e8])
@@ -189,13 +181,11 @@ def test_estimate_and_diagnostics_tell_of_the_last_step(driver):
 def test_an_absurd_value_is_missing(driver, name, wrong):
     driver.step()
     status, command = driver.step(**{name: wrong})
-    told = (ctypes.c_double * 16)()
-    driver.library.drawbar_get_diagnostics(driver.state, told)
-    assert np.frombuffer(told, np.int32)[31] == 1
+    assert told_by(driver).missing == 1
     assert np.isfinite(command).all()
     expected = {
         "lateral_error": "OFF_COURSE",  # of a position that nobody knows
-        "tractor_steering": "REFUSED",  # the parts here command what they measure
+        "tractor_steering": "REFUSED",  # the components here command what they measure
         "trailer_steering": "REFUSED",
     }
     assert status == STATUS[expected.get(name, "MEASUREMENT")]
@@ -228,7 +218,8 @@ def test_a_clock_that_stands_still_stops_the_vehicle(driver):
 
 def test_samples_left_out_are_told_and_many_end_the_run(driver):
     driver.step(tractor_steering=0.1)
-    assert [driver.step(elapsed=gap)[0] for gap in (0.05, 0.29, 0.31, 1.05)] == [0, 0, STATUS["LATE"], STATUS["LATE"]]
+    assert [driver.step(elapsed=gap)[0] for gap in (0.05, 0.29, 0.31)] == [0, 0, Flag.LATE]
+    assert driver.step(elapsed=1.05)[0] == Flag.LATE | Flag.SLOWED
     status, command = driver.step(elapsed=1.15)
     assert (status, command) == (STATUS["GAP"], [driver.time, 0.0, 0.0, 0.0])
     assert driver.step()[0] == STATUS["GAP"]
@@ -339,7 +330,7 @@ def test_no_other_pointer_may_be_null_either(driver):
 def test_a_state_wants_to_be_initialised(driver):
     rng = np.random.default_rng(0)
     driver.state[:] = rng.integers(0, 2**63, 512).view(np.float64).tolist()
-    out, nodes = (ctypes.c_double * 32)(), ctypes.c_void_p(driver.nodes.ctypes.data)
+    out, nodes = (ctypes.c_double * 64)(), ctypes.c_void_p(driver.nodes.ctypes.data)
     assert driver.step() == (STATUS["NOT_INITIALISED"], [0.0] * 4)
     assert driver.prepare() == STATUS["NOT_INITIALISED"]
     assert driver.library.drawbar_set_path(driver.state, nodes, 41) == STATUS["NOT_INITIALISED"]
@@ -364,3 +355,94 @@ def test_every_status_has_its_text_and_the_library_its_version(library):
     assert library.drawbar_status_text(-1) == library.drawbar_status_text(1000) == b"no status of this library"
     assert library.drawbar_version() == b"of this test"
     assert library.drawbar_state_size() == 512 * 8
+
+
+def test_a_late_sample_lets_the_components_catch_up(driver):
+    driver.step()
+    ctypes.memset(driver.calls(), 0, 64)
+    assert driver.step(elapsed=3 * SAMPLE)[0] == Flag.LATE
+    assert driver.calls().value == b"sxyzsxyzeagtrsETR"
+
+
+def test_flags_are_a_set(driver):
+    driver.step(tractor_steering=0.45)
+    status, _ = driver.step(elapsed=2 * SAMPLE, tractor_steering=-0.45, estimator=4.0, fixes=math.inf)
+    assert status == Flag.LATE | Flag.LIMITED | Flag.SOLVER | Flag.MEASUREMENT
+    assert driver.library.drawbar_status_text(status) == b"a new command; several flags are set"
+    assert told_by(driver).flags == status
+
+
+@pytest.mark.parametrize("part", ["controllers", "estimator"])
+def test_without_a_solution_the_vehicle_slows_down_and_stops(driver, part):
+    driver.step()
+    speeds, ends = [], []
+    for _ in range(20):
+        status, command = driver.step(**{part: 4.0})
+        speeds.append(command[3])
+        ends.append(status)
+    kept, stopped = round(ENDURANCE / 6 / SAMPLE), round(ENDURANCE / SAMPLE)
+    assert speeds[:kept] == [1.0] * kept
+    assert (np.diff(speeds[kept : stopped - 1]) < 0.0).all()
+    assert ends[kept : stopped - 1] == [Flag.SOLVER | Flag.SLOWED] * (stopped - 1 - kept)
+    assert ends[stopped - 1 :] == [Status.UNSOLVED] * (len(ends) - stopped + 1)
+    assert speeds[stopped - 1 :] == [0.0] * (len(ends) - stopped + 1)
+
+
+def test_a_solution_in_time_lets_the_vehicle_speed_up_again(driver):
+    driver.step()
+    slow = [driver.step(estimator=4.0)[1][3] for _ in range(10)][-1]
+    assert slow < 0.5
+    faster = [driver.step()[1][3] for _ in range(10)]
+    assert faster[0] == pytest.approx(slow + 0.5 * SAMPLE)
+    assert faster[-1] == 1.0
+
+
+def test_a_caller_who_is_always_late_is_slowed_and_stopped(driver):
+    driver.step()
+    ends = statuses(driver, 12, elapsed=0.6)
+    assert ends[0] == Flag.LATE
+    assert Flag.SLOWED & ends[2]
+    assert ends[-1] == Status.OVERDUE
+    assert driver.command[3] == 0.0
+
+
+def test_a_command_is_repeated_for_a_second_by_the_clock_too(driver):
+    driver.step(tractor_steering=0.2)
+    ends = statuses(driver, 3, elapsed=0.6, tractor_steering=math.nan)
+    assert ends == [STATUS["REFUSED"], STATUS["STOPPED"], STATUS["STOPPED"]]
+
+
+def test_the_speed_can_be_set_within_its_bounds_and_is_approached_by_a_ramp(driver):
+    library, speed = driver.library, ctypes.c_double
+    driver.step()
+    for wrong in (-0.1, 1.01, math.nan, math.inf):
+        assert library.drawbar_set_speed(driver.state, speed(wrong)) == STATUS["RANGE"]
+    assert driver.step()[1][3] == 1.0
+    assert library.drawbar_set_speed(driver.state, speed(0.75)) == 0
+    assert [driver.step()[1][3] for _ in range(4)] == pytest.approx([0.9, 0.8, 0.75, 0.75])
+
+
+def test_a_run_begins_where_it_is_told(driver):
+    library, place = driver.library, ctypes.c_double
+    for wrong in (-0.1, LENGTH, math.nan):
+        assert library.drawbar_begin_at(driver.state, place(wrong)) == STATUS["RANGE"]
+    assert library.drawbar_begin_at(driver.state, place(4.0)) == 0
+    assert driver.step(progress=3.0)[0] == STATUS["START"]  # the components here begin behind the start only
+    assert told_by(driver).start_distance == 1.0
+    assert driver.step(progress=4.5)[0] == 0
+    assert library.drawbar_begin_at(driver.state, place(4.0)) == STATUS["ORDER"]
+
+
+def test_the_path_changes_during_a_run_where_the_vehicle_is_on_the_new_one(driver):
+    def change(place):
+        nodes = ctypes.c_void_p(driver.nodes.ctypes.data)
+        return driver.library.drawbar_change_path(driver.state, nodes, len(driver.nodes), ctypes.c_double(place))
+
+    assert change(1.0) == STATUS["NO_RUN"]
+    driver.step()
+    assert change(1.0) == 0
+    assert change(6.0) == STATUS["START"]
+    assert change(-1.0) == STATUS["RANGE"]
+    assert driver.step()[0] == 0
+    driver.nodes[20, 1] += 1.0
+    assert change(1.0) == STATUS["PATH"]

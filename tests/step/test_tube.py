@@ -12,8 +12,8 @@ import pytest
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
-from drawbar.simulation import drive
-from drawbar.step.build import build_autopilot, build_machine, build_path, build_tubes
+from drawbar.simulation import Simulation, build_machine, build_path
+from drawbar.step.build import build_tubes
 
 FOLDER = Path(__file__).parents[2] / "experiments" / "tube"
 MODES = ("propagated", "optimised", "predicted")
@@ -24,9 +24,7 @@ HARDEST = "bounded_errors.draw=adversarial"
 def run(mode, *changes, seed=0):
     """Return vehicle, tubes and all records of a run."""
     configuration = load_configuration(str(FOLDER / f"{mode}.toml"), changes)
-    path, _ = build_path(configuration)
-    autopilot = build_autopilot(configuration, path, build_machine(configuration, path, seed), seed)
-    return configuration.vehicle, build_tubes(configuration), list(drive(autopilot, time_limit=200.0))
+    return configuration.vehicle, build_tubes(configuration), list(Simulation(configuration, seed).steps())
 
 
 def column(records, *names):

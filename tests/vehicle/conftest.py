@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drawbar.geometry import Floats
-from drawbar.vehicle.model import Model
+from drawbar.vehicle.model import Model, with_values
 
 LARGEST = {
     "rad": 0.5,
@@ -25,7 +25,8 @@ def evaluate() -> Callable[..., Floats]:
     """Return the value of an expression of a model at x, u, p, flat."""
 
     def evaluate(model: Model, expression: Any, x: Floats, u: Floats, p: Floats) -> Floats:
-        function = ca.Function("value", [model.x, model.u, model.p], [ca.densify(expression)])
+        values = with_values([ca.densify(expression)], model.constants)
+        function = ca.Function("value", [model.x, model.u, model.p], values)
         return np.array(function(x, u, p)).ravel()
 
     return evaluate

@@ -57,7 +57,7 @@ def test_outputs_are_antennas_and_hitch_angle(evaluate: Any, draw: Any) -> None:
 
 def test_steering_the_joint_left_moves_the_trailer_right_by_a_first_order_lag() -> None:
     vehicle = VehicleParameters(trailer_antenna=0.0)
-    model, speed = articulated(vehicle), 1.3
+    model, speed = articulated(vehicle).numeric(), 1.3
     z = ca.vertcat(model.x, model.u)
     slopes = ca.Function(
         "slopes", [z, model.p], [ca.jacobian(model.derivative, z), ca.jacobian(model.output[3], model.x)]

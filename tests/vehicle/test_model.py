@@ -15,7 +15,7 @@ from drawbar.vehicle.articulated import (
     articulated_tractor,
     articulated_trailer,
 )
-from drawbar.vehicle.model import Model, integrate, symbols, variables
+from drawbar.vehicle.model import Model, constant, integrate, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
@@ -61,8 +61,8 @@ TWICE = {"x": SYMBOL, "u": SYMBOL, "derivative": SYMBOL, "output": SYMBOL}
         ({"derivative": ca.SX(1, 2)}, "declares 1 states but the expression has shape (1, 2)"),
         ({"u": ca.SX.sym("u", 2)}, "declares 1 inputs"),
         ({"inputs": (), "u": ca.SX(0, 1), "derivative": ca.SX(1, 1)}, "at least one state and one input"),
-        ({"derivative": ca.SX.sym("ghost")}, "neither state, input nor parameter: ['ghost']"),
-        ({"derivative": ca.SX.sym("position")}, "neither state, input nor parameter: ['position']"),
+        ({"derivative": ca.SX.sym("ghost")}, "neither state, input, parameter nor constant: ['ghost']"),
+        ({"derivative": ca.SX.sym("position")}, "neither state, input, parameter nor constant: ['position']"),
         ({"inputs": variables(position="m/s")}, "declares 'position' more than once"),
         (
             {"outputs": 2 * variables(speed="m/s"), "output": ca.SX(2, 1)},
@@ -71,8 +71,9 @@ TWICE = {"x": SYMBOL, "u": SYMBOL, "derivative": SYMBOL, "output": SYMBOL}
         ({"derivative": ca.MX.sym("speed")}, "the expression for its states is a MX, but must be CasADi's SX"),
         ({"p": ca.MX(0, 1)}, "the expression for its parameters is a MX"),
         ({"output": ca.DM(1.0)}, "put constants into ca.SX"),
-        ({"x": 2.0 * SYMBOL, "output": SYMBOL}, "x, u and p must be symbols"),
-        (TWICE, "x, u and p must be symbols, each a different one"),
+        ({"x": 2.0 * SYMBOL, "output": SYMBOL}, "x, u, p, constants must be symbols"),
+        (TWICE, "x, u, p, constants must be symbols, all different"),
+        ({"constants": (constant("position", "m", 1.0),)}, "declares 'position' more than once"),
     ],
 )
 def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], complaint: str) -> None:
@@ -82,7 +83,7 @@ def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], compl
 
 @pytest.mark.parametrize("declare", MODELS)
 def test_runge_kutta_has_order_four(declare: Callable[..., Model], draw: Callable[..., Any]) -> None:
-    model = declare(VehicleParameters())
+    model = declare(VehicleParameters()).numeric()
     x, u, p = draw(model, np.random.default_rng(5))
     p[[v.name == "speed" for v in model.parameters]] = 3.0
     f = ca.Function("f", [model.x, model.u, model.p], [model.derivative])

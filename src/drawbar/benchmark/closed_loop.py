@@ -1,20 +1,14 @@
 """The closed loops that the measurements are taken from: shipped configurations on the simulated machine."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 from drawbar.benchmark.probe import Probe
 from drawbar.config import Configuration, load_configuration
-from drawbar.control.centralised import CentralisedController
-from drawbar.control.decentralised import DecentralisedController
-from drawbar.estimation.moving_horizon import MovingHorizonEstimator
-from drawbar.machine.base import Machine
-from drawbar.optimal import ControlSolver, EstimationSolver
-from drawbar.signals import Command, Measurement, Truth
-from drawbar.simulation import drive
+from drawbar.simulation import Simulation
 from drawbar.step.autopilot import Autopilot
-from drawbar.step.build import build_autopilot, build_machine, build_path
 
 HORIZON = 3.0
 """Length of horizon and window, s: 15 samples of 0.2 s."""
@@ -28,29 +22,10 @@ class WholeRun:
     """one control step, measurement in, command out, s"""
     preparation: list[float]
     """what a step does after its command is out, s"""
+    python: list[float]
+    """the same step when the run has ended, and C has nothing to do: what is Python's, s"""
     real_time_factor: float
     """driven time over elapsed time, simulation included"""
-
-
-class _TimedMachine(Machine):
-    """Passes everything on and takes down when measurements go in and commands come out."""
-
-    def __init__(self, machine: Machine) -> None:
-        self._machine = machine
-        self.came = self.went = self.latency = 0.0
-
-    def read(self) -> Measurement:
-        measurement = self._machine.read()
-        self.came = time.perf_counter()
-        return measurement
-
-    def write(self, command: Command) -> None:
-        self.latency = time.perf_counter() - self.came
-        self._machine.write(command)
-        self.went = time.perf_counter()
-
-    def truth(self) -> Truth | None:
-        return self._machine.truth()
 
 
 def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_other_route: bool) -> list[list[Probe]]:
@@ -65,14 +40,16 @@ def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_other_ro
         steps: samples to measure, from when the longest window is full.
         with_other_route: at the first horizon also solve some of the problems by CasADi, condensing and DAQP.
     """
-    autopilots = [_autopilot(_stretched(name, stages)) for stages in horizons]
+    simulations = [Simulation(_stretched(name, stages)) for stages in horizons]
     probes = [
-        _probes(name, autopilot, with_other_route=with_other_route and not index)
-        for index, autopilot in enumerate(autopilots)
+        _probes(name, simulation.autopilot, with_other_route=with_other_route and not index)
+        for index, simulation in enumerate(simulations)
     ]
-    for _ in range(steps + max(horizons) + 1):  # the first ones only fill the window
-        for autopilot in autopilots:
-            autopilot.step()
+    with ExitStack() as stack:
+        runs = [stack.enter_context(simulation).steps() for simulation in simulations]
+        for _ in range(steps + max(horizons) + 1):  # the first ones only fill the window
+            for run in runs:
+                next(run)
     return probes
 
 
@@ -84,42 +61,50 @@ def _stretched(name: str, stages: int) -> Configuration:
 
 
 def _probes(name: str, autopilot: Autopilot, *, with_other_route: bool) -> list[Probe]:
-    solvers = _solvers(name, autopilot)
-    return [Probe(problem, solver, with_other_route=with_other_route) for problem, solver in solvers.items()]
-
-
-def _solvers(name: str, autopilot: Autopilot) -> dict[str, ControlSolver | EstimationSolver]:
-    """Return what a configuration has to measure, by the problem's name.
+    """Watch what a configuration has to measure.
 
     Beside a centralised controller that is its solver alone: the estimator is the decentralised configuration's.
     """
-    controller, estimator = autopilot.controller, autopilot.estimator
-    if isinstance(controller, CentralisedController):
-        return {name: controller.solver}
-    if not isinstance(controller, DecentralisedController) or not isinstance(estimator, MovingHorizonEstimator):
-        raise TypeError(f"{name} has no compiled controllers or no moving horizon estimator to measure.")
-    return {
-        f"{name}-tractor": controller.tractor.solver,
-        f"{name}-trailer": controller.trailer.solver,
-        f"{name}-estimator": estimator.solver,
-    }
+    library, components = autopilot.library, autopilot.library.components
+    if "controller" in components:
+        return [Probe(name, library, components["controller"], with_other_route=with_other_route)]
+    return [
+        Probe(f"{name}-{body}", library, components[body], with_other_route=with_other_route)
+        for body in ("tractor", "trailer", "estimator")
+    ]
 
 
 def whole_run(name: str) -> WholeRun:
     """Drive a shipped configuration from start to end of its path, unwatched but for the clock."""
-    configuration = load_configuration(name)
-    path, _ = build_path(configuration)
-    machine = _TimedMachine(build_machine(configuration, path, 0))
-    autopilot = build_autopilot(configuration, path, machine)
-    latency, preparation = [], []
+    simulation = Simulation(load_configuration(name))
+    autopilot, machine = simulation.autopilot, simulation.machine
+    latency, preparation, clock = [], [], time.perf_counter
+    with simulation:
+        while True:
+            measurement = machine.read()
+            came = clock()
+            status, command = autopilot.feedback(measurement)
+            latency.append(clock() - came)
+            machine.write(command)
+            went = clock()
+            autopilot.prepare()
+            preparation.append(clock() - went)
+            if status.has_ended:
+                break
+        python = [_timed(lambda: autopilot.feedback(measurement)) for _ in range(1000)]
+    return WholeRun(latency=latency, preparation=preparation, python=python, real_time_factor=_real_time_factor(name))
+
+
+def _timed(call: Callable[[], object]) -> float:
     start = time.perf_counter()
-    for _ in drive(autopilot, time_limit=60.0 + 3.0 * path.length / configuration.speed):
-        preparation.append(time.perf_counter() - machine.went)
-        latency.append(machine.latency)
-    factor = len(latency) * configuration.sample_time / (time.perf_counter() - start)
-    return WholeRun(latency=latency, preparation=preparation, real_time_factor=factor)
+    call()
+    return time.perf_counter() - start
 
 
-def _autopilot(configuration: Configuration) -> Autopilot:
-    path, _ = build_path(configuration)
-    return build_autopilot(configuration, path, build_machine(configuration, path, 0))
+def _real_time_factor(name: str) -> float:
+    """Return driven time over elapsed time of a whole run with its records."""
+    simulation = Simulation(load_configuration(name))
+    start = time.perf_counter()
+    with simulation:
+        count = sum(1 for _ in simulation.steps())
+    return count * simulation.configuration.sample_time / (time.perf_counter() - start)

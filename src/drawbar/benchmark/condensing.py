@@ -28,7 +28,7 @@ class CondensingRoute:
         """
         import daqp  # a test extra, needed nowhere else
 
-        t = self._transcription = transcription
+        t = self._transcription = transcription.numeric()
         self._solve: Any = daqp.solve
         self._solver, self._array = solver, solver.workspace.array
         z = ca.vertcat(t.x, t.u)

@@ -42,8 +42,8 @@ def build_floor(transcription: Transcription) -> Path:
     Raises:
         CompilerError: no compiler, or it refused the code.
     """
-    t = transcription
-    rows = t.x.numel() - t.constants
+    t = transcription.numeric()
+    rows = t.x.numel() - t.constant_states
     step = t.next_state[:rows]
     results = ca.cse([step, ca.jacobian(step, ca.vertcat(t.x, t.u))])
     name = f"{t.name}_floor"

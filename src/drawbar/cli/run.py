@@ -1,5 +1,6 @@
 """`drawbar run`: drive a whole run in simulation and report on it."""
 
+import signal
 from json import dumps
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
@@ -29,28 +30,27 @@ def run(
 ) -> None:
     """Drive a whole run in simulation and report on it."""
     from drawbar.config import load_configuration
-    from drawbar.recording.header import deviation_note, run_header
+    from drawbar.recording.header import deviation_note
     from drawbar.recording.recorder import Recorder
     from drawbar.report.console import RunProgress, summary
     from drawbar.report.folder import LOG_NAME, write_report
-    from drawbar.simulation import drive, longest_time
-    from drawbar.step.build import build_autopilot, build_machine, build_path
+    from drawbar.simulation import Simulation
 
     # a JSON string is a TOML string
     given = (("path.file", path), ("path.track", track))
     settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
     config = load_configuration(configuration, [*settings, *(changes or [])])
-    line, drivable = build_path(config)
-    if drivable:
-        console.print(deviation_note(config, drivable))
-    with console.status("compiling the solvers (the first time only) …"):
-        autopilot = build_autopilot(config, line, build_machine(config, line, seed), seed)
+    with console.status("compiling the control step (the first time only) …"):
+        simulation = Simulation(config, seed)
+    if simulation.drivable:
+        console.print(deviation_note(config, simulation.drivable))
     folder = _new_folder(out, config, seed)
-    log = Recorder(folder / LOG_NAME, run_header(config, line, drivable, seed))
+    log = Recorder(folder / LOG_NAME, simulation.header())
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # whoever ends the program stops the machine
     stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
-        with log as recorder, RunProgress(console, line.length) as live:
-            for record in drive(autopilot, time_limit=longest_time(line.length, config.speed)):
+        with simulation, log as recorder, RunProgress(console, simulation.path.length) as live:
+            for record in simulation.steps():
                 recorder.write(record)
                 live.show(record)
     except (DrawbarError, KeyboardInterrupt) as error:

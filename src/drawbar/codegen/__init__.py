@@ -1,7 +1,8 @@
 """From CasADi to machine code: C generation, compiler discovery, build cache, loading."""
 
 from drawbar.codegen.cache import build
-from drawbar.codegen.function import CompiledFunction
 from drawbar.codegen.library import Workspace
+from drawbar.codegen.recurrence import CompiledRecurrence
+from drawbar.codegen.unit import Component, Unit
 
-__all__ = ["CompiledFunction", "Workspace", "build"]
+__all__ = ["CompiledRecurrence", "Component", "Unit", "Workspace", "build"]

@@ -7,7 +7,8 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import cache
 from importlib import resources
@@ -44,24 +45,25 @@ def _processor() -> str:
         return f"{platform.machine()} {platform.processor()}"
 
 
-def build(name: str, source: str, flags: tuple[str, ...] = FLAGS) -> Path:
-    """Compile one C source (it may include the runtime's headers) and return the shared library.
+def build(name: str, source: str | Mapping[str, str], flags: tuple[str, ...] = FLAGS) -> Path:
+    """Compile C (it may include the package's headers) and return the shared library.
 
     Args:
         name: readable part of the file name; what a file system may not like is replaced.
-        source: C99 text.
+        source: C99 text of one unit, or the texts of several units and headers by file name.
         flags: compiler flags.
 
     Raises:
         CompilerError: no compiler, or the compiler refused the source (its first lines are quoted).
     """
-    parts = [source, *(f"{k}\n{v}" for k, v in sorted(runtime_sources().items())), *flags]
-    parts += [compiler_identity(), _processor(), platform.platform()]
+    files = {"unit.c": source} if isinstance(source, str) else dict(source)
+    parts = [f"{name}\n{text}" for name, text in sorted({**runtime_sources(), **files}.items())]
+    parts += [*flags, compiler_identity(), _processor(), platform.platform()]
     digest = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
     readable = re.sub(r"[^A-Za-z0-9_]", "_", name)[:40]
     library = cache_folder() / f"{readable}-{digest}{_SUFFIX}"
     if not library.exists():
-        _compile(source, flags, library)
+        _compile(files, flags, library)
     return library
 
 
@@ -93,17 +95,30 @@ def _turn(library: Path) -> Iterator[None]:
             lock.unlink(missing_ok=True)
 
 
-def _compile(source: str, flags: tuple[str, ...], library: Path) -> None:
+def _compile(files: Mapping[str, str], flags: tuple[str, ...], library: Path) -> None:
     with _workshop(library.parent) as text, _turn(library):
         if library.exists():
             return
         folder = Path(text)
-        for file, content in {**runtime_sources(), "unit.c": source}.items():
+        for file, content in {**runtime_sources(), **files}.items():
             (folder / file).write_text(content, "utf-8")
-        built = folder / library.name
-        command = [*find_compiler(), *flags, "-o", str(built), str(folder / "unit.c"), "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            lines = "\n".join(done.stderr.splitlines()[:12])
-            raise CompilerError(f"{' '.join(command[:2])} … could not compile {library.stem}:\n{lines}")
-        os.replace(built, library)  # atomic: no process sees half a library
+        units = sorted(name for name in files if name.endswith(".c"))
+        linked = [*flags, "-o", library.name]
+        if len(units) == 1:
+            _run([*linked, *units, "-lm"], folder, library.stem)
+        else:
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                compiled = [flag for flag in flags if flag != "-shared"]
+                commands = [[*compiled, "-c", name, "-o", f"{name}.o"] for name in units]
+                list(pool.map(lambda command: _run(command, folder, library.stem), commands))
+            _run([*linked, *(f"{name}.o" for name in units), "-lm"], folder, library.stem)
+        os.replace(folder / library.name, library)  # atomic: no process sees half a library
+
+
+def _run(arguments: Sequence[str], folder: Path, name: str) -> None:
+    """Call the compiler in a folder."""
+    command = [*find_compiler(), *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = "\n".join(done.stderr.splitlines()[:12])
+        raise CompilerError(f"{' '.join(command[:2])} … could not compile {name}:\n{lines}")

@@ -2,11 +2,12 @@
 
 The shooting intervals are independent of each other, so the same straight-line arithmetic runs over arrays of
 LANES values; the compiler turns each line into one vector instruction. Inputs are gathered from, and results
-scattered to, time-major arrays; entries that are constant are not computed but laid down once (emit_constants).
+scattered to, time-major arrays. What depends on constants only is computed before the stages, and entries that do are
+not computed but laid down once (emit_constants).
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
@@ -43,12 +44,12 @@ _CALLS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Input:
-    """A vector argument, stored row by row."""
+    """A vector argument, stored row by row, or the same for all stages."""
 
     place: str
     """C expression of element {i} at stage {k}, e.g. `work->u[{k}][{i}]`"""
     rows: str
-    """C expression: how many rows there are; later stages read the last one"""
+    """C expression: how many rows there are; later stages read the last one; empty: the same for all stages"""
     symbol: ca.SX
     """(n, 1) symbols"""
 
@@ -66,59 +67,101 @@ class Output:
     stride: str = ""
     """C expression: numbers from one row to the next, where rows are padded; empty: the number of columns"""
 
-    def entries(self) -> list[tuple[str, ca.SX]]:
-        """Return (place, expression) of every structural nonzero."""
+    def entries(self) -> list["_Entry"]:
+        """Return every structural nonzero."""
         rows, columns = self.value.sparsity().get_triplet()
         stride = self.stride or str(self.value.shape[1])
-        return [(f"({self.place})[{i} * {stride} + {j}]", self.value[i, j]) for i, j in zip(rows, columns, strict=True)]
+        return [
+            _Entry(owner=self, place=f"({self.place})[{i} * {stride} + {j}]", value=self.value[i, j])
+            for i, j in zip(rows, columns, strict=True)
+        ]
 
 
-def emit_constants(name: str, outputs: list[Output], arguments: str) -> str:
-    """Return a C function that lays down the entries which never change, in every stage.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Entry:
+    owner: Output
+    place: str
+    """C expression"""
+    value: ca.SX
+    """scalar"""
+
+
+@dataclass(slots=True)
+class _Program:
+    """Expressions as C statements."""
+
+    once: list[str] = field(default_factory=list)
+    """what is the same for all stages"""
+    lanes: list[str] = field(default_factory=list)
+    """the rest, for one stage, which ends in out[result][lane]"""
+    gathered: list[tuple[int, int]] = field(default_factory=list)
+    """(input, element) that the stage reads as in[index][lane]"""
+    results: list[str] = field(default_factory=list)
+    """names of the expressions' values"""
+    inverses: dict[str, str] = field(default_factory=dict)
+    """names of the inverses of what is the same for all stages"""
+
+
+def emit_constants(name: str, inputs: list[Input], outputs: list[Output], arguments: str) -> str:
+    """Return a C function that lays down, in every stage, the entries that are the same for all of them.
 
     Raises:
         ModelError: an entry is infinite or NaN.
     """
+    same = _entries(inputs, outputs, varying=False)
+    program = _program(inputs, same)
     loops = []
     for output in outputs:
-        lines = [f"{place} = {_literal(float(value))};" for place, value in output.entries() if value.is_constant()]
+        lines = [
+            f"{entry.place} = {result};"
+            for entry, result in zip(same, program.results, strict=True)
+            if entry.owner is output
+        ]
         if lines:
             loops.append(f"    for (int k = 0; k < {output.rows}; ++k) {{\n        {_join(lines, 8)}\n    }}\n")
-    return f"static void {name}({arguments})\n{{\n    (void)work;\n{''.join(loops)}}}\n"
+    return f"""static void {name}({arguments})
+{{
+    (void)work;
+    {_join(program.once, 4)}
+{"".join(loops)}}}
+"""
 
 
 def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) -> str:
     """Return a C function `name(arguments, first, count)` that evaluates stages first .. count-1.
 
+    What is the same for all stages is computed once, before them, and what is the same for all results is not among
+    them: see emit_constants.
+
     Raises:
         ModelError: the expressions use an operation that the runtime does not have, or a constant that is not
             finite.
     """
-    varying = [(out, place, value) for out in outputs for place, value in out.entries() if not value.is_constant()]
-    function = ca.Function(name, [i.symbol for i in inputs], [ca.vertcat(*(value for _, _, value in varying))])
-    body, used = _statements(function)
+    varying = _entries(inputs, outputs, varying=True)
+    program = _program(inputs, varying)
     gather = []
-    for index, (argument, element) in enumerate(used):
+    for index, (argument, element) in enumerate(program.gathered):
         source = inputs[argument]
         value = source.place.format(k=f"(k < {source.rows} ? k : {source.rows} - 1)", i=element)
         gather.append(f"in[{index}][lane] = {value};")
     scatter = []
     for output in outputs:
-        lines = [f"{place} = out[{i}][lane];" for i, (owner, place, _) in enumerate(varying) if owner is output]
+        lines = [f"{entry.place} = out[{i}][lane];" for i, entry in enumerate(varying) if entry.owner is output]
         if lines:
             scatter.append(f"if (k < {output.rows}) {{\n                {_join(lines, 16)}\n            }}")
     return f"""
 static void {name}({arguments}, int first, int count)
 {{
+    {_join(program.once, 4)}
     for (int base = first; base < count; base += LANES) {{
-        double in[{max(len(used), 1)}][LANES], out[{max(len(varying), 1)}][LANES];
+        double in[{max(len(program.gathered), 1)}][LANES], out[{max(len(varying), 1)}][LANES];
         const int lanes = count - base < LANES ? count - base : LANES;
         EACH_LANE (int lane = 0; lane < LANES; ++lane) {{
             const int k = base + (lane < lanes ? lane : lanes - 1);
             {_join(gather, 12)}
         }}
         for (int lane = 0; lane < LANES; ++lane) {{
-            {_join(body, 12)}
+            {_join(program.lanes, 12)}
         }}
         for (int lane = 0; lane < lanes; ++lane) {{
             const int k = base + lane;
@@ -133,28 +176,66 @@ def _join(lines: list[str], indent: int) -> str:
     return ("\n" + " " * indent).join(lines)
 
 
-def _statements(function: ca.Function) -> tuple[list[str], list[tuple[int, int]]]:
-    """Return the function's instructions as C statements and the (argument, element) pairs they read."""
-    names: dict[int, str] = {}
-    used: list[tuple[int, int]] = []
-    lines: list[str] = []
+def _entries(inputs: list[Input], outputs: list[Output], *, varying: bool) -> list[_Entry]:
+    """Return the outputs' entries that vary from stage to stage, or those that do not."""
+    every = [entry for output in outputs for entry in output.entries()]
+    staged = ca.vertcat(*(each.symbol for each in inputs if each.rows))
+    depends = ca.which_depends(ca.vertcat(*(entry.value for entry in every)), staged, 1, True)
+    return [entry for entry, varies in zip(every, depends, strict=True) if varies is varying]
+
+
+def _program(inputs: list[Input], entries: list[_Entry]) -> _Program:
+    """Return the entries' values as C statements."""
+    function = ca.Function("f", [i.symbol for i in inputs], [ca.vertcat(*(entry.value for entry in entries))])
+    program, names, fixed = _Program(), dict[int, str](), set[str]()
     for k in range(function.n_instructions()):
         operation = function.instruction_id(k)
         source, target = function.instruction_input(k), function.instruction_output(k)
         if operation == ca.OP_OUTPUT:
-            lines.append(f"out[{target[1]}][lane] = {names[source[0]]};")
+            name = names[source[0]]
+            program.lanes.append(f"out[{target[1]}][lane] = {name};")
+            program.results.append(name)
             continue
         if operation == ca.OP_CONST:
-            names[target[0]] = _literal(function.instruction_constant(k))
-            continue
-        if operation == ca.OP_INPUT:
-            used.append((source[0], source[1]))
-            expression = f"in[{len(used) - 1}][lane]"
+            name = _literal(function.instruction_constant(k))
+            fixed.add(name)
+        elif operation == ca.OP_INPUT:
+            name = _read(program, inputs, source[0], source[1], f"t{k}", fixed)
         else:
-            expression = _expression(operation, [names[i] for i in source])
-        lines.append(f"const double t{k} = {expression};")
-        names[target[0]] = f"t{k}"
-    return lines, used
+            name = _computed(program, operation, [names[i] for i in source], f"t{k}", fixed)
+        names[target[0]] = name
+    return program
+
+
+def _read(program: _Program, inputs: list[Input], argument: int, element: int, name: str, fixed: set[str]) -> str:
+    """Let a name be an element of an input, and return it."""
+    if inputs[argument].rows:
+        program.lanes.append(f"const double {name} = in[{len(program.gathered)}][lane];")
+        program.gathered.append((argument, element))
+    else:
+        program.once.append(f"const double {name} = {inputs[argument].place.format(i=element)};")
+        fixed.add(name)
+    return name
+
+
+def _computed(program: _Program, operation: int, arguments: list[str], name: str, fixed: set[str]) -> str:
+    """Let a name be the value of an operation, and return it."""
+    if all(argument in fixed for argument in arguments):
+        program.once.append(f"const double {name} = {_expression(operation, arguments)};")
+        fixed.add(name)
+        return name
+    if operation == ca.OP_DIV and arguments[1] in fixed:  # in all lanes a product is several times as fast
+        operation, arguments = ca.OP_MUL, [arguments[0], _inverse(program, arguments[1])]
+    program.lanes.append(f"const double {name} = {_expression(operation, arguments)};")
+    return name
+
+
+def _inverse(program: _Program, value: str) -> str:
+    """Return the name of the inverse of what is the same for all stages."""
+    if value not in program.inverses:
+        name = program.inverses[value] = f"inverse{len(program.inverses)}"
+        program.once.append(f"const double {name} = 1.0 / {value};")
+    return program.inverses[value]
 
 
 def _literal(value: float) -> str:

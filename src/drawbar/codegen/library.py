@@ -42,22 +42,40 @@ class _Place:
     setting: bool
 
 
-class Workspace:
-    """One instance of a compiled unit's state: its memory, its fields as arrays, its functions bound to it.
+def integer(library: Path, name: str) -> int:
+    """Return an int64_t that a library offers."""
+    return ctypes.c_int64.in_dll(load(library), name).value
 
-    The unit exports `drawbar_size` (bytes), `drawbar_fields` (terminated by a null name) and functions that take
-    a pointer to the workspace and return an int.
+
+def aligned(size: int) -> NDArray[np.uint8]:
+    """Return so many bytes, zero, that begin at a cache line."""
+    memory = np.zeros(size + 63, np.uint8)
+    start = -memory.ctypes.data % 64
+    return memory[start : start + size]
+
+
+class Workspace:
+    """One instance of a compiled unit's structure: its memory, its fields as arrays, its functions bound to it.
+
+    A unit that stands alone exports `drawbar_size` (bytes), `drawbar_fields` (terminated by a null name) and functions
+    that take a pointer to the structure and return an int. In a library of several units the names begin with
+    `drawbar_UNIT_`.
     """
 
-    def __init__(self, library: Path) -> None:
-        self._library = load(library)
-        size = ctypes.c_int64.in_dll(self._library, "drawbar_size").value
-        memory = np.zeros(size + 63, np.uint8)
-        start = -memory.ctypes.data % 64
-        self.memory: NDArray[np.uint8] = memory[start : start + size]
-        """(size,) bytes of the C struct, aligned to a cache line"""
+    def __init__(self, library: Path, unit: str = "", memory: NDArray[np.uint8] | None = None) -> None:
+        """Look into memory, or into new memory of the unit's size.
+
+        Args:
+            library: compiled.
+            unit: name of one of its units; empty: it is a single unit that stands alone.
+            memory: (size,) bytes of the structure; None: new memory, all zero.
+        """
+        self._library, self._prefix = load(library), f"drawbar_{unit}_" if unit else ""
+        prefix = self._prefix or "drawbar_"
+        self.memory: NDArray[np.uint8] = aligned(integer(library, f"{prefix}size")) if memory is None else memory
+        """(size,) bytes of the C structure"""
         self._address = ctypes.c_void_p(self.memory.ctypes.data)
-        places = _places(self._library)
+        places = _places(self._library, f"{prefix}fields")
         self._fields = {name: self._view(place) for name, place in places.items()}
         self._settings = [name for name, place in places.items() if place.setting]
 
@@ -76,11 +94,6 @@ class Workspace:
             raise SolverError(f"There is no array {name!r}; there are {', '.join(self._fields)}.")
         return self._fields[name]
 
-    @property
-    def part_size(self) -> int:
-        """Bytes of `struct component`, behind which there is only what the component borrows (workspace.h)."""
-        return ctypes.c_int64.in_dll(self._library, "drawbar_component_size").value
-
     def write(self, values: Mapping[str, ArrayLike]) -> None:
         """Set fields by name."""
         for name, value in values.items():
@@ -97,7 +110,7 @@ class Workspace:
             name: of the function, whose first argument is the workspace.
             pointers: how many more it takes; the call wants their addresses, or ctypes structures by reference.
         """
-        function = getattr(self._library, name)
+        function = getattr(self._library, self._prefix + name)
         function.argtypes = [ctypes.c_void_p] * (1 + pointers)
         function.restype = ctypes.c_int
         address, memory = self._address, self.memory
@@ -109,8 +122,8 @@ class Workspace:
         return call
 
 
-def _places(library: ctypes.CDLL) -> dict[str, _Place]:
-    fields = ctypes.cast(library.drawbar_fields, ctypes.POINTER(_Field))
+def _places(library: ctypes.CDLL, table: str) -> dict[str, _Place]:
+    fields = ctypes.cast(getattr(library, table), ctypes.POINTER(_Field))
     places = {}
     index = 0
     while fields[index].name is not None:

@@ -1,16 +1,21 @@
-/* How a unit names what it offers: as it is where it stands alone, `drawbar_<unit>_<name>` inside an exported library,
- * whose units define UNIT before they include anything.
+/* How a unit names what it offers to the others of its library: UNIT(name), which the unit defines before it includes
+ * anything.
  *
- * A unit with a solver that stands alone leaves the solver's phases to its caller, who may want to time or to watch
- * them; an exported one offers what comes before, between and after them in one call.
+ * In Python's own library somebody may watch a solver: before each of its phases the watcher is called, with the data in
+ * place. An exported library has no watchers.
  */
 #ifndef DRAWBAR_UNIT_H
 #define DRAWBAR_UNIT_H
 
-#ifdef UNIT
-#define EXPORTED
+#ifdef DRAWBAR_HOSTED
+#include <stdint.h>
+
+enum solver_phase { WATCHED_PREPARE, WATCHED_FEEDBACK, WATCHED_SHIFT, WATCHED_SLIDE };
+
+static void (*watcher)(int32_t phase);
+#define WATCHED(phase, call) (watcher ? watcher(phase) : (void)0, (void)(call))
 #else
-#define UNIT(name) name
+#define WATCHED(phase, call) (void)(call)
 #endif
 
 #endif

@@ -13,6 +13,6 @@ struct workspace {
 #endif
 };
 
-int64_t drawbar_size = sizeof(struct workspace), drawbar_component_size = sizeof(struct component);
+int64_t drawbar_size = sizeof(struct workspace);
 
 #endif

@@ -25,4 +25,10 @@ static inline double actuator_follow(const struct actuator *actuator, double ste
     return command;
 }
 
+/* The command (rad) that leads the steering to an angle (rad) and keeps it there. */
+static inline double actuator_hold(const struct actuator *actuator, double steering)
+{
+    return clipped(actuator->sign * steering, actuator->limit);
+}
+
 #endif

@@ -2,90 +2,63 @@
 
 import math
 
+from drawbar.codegen import Unit
 from drawbar.control.actuator import actuator_settings
 from drawbar.control.chain import chain_settings, steering_bounds
 from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import ArticulatedControllerSettings
-from drawbar.control.subsystem import SubsystemController, coupling_settings
+from drawbar.control.subsystem import coupling_settings, subsystem_unit
 from drawbar.control.tube.tube import SubsystemTube
 from drawbar.optimal import Bound, ControlProblem
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
 from drawbar.vehicle.parameters import VehicleParameters
 
 
-class ArticulatedTractor(SubsystemController):
-    """Tractor with slip, crab and a steering of limited rate, held near the path's own curvature."""
-
-    def __init__(
-        self,
-        vehicle: VehicleParameters,
-        settings: ArticulatedControllerSettings,
-        sample_time: float,
-        tube: SubsystemTube,
-    ) -> None:
-        """Compile the controller for this vehicle, with what the tube leaves of the bounds."""
-        weights = settings.tractor
-        errors = {
-            "lateral_error": weights.lateral,
-            "heading_error": weights.heading,
-            "steering": weights.steering,
-        }
-        super().__init__(
-            ControlProblem(
-                model=articulated_tractor(vehicle),
-                horizon=settings.horizon,
-                sample_time=sample_time,
-                weights=errors | {"steering_rate": weights.steering_rate},
-                terminal_weights=errors,
-                bounds=_bounds(tube),
-            ),
-            tube,
-            "articulated_tractor.h",
-            chain_settings(vehicle)
-            | actuator_settings(
-                lag=vehicle.steering_lag, limit=tube.bounds["command"].tightened, sample_time=sample_time
-            )
-            | sharing_settings(vehicle, settings.sharing, sample_time),
-        )
+def articulated_tractor_unit(
+    vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float, tube: SubsystemTube
+) -> Unit:
+    """Return the tractor's controller: slip, crab, a steering of limited rate, held near the path's own curvature."""
+    weights = settings.tractor
+    errors = {"lateral_error": weights.lateral, "heading_error": weights.heading, "steering": weights.steering}
+    problem = ControlProblem(
+        model=articulated_tractor(vehicle),
+        horizon=settings.horizon,
+        sample_time=sample_time,
+        weights=errors | {"steering_rate": weights.steering_rate},
+        terminal_weights=errors,
+        bounds=_bounds(tube),
+    )
+    actuator = actuator_settings(
+        lag=vehicle.steering_lag, limit=tube.bounds["command"].tightened, sample_time=sample_time
+    )
+    sharing = sharing_settings(vehicle, settings.sharing, sample_time)
+    own = {**chain_settings(vehicle), **actuator, **sharing}
+    return subsystem_unit("tractor", problem, tube, "articulated_tractor.h", own)
 
 
-class ArticulatedTrailer(SubsystemController):
-    """Trailer on the chain behind a tractor whose motion is given by the coupling."""
-
-    def __init__(
-        self,
-        vehicle: VehicleParameters,
-        settings: ArticulatedControllerSettings,
-        sample_time: float,
-        tube: SubsystemTube,
-    ) -> None:
-        """Compile the controller for this vehicle, with what the tube leaves of the bounds."""
-        weights = settings.trailer
-        errors = {"lateral_error": weights.lateral, "steering": weights.steering}
-        super().__init__(
-            ControlProblem(
-                model=articulated_trailer(vehicle),
-                horizon=settings.horizon,
-                sample_time=sample_time,
-                weights=errors | {"steering_rate": weights.steering_rate},
-                terminal_weights=errors,
-                bounds=_bounds(tube),
-            ),
-            tube,
-            "articulated_trailer.h",
-            chain_settings(vehicle)
-            | actuator_settings(
-                lag=vehicle.steering_lag,
-                limit=tube.bounds["command"].tightened,
-                sample_time=sample_time,
-                sign=vehicle.joint_sign,
-            )
-            | coupling_settings(settings.coupling)
-            | {
-                "interval": sample_time,
-                "smoothing": -math.expm1(-sample_time / settings.yaw_rate_lag),
-            },
-        )
+def articulated_trailer_unit(
+    vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float, tube: SubsystemTube
+) -> Unit:
+    """Return the trailer's controller, on the chain behind a tractor whose motion is given by the coupling."""
+    weights = settings.trailer
+    errors = {"lateral_error": weights.lateral, "steering": weights.steering}
+    problem = ControlProblem(
+        model=articulated_trailer(vehicle),
+        horizon=settings.horizon,
+        sample_time=sample_time,
+        weights=errors | {"steering_rate": weights.steering_rate},
+        terminal_weights=errors,
+        bounds=_bounds(tube),
+    )
+    actuator = actuator_settings(
+        lag=vehicle.steering_lag,
+        limit=tube.bounds["command"].tightened,
+        sample_time=sample_time,
+        sign=vehicle.joint_sign,
+    )
+    motion = {"interval": sample_time, "smoothing": -math.expm1(-sample_time / settings.yaw_rate_lag)}
+    own = {**chain_settings(vehicle), **actuator, **coupling_settings(settings.coupling), **motion}
+    return subsystem_unit("trailer", problem, tube, "articulated_trailer.h", own)
 
 
 def _bounds(tube: SubsystemTube) -> dict[str, Bound]:

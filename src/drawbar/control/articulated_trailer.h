@@ -104,6 +104,11 @@ static double body_command(struct component *component)
     return actuator_follow(&component->actuator, STATE(z, 0)[1], INPUT(z, 0));
 }
 
+static double body_hold(const struct component *component, double steering)
+{
+    return actuator_hold(&component->actuator, steering);
+}
+
 static void body_plan(struct component *component)
 {
     for (int k = 0; k <= N; ++k) {

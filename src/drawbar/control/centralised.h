@@ -9,6 +9,7 @@
  *     fill                writes parameters and references into the solver
  *     guess               linearises along a first guess, made of what was filled in (iteration.h)
  *     vehicle_command     both nominal commands of the plan's first sample, rad; lets its first input be what they do
+ *     vehicle_hold        both commands that lead the steerings to two angles, rad
  *     vehicle_plan        the predicted antenna poses (N + 1 rows) and planned steering angles (N) of the plan
  *
  * Its last line includes centralised_phases.h.
@@ -24,6 +25,7 @@
 struct centralised {
     struct iteration iteration;
     int32_t foretells;                     /* the last plan says where the vehicle gets */
+    int32_t solved;                        /* there has been a plan that was solved; the plans below are its */
     double predicted[NX];                  /* that state */
     /* the plans */
     double tractor_poses[N + 1][3], trailer_poses[N + 1][3];

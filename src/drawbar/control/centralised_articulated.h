@@ -91,6 +91,12 @@ static void vehicle_command(struct component *component, double *commands)
     commands[1] = actuator_follow(&component->trailer_actuator, x[DELTA_I], &rates[1]);
 }
 
+static void vehicle_hold(const struct component *component, double tractor, double trailer, double *commands)
+{
+    commands[0] = actuator_hold(&component->tractor_actuator, tractor);
+    commands[1] = actuator_hold(&component->trailer_actuator, trailer);
+}
+
 static void vehicle_plan(struct component *component)
 {
     struct centralised *both = &component->centralised;

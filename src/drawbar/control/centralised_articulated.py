@@ -1,7 +1,8 @@
 """The product's centralised controller: lateral errors of both antennas on the whole chain."""
 
+from drawbar.codegen import Unit
 from drawbar.control.actuator import actuator_settings
-from drawbar.control.centralised import CentralisedController
+from drawbar.control.centralised import centralised_unit
 from drawbar.control.chain import chain_settings, steering_bounds
 from drawbar.control.settings import ArticulatedControllerSettings
 from drawbar.control.tube.tube import Tubes
@@ -10,50 +11,41 @@ from drawbar.vehicle.articulated import articulated_tracking
 from drawbar.vehicle.parameters import VehicleParameters
 
 
-class CentralisedArticulated(CentralisedController):
-    """Costs, feed-forward and bounds of both decentralised controllers in one problem.
+def centralised_articulated_unit(
+    vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float, tubes: Tubes
+) -> Unit:
+    """Return costs, feed-forward and bounds of both decentralised controllers in one problem.
 
     No target is shifted here: where the trailer's steering is exhausted, the cost itself divides the error between both
     bodies.
     """
-
-    def __init__(
-        self, vehicle: VehicleParameters, settings: ArticulatedControllerSettings, sample_time: float, tubes: Tubes
-    ) -> None:
-        """Compile the controller for this vehicle, with what the tubes leave of the bounds."""
-        tractor, trailer = settings.tractor, settings.trailer
-        errors = {
-            "tractor_lateral_error": tractor.lateral,
-            "tractor_heading_error": tractor.heading,
-            "tractor_steering": tractor.steering,
-            "trailer_lateral_error": trailer.lateral,
-            "trailer_steering": trailer.steering,
-        }
-        rates = {"tractor_steering_rate": tractor.steering_rate, "trailer_steering_rate": trailer.steering_rate}
-        super().__init__(
-            "centralised_articulated.h",
-            ControlProblem(
-                model=articulated_tracking(vehicle),
-                horizon=settings.horizon,
-                sample_time=sample_time,
-                weights=errors | rates,
-                terminal_weights=errors,
-                bounds=_bounds(tubes),
-            ),
-            tubes,
+    tractor, trailer = settings.tractor, settings.trailer
+    errors = {
+        "tractor_lateral_error": tractor.lateral,
+        "tractor_heading_error": tractor.heading,
+        "tractor_steering": tractor.steering,
+        "trailer_lateral_error": trailer.lateral,
+        "trailer_steering": trailer.steering,
+    }
+    rates = {"tractor_steering_rate": tractor.steering_rate, "trailer_steering_rate": trailer.steering_rate}
+    problem = ControlProblem(
+        model=articulated_tracking(vehicle),
+        horizon=settings.horizon,
+        sample_time=sample_time,
+        weights=errors | rates,
+        terminal_weights=errors,
+        bounds=_bounds(tubes),
+    )
+    own = dict(chain_settings(vehicle))
+    for body, tube, sign in (("tractor", tubes.tractor, 1), ("trailer", tubes.trailer, vehicle.joint_sign)):
+        own |= actuator_settings(
+            lag=vehicle.steering_lag,
+            limit=tube.bounds["command"].tightened,
+            sample_time=sample_time,
+            sign=sign,
+            place=f"{body}_actuator",
         )
-        self.solver.workspace.write(chain_settings(vehicle))
-        for body, tube, sign in (("tractor", tubes.tractor, 1), ("trailer", tubes.trailer, vehicle.joint_sign)):
-            limit = tube.bounds["command"].tightened
-            self.solver.workspace.write(
-                actuator_settings(
-                    lag=vehicle.steering_lag,
-                    limit=limit,
-                    sample_time=sample_time,
-                    sign=sign,
-                    place=f"{body}_actuator",
-                )
-            )
+    return centralised_unit("centralised_articulated.h", problem, tubes, own)
 
 
 def _bounds(tubes: Tubes) -> dict[str, Bound]:

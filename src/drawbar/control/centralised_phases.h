@@ -4,10 +4,10 @@
 
 #include "centralised.h"
 
-/* The feedback phase before its solver's: take in the estimate and both bodies' references. */
-int UNIT(enter)(struct component *component, const struct drawbar_estimate *estimate,
-                const struct drawbar_body_reference *tractor_reference,
-                const struct drawbar_body_reference *trailer_reference)
+/* Take in the estimate and both bodies' references. */
+static void take_in(struct component *component, const struct drawbar_estimate *estimate,
+                    const struct drawbar_body_reference *tractor_reference,
+                    const struct drawbar_body_reference *trailer_reference)
 {
     struct centralised *both = &component->centralised;
     double *estimated = component->rti.initial;
@@ -17,56 +17,69 @@ int UNIT(enter)(struct component *component, const struct drawbar_estimate *esti
                       trailer_reference);
     fill(component, estimate, tractor_reference, trailer_reference);
     iteration_enter(&both->iteration, &component->rti);
-    return SOLVED;
 }
 
-/* The feedback phase after its solver's: make both bodies' plans of the solution; they share one status. */
-int UNIT(leave)(struct component *component, struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer)
+/* Go on along the last plans that were solved: what they planned for the next sample is now; their ends are repeated. */
+static void live_on(struct centralised *both)
 {
-    struct centralised *both = &component->centralised;
-    const int status = iteration_leave(&both->iteration, &component->rti);
-    double commands[2];
-
-    vehicle_command(component, commands);
-    both->foretells = status == SOLVED;
-    if (both->foretells)
-        memcpy(both->predicted, iteration_successor(&component->rti), sizeof both->predicted);
-    vehicle_plan(component);
-    *tractor = (struct drawbar_body_plan){
-        commands[0], (const double (*)[3])both->tractor_poses, both->tractor_steerings, both->tractor_deviation,
-        TRACTOR_DEVIATIONS, status
-    };
-    *trailer = (struct drawbar_body_plan){
-        commands[1], (const double (*)[3])both->trailer_poses, both->trailer_steerings, both->trailer_deviation,
-        TRAILER_DEVIATIONS, status
-    };
-    return status;
+    memmove(both->tractor_poses[0], both->tractor_poses[1], N * sizeof both->tractor_poses[0]);
+    memmove(both->trailer_poses[0], both->trailer_poses[1], N * sizeof both->trailer_poses[0]);
+    memmove(&both->tractor_steerings[0], &both->tractor_steerings[1], (N - 1) * sizeof both->tractor_steerings[0]);
+    memmove(&both->trailer_steerings[0], &both->trailer_steerings[1], (N - 1) * sizeof both->trailer_steerings[0]);
+    memset(both->tractor_deviation, 0, sizeof both->tractor_deviation);
+    memset(both->trailer_deviation, 0, sizeof both->trailer_deviation);
 }
 
-/* The preparation phase after its solver's. */
-int UNIT(judge)(struct component *component)
-{
-    iteration_judge(&component->centralised.iteration, &component->rti);
-    return SOLVED;
-}
-
-#ifdef EXPORTED
+/* Both bodies' plans, of one solution and with one status; where the solver failed, the last ones that were solved. */
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *tractor_reference,
                    const struct drawbar_body_reference *trailer_reference, struct drawbar_body_plan *tractor,
                    struct drawbar_body_plan *trailer, void *work)
 {
-    UNIT(enter)(component, estimate, tractor_reference, trailer_reference);
-    rti_feedback(&component->rti, work);
-    return UNIT(leave)(component, tractor, trailer);
+    struct centralised *both = &component->centralised;
+    double commands[2];
+
+    take_in(component, estimate, tractor_reference, trailer_reference);
+    WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, work));
+    const int status = iteration_leave(&both->iteration, &component->rti);
+    both->foretells = status == SOLVED;
+    both->solved |= both->foretells;
+    if (both->foretells || !both->solved) {
+        vehicle_command(component, commands);
+        if (both->foretells)
+            memcpy(both->predicted, iteration_successor(&component->rti), sizeof both->predicted);
+        vehicle_plan(component);
+    } else {
+        live_on(both);
+        vehicle_hold(component, both->tractor_steerings[0], both->trailer_steerings[0], commands);
+    }
+    *tractor = (struct drawbar_body_plan){
+        .steering = commands[0], .poses = (const double (*)[3])both->tractor_poses,
+        .steerings = both->tractor_steerings, .deviation = both->tractor_deviation,
+        .status = status, .deviations = TRACTOR_DEVIATIONS
+    };
+    *trailer = (struct drawbar_body_plan){
+        .steering = commands[1], .poses = (const double (*)[3])both->trailer_poses,
+        .steerings = both->trailer_steerings, .deviation = both->trailer_deviation,
+        .status = status, .deviations = TRAILER_DEVIATIONS
+    };
+    return status;
 }
 
+/* Shift the plan by one sample and linearise along it. */
 int UNIT(ready)(struct component *component)
 {
-    rti_shift(&component->rti);
-    rti_prepare(&component->rti);
-    return UNIT(judge)(component);
+    WATCHED(WATCHED_SHIFT, rti_shift(&component->rti));
+    WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
+    iteration_judge(&component->centralised.iteration, &component->rti);
+    return SOLVED;
 }
-#endif
+
+/* Let a sample pass that was left out: the plan goes on, but where the model gets is not known. */
+int UNIT(skip)(struct component *component)
+{
+    component->centralised.foretells = 0;
+    return UNIT(ready)(component);
+}
 
 #endif

@@ -71,6 +71,13 @@ static void vehicle_command(struct component *component, double *commands)
     memcpy(commands, INPUT(component->rti.z, 0), 2 * sizeof *commands);
 }
 
+static void vehicle_hold(const struct component *component, double tractor, double trailer, double *commands)
+{
+    (void)component;
+    commands[0] = tractor;
+    commands[1] = trailer;
+}
+
 static void vehicle_plan(struct component *component)
 {
     struct centralised *both = &component->centralised;

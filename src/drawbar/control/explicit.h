@@ -88,4 +88,10 @@ int UNIT(ready)(struct component *component)
     return SOLVED;
 }
 
+/* Nor do they plan ahead. */
+int UNIT(skip)(struct component *component)
+{
+    return UNIT(ready)(component);
+}
+
 #endif

@@ -3,34 +3,34 @@
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from drawbar.control.explicit import ExplicitController
+from drawbar.codegen import Unit
+from drawbar.control.explicit import explicit_unit
 from drawbar.control.settings import LqrSettings
 from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 
 
-class LinearQuadraticRegulator(ExplicitController):
-    """Feeds lateral and heading error back on top of the steering that holds the path's curvature.
+def lqr_unit(vehicle: VehicleParameters, settings: LqrSettings, sample_time: float, speed: float) -> Unit:
+    """Return the regulator: lateral and heading error fed back on top of the steering that holds the path's curvature.
 
     With small errors e (lateral) and h (heading), v the steering beyond the feed-forward: e' = V h, h' = V / L_t v. The
-    gain belongs to the set speed V. The feed-forward is the product's: it knows the estimated slips. The lateral error
-    counts no further than where it is balanced by the steepest approach.
+    gain belongs to the set speed V (m/s). The feed-forward is the product's: it knows the estimated slips. The lateral
+    error counts no further than where it is balanced by the steepest approach.
     """
+    gain = lqr_gain(vehicle, settings, sample_time, speed)
+    first, second = gain[0].tolist()
+    constants = {
+        "law.gain": gain[0],
+        "law.lead": settings.lead / sample_time,
+        "law.furthest": second / first * settings.approach_angle,  # errors whose steering balances: K (e, h) = 0
+    }
+    return explicit_unit("lqr", constants, vehicle, settings, sample_time)
 
-    def __init__(self, vehicle: VehicleParameters, settings: LqrSettings, sample_time: float, speed: float) -> None:
-        """Take the vehicle, weights and gains, the sample time (s) and the set speed (m/s)."""
-        A, B = path_dynamics(speed, vehicle.wheelbase, sample_time)
-        self.gain: Floats = regulator_gain(
-            A, B, Q=np.diag([settings.lateral, settings.heading]), R=np.array([[settings.steering]])
-        )
-        """(1, 2) K: steering is minus K times the errors, rad/m and rad/rad"""
-        first, second = self.gain[0].tolist()
-        constants = {
-            "law.gain": self.gain[0],
-            "law.lead": settings.lead / sample_time,
-            "law.furthest": second / first * settings.approach_angle,  # errors whose steering balances: K (e, h) = 0
-        }
-        super().__init__("lqr", constants, vehicle, settings, sample_time)
+
+def lqr_gain(vehicle: VehicleParameters, settings: LqrSettings, sample_time: float, speed: float) -> Floats:
+    """Return (1, 2) K: the steering is minus K times lateral and heading error, rad/m and rad/rad."""
+    A, B = path_dynamics(speed, vehicle.wheelbase, sample_time)
+    return regulator_gain(A, B, Q=np.diag([settings.lateral, settings.heading]), R=np.array([[settings.steering]]))
 
 
 def path_dynamics(speed: float, wheelbase: float, sample_time: float) -> tuple[Floats, Floats]:

@@ -7,6 +7,7 @@
  *     fill           writes parameters and references into the solver
  *     guess          linearises along a first guess, made of what was filled in (iteration.h)
  *     body_command   the nominal command of the plan's first sample, rad; lets the plan's first input be what it does
+ *     body_hold      the command that leads the steering to an angle, rad
  *     body_plan      the predicted antenna poses (N + 1 rows) and the planned steering angles (N)
  *
  * Its last line includes subsystem_phases.h.
@@ -32,6 +33,7 @@ struct subsystem {
 
     struct iteration iteration;
     int32_t follows;                       /* the last plan says where the nominal model gets */
+    int32_t solved;                        /* there has been a plan that was solved; poses and steerings are its */
     double successor[NX];                  /* that state */
     double frame[3];                       /* optimised: pose from which all of this is seen */
 

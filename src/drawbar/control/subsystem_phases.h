@@ -24,10 +24,9 @@ static void set_begin(struct subsystem *body, struct rti *solver)
         allow_first_state(body, solver);
 }
 
-/* The feedback phase before its solver's: take in estimate, reference and, where the coupling is planned, the other
- * body's plan (or NULL). */
-int UNIT(enter)(struct component *component, const struct drawbar_estimate *estimate,
-                const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+/* Take in estimate, reference and, where the coupling is planned, the other body's plan (or NULL). */
+static void take_in(struct component *component, const struct drawbar_estimate *estimate,
+                    const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
 {
     struct subsystem *body = &component->subsystem;
     struct drawbar_estimate here = *estimate;
@@ -43,7 +42,6 @@ int UNIT(enter)(struct component *component, const struct drawbar_estimate *esti
     set_begin(body, &component->rti);
     fill(component, &here, &ahead, neighbour);
     iteration_enter(&body->iteration, &component->rti);
-    return SOLVED;
 }
 
 /* x^ - x- in the coordinates in which the ancillary law acts. */
@@ -52,24 +50,52 @@ static void state_deviation(struct subsystem *body, const double *nominal)
     (POSE_STATES ? pose_deviation : plain_deviation)(body->estimated, nominal, NX, body->deviation);
 }
 
-/* The feedback phase after its solver's: make a plan of the solution. */
-int UNIT(leave)(struct component *component, struct drawbar_body_plan *plan)
+/* Go on along the last plan that was solved: what it planned for the next sample is now; its end is repeated. */
+static void live_on(struct subsystem *body)
+{
+    memmove(body->poses[0], body->poses[1], N * sizeof body->poses[0]);
+    memmove(&body->steerings[0], &body->steerings[1], (N - 1) * sizeof body->steerings[0]);
+}
+
+/* Make a plan of the solution, in the world's frame. */
+static void make_plan(struct component *component, struct drawbar_body_plan *plan)
+{
+    struct subsystem *body = &component->subsystem;
+
+    plan->steering = body_command(component);
+    if (body->follows)
+        memcpy(body->successor, iteration_successor(&component->rti), sizeof body->successor);
+    body_plan(component);
+    if (FREE_INITIAL && POSE_STATES)
+        place_in_world(body);
+}
+
+/* Both bodies steer by a plan's first command and by how far the estimate is from its begin. Where the solver failed that
+ * is the last plan that was solved, as long as there has been one, and the distance from it is not known. */
+int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
+                   const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour,
+                   struct drawbar_body_plan *plan, void *work)
 {
     struct subsystem *body = &component->subsystem;
     struct rti *solver = &component->rti;
     double *first = STATE(solver->z, 0);
 
+    take_in(component, estimate, reference, neighbour);
+    WATCHED(WATCHED_FEEDBACK, rti_feedback(solver, work));
     plan->status = iteration_leave(&body->iteration, solver);
     body->follows = plan->status == SOLVED;
+    body->solved |= body->follows;
     if (!body->follows)                    /* of a plan that failed only its begin is known */
         memcpy(first, iteration_begin(solver), NX * sizeof *first);
-    plan->steering = body_command(component);
-    if (body->follows)
-        memcpy(body->successor, iteration_successor(solver), sizeof body->successor);
-    body_plan(component);
-    if (FREE_INITIAL && POSE_STATES)
-        place_in_world(body);
+    if (body->follows || !body->solved) {
+        make_plan(component, plan);
+    } else {
+        live_on(body);
+        plan->steering = body_hold(component, body->steerings[0]);
+    }
     state_deviation(body, FREE_INITIAL ? first : body->nominal);
+    if (!body->follows)
+        memset(body->deviation, 0, sizeof body->deviation);
     plan->poses = (const double (*)[3])body->poses;
     plan->steerings = body->steerings;
     plan->deviation = body->deviation;
@@ -77,29 +103,20 @@ int UNIT(leave)(struct component *component, struct drawbar_body_plan *plan)
     return plan->status;
 }
 
-/* The preparation phase after its solver's. */
-int UNIT(judge)(struct component *component)
+/* Shift the plan by one sample and linearise along it. */
+int UNIT(ready)(struct component *component)
 {
+    WATCHED(WATCHED_SHIFT, rti_shift(&component->rti));
+    WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
     iteration_judge(&component->subsystem.iteration, &component->rti);
     return SOLVED;
 }
 
-#ifdef EXPORTED
-int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
-                   const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour,
-                   struct drawbar_body_plan *plan, void *work)
+/* Let a sample pass that was left out: the plan goes on, but where the nominal model gets is not known. */
+int UNIT(skip)(struct component *component)
 {
-    UNIT(enter)(component, estimate, reference, neighbour);
-    rti_feedback(&component->rti, work);
-    return UNIT(leave)(component, plan);
+    component->subsystem.follows = 0;
+    return UNIT(ready)(component);
 }
-
-int UNIT(ready)(struct component *component)
-{
-    rti_shift(&component->rti);
-    rti_prepare(&component->rti);
-    return UNIT(judge)(component);
-}
-#endif
 
 #endif

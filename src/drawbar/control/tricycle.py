@@ -1,7 +1,8 @@
 """The paper's two nominal controllers: positions tracked on the tricycle model."""
 
+from drawbar.codegen import Unit
 from drawbar.control.settings import TricycleControllerSettings
-from drawbar.control.subsystem import SubsystemController, coupling_settings
+from drawbar.control.subsystem import coupling_settings, subsystem_unit
 from drawbar.control.tube.tube import SubsystemTube
 from drawbar.optimal import Bound, ControlProblem
 from drawbar.vehicle.model import Model
@@ -24,35 +25,18 @@ def _problem(
     )
 
 
-class TricycleTractor(SubsystemController):
-    """Tractor: f_1 of the paper; the steering reference is the last measured angle."""
-
-    def __init__(
-        self,
-        vehicle: VehicleParameters,
-        settings: TricycleControllerSettings,
-        sample_time: float,
-        tube: SubsystemTube,
-    ) -> None:
-        """Compile the controller for this vehicle, with what the tube leaves of the bound."""
-        problem = _problem(tricycle_tractor(vehicle), settings, sample_time, tube)
-        super().__init__(problem, tube, "tricycle_tractor.h", {})
+def tricycle_tractor_unit(
+    vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float, tube: SubsystemTube
+) -> Unit:
+    """Return the tractor's controller, f_1 of the paper; the steering reference is the last measured angle."""
+    problem = _problem(tricycle_tractor(vehicle), settings, sample_time, tube)
+    return subsystem_unit("tractor", problem, tube, "tricycle_tractor.h", {})
 
 
-class TricycleTrailer(SubsystemController):
-    """Trailer: f_2 of the paper, with g_2 as the coupling says."""
-
-    def __init__(
-        self,
-        vehicle: VehicleParameters,
-        settings: TricycleControllerSettings,
-        sample_time: float,
-        tube: SubsystemTube,
-    ) -> None:
-        """Compile the controller for this vehicle, with what the tube leaves of the bound."""
-        super().__init__(
-            _problem(tricycle_trailer(vehicle), settings, sample_time, tube),
-            tube,
-            "tricycle_trailer.h",
-            coupling_settings(settings.coupling) | {"leverage": vehicle.hitch_length / vehicle.wheelbase},
-        )
+def tricycle_trailer_unit(
+    vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float, tube: SubsystemTube
+) -> Unit:
+    """Return the trailer's controller, f_2 of the paper, with g_2 as the coupling says."""
+    problem = _problem(tricycle_trailer(vehicle), settings, sample_time, tube)
+    own = coupling_settings(settings.coupling) | {"leverage": vehicle.hitch_length / vehicle.wheelbase}
+    return subsystem_unit("trailer", problem, tube, "tricycle_trailer.h", own)

@@ -48,6 +48,12 @@ static double body_command(struct component *component)
     return INPUT(component->rti.z, 0)[0];
 }
 
+static double body_hold(const struct component *component, double steering)
+{
+    (void)component;
+    return steering;
+}
+
 static void body_plan(struct component *component)
 {
     pose_plan(&component->subsystem, &component->rti);

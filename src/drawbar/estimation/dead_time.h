@@ -1,8 +1,9 @@
 /* Dead-time compensation: plan from where the commands under way will have taken the vehicle (Smith 1957; Findeisen and
  * Allgoewer 2004 for predictive control).
  *
- * The including unit defines COMMANDS, how many are under way; STATES, PARAMETERS and OUTPUTS, the sizes of the model
- * with its actuators; and by MOTION its functions take_estimate, motion and give_estimate, generated from that model.
+ * The including unit defines MOST_COMMANDS, how many can be under way; STATES, PARAMETERS, OUTPUTS and CONSTANTS, the
+ * sizes of the model with its actuators; and its functions take_estimate, motion and give_estimate, generated from that
+ * model.
  */
 #ifndef DRAWBAR_DEAD_TIME_H
 #define DRAWBAR_DEAD_TIME_H
@@ -16,16 +17,19 @@
 struct component {
     double dead_time;                      /* s */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
-    double durations[COMMANDS];            /* for how long each command under way acts within the dead time, s */
+    double constants[CONSTANTS];           /* of the model with its actuators */
+    double durations[MOST_COMMANDS];       /* for how long each command under way acts within the dead time, s */
+    int32_t count;                         /* how many are under way, at least one */
     int32_t soon;                          /* the oldest acts for less than half a sample: then comes the next */
-    int32_t sent;                          /* commands so far, up to COMMANDS + 1 */
-    struct drawbar_command under_way[COMMANDS]; /* oldest first; the newest `sent` of them are valid */
+    int32_t sent;                          /* commands so far, up to count + 1 */
+    struct drawbar_command under_way[MOST_COMMANDS];   /* oldest first; the newest `sent` of the count are valid */
     double x[1][STATES], u[1][2], p[1][PARAMETERS], duration[1][1], y[1][OUTPUTS];
 };
 
 #define COMPONENT_FIELDS                                                                                          \
     SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                                     \
-    SETTING(component, durations, 0, COMMANDS, 0, 0) SETTING(component, soon, 1, 1, 0, 0)
+    SETTING(component, constants, 0, CONSTANTS, 0, 0) SETTING(component, durations, 0, MOST_COMMANDS, 0, 0)            \
+    SETTING(component, count, 1, 1, 0, 0) SETTING(component, soon, 1, 1, 0, 0)
 
 /* States and parameters of the model from an estimate. */
 static void take_estimate(struct component *work, const struct drawbar_estimate *estimate);
@@ -41,9 +45,9 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
     *then = *now;
     then->time += component->dead_time;
     take_estimate(component, now);
-    for (int i = 0; i < COMMANDS; ++i) {
+    for (int i = 0; i < component->count; ++i) {
         const struct drawbar_command *command = &component->under_way[i];
-        const int known = i >= COMMANDS - component->sent;
+        const int known = i >= component->count - component->sent;
         component->u[0][0] = known ? command->tractor_steering : now->tractor_steering;
         component->u[0][1] = known ? component->sign * command->trailer_steering : now->trailer_steering;
         component->duration[0][0] = component->durations[i];
@@ -58,15 +62,17 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
 int UNIT(sent)(struct component *component, const struct drawbar_command *newest, struct drawbar_command *acting)
 {
     static const struct drawbar_command nothing = {(double)NAN, (double)NAN, (double)NAN, (double)NAN};
-    const struct drawbar_command oldest = component->under_way[0];
+    struct drawbar_command *under_way = component->under_way;
+    const struct drawbar_command oldest = under_way[0];
+    const int32_t last = component->count - 1;
 
-    memmove(&component->under_way[0], &component->under_way[1], (COMMANDS - 1) * sizeof oldest);
-    component->under_way[COMMANDS - 1] = *newest;
-    component->sent += component->sent <= COMMANDS;
-    if (component->sent + component->soon <= COMMANDS)
+    memmove(&under_way[0], &under_way[1], (size_t)last * sizeof oldest);
+    under_way[last] = *newest;
+    component->sent += component->sent <= component->count;
+    if (component->sent + component->soon <= component->count)
         *acting = nothing;
     else
-        *acting = component->soon ? component->under_way[0] : oldest;
+        *acting = component->soon ? under_way[0] : oldest;
     return 0;
 }
 

@@ -6,22 +6,21 @@ Findeisen and Allgöwer 2004 for predictive control). Here the model is put into
 the rest.
 """
 
-import ctypes
 import math
 from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 
-from drawbar.codegen.component import Component
+from drawbar.codegen import Unit
 from drawbar.codegen.emit import Input, Output, emit
-from drawbar.exchange import CCommand, CEstimate
-from drawbar.signals import Command, Estimate
-from drawbar.vehicle.model import Model, Variable, integrate, symbols, variables
+from drawbar.vehicle.model import Model, Variable, constant, runge_kutta, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 
 _STEPS = 4
 """Runge-Kutta steps per command"""
+_ROOM = 16
+"""Commands under way for which there is always room: their number is data up to here"""
 _STEERING = ("tractor_steering", "trailer_steering")
 _MOVED = (
     *(f"{body}_{coordinate}" for body in ("tractor", "trailer") for coordinate in ("x", "y", "yaw")),
@@ -31,10 +30,11 @@ _MOVED = (
 """What of an estimate the motion changes; whatever else the model has is taken for constant"""
 _UNIT = """
 #define LANES 1
-#define COMMANDS {commands}
+#define MOST_COMMANDS {room}
 #define STATES {states}
 #define PARAMETERS {parameters}
 #define OUTPUTS {outputs}
+#define CONSTANTS {constants}
 #include "dead_time.h"
 static void take_estimate(struct component *work, const struct drawbar_estimate *estimate)
 {{
@@ -48,56 +48,31 @@ static void give_estimate(const struct component *work, struct drawbar_estimate 
 """
 
 
-class DeadTimePredictor:
-    """Remembers the commands under way and moves estimates forward through them.
+def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float) -> Unit | None:
+    """Return what remembers the commands under way and moves estimates forward through them; None without dead time.
 
-    The speed stays as it is estimated: a drive is slower than any dead time. Without dead time nothing is computed.
+    The speed stays as it is estimated: a drive is slower than any dead time.
+
+    Args:
+        vehicle: lag, rates, sign and dead time of the actuators.
+        model: of the whole vehicle, articulated or tricycle.
+        sample_time: s.
     """
-
-    def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float) -> None:
-        """Compile the prediction.
-
-        Args:
-            vehicle: lag, rates, sign and dead time of the actuators.
-            model: of the whole vehicle, articulated or tricycle.
-            sample_time: s.
-
-        Raises:
-            CompilerError: no compiler, or it refused the code.
-        """
-        count = math.ceil(round(vehicle.dead_time / sample_time, 9))
-        self.component: Component | None = None
-        """the compiled prediction; None without dead time"""
-        if not count:
-            return
-        self.component = component = Component("dead_time", _source(actuated(vehicle, model), count))
-        first = vehicle.dead_time - (count - 1) * sample_time
-        component.array("dead_time")[:], component.array("sign")[:] = vehicle.dead_time, vehicle.joint_sign
-        component.array("durations")[:] = [first, *[sample_time] * (count - 1)]
-        component.array("soon")[:] = first < 0.5 * sample_time
-        self._now, self._then, self._newest, self._acting = CEstimate(), CEstimate(), CCommand(), CCommand()
-        pointers = [ctypes.byref(each) for each in (self._now, self._then, self._newest, self._acting)]
-        self._ahead, self._sent = component.function("ahead", pointers=2), component.function("sent", pointers=2)
-        self._estimates, self._commands = pointers[:2], pointers[2:]
-
-    def ahead(self, estimate: Estimate) -> Estimate:
-        """Return the estimate for the moment at which the next command begins to act."""
-        if self.component is None:
-            return estimate
-        self._now.write(estimate)
-        self._ahead(*self._estimates)
-        return self._then.read()
-
-    def sent(self, command: Command) -> Command:
-        """Remember the newest command, and return the one that acts during most of the sample that now begins.
-
-        All its values are NaN as long as no command has arrived at the actuators.
-        """
-        if self.component is None:
-            return command
-        self._newest.write(command)
-        self._sent(*self._commands)
-        return self._acting.read()
+    count = math.ceil(round(vehicle.dead_time / sample_time, 9))
+    if not count:
+        return None
+    first = vehicle.dead_time - (count - 1) * sample_time
+    driven, room = actuated(vehicle, model), max(count, _ROOM)
+    settings = {
+        "dead_time": vehicle.dead_time,
+        "sign": vehicle.joint_sign,
+        "constants": [each.value for each in driven.constants],
+        "durations": [first, *[sample_time] * (count - 1), *[0.0] * (room - count)],
+        "count": count,
+        "soon": first < 0.5 * sample_time,
+    }
+    source = _source(driven, room)
+    return Unit(name="predictor", source=source, configure=lambda workspace: workspace.write(settings))
 
 
 def actuated(vehicle: VehicleParameters, model: Model) -> Model:
@@ -110,8 +85,10 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
     inner = all(name in names for name in _STEERING)
     steering = variables(tractor_steering="rad", trailer_steering="rad")
     angles = ca.vertcat(*(model.x[names.index(name)] for name in _STEERING)) if inner else symbols(steering)
-    limit = ca.vertcat(vehicle.tractor_steering_rate, vehicle.trailer_steering_rate)
-    rates = ca.fmin(ca.fmax((target - angles) / vehicle.steering_lag, -limit), limit)
+    lag = constant("steering_lag", "s", vehicle.steering_lag)
+    limits = [constant(f"{name}_rate", "rad/s", getattr(vehicle, f"{name}_rate")) for name in _STEERING]
+    limit = ca.vertcat(*(each.symbol for each in limits))
+    rates = ca.fmin(ca.fmax((target - angles) / lag.symbol, -limit), limit)
     derivative, output = ca.substitute([model.derivative, model.output], [model.u], [rates if inner else angles])
     return replace(
         model,
@@ -122,18 +99,20 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
         u=target,
         derivative=derivative if inner else ca.vertcat(derivative, rates),
         output=output,
+        constants=(*model.constants, lag, *limits),
     )
 
 
-def _source(model: Model, commands: int) -> str:
-    """Return the C unit of the prediction through so many commands with an actuated model."""
+def _source(model: Model, room: int) -> str:
+    """Return the C unit of the prediction with an actuated model, through so many commands at most."""
     take = [*_taken("x", model.states), *_taken("p", model.parameters)]
     given = dict([*_places("y", model.outputs), *_places("x", model.states)])  # a state rather than its measurement
     return _UNIT.format(
-        commands=commands,
+        room=room,
         states=len(model.states),
         parameters=len(model.parameters),
         outputs=len(model.outputs),
+        constants=len(model.constants),
         take="\n    ".join(take),
         give="\n    ".join(f"{_field(name)} = {given[name]};" for name in _MOVED),
         motion=_motion(model),
@@ -149,12 +128,13 @@ def _motion(model: Model) -> str:
         parameters=(*model.parameters, *variables(duration="s")),
         p=ca.vertcat(model.p, duration),
     )
-    after = integrate(scaled, 1.0, _STEPS)
+    after = runge_kutta(scaled, 1.0, _STEPS)
     arguments: dict[str, Any] = {"x": model.x, "u": model.u, "p": model.p, "duration": duration}
     results = {"x": after, "y": ca.substitute(model.output, model.x, after)}
+    inputs = [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()]
     return emit(
         "motion",
-        [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()],
+        [*inputs, Input(place="work->constants[{i}]", rows="", symbol=model.c)],
         [Output(place=f"work->{name}[k]", rows="1", value=value) for name, value in results.items()],
         "struct component *work",
     )

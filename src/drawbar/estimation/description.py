@@ -4,11 +4,9 @@ from abc import ABC
 from collections.abc import Mapping
 
 from drawbar.codegen import Workspace
-from drawbar.errors import HardwareError
 from drawbar.estimation.settings import ScreeningSettings
 from drawbar.optimal import EstimationProblem
 from drawbar.settings import Settings
-from drawbar.signals import Measurement
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
@@ -64,11 +62,3 @@ def by_variable(section: Settings, keys: Mapping[str, str]) -> dict[str, float]:
         keys: the section's key for each variable.
     """
     return {name: getattr(section, key) for name, key in keys.items()}
-
-
-def no_position(first: Measurement) -> HardwareError:
-    """Return what to raise when an estimator cannot begin: the first measurement lacks a position."""
-    return HardwareError(
-        f"The first measurement lacks a position (tractor {first.tractor_x}, {first.tractor_y}; "
-        f"trailer {first.trailer_x}, {first.trailer_y}); wait for a fix of both antennas to start."
-    )

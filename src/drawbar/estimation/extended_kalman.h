@@ -22,7 +22,7 @@ struct component {
 /* Start from the first measurement; BAD_INPUT where it lacks a position. */
 int UNIT(begin)(struct component *component, const struct drawbar_measurement *first)
 {
-    constants(&component->filter);
+    filter_constants(&component->filter);
     filter_forget(&component->filter);
     return model_first_guess(&component->model, first, component->filter.x[0]) ? SOLVED : BAD_INPUT;
 }
@@ -76,6 +76,12 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
     if (acting != NULL)
         expect(component, acting);
     return component->predicted = filter_predict(&component->filter);
+}
+
+/* Let a sample pass in which nothing was measured. */
+int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
+{
+    return UNIT(ready)(component, acting);
 }
 
 #endif

@@ -3,29 +3,25 @@
 The arithmetic is C: extended_kalman.h, on the square-root filter of square_root_filter.h.
 """
 
-from ctypes import byref
-from time import perf_counter
-
 import casadi as ca
 import numpy as np
 
-from drawbar.codegen.component import Component
+from drawbar.codegen import Unit, Workspace
 from drawbar.codegen.emit import Input, Output, emit, emit_constants
 from drawbar.errors import ModelError
-from drawbar.estimation.description import EstimationModel, no_position
-from drawbar.estimation.estimator import Estimator
-from drawbar.exchange import CCommand, CEstimate, CMeasurement
+from drawbar.estimation.description import EstimationModel
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
 from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import Transcription, transcribe
-from drawbar.signals import Command, Estimate, Measurement, SolverStatus, SolveTimes
+from drawbar.vehicle.model import column
 
 _FILTER = "struct filter *work"
 _UNIT = """
 #define NX {states}
 #define NU {inputs}
 #define NY {outputs}
+#define CONSTANTS {constants}
 #define LANES 1
 #include "{model}_estimation.h"
 #include "extended_kalman.h"
@@ -33,81 +29,31 @@ _UNIT = """
 """
 
 
-class ExtendedKalmanFilter(Estimator):
-    """Corrects by what was measured, clips to the bounds (Simon 2010, section 2.4), then predicts the next sample.
+def extended_kalman_unit(model: EstimationModel) -> Unit:
+    """Return the filter on a model: it corrects by what was measured, clips to the bounds, predicts the next sample.
 
-    Discretisation, weights, prior and process noise are those of the model's window problem: H^-1 is the covariance of
-    the measurements. The inputs are measured too; their errors enter the prediction as noise through dF/du.
+    Clipping: Simon 2010, section 2.4. Discretisation, weights, prior and process noise are those of the model's window
+    problem: H^-1 is the covariance of the measurements. The inputs are measured too; their errors enter the prediction
+    as noise through dF/du.
+
+    Raises:
+        ModelError: an input of the model is not measured.
     """
+    problem, discrete = model.problem, transcribe(model.problem)
+    _require_measured_inputs(discrete)
 
-    def __init__(self, model: EstimationModel, first: Measurement) -> None:
-        """Start from the first measurement.
-
-        Raises:
-            HardwareError: the first measurement lacks a position.
-            ModelError: an input of the model is not measured.
-            CompilerError: the model could not be compiled.
-        """
-        discrete = transcribe(model.problem)
-        _require_measured_inputs(discrete)
-        self.component = Component(f"{model.name}_filter", _source(discrete, model.name))
-        self._fill_in(model.problem, discrete)
-        model.configure(self.component)
-        self._update, self._ready = (
-            self.component.function("update", pointers=3),
-            self.component.function("ready", pointers=1),
-        )
-        self._measurement, self._estimate, self._command = CMeasurement(), CEstimate(), CCommand()
-        self._prepare_time = self._feedback_time = 0.0
-        self.state: Floats = self.component.array("filter.x")
-        """(nx + np,) states, then parameters: the estimate after update(), its prediction after prepare()"""
-        self.root: Floats = self.component.array("filter.R").T
-        """(nx + np, nx + np) S, a square root of the state's covariance S S', lower triangular"""
-        self._measurement.write(first)
-        if self.component.function("begin", pointers=1)(byref(self._measurement)) != SolverStatus.SOLVED:
-            raise no_position(first)
-
-    def _fill_in(self, problem: EstimationProblem, discrete: Transcription) -> None:
-        """Tell the filter its settings."""
-        field = self.component.array
-        estimated = problem.estimated
+    def configure(workspace: Workspace) -> None:
+        field, estimated = workspace.array, problem.estimated
+        field("filter.constants")[:] = [each.value for each in discrete.constants]
         field("filter.prior")[:] = row(problem.prior_deviation, estimated)
         field("filter.drift")[:] = row(problem.process_deviation, estimated)
         field("filter.common")[:] = row(problem.common_deviation, estimated)
         field("filter.noise")[:] = np.power(row(problem.weights, problem.model.outputs), -0.5)
         field("filter.lower")[:], field("filter.upper")[:] = _bounds(problem)
         field("filter.input_row")[:] = np.flatnonzero(discrete.input_outputs)
+        model.configure(workspace)
 
-    @property
-    def deviation(self) -> Floats:
-        """Standard deviations (nx + np,) of the state as it is now."""
-        deviation: Floats = np.linalg.norm(self.root, axis=1)
-        return deviation
-
-    def update(self, measurement: Measurement) -> Estimate:
-        """Return the estimate at the measurement's time.
-
-        When the result is not finite the estimate is the prediction, and its status says so; a failure of the
-        prediction before it shows here too. A missing input keeps its last measured value.
-        """
-        self._measurement.write(measurement)
-        start = perf_counter()
-        self._update(byref(self._measurement), byref(self._estimate), self.component.work)
-        self._feedback_time = perf_counter() - start
-        return self._estimate.read()
-
-    def prepare(self, command: Command | None = None) -> None:
-        """Predict state and covariance one sample ahead; should that fail, the covariance is the first one again."""
-        if command is not None:
-            self._command.write(command)
-        start = perf_counter()
-        self._ready(None if command is None else byref(self._command))
-        self._prepare_time = perf_counter() - start
-
-    @property
-    def times(self) -> SolveTimes:
-        """Wall-clock time of the last correction (feedback) and prediction (prepare), s."""
-        return SolveTimes(prepare=self._prepare_time, feedback=self._feedback_time)
+    return Unit(name="estimator", source=_source(discrete, model.name), configure=configure)
 
 
 def _source(discrete: Transcription, model: str) -> str:
@@ -115,6 +61,7 @@ def _source(discrete: Transcription, model: str) -> str:
     inputs = [
         Input(place="work->x[{k}][{i}]", rows="1", symbol=discrete.x),
         Input(place="work->u[{k}][{i}]", rows="1", symbol=discrete.u),
+        Input(place="work->constants[{i}]", rows="", symbol=column(discrete.constants)),
     ]
     F, A, B, h, C = _linearised(discrete)
     functions = {
@@ -126,8 +73,9 @@ def _source(discrete: Transcription, model: str) -> str:
         states=discrete.x.numel(),
         inputs=discrete.u.numel(),
         outputs=discrete.output.numel(),
+        constants=len(discrete.constants),
         model=model,
-        functions=emit_constants("constants", every, _FILTER)
+        functions=emit_constants("filter_constants", inputs, every, _FILTER)
         + "".join(emit(name, inputs, results, _FILTER) for name, results in functions.items()),
     )
 

@@ -57,7 +57,7 @@ static void disbelieve(struct component *component, int antenna)
 }
 
 /* Take in a measurement: judge its fixes, let the window forget what they show to have been wrong. */
-int UNIT(enter)(struct component *component, const struct drawbar_measurement *measurement)
+static void take_in(struct component *component, const struct drawbar_measurement *measurement)
 {
     double antennas[4];
 
@@ -68,54 +68,42 @@ int UNIT(enter)(struct component *component, const struct drawbar_measurement *m
     if (component->seen.exposed != NEITHER)
         disbelieve(component, component->seen.exposed);
     model_outputs(&component->model, &component->seen.measurement, component->rti.y[component->window.newest]);
-    return SOLVED;
 }
 
-/* The estimate at the window's newest stage. When the solver failed it is the prediction, and its status says so; a
- * failure of the preparation before it shows here too. */
-int UNIT(leave)(struct component *component, struct drawbar_estimate *estimate)
+/* The estimate at the measurement's time, which is the window's newest stage. When the solver failed it is the
+ * prediction, and its status says so; a failure of the preparation before it shows here too. */
+int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement,
+                 struct drawbar_estimate *estimate, void *work)
 {
+    take_in(component, measurement);
+    WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, work));
     const int32_t status = component->rti.status != SOLVED ? component->rti.status : component->prepared;
-
     model_estimate(&component->model, newest_state(component), &component->seen.measurement, status, estimate);
     screened_mark(&component->seen, estimate);
     return status;
 }
 
-/* Let the newest stage know what the command does to the steering until the next sample; NULL: nobody tells. */
-int UNIT(expect)(struct component *component, const struct drawbar_command *acting)
+/* Do what can be done before the next measurement: let the newest stage know what the command does to the steering until
+ * then (NULL: nobody tells), slide the window, linearise along the predicted trajectory. */
+int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
 {
     double *rates = component->rti.y[component->window.newest] + NY - STEERING_RATES;
 
     if (acting != NULL)
         model_steering_rates(&component->model, newest_state(component), acting, rates);
-    return SOLVED;
-}
-
-/* Keep how the preparation, to slide the window and to linearise along the predicted trajectory, went. */
-int UNIT(judge)(struct component *component)
-{
+    WATCHED(WATCHED_SLIDE, window_slide(&component->window, &component->rti));
+    WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
 }
 
-#ifdef EXPORTED
-/* The estimate at the measurement's time. */
-int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
-                 void *work)
+/* Let a sample pass in which nothing was measured: its stage is what was predicted. */
+int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
-    UNIT(enter)(component, measurement);
-    rti_feedback(&component->rti, work);
-    return UNIT(leave)(component, estimate);
-}
+    double *row = component->rti.y[component->window.newest];
 
-/* Do what can be done before the next measurement is known. */
-int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
-{
-    UNIT(expect)(component, acting);
-    window_slide(&component->window, &component->rti);
-    rti_prepare(&component->rti);
-    return UNIT(judge)(component);
+    for (int i = 0; i < NY; ++i)
+        row[i] = NAN;
+    return UNIT(ready)(component, acting);
 }
-#endif
 
 #endif

@@ -3,8 +3,9 @@
  * cannot lose its definiteness.
  *
  * States and parameters are one state x. The inputs are measured too; their errors enter the prediction as noise through
- * dF/du. The including unit defines NX, NU and NY, and after this header what evaluates the discretised model at x, u:
- * transition (F, A = dF/dx, B = dF/du), output (h, C = dh/dx) and constants (the entries of A, B, C that never change).
+ * dF/du. The including unit defines NX, NU, NY and CONSTANTS, and after this header what evaluates the discretised model
+ * at x, u: transition (F, A = dF/dx, B = dF/du), output (h, C = dh/dx) and filter_constants, which lays down the entries
+ * of A, B, C that x and u do not change, once the constants are set.
  */
 #ifndef DRAWBAR_SQUARE_ROOT_FILTER_H
 #define DRAWBAR_SQUARE_ROOT_FILTER_H
@@ -20,6 +21,7 @@
 
 struct filter {
     /* settings */
+    double constants[CONSTANTS];           /* of the model, and the sample time, s */
     double prior[NX];                      /* standard deviations of the first state */
     double drift[NX], common[NX];          /* those of the process noise per sample: of each state alone, and of one
                                             * noise that moves all of them at once */
@@ -34,13 +36,14 @@ struct filter {
 };
 
 #define FILTER_FIELDS(type, prefix)                                                                          \
+    SETTING(type, prefix constants, 0, CONSTANTS, 0, 0)                                                      \
     SETTING(type, prefix prior, 0, NX, 0, 0) SETTING(type, prefix drift, 0, NX, 0, 0)                        \
     SETTING(type, prefix common, 0, NX, 0, 0)                                                                \
     SETTING(type, prefix noise, 0, NY, 0, 0) SETTING(type, prefix lower, 0, NX, 0, 0)                        \
     SETTING(type, prefix upper, 0, NX, 0, 0) SETTING(type, prefix input_row, 1, NU, 0, 0)                    \
     FIELD(type, prefix x, 0, NX, 0, 0) FIELD(type, prefix R, 0, NX, NX, 0)
 
-static void constants(struct filter *work);
+static void filter_constants(struct filter *work);
 static void transition(struct filter *work, int first, int count);
 static void output(struct filter *work, int first, int count);
 

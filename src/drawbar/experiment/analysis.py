@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drawbar.errors import ConfigurationError
-from drawbar.experiment.campaign import Campaign, Figures
+from drawbar.experiment.measured import Figures, MeasuredExperiment
 from drawbar.experiment.parts import Part, Table
 from drawbar.experiment.task import Result
 from drawbar.report.metrics import ALL, Metrics
@@ -20,7 +20,7 @@ class Analysis:
 
     figures: Callable[[Result], Figures]
     """of one run"""
-    report: Callable[[Campaign], Iterable[Part]]
+    report: Callable[[MeasuredExperiment], Iterable[Part]]
     """of all"""
 
 
@@ -33,12 +33,12 @@ def error_figures(metrics: Metrics) -> dict[str, float]:
     return figures
 
 
-def table_of_means(campaign: Campaign) -> list[Part]:
+def table_of_means(measured: MeasuredExperiment) -> list[Part]:
     """Return one table: every figure of every case, mean ± 95 % interval over the seeds."""
-    names = campaign.figure_names
+    names = measured.figure_names
     rows = [
-        [case, campaign.finished(case), *(campaign.statistic(case, name).text() for name in names)]
-        for case in campaign.cases
+        [case, measured.finished(case), *(measured.statistic(case, name).text() for name in names)]
+        for case in measured.cases
     ]
     return [
         Table(
@@ -57,7 +57,7 @@ def load_analysis(folder: Path) -> Analysis:
         return Analysis(figures=_figures, report=table_of_means)
     names = runpy.run_path(str(file))
     if not {"figures", "report"} & names.keys():
-        raise ConfigurationError(f"{file}: has neither a function figures(result) nor report(campaign); add one.")
+        raise ConfigurationError(f"{file}: has neither a function figures(result) nor report(measured); add one.")
     return Analysis(figures=names.get("figures", _figures), report=names.get("report", table_of_means))
 
 

@@ -8,13 +8,13 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.experiment.analysis import Analysis, load_analysis, table_of_means
-from drawbar.experiment.campaign import Campaign, Figures
 from drawbar.experiment.cluster import open_cluster
 from drawbar.experiment.document import REPORT_NAME, RESULTS_NAME, write_report, write_results
 from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, load_experiment
 from drawbar.experiment.measure import Runs, measure
+from drawbar.experiment.measured import Figures, MeasuredExperiment
 from drawbar.experiment.parts import Part
-from drawbar.experiment.progress import CampaignProgress
+from drawbar.experiment.progress import RunsProgress
 
 
 def run_experiments(console: Console, name: str, *, seeds: int | None, jobs: int | None, address: str) -> bool:
@@ -36,27 +36,31 @@ def run_experiments(console: Console, name: str, *, seeds: int | None, jobs: int
     if name == "all":
         write_report(FOLDER / REPORT_NAME, outcomes)
         console.print(f"{FOLDER / REPORT_NAME}")
-    return not any(campaign.misses() for campaign, _ in outcomes)
+    return not any(measured.misses() for measured, _ in outcomes)
 
 
 def _conduct(
     console: Console, client: Client, experiment: Experiment, seeds: int | None
-) -> tuple[Campaign, Sequence[Part]]:
+) -> tuple[MeasuredExperiment, Sequence[Part]]:
     """Run one experiment, leave its results in its folder, and print what was missed."""
     analysis, count = load_analysis(experiment.folder), seeds or experiment.settings.seeds
-    with CampaignProgress(console, experiment.folder.name) as progress:
+    for case, reason in experiment.left_out.items():
+        console.print(f"{experiment.folder.name}: {case} is left out: {reason}", soft_wrap=True)
+    with RunsProgress(console, experiment.folder.name) as progress:
         runs = measure(client, experiment, count, progress)
-    campaign = Campaign(
+    measured = MeasuredExperiment(
         experiment=experiment,
         seeds=count,
         runs=runs,
         figures={case: _figures(analysis, each, count) for case, each in runs.items()},
     )
+    if not runs:  # the results in the folder stay
+        return measured, []
     report = analysis.report if all(each.results for each in runs.values()) else table_of_means
-    parts = list(report(campaign))
-    write_results(campaign, parts)
-    _print_outcome(console, campaign, experiment.folder / RESULTS_NAME)
-    return campaign, parts
+    parts = list(report(measured))
+    write_results(measured, parts)
+    _print_outcome(console, measured, experiment.folder / RESULTS_NAME)
+    return measured, parts
 
 
 def _figures(analysis: Analysis, runs: Runs, seeds: int) -> list[Figures]:
@@ -65,9 +69,9 @@ def _figures(analysis: Analysis, runs: Runs, seeds: int) -> list[Figures]:
     return [by_seed.get(seed, {}) for seed in range(seeds)]
 
 
-def _print_outcome(console: Console, campaign: Campaign, file: Path) -> None:
-    misses = campaign.misses()
+def _print_outcome(console: Console, measured: MeasuredExperiment, file: Path) -> None:
+    misses = measured.misses()
     for miss in misses:
         console.print(Text(f"missed: {miss}", "red"))
-    met = sum(verdict.holds for verdict in campaign.verdicts())
-    console.print(f"{met} of {len(campaign.verdicts())} expected figures met: {file}", soft_wrap=True)
+    met = sum(verdict.holds for verdict in measured.verdicts())
+    console.print(f"{met} of {len(measured.verdicts())} expected figures met: {file}", soft_wrap=True)

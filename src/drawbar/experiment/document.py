@@ -4,34 +4,34 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drawbar.benchmark.figures import machine
-from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, markdown_table
 
 RESULTS_NAME = "results.md"
 REPORT_NAME = "REPORT.md"
 
 
-def write_results(campaign: Campaign, parts: Sequence[Part]) -> None:
+def write_results(measured: MeasuredExperiment, parts: Sequence[Part]) -> None:
     """Write tables (CSV), pictures (SVG) and results.md into the experiment's folder."""
-    folder = campaign.experiment.folder
+    folder = measured.experiment.folder
     for part in parts:
         part.write(folder)
-    title = f"# {campaign.experiment.settings.title}"
+    title = f"# {measured.experiment.settings.title}"
     origin = f"Made by `drawbar experiment {folder.name}`; [README.md](README.md) says what is compared."
-    text = "\n\n".join([title, origin, *_sections(campaign, parts, "")])
+    text = "\n\n".join([title, origin, *_sections(measured, parts, "")])
     (folder / RESULTS_NAME).write_text(f"{text}\n", "utf-8")
 
 
-def write_report(file: Path, outcomes: Sequence[tuple[Campaign, Sequence[Part]]]) -> None:
+def write_report(file: Path, outcomes: Sequence[tuple[MeasuredExperiment, Sequence[Part]]]) -> None:
     """Write the report of several experiments, whose folders lie beside it."""
     blocks = ["# Experiments", "Made by `drawbar experiment all`; do not edit.", _machine_table(), _overview(outcomes)]
-    for campaign, parts in outcomes:
-        prefix = f"{campaign.experiment.folder.name}/"
+    for measured, parts in outcomes:
+        prefix = f"{measured.experiment.folder.name}/"
         blocks += [
-            f"## {campaign.experiment.settings.title}",
+            f"## {measured.experiment.settings.title}",
             f"What is compared, and with what: [{prefix}README.md]({prefix}README.md).",
         ]
-        blocks += _sections(campaign, parts, prefix)
+        blocks += _sections(measured, parts, prefix)
     file.write_text("\n\n".join(blocks) + "\n", "utf-8")
 
 
@@ -40,31 +40,37 @@ def _machine_table() -> str:
     return markdown_table(["measured on", ""], [list(fact) for fact in facts.items()])
 
 
-def _overview(outcomes: Sequence[tuple[Campaign, Sequence[Part]]]) -> str:
+def _overview(outcomes: Sequence[tuple[MeasuredExperiment, Sequence[Part]]]) -> str:
     rows = [
         [
-            campaign.experiment.folder.name,
-            f"{len(campaign.cases)}",
-            f"{campaign.seeds}",
-            f"{len(campaign.verdicts())}",
-            f"**{len(campaign.misses())}**" if campaign.misses() else "0",
+            measured.experiment.folder.name,
+            f"{len(measured.cases)}",
+            f"{measured.seeds}",
+            f"{len(measured.verdicts())}",
+            f"**{len(measured.misses())}**" if measured.misses() else "0",
         ]
-        for campaign, _ in outcomes
+        for measured, _ in outcomes
     ]
     return markdown_table(["experiment", "cases", "seeds", "expected figures", "missed"], rows)
 
 
-def _sections(campaign: Campaign, parts: Sequence[Part], prefix: str) -> list[str]:
-    results = [result for runs in campaign.runs.values() for result in runs.results]
+def _sections(measured: MeasuredExperiment, parts: Sequence[Part], prefix: str) -> list[str]:
+    results = [result for runs in measured.runs.values() for result in runs.results]
     given_up = sum(not result.metrics.finished for result in results)
     said = (
-        f"{len(campaign.cases)} cases with the seeds 0 to {campaign.seeds - 1}: {len(results)} runs, "
+        f"{len(measured.cases)} cases with the seeds 0 to {measured.seeds - 1}: {len(results)} runs, "
         f"{given_up} of them given up before the end of the path."
     )
-    return [said, *(part.markdown(prefix) for part in parts), *_judgement(campaign)]
+    return [said, *_left_out(measured), *(part.markdown(prefix) for part in parts), *_judgement(measured)]
 
 
-def _judgement(campaign: Campaign) -> list[str]:
+def _left_out(measured: MeasuredExperiment) -> list[str]:
+    """Say which cases were not driven, and why."""
+    reasons = measured.experiment.left_out.items()
+    return [f"Not driven: {'; '.join(f'{case} ({reason})' for case, reason in reasons)}."] if reasons else []
+
+
+def _judgement(measured: MeasuredExperiment) -> list[str]:
     """Return the expected figures beside the measured ones, and everything that is missed."""
     rows = [
         [
@@ -74,8 +80,8 @@ def _judgement(campaign: Campaign) -> list[str]:
             str(verdict.expected),
             "yes" if verdict.holds else "**missed**",
         ]
-        for verdict in campaign.verdicts()
+        for verdict in measured.verdicts()
     ]
     table = markdown_table(["case", "figure", "mean", "expected", "held"], rows)
-    missed = "\n".join(f"- {miss}" for miss in campaign.misses())
+    missed = "\n".join(f"- {miss}" for miss in measured.misses())
     return [*(["**Expected figures**", table] if rows else []), *(["**Missed**", missed] if missed else [])]

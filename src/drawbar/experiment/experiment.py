@@ -1,7 +1,7 @@
 """An experiment: a folder with an experiment.toml that says what is driven, how often, and what must come out."""
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
+from drawbar.experiment.alteration import Alteration, find_alteration
 from drawbar.experiment.task import Task
 from drawbar.settings import Positive, Settings
 
@@ -25,6 +26,8 @@ class Variant(Settings):
     name: str
     changes: Texts = ()
     """texts KEY=VALUE, as for --set"""
+    alteration: str = ""
+    """function of the experiment's alterations.py that changes what no KEY=VALUE can; empty: none"""
 
 
 class Case(Variant):
@@ -34,6 +37,8 @@ class Case(Variant):
     """shipped name, or a TOML file in the experiment's folder; empty: the case's own name"""
     variants: Texts = ()
     """names of those that it is driven in; empty: all"""
+    needs: str = ""
+    """file or folder, seen from where the command is run, without which the case is left out; empty: nothing"""
 
 
 class Expectation(Settings):
@@ -101,13 +106,23 @@ class Experiment:
     settings: ExperimentSettings
     configurations: Mapping[str, str]
     """complete TOML by name of the case (`CASE: VARIANT` where there are variants)"""
+    alterations: Mapping[str, tuple[Alteration, ...]]
+    """by name of the case"""
+    left_out: Mapping[str, str]
+    """why a case is not driven, by its name (without a variant)"""
 
     def tasks(self, seeds: int) -> dict[str, list[Task]]:
         """Return the runs of every case, with the seeds from 0 up to, but not including, the given one."""
         columns, one_core = self.settings.columns, self.settings.one_at_a_time
         return {
             name: [
-                Task(configuration=configuration, seed=seed, columns=columns, one_core=one_core)
+                Task(
+                    configuration=configuration,
+                    seed=seed,
+                    columns=columns,
+                    one_core=one_core,
+                    alterations=self.alterations[name],
+                )
                 for seed in range(seeds)
             ]
             for name, configuration in self.configurations.items()
@@ -144,12 +159,19 @@ def load_experiment(folder: Path) -> Experiment:
         settings = ExperimentSettings.model_validate(tomllib.loads(file.read_text("utf-8")))
     except (OSError, ValueError) as error:
         raise ConfigurationError(f"{file}: {_reason(error)}") from error
-    configurations = _configurations(folder, settings)
-    if strangers := set(settings.expected) - set(configurations):
+    driven = _driven(folder, settings)
+    if strangers := set(settings.expected) - set(driven):
         raise ConfigurationError(
-            f"{file}: expected names no case: {', '.join(sorted(strangers))}; cases: {', '.join(configurations)}."
+            f"{file}: expected names no case: {', '.join(sorted(strangers))}; cases: {', '.join(driven)}."
         )
-    return Experiment(folder=folder, settings=settings, configurations=configurations)
+    there = {name: each for name, each in driven.items() if not _missing(each[0])}
+    return Experiment(
+        folder=folder,
+        settings=settings,
+        configurations={name: _configuration(folder, settings, *each) for name, each in there.items()},
+        alterations={name: _alterations(folder, *each) for name, each in there.items()},
+        left_out={case.name: f"{case.needs} is not here" for case in settings.cases if _missing(case)},
+    )
 
 
 def _reason(error: Exception) -> str:
@@ -159,22 +181,30 @@ def _reason(error: Exception) -> str:
     return "wrong value(s): " + "; ".join(problems) + "."
 
 
-def _driven(settings: ExperimentSettings) -> Iterator[tuple[Case, Variant]]:
-    """Yield every case with every variant that it is driven in."""
+def _driven(folder: Path, settings: ExperimentSettings) -> dict[str, tuple[Case, Variant]]:
+    """Return every case with every variant that it is driven in, by name."""
+    driven: dict[str, tuple[Case, Variant]] = {}
     for case, variant in product(settings.cases, settings.variants or (Variant(name=""),)):
-        if not case.variants or variant.name in case.variants:
-            yield case, variant
-
-
-def _configurations(folder: Path, settings: ExperimentSettings) -> dict[str, str]:
-    """Return the complete configuration of every case in every variant."""
-    configurations: dict[str, str] = {}
-    for case, variant in _driven(settings):
+        if case.variants and variant.name not in case.variants:
+            continue
         name = f"{case.name}: {variant.name}" if variant.name else case.name
-        if name in configurations:
+        if name in driven:
             raise ConfigurationError(f"{folder / FILE_NAME}: two cases are called {name!r}; rename one.")
-        source = case.configuration or case.name
-        beside = folder / source
-        changes = (*settings.changes, *case.changes, *variant.changes)
-        configurations[name] = load_configuration(str(beside) if beside.is_file() else source, changes).to_toml()
-    return configurations
+        driven[name] = case, variant
+    return driven
+
+
+def _missing(case: Case) -> bool:
+    return bool(case.needs) and not Path(case.needs).exists()
+
+
+def _configuration(folder: Path, settings: ExperimentSettings, case: Case, variant: Variant) -> str:
+    """Return the complete configuration of a case in a variant."""
+    source = case.configuration or case.name
+    beside = folder / source
+    changes = (*settings.changes, *case.changes, *variant.changes)
+    return load_configuration(str(beside) if beside.is_file() else source, changes).to_toml()
+
+
+def _alterations(folder: Path, case: Case, variant: Variant) -> tuple[Alteration, ...]:
+    return tuple(find_alteration(folder, each.alteration) for each in (case, variant) if each.alteration)

@@ -8,7 +8,7 @@ from distributed import Client
 
 from drawbar.experiment.cluster import Failure, call_all
 from drawbar.experiment.experiment import Experiment
-from drawbar.experiment.progress import CampaignProgress
+from drawbar.experiment.progress import RunsProgress
 from drawbar.experiment.store import ResultStore
 from drawbar.experiment.task import Result, Task, compile_solvers, digest, run_task, solver_sections, source_digest
 
@@ -26,7 +26,7 @@ class Runs:
     """why a run has no result"""
 
 
-def measure(client: Client, experiment: Experiment, seeds: int, progress: CampaignProgress) -> Mapping[str, Runs]:
+def measure(client: Client, experiment: Experiment, seeds: int, progress: RunsProgress) -> Mapping[str, Runs]:
     """Return the runs of every case of an experiment."""
     at_once = 1 if experiment.settings.one_at_a_time else None
     return measure_cases(client, experiment.folder, experiment.tasks(seeds), progress, at_once=at_once)
@@ -36,7 +36,7 @@ def measure_cases(
     client: Client,
     folder: Path,
     cases: Mapping[str, Sequence[Task]],
-    progress: CampaignProgress,
+    progress: RunsProgress,
     *,
     at_once: int | None = None,
 ) -> Mapping[str, Runs]:
@@ -72,7 +72,7 @@ def _refusal(outcome: Result | Failure) -> str:
     return ""
 
 
-def _compile(client: Client, tasks: Iterable[Task], progress: CampaignProgress) -> None:
+def _compile(client: Client, tasks: Iterable[Task], progress: RunsProgress) -> None:
     """Compile what the runs will need; what cannot be built here fails, and says so, in its runs."""
     needed: dict[str, str] = {}
     for task in tasks:

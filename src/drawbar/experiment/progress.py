@@ -10,7 +10,7 @@ from drawbar.report.live import LiveLine
 _WIDTH = 24
 
 
-class CampaignProgress(LiveLine):
+class RunsProgress(LiveLine):
     """Counts what is done of each phase, in one line."""
 
     def __init__(self, console: Console, title: str) -> None:

@@ -7,7 +7,6 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from time import time
 from typing import Any
 
 import msgspec
@@ -17,18 +16,17 @@ from numpy.typing import NDArray
 
 from drawbar.benchmark.figures import on_one_core
 from drawbar.config import Configuration
+from drawbar.experiment.alteration import Alteration
 from drawbar.experiment.deviation import RecordedDeviation
 from drawbar.geometry import Floats
-from drawbar.recording.header import run_header
-from drawbar.recording.log import Outcome, RunLog
+from drawbar.recording.log import RunLog
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.path_errors import Bodies, PathErrors, true_path_errors
-from drawbar.simulation import RunAborted, drive, longest_time
-from drawbar.step.build import build_autopilot, build_machine, build_path
+from drawbar.simulation import Simulation
 
 _BESIDE_THE_RUN = ("benchmark", "experiment", "cli")
-"""parts of the package that no figure of a run depends on, but for these files of experiment"""
-_OF_THE_RUN = ("task.py", "deviation.py")
+"""what of the package no figure of a run depends on, but for these files of experiment"""
+_OF_THE_RUN = ("task.py", "deviation.py", "alteration.py")
 _BESIDE_THE_SOLVERS = ("name", "path", "start", "machine", "bounded_errors", "tuning")
 """sections of a configuration that no solver depends on"""
 _DEVIATION = "deviation."
@@ -47,11 +45,15 @@ class Task:
     deviation.NAME, the standard deviation of a state or parameter of the estimator's model"""
     one_core: bool = False
     """stay on a single core of the processor, for figures of time"""
+    alterations: tuple[Alteration, ...] = ()
+    """applied before the run begins, one after the other"""
 
     @property
     def key(self) -> str:
         """Return what tells this task's result from every other's, and from that of another drawbar."""
-        return digest(source_digest(), self.configuration, str(self.seed), str(self.one_core), *self.columns)
+        alterations = [text for each in self.alterations for text in (each.name, each.source)]
+        kept = (*self.columns, "altered by", *alterations)
+        return digest(source_digest(), self.configuration, str(self.seed), str(self.one_core), *kept)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,9 +86,7 @@ def run_task(task: Task) -> Result:
 
 def compile_solvers(configuration: str) -> None:
     """Build everything that a complete configuration (TOML) needs, once, so that its libraries lie in the cache."""
-    settings = Configuration.model_validate(tomllib.loads(configuration))
-    path, _ = build_path(settings)
-    build_autopilot(settings, path, build_machine(settings, path, 0))
+    Simulation(Configuration.model_validate(tomllib.loads(configuration)))
 
 
 def solver_sections(configuration: str) -> str:
@@ -125,22 +125,15 @@ def _bytes_to_array(_kind: Any, value: bytes) -> Floats:
 
 def _simulate(task: Task) -> tuple[RunLog, RecordedDeviation | None]:
     """Drive, and keep standard deviations where the task asks for any."""
-    configuration, seed = Configuration.model_validate(tomllib.loads(task.configuration)), task.seed
-    path, drivable = build_path(configuration)
-    autopilot = build_autopilot(configuration, path, build_machine(configuration, path, seed), seed)
-    deviations = None
-    if any(name.startswith(_DEVIATION) for name in task.columns):
-        autopilot.estimator = deviations = RecordedDeviation(autopilot.estimator, configuration)
-    header = run_header(configuration, path, drivable, seed)
-    records, times, stopped = [], [], None
-    try:
-        for record in drive(autopilot, time_limit=longest_time(path.length, configuration.speed)):
-            records.append(record)
-            times.append(time())
-    except RunAborted as error:
-        stopped = error
-    log = RunLog(header=header, records=tuple(records), wall_time=np.array(times), outcome=Outcome.of(stopped))
-    return log, deviations
+    configuration = Configuration.model_validate(tomllib.loads(task.configuration))
+    with Simulation(configuration, task.seed) as simulation:
+        for alteration in task.alterations:
+            alteration.apply(simulation)
+        if not any(name.startswith(_DEVIATION) for name in task.columns):
+            return simulation.log(), None
+        deviations = RecordedDeviation(simulation.autopilot, configuration)
+        log = simulation.log(deviations.keep)
+        return log, deviations
 
 
 def _column(log: RunLog, errors: Bodies[PathErrors], deviations: RecordedDeviation | None, name: str) -> Floats:

@@ -1,23 +1,24 @@
 """From a configuration to a folder with its controller as a C library."""
 
 import json
-import math
 import shutil
 from collections.abc import Sequence
+from dataclasses import astuple
 from pathlib import Path
 
 from drawbar import __version__
+from drawbar.codegen import Component
 from drawbar.config import Configuration
-from drawbar.errors import DrawbarError
+from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.export import sources
+from drawbar.export.initialise import literal
 from drawbar.export.manifest import configuration_hash, manifest
 from drawbar.export.recording import measurement_table, path_table, record
 from drawbar.export.targets import Target
 from drawbar.export.toolchain import build_target
-from drawbar.export.unit import Unit
-from drawbar.export.units import units_of
-from drawbar.safety.gate import PATIENCE
-from drawbar.step.build import build_autopilot, build_machine, build_path, planned_speed
+from drawbar.simulation import Simulation
+from drawbar.step.build import step_settings, units_of
+from drawbar.step.library import StepSettings
 
 _FOLDERS = ("include", "src", "example", "lib")
 _SEED = 0
@@ -36,14 +37,14 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
         DrawbarError: the folder holds other files, or cannot be written.
     """
     _require_room(folder)
-    path, _ = build_path(configuration)
-    autopilot = build_autopilot(configuration, path, build_machine(configuration, path, _SEED), _SEED)
-    units = units_of(autopilot)
+    _require_exportable(configuration)
+    simulation = Simulation(configuration, _SEED)
+    components = list(simulation.autopilot.library.components.values())
     files = {
         "config.toml": configuration.to_toml(),
-        **_source_files(configuration, units),
-        "example/path.csv": path_table(path),
-        "example/measurements.csv": measurement_table(record(autopilot, configuration.sample_time)),
+        **_source_files(configuration, components),
+        "example/path.csv": path_table(simulation.path),
+        "example/measurements.csv": measurement_table(record(simulation)),
     }
     try:
         for name in _FOLDERS:
@@ -52,7 +53,7 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text, "utf-8", newline="\n")
         builds = [build_target(target, folder) for target in targets]
-        content = manifest(configuration, __version__, units, builds)
+        content = manifest(configuration, __version__, components, builds)
         (folder / "manifest.json").write_text(json.dumps(content, indent=2) + "\n", "utf-8", newline="\n")
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
@@ -67,26 +68,33 @@ def _require_room(folder: Path) -> None:
         )
 
 
-def _source_files(configuration: Configuration, units: Sequence[Unit]) -> dict[str, str]:
+def _require_exportable(configuration: Configuration) -> None:
+    """Refuse a configuration with a component that exists in simulation only."""
+    for unit in units_of(configuration):
+        if unit.simulation_only:
+            raise ConfigurationError(
+                f"The {unit.name} of this configuration exists in simulation only and cannot be exported; "
+                f'set {unit.name}.model to another, for example "articulated".'
+            )
+
+
+def _source_files(configuration: Configuration, components: Sequence[Component]) -> dict[str, str]:
     """Return all that is the same for every target, by its place in the folder."""
-    names = {unit.name for unit in units}
+    names = {component.name for component in components}
     version = f"{__version__} {configuration_hash(configuration)[:16]}"
-    planned = planned_speed(configuration)
     constants = {
         **({"DRAWBAR_CENTRALISED": ""} if "controller" in names else {}),
         **({"DRAWBAR_DEAD_TIME": ""} if "predictor" in names else {}),
-        "DRAWBAR_SPEED": repr(configuration.speed),
-        **({"DRAWBAR_PLANNED_SPEED": repr(planned)} if math.isfinite(planned) else {}),
-        "DRAWBAR_PATIENCE": repr(PATIENCE),
+        "DRAWBAR_STEP_SETTINGS": _initialiser(step_settings(configuration)),
         "DRAWBAR_VERSION": f'"drawbar {version}"',
     }
-    texts = {f"{unit.name}.c": sources.unit_text(unit) for unit in units}
+    texts = {f"{component.name}.c": sources.component_text(component) for component in components}
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     every = {
         **texts,
         **sources.headers(texts.values()),
-        "drawbar_size.h": sources.size_header(units, configuration.sample_time),
-        "drawbar_components.h": sources.parts_header(units, constants),
+        "drawbar_size.h": sources.size_header(components, configuration.sample_time),
+        "drawbar_components.h": sources.components_header(components, constants),
     }
     listed = " ".join(f"src/{name}" for name in sorted(texts))
     marks = {"NAME": configuration.name, "VERSION": __version__, "HASH": version.split()[1], "SOURCES": listed}
@@ -96,3 +104,8 @@ def _source_files(configuration: Configuration, units: Sequence[Unit]) -> dict[s
         "README.md": sources.filled("README.md", marks),
         "example/main.c": sources.filled("main.c", {}),
     }
+
+
+def _initialiser(settings: StepSettings) -> str:
+    """Return the initialiser of struct step_settings."""
+    return f"{{{', '.join(map(literal, astuple(settings)))}}}"

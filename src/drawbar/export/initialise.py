@@ -9,28 +9,30 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from drawbar.export.unit import Unit
+from drawbar.codegen import Component
+from drawbar.optimal import SolverUnit
 
-_OF_SOLVER = ("w", "lower", "upper", "root", "process", "common")
+_OF_SOLVER = ("constants", "w", "lower", "upper", "root", "process", "common")
 """settings of a solver, which is the first member of its component"""
 _C_TYPES = {"f": "double", "i": "int32_t"}
 
 
-def initialiser(unit: Unit) -> str:
-    """Return the C function that makes a component ready to begin: all zero, then its constants and settings.
+def initialiser(component: Component) -> str:
+    """Return the C function that makes a component ready to begin: all zero, its settings, and what follows from them.
 
     Rows that repeat, as weights do from stage to stage, are stored once.
     """
-    tables = {kind: list(_runs(unit, kind)) for kind in _C_TYPES}
+    tables = {kind: list(_runs(component, kind)) for kind in _C_TYPES}
     used = [c_type for kind, c_type in _C_TYPES.items() if tables[kind]]
     calls = "".join(f"    WRITE_SETTINGS(component, {c_type}_settings, {c_type}_values);\n" for c_type in used)
-    constants = "    rti_constants(&component->rti);\n" if unit.has_solver else ""
+    laid_down = component.unit.constants
+    constants = f"    {laid_down};\n" if laid_down else ""
     return f"""
 {"".join(_table(c_type, tables[kind]) for kind, c_type in _C_TYPES.items() if tables[kind])}
 int UNIT(initialise)(struct component *component)
 {{
     memset(component, 0, sizeof *component);
-{constants}{calls}    return 0;
+{calls}{constants}    return 0;
 }}
 """
 
@@ -46,12 +48,13 @@ class _Run:
     count: int
 
 
-def _runs(unit: Unit, kind: str) -> Iterator[_Run]:
+def _runs(component: Component, kind: str) -> Iterator[_Run]:
     """Yield what is not zero in the settings of one kind of number."""
-    for name, array in unit.workspace.settings().items():
+    for name, array in component.settings.settings().items():
         if array.dtype.kind != kind:
             continue
-        member = f"rti.{name}" if unit.has_solver and (name in _OF_SOLVER or name.startswith("qp.")) else name
+        of_solver = isinstance(component.unit, SolverUnit) and (name in _OF_SOLVER or name.startswith("qp."))
+        member = f"rti.{name}" if of_solver else name
         first = 0
         for row, count in _grouped(array):
             if any(row):
@@ -73,7 +76,7 @@ def _table(c_type: str, runs: list[_Run]) -> str:
     for run in runs:
         width = len(run.row)
         values.append(
-            fill(f"{', '.join(map(_literal, run.row))},", 118, initial_indent="    ", subsequent_indent="    ")
+            fill(f"{', '.join(map(literal, run.row))},", 118, initial_indent="    ", subsequent_indent="    ")
         )
         offset = f"offsetof(struct component, {run.member})"
         if run.first:
@@ -90,7 +93,7 @@ def _lines(lines: list[str]) -> str:
     return "\n".join(lines)
 
 
-def _literal(value: float | int) -> str:
+def literal(value: float | int) -> str:
     """Return a number as C that reads back as the very same."""
     if isinstance(value, int):
         return str(value)

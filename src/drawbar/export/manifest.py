@@ -6,14 +6,18 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from drawbar.codegen import Component
 from drawbar.codegen.cache import runtime_sources
 from drawbar.config import Configuration
 from drawbar.export.sources import state_doubles, work_size
 from drawbar.export.stack import CallGraph
 from drawbar.export.toolchain import Built
-from drawbar.export.unit import Unit
+from drawbar.optimal import SolverUnit
 
-ENTRIES = ("drawbar_init", "drawbar_set_path", "drawbar_feedback", "drawbar_prepare", "drawbar_step")
+ENTRIES = tuple(
+    f"drawbar_{name}"
+    for name in ("init", "set_path", "begin_at", "change_path", "set_speed", "feedback", "prepare", "step")
+)
 """functions whose stack is stated"""
 _BOUNDS = {
     "stages": "N",
@@ -35,22 +39,27 @@ def configuration_hash(configuration: Configuration) -> str:
 
 
 def manifest(
-    configuration: Configuration, version: str, units: Sequence[Unit], builds: Sequence[Built]
+    configuration: Configuration, version: str, components: Sequence[Component], builds: Sequence[Built]
 ) -> dict[str, Any]:
     """Return the manifest.
 
     Args:
         configuration: what was exported.
         version: of drawbar.
-        units: the parts.
+        components: of its control step.
         builds: what was built, one entry a target.
     """
     return {
         "drawbar": version,
         "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
-        "state_bytes": 8 * state_doubles(units),
-        "parts_bytes": {unit.name: unit.size for unit in units} | {"work": work_size(units)},
-        "bounds": {unit.name: _bounds(unit) for unit in units if unit.has_solver},
+        "state_bytes": 8 * state_doubles(components),
+        "components_bytes": {component.name: component.size for component in components}
+        | {"work": work_size(components)},
+        "bounds": {
+            component.name: _bounds(component.unit)
+            for component in components
+            if isinstance(component.unit, SolverUnit)
+        },
         "targets": {build.target.name: _target(build) for build in builds},
     }
 
@@ -79,7 +88,7 @@ def _calls(build: Built) -> Mapping[str, Any]:
     }
 
 
-def _bounds(unit: Unit) -> Mapping[str, int]:
+def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
     One factorisation and one sweep without bounds; a sweep for each column of the active set, two to publish its answer

@@ -3,34 +3,41 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
+from itertools import islice
 
 from drawbar.guidance.path import Path
-from drawbar.signals import Measurement
-from drawbar.step.autopilot import Autopilot
+from drawbar.signals import Measurement, PathNode
+from drawbar.simulation import Simulation
 
 SECONDS = 30.0
 """how long the run is that is recorded; a shorter path ends it before"""
-MEASURED = tuple(field.name for field in fields(Measurement))
 
 
 def path_table(path: Path) -> str:
-    """Return the path's nodes as CSV."""
-    return _table(("arc_length", "x", "y", "yaw"), path.nodes.tolist())
+    """Return the path's nodes as CSV, in the order of struct drawbar_path_node."""
+    return _table(PathNode, path.nodes.tolist())
 
 
 def measurement_table(measurements: Iterable[Measurement]) -> str:
-    """Return measurements as CSV; a missing value is empty."""
-    return _table(MEASURED, map(astuple, measurements))
+    """Return measurements as CSV, in the order of struct drawbar_measurement; a missing value is empty."""
+    return _table(Measurement, map(astuple, measurements))
 
 
-def record(autopilot: Autopilot, sample_time: float) -> list[Measurement]:
+def record(simulation: Simulation) -> list[Measurement]:
     """Return what the sensors report in the first seconds of a run."""
-    measurements: list[Measurement] = []
-    while len(measurements) * sample_time < SECONDS and not autopilot.guidance.finished:
-        measurements.append(autopilot.step().measurement)
-    return measurements
+    count = round(SECONDS / simulation.configuration.sample_time)
+    with simulation:
+        return [record.measurement for record in islice(simulation.steps(), count)]
 
 
-def _table(names: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
-    lines = [",".join("" if math.isnan(value) else repr(value) for value in row) for row in rows]
+def _table(kind: type[PathNode | Measurement], rows: Iterable[Sequence[float]]) -> str:
+    names = (field.name for field in fields(kind))
+    lines = [",".join(map(_text, row)) for row in rows]
     return "\n".join((",".join(names), *lines, ""))
+
+
+def _text(value: float) -> str:
+    """Return a number as it reads back; an enumeration's member as its number."""
+    if isinstance(value, int):
+        return str(int(value))
+    return "" if math.isnan(value) else repr(value)

@@ -7,15 +7,18 @@
 #define DRAWBAR_GUIDANCE_H
 
 #include "geometry.h"
-#include "guidance_status.h"
 #include "path.h"
 #include "signals.h"
+
+#define GUIDANCE_UNDER 1.0                 /* largest distance from a path that begins under the vehicle, m */
+#define ASTRAY (DRAWBAR_PI / 3.0)          /* heading error up to which the controllers find their way by themselves;
+                                              beyond it their linearisations do not, rad */
 
 enum { TRACTOR, TRAILER, BODIES };
 
 struct guidance {
     double window_behind, window_ahead;    /* of the last progress, m */
-    double start_distance;                 /* largest distance of the tractor from the path's start, m */
+    double start_distance;                 /* largest distance of the tractor from where a run begins, m */
     double progress[BODIES];               /* arc length of the closest points, m */
     double samples[BODIES][STAGES + 1][4]; /* as path_sample, yaw on the branch of the estimate */
 };
@@ -25,22 +28,53 @@ struct guidance {
     SETTING(type, prefix start_distance, 0, 1, 0, 0) FIELD(type, prefix progress, 0, BODIES, 0, 0)           \
     FIELD(type, prefix samples, 0, BODIES, STAGES + 1, 4)
 
-/* Place both bodies on the path from where they stand when the run begins. */
-static inline int guidance_begin(struct guidance *guidance, const struct path *path,
-                                 const struct drawbar_measurement *first)
+/* Place both bodies (x, y, m) on the path near an arc length (m). */
+static inline int guidance_place(struct guidance *guidance, const struct path *path, double start,
+                                 const double *tractor, const double *trailer)
 {
     const double reach = guidance->start_distance;
-    double start[4], error;
+    double beginning[4], error;
 
-    path_sample(path, 0.0, start);
-    if (!(hypot(first->tractor_x - start[0], first->tractor_y - start[1]) <= reach))
-        return GUIDANCE_FAR_FROM_START;
-    if (!isfinite(first->trailer_x + first->trailer_y))
-        return GUIDANCE_POSE_NOT_FINITE;
-    guidance->progress[TRACTOR] = path_project(path, first->tractor_x, first->tractor_y, -reach, reach, &error);
+    path_sample(path, start, beginning);
+    if (!(hypot(tractor[0] - beginning[0], tractor[1] - beginning[1]) <= reach))
+        return DRAWBAR_GUIDANCE_FAR_FROM_START;
+    if (!isfinite(trailer[0] + trailer[1]))
+        return DRAWBAR_GUIDANCE_POSE_NOT_FINITE;
+    guidance->progress[TRACTOR] = path_project(path, tractor[0], tractor[1], start - reach, start + reach, &error);
     /* the trailer stands behind the tractor, which may itself stand behind the start */
-    guidance->progress[TRAILER] = path_project(path, first->trailer_x, first->trailer_y, -3.0 * reach, reach, &error);
-    return GUIDANCE_FINE;
+    guidance->progress[TRAILER]
+        = path_project(path, trailer[0], trailer[1], start - 3.0 * reach, start + reach, &error);
+    return DRAWBAR_GUIDANCE_FINE;
+}
+
+/* Place both bodies from where they are measured when the run begins. */
+static inline int guidance_begin(struct guidance *guidance, const struct path *path, double start,
+                                 const struct drawbar_measurement *first)
+{
+    const double tractor[] = {first->tractor_x, first->tractor_y}, trailer[] = {first->trailer_x, first->trailer_y};
+
+    return guidance_place(guidance, path, start, tractor, trailer);
+}
+
+/* Place both bodies on another path, from where they are estimated; nothing changes where the tractor is not on it, or
+ * faces away. */
+static inline int guidance_change(struct guidance *guidance, const struct path *path, double start,
+                                  const struct drawbar_estimate *estimate)
+{
+    const double tractor[] = {estimate->tractor.x, estimate->tractor.y};
+    const double trailer[] = {estimate->trailer.x, estimate->trailer.y};
+    struct guidance placed = *guidance;
+    const int status = guidance_place(&placed, path, start, tractor, trailer);
+    double sample[4];
+
+    if (status != DRAWBAR_GUIDANCE_FINE)
+        return status;
+    path_sample(path, placed.progress[TRACTOR], sample);
+    if (!(hypot(tractor[0] - sample[0], tractor[1] - sample[1]) <= GUIDANCE_UNDER
+          && fabs(wrapped(estimate->tractor.yaw - sample[2])) <= ASTRAY))
+        return DRAWBAR_GUIDANCE_FAR_FROM_START;
+    *guidance = placed;
+    return DRAWBAR_GUIDANCE_FINE;
 }
 
 /* Whether the tractor has reached the end of the path. */
@@ -69,7 +103,7 @@ static inline int guidance_advance(struct guidance *guidance, const struct path 
     const struct drawbar_pose *const poses[BODIES] = {&estimate->tractor, &estimate->trailer};
 
     if (!is_finite_pose(poses[TRACTOR]) || !is_finite_pose(poses[TRAILER]))
-        return GUIDANCE_POSE_NOT_FINITE;
+        return DRAWBAR_GUIDANCE_POSE_NOT_FINITE;
     for (int i = 0; i < BODIES; ++i) {
         struct drawbar_body_reference *reference = references[i];
         guidance->progress[i]
@@ -78,7 +112,7 @@ static inline int guidance_advance(struct guidance *guidance, const struct path 
         path_sample(path, reference->progress, reference->closest);
         reference->samples = (const double (*)[4])guidance->samples[i];
     }
-    return GUIDANCE_FINE;
+    return DRAWBAR_GUIDANCE_FINE;
 }
 
 /* Shift the samples' continuous yaws by the multiple of 2 pi that brings the first nearest to the estimate's. */

@@ -15,10 +15,18 @@ struct component {
 #define COMPONENT_FIELDS                                                                                          \
     GUIDANCE_FIELDS(component, guidance.) SETTING(component, look_ahead, 0, 1, 0, 0) SETTING(component, advance, 0, BODIES, 0, 0)
 
-/* Place both bodies on the path from where they stand when the run begins; returns an enum guidance_status. */
-int UNIT(begin)(struct component *component, const struct path *path, const struct drawbar_measurement *first)
+/* Place both bodies on the path from where they stand when the run begins; returns an enum drawbar_guidance. */
+int UNIT(begin)(struct component *component, const struct path *path, double start,
+                const struct drawbar_measurement *first)
 {
-    return guidance_begin(&component->guidance, path, first);
+    return guidance_begin(&component->guidance, path, start, first);
+}
+
+/* Go on along another path; nothing changes where the vehicle is not on it. */
+int UNIT(change)(struct component *component, const struct path *path, double start,
+                 const struct drawbar_estimate *estimate)
+{
+    return guidance_change(&component->guidance, path, start, estimate);
 }
 
 /* Whether the tractor has reached the end of the path. */
@@ -27,7 +35,7 @@ int UNIT(finished)(struct component *component, const struct path *path)
     return guidance_finished(&component->guidance, path);
 }
 
-/* What both controllers shall follow now; returns an enum guidance_status. */
+/* What both controllers shall follow now; returns an enum drawbar_guidance. */
 int UNIT(reference)(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
                     struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer, void *work)
 {
@@ -36,13 +44,13 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
     const int status = guidance_advance(guidance, path, estimate, references);
 
     (void)work;
-    if (status != GUIDANCE_FINE)
+    if (status != DRAWBAR_GUIDANCE_FINE)
         return status;
     for (int i = 0; i < BODIES; ++i)
         for (int j = 0; j <= STAGES; ++j)
             path_sample(path, component->look_ahead + component->advance[i] * j + guidance->progress[i], guidance->samples[i][j]);
     guidance_to_branch(guidance, estimate);
-    return GUIDANCE_FINE;
+    return DRAWBAR_GUIDANCE_FINE;
 }
 
 #endif

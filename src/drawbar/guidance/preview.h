@@ -10,9 +10,6 @@
 #include "guidance.h"
 #include "unit.h"
 
-#define ASTRAY (DRAWBAR_PI / 3.0)          /* heading error up to which the controllers find their way by themselves;
-                                              beyond it their linearisations do not, rad */
-
 struct component {
     struct guidance guidance;
     struct turn_limits limits;
@@ -30,12 +27,26 @@ struct component {
     SETTING(component, limits.rate, 0, 1, 0, 0) SETTING(component, interval, 0, 1, 0, 0)                               \
     SETTING(component, wheelbase, 0, 1, 0, 0) SETTING(component, room, 0, 1, 0, 0)
 
-/* Place both bodies on the path from where they stand when the run begins; returns an enum guidance_status. */
-int UNIT(begin)(struct component *component, const struct path *path, const struct drawbar_measurement *first)
+/* Place both bodies on the path from where they stand when the run begins; returns an enum drawbar_guidance. */
+int UNIT(begin)(struct component *component, const struct path *path, double start,
+                const struct drawbar_measurement *first)
 {
     component->furthest[TRACTOR] = component->furthest[TRAILER] = -INFINITY;
     component->approach.count = 0;
-    return guidance_begin(&component->guidance, path, first);
+    return guidance_begin(&component->guidance, path, start, first);
+}
+
+/* Go on along another path; nothing changes where the vehicle is not on it. */
+int UNIT(change)(struct component *component, const struct path *path, double start,
+                 const struct drawbar_estimate *estimate)
+{
+    const int status = guidance_change(&component->guidance, path, start, estimate);
+
+    if (status != DRAWBAR_GUIDANCE_FINE)
+        return status;
+    component->furthest[TRACTOR] = component->furthest[TRAILER] = -INFINITY;
+    component->approach.count = 0;
+    return status;
 }
 
 /* Whether the tractor has reached the end of the path. */
@@ -99,7 +110,7 @@ static int preview_turn(struct component *component, const struct path *path, co
     return approach_find(&component->approach, path, &beside, &component->limits, component->room, line);
 }
 
-/* What both controllers shall follow now; returns an enum guidance_status. */
+/* What both controllers shall follow now; returns an enum drawbar_guidance. */
 int UNIT(reference)(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
                     struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer, void *work)
 {
@@ -108,20 +119,20 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
     const double speed = estimate->longitudinal_slip * estimate->speed;
     const int status = guidance_advance(guidance, path, estimate, references);
 
-    if (status != GUIDANCE_FINE)
+    if (status != DRAWBAR_GUIDANCE_FINE)
         return status;
     if (!isfinite(speed))
-        return GUIDANCE_SPEED_NOT_FINITE;
+        return DRAWBAR_GUIDANCE_SPEED_NOT_FINITE;
     preview_advance(component, &estimate->tractor);
     if (!preview_turn(component, path, estimate, work))
-        return GUIDANCE_NO_WAY;
+        return DRAWBAR_GUIDANCE_NO_WAY;
     for (int j = 0; j <= STAGES; ++j) {
         const double distance = speed * (component->interval * j);
         preview_ahead(component, path, distance, guidance->samples[TRACTOR][j]);
         path_sample(path, component->furthest[TRAILER] + distance, guidance->samples[TRAILER][j]);
     }
     guidance_to_branch(guidance, estimate);
-    return GUIDANCE_FINE;
+    return DRAWBAR_GUIDANCE_FINE;
 }
 
 #endif

@@ -1,24 +1,54 @@
-"""The one interface of every machine: simulated, hardware or replayed."""
+"""The one interface of every machine: simulated, replayed, or of iron."""
 
 from abc import ABC, abstractmethod
+from types import TracebackType
+from typing import Self
 
-from drawbar.signals import Command, Measurement, Truth
+from drawbar.signals import Command, Measurement
 
 
 class Machine(ABC):
-    """A tractor with a trailer. Each control step calls read() and then write(), once per sample period."""
+    """A tractor with a trailer, as a context: whatever happens in it, the machine is told to stop at last.
+
+    Each sample: read(), then write() as soon as the command is known. The clock belongs to the machine: it decides when
+    a sample is due, and stamps it.
+    """
 
     @abstractmethod
     def read(self) -> Measurement:
-        """Return what the sensors report now; reading again before the next write() reports the same."""
+        """Wait for the next sample and return what the sensors report.
 
-    @abstractmethod
-    def write(self, command: Command) -> None:
-        """Hand the command to the actuators and let one sample period pass.
-
-        Raises HardwareError when the command is not finite or outside what the machine accepts.
+        Raises:
+            EndOfMeasurements: there will be no more.
         """
 
     @abstractmethod
-    def truth(self) -> Truth | None:
-        """Return what only a simulation knows, at the time of read(); None on a real machine."""
+    def write(self, command: Command) -> None:
+        """Hand the command to the actuators, and return at once.
+
+        Raises:
+            HardwareError: the command is not finite or outside what the machine accepts; it was not taken over.
+        """
+
+    @abstractmethod
+    def stop(self) -> None:
+        """Stop the vehicle with its steering held. Always possible, in any state, also when called again."""
+
+    def close(self) -> None:
+        """Give everything back that the machine holds; it is not used again."""
+        return
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            self.stop()
+        finally:
+            self.close()
+
+
+class EndOfMeasurements(Exception):  # noqa: N818 -- an end, not a mistake
+    """A machine whose measurements are given beforehand has no more of them."""

@@ -1,10 +1,17 @@
 """The simulated world over one sample period: chain, steering and drive, by RK4 at its own fixed step."""
 
-import casadi as ca
+from collections.abc import Iterator
+from functools import cache
+from typing import Any, TypeVar
 
+import casadi as ca
+import numpy as np
+
+from drawbar.geometry import Floats
 from drawbar.machine.actuators import hydrostat_rates, steering_rate
 from drawbar.machine.chain import chain_rates
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.settings import Settings
 from drawbar.vehicle.parameters import VehicleParameters
 
 STATES = 11
@@ -13,25 +20,27 @@ COMMANDS = 3
 """delta_t, joint, wheel speed"""
 EFFECTS = 8
 """mu, kappa, b, alpha_r, alpha_i, and the kicks of a bump: to the left, of theta, of psi"""
+_Section = TypeVar("_Section", bound=Settings)
 
 
-def plant_rates(vehicle: VehicleParameters, settings: SimulatedMachineSettings) -> ca.Function:
-    """Return the right-hand side f(state (11,), command (3,), effect (8,)) -> d state/dt (11,)."""
-    state, command, effect = ca.SX.sym("x", STATES), ca.SX.sym("u", COMMANDS), ca.SX.sym("w", EFFECTS)
-    actuators, lag = settings.actuators, vehicle.steering_lag
-    wheels_rate = steering_rate(state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop)
-    joint_rate = steering_rate(state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
-    speed, wheel_angle = effect[0] * state[6], effect[1] * state[5] + effect[2]
-    chain = chain_rates(vehicle, state[:5], joint_rate, speed, wheel_angle, effect[3:5])
-    drive = hydrostat_rates(settings.hydrostat, state[6:], command[2])
-    return ca.Function("rates", [state, command, effect], [ca.vertcat(chain, wheels_rate, drive)])
+def plant_constants(vehicle: VehicleParameters, settings: SimulatedMachineSettings) -> Floats:
+    """Return all numbers of both sections in order, (c,): those of the plant among them."""
+    return np.array([*_numbers(vehicle), *_numbers(settings)])
 
 
-def plant_step(vehicle: VehicleParameters, settings: SimulatedMachineSettings) -> ca.Function:
-    """Return one step F(state (11,), inputs (11,)) -> state (11,); inputs = (command, effect), held."""
+@cache
+def plant_step() -> ca.Function:
+    """Return one step F(state (11,), inputs (11,), constants (c,)) -> state (11,); inputs = (command, effect), held.
+
+    The constants are those of plant_constants: data, so that the plant is compiled once for all of them.
+    """
+    stated = VehicleParameters(), SimulatedMachineSettings()
     state, inputs = ca.SX.sym("x", STATES), ca.SX.sym("i", COMMANDS + EFFECTS)
-    rates, step = plant_rates(vehicle, settings), settings.step
-    held = (inputs[:COMMANDS], inputs[COMMANDS:])
+    constants = ca.SX.sym("c", len(plant_constants(*stated)))
+    symbols = iter(ca.vertsplit(constants))
+    vehicle, settings = _symbolic(stated[0], symbols), _symbolic(stated[1], symbols)
+    rates, step = _rates(vehicle, settings, constants), settings.step
+    held = (inputs[:COMMANDS], inputs[COMMANDS:], constants)
     start = _kicked(state, held[1])
     k1 = rates(start, *held)
     k2 = rates(start + 0.5 * step * k1, *held)
@@ -41,12 +50,39 @@ def plant_step(vehicle: VehicleParameters, settings: SimulatedMachineSettings) -
     # the step in which an angle reaches its stop ends on the stop
     for index, stop in ((4, settings.actuators.trailer_stop), (5, settings.actuators.tractor_stop)):
         end[index] = ca.fmin(ca.fmax(end[index], -stop), stop)
-    return ca.Function("step", [state, inputs], [ca.cse(end)])
+    return ca.Function("plant", [state, inputs, constants], [ca.cse(end)])
 
 
-def plant(vehicle: VehicleParameters, settings: SimulatedMachineSettings, steps: int) -> ca.Function:
-    """Return F(state (11,), inputs (11, steps)) -> states (11, steps) after each integration step."""
-    return plant_step(vehicle, settings).mapaccum("plant", steps)
+def _rates(vehicle: VehicleParameters, settings: SimulatedMachineSettings, constants: ca.SX) -> ca.Function:
+    """Return the right-hand side f(state (11,), command (3,), effect (8,), constants (c,)) -> d state/dt (11,)."""
+    state, command, effect = ca.SX.sym("x", STATES), ca.SX.sym("u", COMMANDS), ca.SX.sym("w", EFFECTS)
+    actuators, lag = settings.actuators, vehicle.steering_lag
+    wheels_rate = steering_rate(state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop)
+    joint_rate = steering_rate(state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
+    speed, wheel_angle = effect[0] * state[6], effect[1] * state[5] + effect[2]
+    chain = chain_rates(vehicle, state[:5], joint_rate, speed, wheel_angle, effect[3:5])
+    drive = hydrostat_rates(settings.hydrostat, state[6:], command[2])
+    return ca.Function("rates", [state, command, effect, constants], [ca.vertcat(chain, wheels_rate, drive)])
+
+
+def _numbers(settings: Settings) -> Iterator[float]:
+    """Yield the numbers of a section and of the sections in it."""
+    for _, value in settings:
+        if isinstance(value, Settings):
+            yield from _numbers(value)
+        elif isinstance(value, float):
+            yield value
+
+
+def _symbolic(settings: _Section, symbols: Iterator[ca.SX]) -> _Section:
+    """Return a section with the next symbols in place of its numbers, for equations that are written for numbers."""
+
+    def replaced(value: Any) -> Any:
+        if isinstance(value, Settings):
+            return _symbolic(value, symbols)
+        return next(symbols) if isinstance(value, float) else value
+
+    return type(settings).model_construct(**{name: replaced(value) for name, value in settings})
 
 
 def _kicked(state: ca.SX, effect: ca.SX) -> ca.SX:

@@ -5,12 +5,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drawbar.codegen import CompiledFunction
+from drawbar.codegen import CompiledRecurrence
 from drawbar.errors import ConfigurationError, HardwareError
 from drawbar.geometry import Floats
 from drawbar.machine.base import Machine
 from drawbar.machine.ground import Ground
-from drawbar.machine.plant import COMMANDS, EFFECTS, STATES, plant
+from drawbar.machine.plant import COMMANDS, EFFECTS, plant_constants, plant_step
 from drawbar.machine.sensing import Sensing
 from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
 from drawbar.signals import Command, Measurement, Pose, Truth
@@ -57,28 +57,49 @@ class SimulatedMachine(Machine):
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
-        self._plant = CompiledFunction(plant(self._vehicle, settings, self._steps))
-        self._state = self._plant.inputs[0]
+        self._plant = CompiledRecurrence(plant_step(), self._steps)
+        self._plant.constants[:] = plant_constants(self._vehicle, settings)
+        self._state, self._inputs, self._states = self._plant.state, self._plant.inputs, self._plant.states
         self._state[:4] = start.x, start.y, start.yaw, start.yaw
-        self._inputs = self._plant.inputs[1].reshape(self._steps, COMMANDS + EFFECTS)
-        self._states = self._plant.outputs[0].reshape(self._steps, STATES)
         delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
         self._commands = np.zeros((delay + self._steps, COMMANDS))
         self._unknown = unknown
         self._sample = 0
         self._fix = [math.nan] * 4
-        self._measurement = self._sense()
+        self._newest = (0.0, 0.0, 0.0)
+        self._begun = False
+        self._draw()
 
     def read(self) -> Measurement:
-        """Return what the sensors report at the current sample."""
-        return self._measurement
+        """Let one sample period pass under the newest command, and return what the sensors report then.
+
+        The first measurement is that of the machine where it was placed.
+        """
+        if self._begun:
+            self._let_pass()
+        self._begun = True
+        return self._sense()
 
     def write(self, command: Command) -> None:
-        """Let one sample period pass under the command.
+        """Take over the command, which acts from now on.
 
-        Raises HardwareError when the command is not finite or beyond the limits; then nothing moves.
+        Raises HardwareError when the command is not finite or beyond the limits; then the last one goes on to act.
         """
-        self._accept(command)
+        vehicle = self._vehicle
+        _within("tractor_steering", command.tractor_steering, vehicle.tractor_steering_limit, "rad")
+        _within("trailer_steering", command.trailer_steering, vehicle.trailer_steering_limit, "rad")
+        _within("speed", command.speed, self._settings.hydrostat.full_speed, "m/s")
+        joint = vehicle.joint_sign * command.trailer_steering
+        self._newest = command.tractor_steering, joint, command.speed
+
+    def stop(self) -> None:
+        """Stop with the steering held."""
+        self._newest = *self._newest[:2], 0.0
+
+    def _let_pass(self) -> None:
+        """Move on by one sample period."""
+        self._commands[: -self._steps] = self._commands[self._steps :]
+        self._commands[-self._steps :] = self._newest
         self._inputs[:, :COMMANDS] = self._commands[: self._steps]
         self._inputs[:, COMMANDS:] = self._effects[self._sample % _BLOCK]
         if self._unknown is not None:
@@ -86,7 +107,8 @@ class SimulatedMachine(Machine):
         self._plant()
         self._state[:] = self._states[-1]
         self._sample += 1
-        self._measurement = self._sense()
+        if self._sample % _BLOCK == 0:
+            self._draw()
 
     def truth(self) -> Truth:
         """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""
@@ -107,21 +129,9 @@ class SimulatedMachine(Machine):
             trailer_crab=trailer_crab,
         )
 
-    def _accept(self, command: Command) -> None:
-        """Check the command and queue it behind those that wait out the dead time."""
-        vehicle = self._vehicle
-        _within("tractor_steering", command.tractor_steering, vehicle.tractor_steering_limit, "rad")
-        _within("trailer_steering", command.trailer_steering, vehicle.trailer_steering_limit, "rad")
-        _within("speed", command.speed, self._settings.hydrostat.full_speed, "m/s")
-        self._commands[: -self._steps] = self._commands[self._steps :]
-        joint = vehicle.joint_sign * command.trailer_steering
-        self._commands[-self._steps :] = command.tractor_steering, joint, command.speed
-
     def _sense(self) -> Measurement:
         """Look at the world through the sensors."""
         row = self._sample % _BLOCK
-        if row == 0:
-            self._draw()
         x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
         errors = self._errors[row].tolist()
         antennas = (x, y, *_trailer_antenna(self._vehicle, x, y, yaw, trailer_yaw, joint))

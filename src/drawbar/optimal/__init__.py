@@ -3,6 +3,7 @@
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.quadratic_program import QuadraticProgram, Sizes
 from drawbar.optimal.solver import ControlSolver, EstimationSolver, RealTimeIteration
+from drawbar.optimal.unit import SolverUnit, solver_unit
 from drawbar.optimal.views import StageBounds
 
 __all__ = [
@@ -14,5 +15,7 @@ __all__ = [
     "QuadraticProgram",
     "RealTimeIteration",
     "Sizes",
+    "SolverUnit",
     "StageBounds",
+    "solver_unit",
 ]

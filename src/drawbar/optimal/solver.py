@@ -16,6 +16,29 @@ Phase = Callable[[], int]
 """A C function bound to its workspace; returns a SolverStatus."""
 
 
+def write_settings(
+    workspace: Workspace, problem: ControlProblem | EstimationProblem, transcription: Transcription
+) -> None:
+    """Write a problem's numbers into its solver's fields: bounds, weights, and what its cost has besides."""
+    array, weights = workspace.array, workspace.array("w")
+    array("constants")[:] = [each.value for each in transcription.constants]
+    for i, (index, bound) in enumerate(transcription.bounds):
+        array("qp.bound")[i] = index
+        array("lower")[i], array("upper")[i] = bound.lower, bound.upper
+        array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = bound.linear_penalty, bound.quadratic_penalty
+    weights[:] = row(problem.weights, problem.model.outputs)
+    if isinstance(problem, EstimationProblem):
+        weights[-1, list(transcription.input_outputs)] = 0.0
+        estimated = problem.estimated
+        array("process")[:] = row(problem.process_deviation, estimated)
+        array("window.deviation")[:] = row(problem.prior_deviation, estimated)
+        array("common")[:] = row(problem.common_deviation, estimated)
+        return
+    weights[-1] = row(problem.terminal_weights, problem.model.outputs)
+    if problem.initial_weights:
+        array("root")[:] = np.diag(np.sqrt(row(problem.initial_weights, problem.model.states)))
+
+
 class RealTimeIteration(Guarded):
     """What control and estimation share: the workspace and the phases prepare, feedback and shift.
 
@@ -23,13 +46,13 @@ class RealTimeIteration(Guarded):
     them. Binding another array to their names raises SolverError.
     """
 
-    def __init__(
-        self, problem: ControlProblem | EstimationProblem, transcription: Transcription, component: str
-    ) -> None:
-        self.source = transcription.source(component)
-        """C unit of the solver and of the component that it is of"""
+    def __init__(self, problem: ControlProblem | EstimationProblem) -> None:
+        transcription = transcribe(problem)
+        self.source = transcription.source()
+        """C unit of the solver"""
         self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
-        self.workspace.function("reset")()
+        write_settings(self.workspace, problem, transcription)
+        self.workspace.function("lay_down")()
         array = self.workspace.array
         self.x: Floats = array("x")
         """(N+1, nx) state trajectory"""
@@ -50,17 +73,6 @@ class RealTimeIteration(Guarded):
         """the feedback phase: solve for the newest data, and move the trajectory; returns a SolverStatus"""
         self.shift: Phase = self.workspace.function("shift")
         """move trajectory and data by one sample"""
-        self._set_bounds(transcription)
-
-    def _set_bounds(self, transcription: Transcription) -> None:
-        array = self.workspace.array
-        for i, (index, bound) in enumerate(transcription.bounds):
-            array("qp.bound")[i] = index
-            array("lower")[i], array("upper")[i] = bound.lower, bound.upper
-            array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = (
-                bound.linear_penalty,
-                bound.quadratic_penalty,
-            )
 
     @property
     def status(self) -> SolverStatus:
@@ -86,18 +98,14 @@ class ControlSolver(RealTimeIteration):
     1..N, of an input on stages 0..N-1.
     """
 
-    def __init__(self, problem: ControlProblem, component: str = "") -> None:
+    def __init__(self, problem: ControlProblem) -> None:
         """Compile the problem's solver (or take it from the cache).
-
-        Args:
-            problem: the problem.
-            component: header that makes the solver a component of the autopilot, see Transcription.source.
 
         Raises:
             CompilerError: no compiler, or it refused the code.
         """
         self.problem = problem
-        super().__init__(problem, transcribe(problem), component)
+        super().__init__(problem)
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
         free = bool(problem.initial_weights)
@@ -110,13 +118,7 @@ class ControlSolver(RealTimeIteration):
         """(nx,) largest first state where it is free; infinite at first"""
         self.defects: Floats = self.workspace.array("qp.c")
         """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
-        outputs = problem.model.outputs
-        self.w[:-1], self.w[-1] = row(problem.weights, outputs), row(problem.terminal_weights, outputs)
-        if free:
-            root = np.sqrt(row(problem.initial_weights, problem.model.states))
-            self.workspace.array("root")[:] = np.diag(root)
-        if not component:  # the autopilot's components start by themselves, in C
-            self.prepare, self.feedback, self.shift = self._first_preparation, self._not_started, self._not_started
+        self.prepare, self.feedback, self.shift = self._first_preparation, self._not_started, self._not_started
 
     def start(self) -> None:
         """Linearise along a trajectory that rests at `initial` under zero input.
@@ -156,23 +158,21 @@ class EstimationSolver(RealTimeIteration):
     (N+1,) of a state, (1,) of a parameter, (N,) of an input.
     """
 
-    def __init__(self, problem: EstimationProblem, prior: Floats | None, component: str = "") -> None:
+    def __init__(self, problem: EstimationProblem, prior: Floats) -> None:
         """Compile the problem's solver (or take it from the cache) and start it at the prior.
 
         Args:
             problem: the problem.
-            prior: (nx + np,) first guess of states and parameters; None for a component, which begins by itself.
-            component: header that makes the solver a component of the autopilot, see Transcription.source.
+            prior: (nx + np,) first guess of states and parameters.
 
         Raises:
             SolverError: the prior is missing, of another size, or not finite.
             CompilerError: no compiler, or it refused the code.
         """
-        if prior is None and not component:
+        if prior is None:
             raise SolverError(f"An estimator needs a prior: a first guess of {_names(problem)}.")
-        transcription = transcribe(problem)
         self.problem = problem
-        super().__init__(problem, transcription, component)
+        super().__init__(problem)
         array = self.workspace.array
         self.slide: Phase = self.workspace.function("slide")
         """move the window on by one sample, once it is full; returns a SolverStatus"""
@@ -182,13 +182,7 @@ class EstimationSolver(RealTimeIteration):
         """(nx + np, nx + np) upper triangular R of the arrival cost ||R (x_0 - prior)||²; read only"""
         self.prior: Floats = _read_only(array("prior"))
         """(nx + np,) what the window's first state should be; read only"""
-        self.w[:] = row(problem.weights, problem.model.outputs)
-        self.w[-1, list(transcription.input_outputs)] = 0.0
-        estimated = problem.estimated
-        array("process")[:] = row(problem.process_deviation, estimated)
-        array("window.deviation")[:] = row(problem.prior_deviation, estimated)
-        array("common")[:] = row(problem.common_deviation, estimated)
-        if prior is not None and self.restart(prior) != SolverStatus.SOLVED:
+        if self.restart(prior) != SolverStatus.SOLVED:
             raise SolverError(f"The model cannot be linearised at the prior {np.asarray(prior).tolist()}.")
 
     @property

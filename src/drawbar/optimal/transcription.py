@@ -1,14 +1,14 @@
 """Multiple shooting: from a problem declaration to the C source of its solver."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import casadi as ca
 
 from drawbar.codegen.emit import Input, Output, emit, emit_constants
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
-from drawbar.vehicle.model import Variable, integrate
+from drawbar.vehicle.model import Constant, Variable, column, constant, runge_kutta, with_values
 
 LEVENBERG = 1e-9
 """Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
@@ -25,7 +25,8 @@ _UNIT = """
 #define NP {parameters}
 #define NY {outputs}
 #define NB {bounds}
-#define NC {constants}
+#define NC {constant_states}
+#define CONSTANTS {constants}
 #define CROSS {cross}
 #define FREE_INITIAL {free}
 #define IP_ITERATIONS {iterations}
@@ -33,24 +34,20 @@ _UNIT = """
 {functions}
 {component}
 """
-_INTROSPECTION = """
-#include "workspace.h"
-#define RTI(name, kind, a, b, c) FIELD(rti, name, kind, a, b, c)
-#define SET(name, a, b) SETTING(rti, name, 0, a, b, 0)
-const struct drawbar_field drawbar_fields[] = {
+SOLVER_FIELDS = """
     {"x", offsetof(struct rti, z), 0, {N + 1, NX, 0}, 0, 0},
     {"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {N, NU, 0}, 0, 0},
     RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) SET(w, N + 1, NY)
-    RTI(initial, 0, NX, 0, 0) SET(lower, NB, 0) SET(upper, NB, 0) SET(root, NX, NX)
+    SET(constants, CONSTANTS, 0) RTI(initial, 0, NX, 0, 0) SET(lower, NB, 0) SET(upper, NB, 0) SET(root, NX, NX)
     RTI(prior, 0, NX, 0, 0) SET(process, NX, 0) SET(common, NX, 0) RTI(status, 1, 1, 0, 0)
-    QP_FIELDS(rti, qp.) COMPONENT_FIELDS END_OF_FIELDS
-};
-int reset(struct component *component)
-{
-    memset(component, 0, sizeof *component);
-    rti_constants(&component->rti);
-    return SOLVED;
-}
+    QP_FIELDS(rti, qp.)"""
+"""entries of the table of fields (fields.h)"""
+_TABLE = """
+#include "workspace.h"
+const struct drawbar_field drawbar_fields[] = {%s COMPONENT_FIELDS END_OF_FIELDS};
+"""
+_PHASES = """
+int lay_down(struct rti *work) { rti_constants(work); return SOLVED; }
 int prepare(struct rti *work) { return rti_prepare(work); }
 int feedback(struct workspace *s) { return rti_feedback(&s->component.rti, &s->work); }
 int shift(struct rti *work) { rti_shift(work); return SOLVED; }
@@ -70,7 +67,7 @@ _BARE_WINDOW = """struct component { struct rti rti; struct window window; };
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Transcription:
-    """A discretised problem: F(x, u, p), h(x, u, p), its sizes and its bounded variables."""
+    """A discretised problem: F(x, u, p) and h(x, u, p), its constants, its sizes and its bounded variables."""
 
     name: str
     horizon: int
@@ -81,7 +78,9 @@ class Transcription:
     """(nx, 1) SX: F(x, u, p)"""
     output: Any
     """(ny, 1) SX: h(x, u, p)"""
-    constants: int
+    constants: tuple[Constant, ...]
+    """of the model, and the sample time: data of F and h"""
+    constant_states: int
     """trailing states that do not change"""
     free_initial: bool
     """the first state is a variable"""
@@ -101,6 +100,11 @@ class Transcription:
         states, inputs = (ca.jacobian(self.output, variables) for variables in (self.x, self.u))
         return bool(ca.mtimes(inputs.T, states).nnz())
 
+    def numeric(self) -> Self:
+        """Return the problem with the values of its constants in F and h."""
+        step, output = with_values([self.next_state, self.output], self.constants)
+        return replace(self, next_state=step, output=output, constants=())
+
     def source(self, component: str = "") -> str:
         """Return the C unit of this problem's solver.
 
@@ -116,7 +120,8 @@ class Transcription:
             parameters=self.p.numel(),
             outputs=self.output.numel(),
             bounds=len(self.bounds),
-            constants=self.constants,
+            constant_states=self.constant_states,
+            constants=len(self.constants),
             cross=int(self.crosses),
             free=int(self.free_initial),
             iterations=ESTIMATION_ITERATIONS if self.arrival else CONTROL_ITERATIONS,
@@ -127,11 +132,11 @@ class Transcription:
 
     def introspection(self) -> str:
         """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
-        return _INTROSPECTION + (_WINDOW_PHASES if self.arrival else "")
+        return _TABLE % SOLVER_FIELDS + _PHASES + (_WINDOW_PHASES if self.arrival else "")
 
     def _functions(self) -> str:
         nx = self.x.numel()
-        moving = nx - self.constants
+        moving = nx - self.constant_states
         w, y = (ca.SX.sym(name, self.output.numel()) for name in ("w", "y"))
         z = ca.vertcat(self.x, self.u)
         slope = ca.jacobian(self.next_state, z)
@@ -144,6 +149,7 @@ class Transcription:
             Input(place="work->p[{k}][{i}]", rows="(N + 1)", symbol=self.p),
             Input(place="rti_weight(work, {k}, {i})", rows="(N + 1)", symbol=w),
             Input(place="rti_target(work, {k}, {i})", rows="(N + 1)", symbol=y),
+            Input(place="work->constants[{i}]", rows="", symbol=column(self.constants)),
         ]
         damping = LEVENBERG * ca.SX.eye(self.u.numel())
         step, slope = ca.cse([self.next_state, slope])
@@ -169,7 +175,7 @@ class Transcription:
             ],
         }
         every = [output for outputs in functions.values() for output in outputs]
-        text = emit_constants("rti_constants", every, _WORK) + "".join(
+        text = emit_constants("rti_constants", inputs, every, _WORK) + "".join(
             emit(name, inputs, outputs, _WORK) for name, outputs in functions.items()
         )
         if self.arrival:
@@ -177,16 +183,18 @@ class Transcription:
                 Output(place="((double *)rows)", rows="1", value=jacobian, stride="OLD_WIDTH"),
                 Output(place="((double *)rows + OLD - 1)", rows="1", value=self.output, stride="OLD_WIDTH"),
             ]
-            text += emit_constants("output_constants", measured, _ROWS) + emit("outputs", inputs, measured, _ROWS)
+            text += emit_constants("output_constants", inputs, measured, _ROWS)
+            text += emit("outputs", inputs, measured, _ROWS)
         return text
 
 
 def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
     """Return the problem discretised by Runge-Kutta 4 over each sample."""
     model, estimation = problem.model, isinstance(problem, EstimationProblem)
-    step = integrate(model, problem.sample_time, problem.integration_steps)
+    sample_time = constant("sample_time", "s", problem.sample_time)
+    step = runge_kutta(model, sample_time.symbol, problem.integration_steps)
     names = [variable.name for variable in (*model.states, *(model.parameters if estimation else ()))]
-    constants = len(model.parameters) if estimation else 0
+    constant_states = len(model.parameters) if estimation else 0
     return Transcription(
         name=model.name,
         horizon=problem.horizon,
@@ -195,10 +203,11 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
         p=ca.SX(0, 1) if estimation else model.p,
         next_state=ca.vertcat(step, model.p) if estimation else step,
         output=model.output,
-        constants=constants,
+        constants=(*model.constants, sample_time),
+        constant_states=constant_states,
         free_initial=isinstance(problem, EstimationProblem) or bool(problem.initial_weights),
         arrival=estimation,
-        bounds=tuple(_bounded(problem, names, model.inputs, constants)),
+        bounds=tuple(_bounded(problem, names, model.inputs, constant_states)),
     )
 
 
@@ -206,7 +215,7 @@ def _bounded(
     problem: ControlProblem | EstimationProblem,
     states: list[str],
     inputs: tuple[Variable, ...],
-    constants: int,
+    constant_states: int,
 ) -> list[tuple[int, Bound]]:
     """Return the bounded scalars: constant states only once, a given first state not at all.
 
@@ -219,7 +228,7 @@ def _bounded(
         found = [(j, Bound(lower=-math.inf, upper=math.inf)) for j in range(len(problem.initial_weights))]
     for j, name in enumerate(states):
         if name in problem.bounds:
-            stages = range(first, horizon + 1) if j < nx - constants else range(1)
+            stages = range(first, horizon + 1) if j < nx - constant_states else range(1)
             found += [(k * nx + j, problem.bounds[name]) for k in stages]
     for a, variable in enumerate(inputs):
         if variable.name in problem.bounds:

@@ -8,7 +8,8 @@
  *
  * Otherwise the last command that passed is repeated, for a few samples, and then the vehicle stops: speed zero and the
  * steering where it was, so that the vehicle rolls out along the curve on which it is and its wheels do not swing while
- * it stands. Samples are counted, not seconds: no clock that stands still can keep a command alive.
+ * it stands. Both samples and time are counted: neither a clock that stands still nor a caller who is late can keep a
+ * command alive.
  */
 #ifndef DRAWBAR_GATE_H
 #define DRAWBAR_GATE_H
@@ -17,7 +18,6 @@
 #include "geometry.h"
 #include "signals.h"
 #include "unit.h"
-#include "verdicts.h"
 
 enum { FRONT, JOINT, STEERINGS };
 
@@ -28,7 +28,8 @@ struct component {
     double lag;                            /* of both actuators, tau, s */
     double sample_time;                    /* dt, s */
     double speed_limit;                    /* m/s */
-    int32_t repeats;                       /* samples for which a command may be repeated */
+    double patience;                       /* time for which a command may act without a new one, s */
+    int32_t repeats;                       /* samples for which it may be repeated */
     int32_t refused;                       /* samples since a command has passed */
     int32_t begun;                         /* there is a last command */
     struct drawbar_command last;           /* the last one that passed; at first: stand, with the wheels as they are */
@@ -39,7 +40,7 @@ struct component {
     SETTING(component, limits, 0, STEERINGS, 0, 0) SETTING(component, signs, 0, STEERINGS, 0, 0)                       \
     SETTING(component, rates, 0, STEERINGS, 0, 0) SETTING(component, lag, 0, 1, 0, 0)                                  \
     SETTING(component, sample_time, 0, 1, 0, 0) SETTING(component, speed_limit, 0, 1, 0, 0)                            \
-    SETTING(component, repeats, 1, 1, 0, 0)
+    SETTING(component, patience, 0, 1, 0, 0) SETTING(component, repeats, 1, 1, 0, 0)
 
 /* `not (|x| <= limit)` also catches NaN, which would walk through a clamp. */
 static inline int gate_admits(const struct component *gate, const struct drawbar_command *wanted)
@@ -97,7 +98,7 @@ int UNIT(stop)(struct component *gate, double time, struct drawbar_command *give
     gate->refused = gate->repeats;
     gate_give(gate, time, given);
     given->speed = 0.0;
-    return STOPPED;
+    return DRAWBAR_GATE_STOPPED;
 }
 
 /* What to give to a call that was wrong, and is no sample: stand, with the steering as it is. Nothing changes. */
@@ -106,17 +107,26 @@ int UNIT(stand)(const struct component *gate, double time, struct drawbar_comman
     *given = gate->last;
     given->time = time;
     given->speed = 0.0;
-    return STOPPED;
+    return DRAWBAR_GATE_STOPPED;
 }
 
 /* Do without a command: repeat the last valid one as long as it may be, then stop. */
 int UNIT(hold)(struct component *gate, double time, struct drawbar_command *given)
 {
-    if (!gate->begun || gate->refused >= gate->repeats)
+    const double age = time - gate->last.time + 0.5 * gate->sample_time;   /* it acts until the next sample */
+
+    if (!gate->begun || gate->refused >= gate->repeats || !(age <= gate->patience))
         return UNIT(stop)(gate, time, given);
     ++gate->refused;
     gate_give(gate, time, given);
-    return REPEATED;
+    return DRAWBAR_GATE_REPEATED;
+}
+
+/* Let a sample pass that was left out: the last command went on to act. */
+int UNIT(skip)(struct component *gate, struct drawbar_command *given)
+{
+    gate_give(gate, gate->last.time, given);
+    return 0;
 }
 
 /* Give the command that was wanted, or what takes its place; return the verdict. */
@@ -130,7 +140,7 @@ int UNIT(check)(struct component *gate, const struct drawbar_command *wanted, st
     gate->refused = 0;
     gate_give(gate, wanted->time, given);
     return given->tractor_steering != wanted->tractor_steering || given->trailer_steering != wanted->trailer_steering
-        ? LIMITED : PASSED;
+        ? DRAWBAR_GATE_LIMITED : DRAWBAR_GATE_PASSED;
 }
 
 #endif

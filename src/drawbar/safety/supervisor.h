@@ -5,7 +5,6 @@
 #include <math.h>
 #include "signals.h"
 #include "unit.h"
-#include "verdicts.h"
 
 struct component {
     double lost;                           /* distance from the path at which a run is given up, m */

@@ -4,8 +4,9 @@
  *     min  sum_k || h(x_k, u_k, p_k) - y_k ||^2_{W_k}   (+ || R (x_0 - prior) ||^2 when the first state is free)
  *     s.t. x_{k+1} = F(x_k, u_k, p_k), bounds
  *
- * The generated part of the unit defines NP, NY and the functions dynamics, hessian, gradient and
- * rti_constants, which evaluate all stages in SIMD lanes. Half of the sum of squares is what the QP sees.
+ * The generated part of the unit defines NP, NY, CONSTANTS and the functions dynamics, hessian and gradient, which
+ * evaluate all stages in SIMD lanes, and rti_constants, which lays down what no stage changes, once the constants are
+ * set. Half of the sum of squares is what the QP sees.
  */
 #ifndef DRAWBAR_RTI_H
 #define DRAWBAR_RTI_H
@@ -14,6 +15,7 @@
 #include "lanes.h"
 
 struct rti {
+    double constants[CONSTANTS];           /* of the model, and the sample time, s */
     double z[NZ];                          /* the trajectory: linearisation point before, solution after a step */
     double p[N + 1][AT_LEAST_ONE(NP)];     /* known parameters of each stage */
     double y[N + 1][NY], w[N + 1][NY];     /* references or measurements (NaN: missing), and their weights */

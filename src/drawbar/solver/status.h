@@ -1,7 +1,15 @@
-/* How a phase of a solver ended; signals.py has the same ones. */
+/* Generated from signals.py by `python -m drawbar.exchange`; change it there. */
 #ifndef DRAWBAR_STATUS_H
 #define DRAWBAR_STATUS_H
 
-enum qp_status { SOLVED, MAXIMUM_ITERATIONS, INFEASIBLE, NOT_FINITE, CHECK_FAILED, BAD_INPUT };
+/* Outcome of a solver call; the C runtime returns the same numbers. */
+enum qp_status {
+    SOLVED = 0,
+    MAXIMUM_ITERATIONS = 1,
+    INFEASIBLE = 2,
+    NOT_FINITE = 3,
+    CHECK_FAILED = 4,
+    BAD_INPUT = 5,
+};
 
 #endif

@@ -1,87 +1,105 @@
-"""One control step, in the order of the block diagram."""
+"""The autopilot in Python: feeds, asks and records the control step, whose order stands in control_step.h."""
 
-from dataclasses import replace
+import ctypes
 
-from drawbar.control.ancillary import AncillaryLaw
-from drawbar.control.nominal import NominalController
-from drawbar.estimation.dead_time import DeadTimePredictor
-from drawbar.estimation.estimator import Estimator
-from drawbar.guidance.guidance import Guidance
-from drawbar.machine.base import Machine
-from drawbar.safety.gate import CommandGate
-from drawbar.signals import Command, SolverStatus, StepRecord
+from drawbar.errors import PathError
+from drawbar.exchange import Layout
+from drawbar.guidance.path import Path
+from drawbar.signals import Command, Estimate, Measurement, Status, StepRecord, Truth
+from drawbar.step.library import StepLibrary
+from drawbar.step.record import RecordReader
+
+_MEASUREMENT, _COMMAND, _ESTIMATE = Layout(Measurement), Layout(Command), Layout(Estimate)
 
 
 class Autopilot:
-    """Machine, estimator, dead-time predictor, guidance, controllers, ancillary laws and gate, wired together."""
+    """One vehicle's control step.
 
-    def __init__(
-        self,
-        *,
-        machine: Machine,
-        estimator: Estimator,
-        predictor: DeadTimePredictor,
-        guidance: Guidance,
-        controller: NominalController,
-        tractor_law: AncillaryLaw,
-        trailer_law: AncillaryLaw,
-        gate: CommandGate,
-        speed: float,
-        planned_speed: float,
-    ) -> None:
-        """Take the parts, the set speed and the least that plans reckon with, m/s.
+    Each sample: feedback(), send the command whatever the status, then prepare(); record() tells of the step.
+    """
 
-        A plan takes the speed for constant. One that took that of a machine which has just started would be made for
-        one that creeps, and steer too much too late.
+    def __init__(self, library: StepLibrary, horizon: int) -> None:
+        """Take the library and the number of stages in its plans."""
+        self.library = library
+        self._given, self._taken = _MEASUREMENT.buffer(), _COMMAND.buffer()
+        self._feedback = library.function("feedback", self._given, self._taken)
+        self.prepare = library.function("prepare")
+        """does what can be done before the next measurement; returns a Status"""
+        self._reader = RecordReader(library, horizon)
+        self._measurement: Measurement | None = None
+        self._command: Command | None = None
+        self._number = -1
+
+    def begin(self, path: Path, *, at: float = 0.0) -> None:
+        """Let the next measurement start a run along a path.
+
+        Args:
+            path: to follow.
+            at: arc length at which the run begins, m.
+
+        Raises:
+            PathError: the path is not smooth, or `at` is not on it.
         """
-        self.machine = machine
-        self.guidance = guidance
-        self.estimator = estimator
-        self.controller = controller
-        self.predictor = predictor
-        self.tractor_law, self.trailer_law = tractor_law, trailer_law
-        self.gate = gate
-        self.speed, self.planned_speed = speed, planned_speed
-        self._step = 0
+        self._set_path("set_path", path)
+        if at:
+            _require(Status(self.library.call("begin_at", ctypes.c_double(at))), path, at)
+        self.path, self._number = path, -1
 
-    def step(self) -> StepRecord:
-        """Read, estimate, plan, command; then prepare for the next sample."""
-        truth = self.machine.truth()
-        measurement = self.machine.read()
-        estimate = self.estimator.update(measurement)
-        ahead = self.predictor.ahead(estimate)  # where the vehicle is when the next command begins to act
-        ahead = replace(ahead, speed=max(ahead.speed, self.planned_speed))  # NaN stays NaN
-        reference = self.guidance.reference(ahead)
-        plan = self.controller.feedback(ahead, reference)
-        tractor = self.tractor_law.apply(plan.tractor)
-        trailer = self.trailer_law.apply(plan.trailer)
-        wanted = Command(
-            time=measurement.time,
-            tractor_steering=tractor.command,
-            trailer_steering=trailer.command,
-            speed=self.speed,
+    def change_path(self, path: Path, *, at: float = 0.0) -> None:
+        """Go on along another path without a stop.
+
+        Args:
+            path: to follow; near `at` it must be under the vehicle.
+            at: arc length there, m.
+
+        Raises:
+            PathError: the path is not smooth, or not under the vehicle there; the run goes on along the old one.
+        """
+        self._set_path("change_path", path, ctypes.c_double(at), at=at)
+        self.path = path
+
+    def _set_path(self, function: str, path: Path, *arguments: object, at: float = 0.0) -> None:
+        nodes = path.nodes  # the library keeps no copy
+        status = self.library.call(function, ctypes.c_void_p(nodes.ctypes.data), len(nodes), *arguments)
+        _require(Status(status), path, at)
+        self._nodes = nodes
+
+    def set_speed(self, speed: float) -> bool:
+        """Change the set speed, m/s; return whether it is within what the configuration allows."""
+        return self.library.call("set_speed", ctypes.c_double(speed)) == Status.OK
+
+    def give(self, estimate: Estimate) -> None:
+        """Give the next sample's estimate to an autopilot whose estimator is ideal."""
+        estimator = self.library.components["estimator"]
+        for structure in (estimator.live, estimator.settings):  # a run that begins takes over its settings
+            _ESTIMATE.pack(structure.memory, estimate)
+
+    def feedback(self, measurement: Measurement) -> tuple[Status, Command]:
+        """Return a status and the command to send; where there is a new one the status is OK, see record().flags."""
+        _MEASUREMENT.pack(self._given, measurement)
+        status = self._feedback()
+        self._measurement, self._command = measurement, _COMMAND.unpack(self._taken)
+        self._number += 1
+        return (Status.OK if status < Status.REFUSED else Status(status)), self._command
+
+    def record(self, truth: Truth | None = None) -> StepRecord:
+        """Return what the newest step took in, decided and put out.
+
+        truth: of a simulated machine at the time of the measurement.
+        """
+        assert self._measurement is not None
+        assert self._command is not None
+        return self._reader.read(self._number, self._measurement, self._command, truth)
+
+
+def _require(status: Status, path: Path, at: float) -> None:
+    if status is Status.PATH:
+        raise PathError(
+            "the path is not smooth: its nodes must be 1 mm to 0.25 m apart, without jumps or kinks, its yaw continuous"
         )
-        command, verdict = self.gate.check(wanted)
-        self.machine.write(command)
-        acting = self.predictor.sent(command)
-        self.estimator.prepare(acting)  # after actuation: the preparation phases cost no latency
-        self.controller.prepare()
-        outcomes = (estimate.status, plan.tractor.status, plan.trailer.status)
-        tractor_times, trailer_times = self.controller.times
-        self._step += 1
-        return StepRecord(
-            step=self._step - 1,
-            measurement=measurement,
-            estimate=estimate,
-            reference=reference,
-            plan=plan,
-            tractor_steering=tractor,
-            trailer_steering=trailer,
-            command=command,
-            truth=truth,
-            estimator_times=self.estimator.times,
-            tractor_times=tractor_times,
-            trailer_times=trailer_times,
-            solver_failures=sum(outcome is not SolverStatus.SOLVED for outcome in outcomes),
-            gate=verdict,
-        )
+    if status is Status.RANGE:
+        raise PathError(f"{at} m is not on the path; give an arc length from 0 to below {path.length:.2f} m")
+    if status is Status.START:
+        raise PathError(f"the vehicle is not on the new path near {at:.2f} m, or faces away; the old path stays")
+    if status is not Status.OK:
+        raise PathError(status.text)

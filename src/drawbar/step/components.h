@@ -1,40 +1,53 @@
-/* The parts of an exported autopilot, each a unit of its own: memory is given to it, what is in there is its business.
- * `work` is lent to it for the length of the call, and to all others after it.
+/* The components of an autopilot, each a translation unit of its own, and all that one autopilot remembers.
  *
- * drawbar_components.h is generated. It tells which parts there are (DRAWBAR_CENTRALISED, DRAWBAR_DEAD_TIME), the bytes that
- * each needs (DRAWBAR_<PART>_SIZE) and what is lent to all (DRAWBAR_WORK_SIZE), and three numbers: DRAWBAR_SPEED to drive at, m/s; DRAWBAR_PATIENCE, for how long a
- * command may act without a new one, s; DRAWBAR_SAMPLE_TIME (in drawbar_size.h), s.
+ * A component's memory is given to it; its content is its own business. `work` is lent to it for the length of the call,
+ * and to all others after it.
+ *
+ * drawbar_components.h is generated. It tells which components there are (DRAWBAR_CENTRALISED, DRAWBAR_DEAD_TIME) and, in
+ * an exported library, the bytes that each needs (DRAWBAR_<COMPONENT>_SIZE), the bytes lent to all (DRAWBAR_WORK_SIZE) and
+ * the numbers of struct step_settings (DRAWBAR_STEP_SETTINGS). In Python's own library (DRAWBAR_HOSTED) memory and numbers
+ * are the caller's; see hosted_step.h.
  */
-#ifndef DRAWBAR_COMPONENTS_H
-#define DRAWBAR_COMPONENTS_H
+#ifndef DRAWBAR_STEP_COMPONENTS_H
+#define DRAWBAR_STEP_COMPONENTS_H
 
 #include "drawbar.h"
 #include "drawbar_components.h"
 #include "path.h"
 #include "signals.h"
 
-#define MEMORY(size) [((size) + sizeof(double) - 1) / sizeof(double)]
+#ifdef DRAWBAR_HOSTED
+#define MEMORY(name, size) double *name
+#else
+#define MEMORY(name, size) double name[((size) + sizeof(double) - 1) / sizeof(double)]
+#endif
 #define COMPONENT(memory) ((struct component *)(memory))
 
-struct component;                               /* another one in each unit */
+struct component;                          /* another one in each unit */
 
 int drawbar_estimator_initialise(struct component *component);
 int drawbar_estimator_begin(struct component *component, const struct drawbar_measurement *first);
 int drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
                              struct drawbar_estimate *estimate, void *work);
 int drawbar_estimator_ready(struct component *component, const struct drawbar_command *acting);
+int drawbar_estimator_skip(struct component *component, const struct drawbar_command *acting);
 
 #ifdef DRAWBAR_DEAD_TIME
 int drawbar_predictor_initialise(struct component *component);
-int drawbar_predictor_ahead(struct component *component, const struct drawbar_estimate *now, struct drawbar_estimate *then);
-int drawbar_predictor_sent(struct component *component, const struct drawbar_command *newest, struct drawbar_command *acting);
+int drawbar_predictor_ahead(struct component *component, const struct drawbar_estimate *now,
+                            struct drawbar_estimate *then);
+int drawbar_predictor_sent(struct component *component, const struct drawbar_command *newest,
+                           struct drawbar_command *acting);
 #endif
 
 int drawbar_guidance_initialise(struct component *component);
-int drawbar_guidance_begin(struct component *component, const struct path *path, const struct drawbar_measurement *first);
-int drawbar_guidance_reference(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
-                               struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer,
-                               void *work);
+int drawbar_guidance_begin(struct component *component, const struct path *path, double start,
+                           const struct drawbar_measurement *first);
+int drawbar_guidance_change(struct component *component, const struct path *path, double start,
+                            const struct drawbar_estimate *estimate);
+int drawbar_guidance_reference(struct component *component, const struct path *path,
+                               const struct drawbar_estimate *estimate, struct drawbar_body_reference *tractor,
+                               struct drawbar_body_reference *trailer, void *work);
 int drawbar_guidance_finished(struct component *component, const struct path *path);
 
 #ifdef DRAWBAR_CENTRALISED
@@ -44,17 +57,20 @@ int drawbar_controller_feedback(struct component *component, const struct drawba
                                 const struct drawbar_body_reference *trailer_reference,
                                 struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer, void *work);
 int drawbar_controller_ready(struct component *component);
+int drawbar_controller_skip(struct component *component);
 #else
 int drawbar_tractor_initialise(struct component *component);
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
                              const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work);
 int drawbar_tractor_ready(struct component *component);
+int drawbar_tractor_skip(struct component *component);
 int drawbar_trailer_initialise(struct component *component);
 int drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
                              const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work);
 int drawbar_trailer_ready(struct component *component);
+int drawbar_trailer_skip(struct component *component);
 #endif
 
 int drawbar_tractor_law_initialise(struct component *component);
@@ -69,11 +85,35 @@ int drawbar_gate_begin(struct component *component, const struct drawbar_measure
 int drawbar_gate_stop(struct component *component, double time, struct drawbar_command *given);
 int drawbar_gate_stand(const struct component *component, double time, struct drawbar_command *given);
 int drawbar_gate_hold(struct component *component, double time, struct drawbar_command *given);
-int drawbar_gate_check(struct component *component, const struct drawbar_command *wanted, struct drawbar_command *given);
+int drawbar_gate_check(struct component *component, const struct drawbar_command *wanted,
+                       struct drawbar_command *given);
+int drawbar_gate_skip(struct component *component, struct drawbar_command *given);
 
 int drawbar_supervisor_initialise(struct component *component);
 int drawbar_supervisor_watch(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *tractor);
+
+enum { TRACTOR_BODY, TRAILER_BODY, BOTH_BODIES };
+
+/* What the step itself knows from the configuration. */
+struct step_settings {
+    double sample_time;                    /* s */
+    double speed;                          /* set speed, and the largest that drawbar_set_speed takes, m/s */
+    double planned_speed;                  /* least speed that plans reckon with, m/s; -INFINITY: none */
+    double acceleration;                   /* fastest change of the speed that is commanded, m/s^2 */
+    double patience;                       /* for how long a command may act without a new one, s */
+    double endurance;                      /* for how long the vehicle may be driven on predictions alone, s */
+};
+
+/* What the newest step decided, one component after the other. */
+struct decisions {
+    struct drawbar_estimate estimate;
+    struct drawbar_body_reference references[BOTH_BODIES];
+    struct drawbar_body_plan plans[BOTH_BODIES];
+    struct drawbar_body_steering steerings[BOTH_BODIES];
+};
+
+enum { WITH_NOTHING, WITH_ESTIMATE, WITH_REFERENCES, WITH_PLANS };   /* how far a feedback got */
 
 /* Everything that one autopilot remembers. */
 struct autopilot {
@@ -81,29 +121,52 @@ struct autopilot {
     int32_t begun;                         /* the first measurement of the run has been seen */
     int32_t ended;                         /* enum drawbar_status with which the run did, or 0 */
     int32_t called;                        /* drawbar_feedback has been, since drawbar_prepare */
-    int32_t due;                           /* and the parts have something to prepare */
-    int32_t late;                          /* the newest measurement was */
+    int32_t due;                           /* and the components have something to prepare */
+    int32_t reached;                       /* how far the newest feedback got */
     double time;                           /* of the newest measurement, s */
+    double start;                          /* arc length at which the run is to begin, m */
+    double wanted_speed;                   /* set speed, m/s */
+    double speed;                          /* the one that is commanded, m/s */
+    double unsolved;                       /* since estimator and controllers have all had a solution, s */
+    double overdue;                        /* by which samples came late, less half of what has passed since, s */
+    struct step_settings settings;
     struct path path;                      /* count 0: none */
-    struct drawbar_estimate estimate;
+    struct decisions made;
     struct drawbar_command acting;         /* the command that acts until the next measurement */
     struct drawbar_diagnostics diagnostics;
-    double estimator MEMORY(DRAWBAR_ESTIMATOR_SIZE);
-    double guidance MEMORY(DRAWBAR_GUIDANCE_SIZE);
+    MEMORY(estimator, DRAWBAR_ESTIMATOR_SIZE);
+    MEMORY(guidance, DRAWBAR_GUIDANCE_SIZE);
 #ifdef DRAWBAR_DEAD_TIME
-    double predictor MEMORY(DRAWBAR_PREDICTOR_SIZE);
+    MEMORY(predictor, DRAWBAR_PREDICTOR_SIZE);
 #endif
 #ifdef DRAWBAR_CENTRALISED
-    double controller MEMORY(DRAWBAR_CONTROLLER_SIZE);
+    MEMORY(controller, DRAWBAR_CONTROLLER_SIZE);
 #else
-    double tractor MEMORY(DRAWBAR_TRACTOR_SIZE);
-    double trailer MEMORY(DRAWBAR_TRAILER_SIZE);
+    MEMORY(tractor, DRAWBAR_TRACTOR_SIZE);
+    MEMORY(trailer, DRAWBAR_TRAILER_SIZE);
 #endif
-    double tractor_law MEMORY(DRAWBAR_TRACTOR_LAW_SIZE);
-    double trailer_law MEMORY(DRAWBAR_TRAILER_LAW_SIZE);
-    double gate MEMORY(DRAWBAR_GATE_SIZE);
-    double supervisor MEMORY(DRAWBAR_SUPERVISOR_SIZE);
-    double work MEMORY(DRAWBAR_WORK_SIZE);
+    MEMORY(tractor_law, DRAWBAR_TRACTOR_LAW_SIZE);
+    MEMORY(trailer_law, DRAWBAR_TRAILER_LAW_SIZE);
+    MEMORY(gate, DRAWBAR_GATE_SIZE);
+    MEMORY(supervisor, DRAWBAR_SUPERVISOR_SIZE);
+    MEMORY(work, DRAWBAR_WORK_SIZE);
+#ifdef DRAWBAR_HOSTED
+    double times[3][2];                    /* of estimator, tractor, trailer: preparation, feedback, s */
+#endif
 };
+
+#ifdef DRAWBAR_HOSTED
+#include "clock.h"
+#define TIMED(a, solver, phase, call)                                                                        \
+    do {                                                                                                     \
+        const double began = clock_now();                                                                    \
+        (void)(call);                                                                                        \
+        (a)->times[solver][phase] = clock_now() - began;                                                     \
+    } while (0)
+#else
+#define TIMED(a, solver, phase, call) (void)(call)
+#endif
+enum { TIMED_ESTIMATOR, TIMED_TRACTOR, TIMED_TRAILER };
+enum { PREPARATION, FEEDBACK };
 
 #endif

@@ -1,13 +1,14 @@
-/* One control step of an exported library, in the order of the block diagram: that of autopilot/autopilot.py, with the
- * supervision of autopilot/run.py. */
+/* One control step, in the order of the block diagram; feed_back is the whole of it. Python drives this very file, and so
+ * does every exported library. */
 #ifndef DRAWBAR_CONTROL_STEP_H
 #define DRAWBAR_CONTROL_STEP_H
 
 #include <stddef.h>
+#include <string.h>
 #include "admission.h"
 #include "components.h"
+#include "pace.h"
 #include "status.h"
-#include "verdicts.h"
 
 /* The run is over: stop the vehicle, now and at every later sample. */
 static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *command)
@@ -21,11 +22,10 @@ static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *
 static int do_without(struct autopilot *a, int32_t status, struct drawbar_command *command)
 {
     a->diagnostics.gate = drawbar_gate_hold(COMPONENT(a->gate), a->time, command);
-    return a->begun && a->diagnostics.gate == STOPPED ? end_run(a, DRAWBAR_STOPPED, command) : status;
+    return a->begun && a->diagnostics.gate == DRAWBAR_GATE_STOPPED ? end_run(a, DRAWBAR_STOPPED, command) : status;
 }
 
-/* Let all start from the first measurement. Until it is complete the gate still knows the last run's command. */
-static int begin_run(struct autopilot *a, const struct drawbar_measurement *first)
+static void initialise_components(struct autopilot *a)
 {
     drawbar_estimator_initialise(COMPONENT(a->estimator));
     drawbar_guidance_initialise(COMPONENT(a->guidance));
@@ -41,11 +41,23 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *firs
     drawbar_tractor_initialise(COMPONENT(a->tractor));
     drawbar_trailer_initialise(COMPONENT(a->trailer));
 #endif
+}
+
+/* Let all start from the first measurement. Until it is complete the gate still knows the last run's command. */
+static int begin_run(struct autopilot *a, const struct drawbar_measurement *first)
+{
+    double start[4];
+
+    path_sample(&a->path, a->start, start);
+    a->diagnostics.start_distance = hypot(first->tractor_x - start[0], first->tractor_y - start[1]);
+    initialise_components(a);
     if (drawbar_estimator_begin(COMPONENT(a->estimator), first) == BAD_INPUT)
         return DRAWBAR_POSITION;
-    if (drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, first))
+    a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, first);
+    if (a->diagnostics.guidance != DRAWBAR_GUIDANCE_FINE)
         return DRAWBAR_START;
     drawbar_gate_begin(COMPONENT(a->gate), first);
+    pace_begin(a);
     a->begun = 1;
     return DRAWBAR_OK;
 }
@@ -53,15 +65,15 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *firs
 /* Where the vehicle is when the next command begins to act, and at what speed plans take it from there. */
 static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 {
+    const double least = pace_planned(a);
+
 #ifdef DRAWBAR_DEAD_TIME
-    drawbar_predictor_ahead(COMPONENT(a->predictor), &a->estimate, ahead);
+    drawbar_predictor_ahead(COMPONENT(a->predictor), &a->made.estimate, ahead);
 #else
-    *ahead = a->estimate;
+    *ahead = a->made.estimate;
 #endif
-#ifdef DRAWBAR_PLANNED_SPEED
-    if (ahead->speed < DRAWBAR_PLANNED_SPEED)
-        ahead->speed = DRAWBAR_PLANNED_SPEED;
-#endif
+    if (ahead->speed < least)
+        ahead->speed = least;
 }
 
 /* The command that acts during most of the sample that now begins. */
@@ -75,86 +87,112 @@ static void send(struct autopilot *a, const struct drawbar_command *command)
 }
 
 /* Both bodies' nominal plans. */
-static void plan(struct autopilot *a, const struct drawbar_estimate *ahead,
-                 const struct drawbar_body_reference *references, struct drawbar_body_plan *plans)
+static void plan(struct autopilot *a, const struct drawbar_estimate *ahead)
 {
+    const struct drawbar_body_reference *references = a->made.references;
+    struct drawbar_body_plan *plans = a->made.plans;
+
 #ifdef DRAWBAR_CENTRALISED
-    drawbar_controller_feedback(COMPONENT(a->controller), ahead, &references[0], &references[1], &plans[0], &plans[1],
-                                a->work);
+    TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_controller_feedback(
+        COMPONENT(a->controller), ahead, &references[TRACTOR_BODY], &references[TRAILER_BODY], &plans[TRACTOR_BODY],
+        &plans[TRAILER_BODY], a->work));
 #else
-    drawbar_tractor_feedback(COMPONENT(a->tractor), ahead, &references[0], NULL, &plans[0], a->work);
-    drawbar_trailer_feedback(COMPONENT(a->trailer), ahead, &references[1], &plans[0], &plans[1], a->work);
+    TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_tractor_feedback(
+        COMPONENT(a->tractor), ahead, &references[TRACTOR_BODY], NULL, &plans[TRACTOR_BODY], a->work));
+    TIMED(a, TIMED_TRAILER, FEEDBACK, drawbar_trailer_feedback(
+        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &plans[TRACTOR_BODY], &plans[TRAILER_BODY], a->work));
 #endif
 }
 
 /* Write down how one body is and how its command came about. */
-static void diagnose(struct drawbar_body_diagnostics *body, const struct drawbar_body_reference *reference,
-                     const struct drawbar_body_steering *steering, int32_t solver, int32_t fix)
+static void diagnose(struct drawbar_body_diagnostics *body, const struct decisions *made, int i, int32_t fix)
 {
-    body->progress = reference->progress;
-    body->lateral_error = reference->lateral_error;
-    body->nominal = steering->nominal;
-    body->ancillary = steering->ancillary;
-    body->margin = steering->margin;
-    body->saturated = steering->saturated;
-    body->solver = solver;
+    body->progress = made->references[i].progress;
+    body->lateral_error = made->references[i].lateral_error;
+    body->nominal = made->steerings[i].nominal;
+    body->ancillary = made->steerings[i].ancillary;
+    body->margin = made->steerings[i].margin;
+    body->saturated = made->steerings[i].saturated;
+    body->solver = made->plans[i].status;
     body->fix = fix;
 }
 
-/* The status of a step whose command was checked: the gravest of what there is to say. */
-static int outcome(struct autopilot *a, int verdict, struct drawbar_command *command)
+/* Whether estimate and plans are solutions. */
+static int solved(const struct autopilot *a)
 {
-    const struct drawbar_diagnostics *d = &a->diagnostics;
+    const struct decisions *made = &a->made;
 
-    if (verdict == STOPPED)
-        return end_run(a, DRAWBAR_STOPPED, command);
-    if (verdict == REPEATED)
-        return DRAWBAR_REFUSED;
-    if (d->estimator != SOLVED || d->tractor.solver != SOLVED || d->trailer.solver != SOLVED)
-        return DRAWBAR_SOLVER;
-    if (verdict == LIMITED)
-        return DRAWBAR_LIMITED;
-    return a->late ? DRAWBAR_LATE : d->missing ? DRAWBAR_MEASUREMENT : DRAWBAR_OK;
+    return made->estimate.status == SOLVED && made->plans[TRACTOR_BODY].status == SOLVED
+        && made->plans[TRAILER_BODY].status == SOLVED;
 }
 
-/* Steer by both plans and both ancillary laws. */
-static int steer(struct autopilot *a, const struct drawbar_body_reference *references,
-                 const struct drawbar_body_plan *plans, struct drawbar_command *command)
+/* Steer by both plans and both ancillary laws; the gate has the last word. */
+static int steer(struct autopilot *a, struct drawbar_command *command)
 {
     struct drawbar_diagnostics *d = &a->diagnostics;
-    struct drawbar_body_steering tractor, trailer;
+    struct decisions *made = &a->made;
+    struct drawbar_body_steering *steerings = made->steerings;
 
-    drawbar_tractor_law_apply(COMPONENT(a->tractor_law), &plans[0], &tractor);
-    drawbar_trailer_law_apply(COMPONENT(a->trailer_law), &plans[1], &trailer);
-    diagnose(&d->tractor, &references[0], &tractor, plans[0].status, a->estimate.tractor_fix);
-    diagnose(&d->trailer, &references[1], &trailer, plans[1].status, a->estimate.trailer_fix);
-    d->estimator = a->estimate.status;
-    const struct drawbar_command wanted = {a->time, tractor.command, trailer.command, DRAWBAR_SPEED};
+    drawbar_tractor_law_apply(COMPONENT(a->tractor_law), &made->plans[TRACTOR_BODY], &steerings[TRACTOR_BODY]);
+    drawbar_trailer_law_apply(COMPONENT(a->trailer_law), &made->plans[TRAILER_BODY], &steerings[TRAILER_BODY]);
+    diagnose(&d->tractor, made, TRACTOR_BODY, made->estimate.tractor_fix);
+    diagnose(&d->trailer, made, TRAILER_BODY, made->estimate.trailer_fix);
+    const struct drawbar_command wanted
+        = {a->time, steerings[TRACTOR_BODY].command, steerings[TRAILER_BODY].command, a->speed};
     d->gate = drawbar_gate_check(COMPONENT(a->gate), &wanted, command);
     send(a, command);
     a->due = 1;
-    return outcome(a, d->gate, command);
+    if (d->gate == DRAWBAR_GATE_STOPPED)
+        return end_run(a, DRAWBAR_STOPPED, command);
+    d->flags |= d->gate == DRAWBAR_GATE_LIMITED ? DRAWBAR_LIMITED : 0;
+    return d->gate == DRAWBAR_GATE_REPEATED ? DRAWBAR_REFUSED : d->flags;
 }
 
 /* Estimate, plan, command. */
 static int drive(struct autopilot *a, const struct drawbar_measurement *measurement, struct drawbar_command *command)
 {
+    struct decisions *made = &a->made;
+    struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_estimate ahead;
-    struct drawbar_body_reference references[2];
-    struct drawbar_body_plan plans[2];
 
-    drawbar_estimator_update(COMPONENT(a->estimator), measurement, &a->estimate, a->work);
+    TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
+          drawbar_estimator_update(COMPONENT(a->estimator), measurement, &made->estimate, a->work));
+    d->estimator = made->estimate.status;
+    a->reached = WITH_ESTIMATE;
     look_ahead(a, &ahead);
-    if (drawbar_guidance_reference(COMPONENT(a->guidance), &a->path, &ahead, &references[0], &references[1], a->work))
+    d->guidance = drawbar_guidance_reference(COMPONENT(a->guidance), &a->path, &ahead, &made->references[TRACTOR_BODY],
+                                             &made->references[TRAILER_BODY], a->work);
+    if (d->guidance != DRAWBAR_GUIDANCE_FINE)
         return end_run(a, DRAWBAR_GUIDANCE, command);
-    switch (drawbar_supervisor_watch(COMPONENT(a->supervisor), &a->estimate, &references[0])) {
+    a->reached = WITH_REFERENCES;
+    switch (drawbar_supervisor_watch(COMPONENT(a->supervisor), &made->estimate, &made->references[TRACTOR_BODY])) {
     case OFF_COURSE:
         return end_run(a, DRAWBAR_OFF_COURSE, command);
     case BLIND:
         return end_run(a, DRAWBAR_BLIND, command);
     default:
-        plan(a, &ahead, references, plans);
-        return steer(a, references, plans, command);
+        plan(a, &ahead);
+        a->reached = WITH_PLANS;
+    }
+    const int too_long = pace_step(a, solved(a));
+    return too_long ? end_run(a, too_long, command) : steer(a, command);
+}
+
+/* Let samples that were left out pass: nothing was measured, and the last command went on to act. */
+static void catch_up(struct autopilot *a, int samples)
+{
+    struct drawbar_command last;
+
+    for (int i = 0; i < samples; ++i) {
+        drawbar_gate_skip(COMPONENT(a->gate), &last);
+        send(a, &last);
+        drawbar_estimator_skip(COMPONENT(a->estimator), &a->acting);
+#ifdef DRAWBAR_CENTRALISED
+        drawbar_controller_skip(COMPONENT(a->controller));
+#else
+        drawbar_tractor_skip(COMPONENT(a->tractor));
+        drawbar_trailer_skip(COMPONENT(a->trailer));
+#endif
     }
 }
 
@@ -163,21 +201,26 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
                      struct drawbar_command *command)
 {
     const double elapsed = measurement->time - a->time;
+    struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement seen;
 
+    d->flags = 0;
+    a->reached = WITH_NOTHING;
     if (a->ended)
         return end_run(a, a->ended, command);
     if (!isfinite(measurement->time) || (a->begun && !(elapsed > 0.0)))
         return do_without(a, DRAWBAR_TIME, command);
     a->time = measurement->time;
-    if (a->begun && elapsed > DRAWBAR_PATIENCE + 0.5 * DRAWBAR_SAMPLE_TIME)
+    if (a->begun && elapsed > a->settings.patience + 0.5 * a->settings.sample_time)
         return end_run(a, DRAWBAR_GAP, command);
-    a->late = a->begun && elapsed > 1.5 * DRAWBAR_SAMPLE_TIME;
-    a->diagnostics.missing = admit(measurement, &seen);
+    d->missing = admit(measurement, &seen);
+    d->flags |= d->missing ? DRAWBAR_MEASUREMENT : 0;
     if (!a->begun) {
         const int status = begin_run(a, &seen);
         if (status != DRAWBAR_OK)
             return do_without(a, status, command);
+    } else {
+        catch_up(a, pace_left_out(a, elapsed));
     }
     if (drawbar_guidance_finished(COMPONENT(a->guidance), &a->path))
         return end_run(a, DRAWBAR_FINISHED, command);
@@ -187,12 +230,12 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
 /* The preparation phase, after the command is out. */
 static void prepare(struct autopilot *a)
 {
-    drawbar_estimator_ready(COMPONENT(a->estimator), &a->acting);
+    TIMED(a, TIMED_ESTIMATOR, PREPARATION, drawbar_estimator_ready(COMPONENT(a->estimator), &a->acting));
 #ifdef DRAWBAR_CENTRALISED
-    drawbar_controller_ready(COMPONENT(a->controller));
+    TIMED(a, TIMED_TRACTOR, PREPARATION, drawbar_controller_ready(COMPONENT(a->controller)));
 #else
-    drawbar_tractor_ready(COMPONENT(a->tractor));
-    drawbar_trailer_ready(COMPONENT(a->trailer));
+    TIMED(a, TIMED_TRACTOR, PREPARATION, drawbar_tractor_ready(COMPONENT(a->tractor)));
+    TIMED(a, TIMED_TRAILER, PREPARATION, drawbar_trailer_ready(COMPONENT(a->trailer)));
 #endif
 }
 

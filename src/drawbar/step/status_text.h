@@ -1,30 +1,25 @@
-/* What a status of an exported library means, in one line. */
+/* Generated from signals.py by `python -m drawbar.exchange`; change it there. */
 #ifndef DRAWBAR_STATUS_TEXT_H
 #define DRAWBAR_STATUS_TEXT_H
 
 #include "drawbar.h"
 
+/* What a status means, in one line. */
 const char *drawbar_status_text(int status)
 {
+    if (status > DRAWBAR_OK && status < DRAWBAR_REFUSED && (status & (status - 1)) != 0)
+        return "a new command; several flags are set";
     switch (status) {
     case DRAWBAR_OK:
         return "a new command";
-    case DRAWBAR_MEASUREMENT:
-        return "a new command; a measured value was infinite or absurd and was taken for missing";
-    case DRAWBAR_LATE:
-        return "a new command; a sample or more was left out";
-    case DRAWBAR_LIMITED:
-        return "a new command; its steering was brought nearer to the wheels, by what no actuator can tell";
-    case DRAWBAR_SOLVER:
-        return "a new command; a solver failed, its estimate or plan is a prediction";
     case DRAWBAR_REFUSED:
-        return "last command repeated: the new one was not finite or beyond its limits";
+        return "last command repeated: the new one is not finite or exceeds its limits";
     case DRAWBAR_TIME:
         return "last command repeated: the time stamp is not finite or does not increase";
     case DRAWBAR_POSITION:
         return "standing: the run cannot begin, an antenna's position is missing";
     case DRAWBAR_START:
-        return "standing: the run cannot begin, the tractor is too far from the path's start";
+        return "standing: the run cannot begin, the tractor is too far from where it is to begin on the path";
     case DRAWBAR_FINISHED:
         return "stopped: the tractor has reached the end of the path";
     case DRAWBAR_OFF_COURSE:
@@ -32,11 +27,15 @@ const char *drawbar_status_text(int status)
     case DRAWBAR_BLIND:
         return "stopped: neither antenna has had a valid fix for too long";
     case DRAWBAR_GUIDANCE:
-        return "stopped: the estimate is not finite, or no way leads back onto the path";
+        return "stopped: the estimate is not finite, or no turns lead back onto the path";
     case DRAWBAR_GAP:
         return "stopped: samples were left out for longer than a command may be repeated";
     case DRAWBAR_STOPPED:
         return "stopped: no command could be given for longer than one may be repeated";
+    case DRAWBAR_UNSOLVED:
+        return "stopped: estimator or controllers have had no solution for too long";
+    case DRAWBAR_OVERDUE:
+        return "stopped: samples came late for too long";
     case DRAWBAR_NULL:
         return "wrong call: a pointer is NULL";
     case DRAWBAR_NOT_INITIALISED:
@@ -47,6 +46,20 @@ const char *drawbar_status_text(int status)
         return "wrong call: feedback and prepare do not alternate";
     case DRAWBAR_PATH:
         return "wrong call: the path's table is not a smooth path";
+    case DRAWBAR_RANGE:
+        return "wrong call: a number is beyond what is allowed";
+    case DRAWBAR_NO_RUN:
+        return "wrong call: no run has begun, or it has ended";
+    case DRAWBAR_MEASUREMENT:
+        return "a new command; a measured value was infinite or beyond what its sensor can mean, and was taken for missing";
+    case DRAWBAR_LATE:
+        return "a new command; one or more samples were left out";
+    case DRAWBAR_LIMITED:
+        return "a new command; steering clamped where the valve is already fully open; the motion is unchanged";
+    case DRAWBAR_SOLVER:
+        return "a new command; a solver failed; the estimate or the plan is its own prediction";
+    case DRAWBAR_SLOWED:
+        return "a new command; the vehicle is driven slower than the set speed, until estimates and plans are sound again";
     default:
         return "no status of this library";
     }

@@ -1,12 +1,13 @@
-/* What an exported library offers to the world: every pointer and the order of calls are checked here, the rest is in
- * control_step.h. */
+/* What a library offers to the world: every pointer and the order of calls are checked here, the rest is in control_step.h. */
 #ifndef DRAWBAR_STEP_H
 #define DRAWBAR_STEP_H
 
-#include <string.h>
 #include "control_step.h"
 #include "path_check.h"
 #include "status_text.h"
+#ifdef DRAWBAR_HOSTED
+#include "hosted_step.h"
+#endif
 
 #define INITIALISED 0x64726177u            /* "draw" */
 
@@ -26,14 +27,27 @@ static int stand(struct drawbar_command *command, int status)
     return status;
 }
 
+/* Forget everything but what the caller of a hosted library gave. */
+static void forget(struct autopilot *a)
+{
+#ifdef DRAWBAR_HOSTED
+    memset(a, 0, offsetof(struct autopilot, settings));
+    memset(&a->path, 0, offsetof(struct autopilot, estimator) - offsetof(struct autopilot, path));
+#else
+    memset(a, 0, sizeof *a);
+    a->settings = (struct step_settings)DRAWBAR_STEP_SETTINGS;
+#endif
+}
+
 int drawbar_init(struct drawbar_state *state)
 {
     struct autopilot *a = (struct autopilot *)state;
 
     if (state == NULL)
         return DRAWBAR_NULL;
-    memset(state, 0, sizeof *state);
+    forget(a);
     a->magic = INITIALISED;
+    a->wanted_speed = a->settings.speed;
     drawbar_gate_initialise(COMPONENT(a->gate));
     return DRAWBAR_OK;
 }
@@ -50,7 +64,61 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
     if (path_check(&path) >= 0)
         return DRAWBAR_PATH;
     a->path = path;
+    a->start = 0.0;
     a->begun = a->ended = a->called = a->due = 0;
+    return DRAWBAR_OK;
+}
+
+int drawbar_begin_at(struct drawbar_state *state, double arc_length)
+{
+    struct autopilot *a;
+
+    if (state == NULL)
+        return DRAWBAR_NULL;
+    if ((a = autopilot_in(state)) == NULL)
+        return DRAWBAR_NOT_INITIALISED;
+    if (a->path.count == 0 || a->begun)
+        return a->begun ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
+    if (!(arc_length >= 0.0 && arc_length < path_length(&a->path)))
+        return DRAWBAR_RANGE;
+    a->start = arc_length;
+    return DRAWBAR_OK;
+}
+
+int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_node *nodes, int32_t count,
+                        double arc_length)
+{
+    const struct path path = {nodes, count};
+    struct autopilot *a;
+
+    if (state == NULL || nodes == NULL)
+        return DRAWBAR_NULL;
+    if ((a = autopilot_in(state)) == NULL)
+        return DRAWBAR_NOT_INITIALISED;
+    if (!a->begun || a->ended)
+        return DRAWBAR_NO_RUN;
+    if (path_check(&path) >= 0)
+        return DRAWBAR_PATH;
+    if (!(arc_length >= 0.0 && arc_length < path_length(&path)))
+        return DRAWBAR_RANGE;
+    if (drawbar_guidance_change(COMPONENT(a->guidance), &path, arc_length, &a->made.estimate)
+        != DRAWBAR_GUIDANCE_FINE)
+        return DRAWBAR_START;
+    a->path = path;
+    return DRAWBAR_OK;
+}
+
+int drawbar_set_speed(struct drawbar_state *state, double speed)
+{
+    struct autopilot *a;
+
+    if (state == NULL)
+        return DRAWBAR_NULL;
+    if ((a = autopilot_in(state)) == NULL)
+        return DRAWBAR_NOT_INITIALISED;
+    if (!(speed >= 0.0 && speed <= a->settings.speed))
+        return DRAWBAR_RANGE;
+    a->wanted_speed = speed;
     return DRAWBAR_OK;
 }
 
@@ -74,7 +142,9 @@ int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measureme
         return a->called ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
     }
     a->called = 1;
-    return a->diagnostics.status = feed_back(a, measurement, command);
+    const int status = feed_back(a, measurement, command);
+    a->diagnostics.status = status < DRAWBAR_REFUSED ? DRAWBAR_OK : status;
+    return status;
 }
 
 int drawbar_prepare(struct drawbar_state *state)
@@ -111,7 +181,7 @@ int drawbar_get_estimate(const struct drawbar_state *state, struct drawbar_estim
         return DRAWBAR_NULL;
     if (a->magic != INITIALISED)
         return DRAWBAR_NOT_INITIALISED;
-    *estimate = a->estimate;
+    *estimate = a->made.estimate;
     return DRAWBAR_OK;
 }
 

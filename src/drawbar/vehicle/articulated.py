@@ -9,13 +9,14 @@ from typing import Any
 
 import casadi as ca
 
+from drawbar.vehicle.lengths import Lengths, lengths_of
 from drawbar.vehicle.model import Model, declare, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
 
 
 def trailer_yaw_rate(
-    vehicle: VehicleParameters,
+    lengths: Lengths,
     speed: Any,
     omega: Any,
     gamma: Any,
@@ -27,7 +28,7 @@ def trailer_yaw_rate(
     """Return psi', rad/s, such that the trailer axle's side-slip angle is trailer_crab.
 
     Args:
-        vehicle: lengths.
+        lengths: of the vehicle.
         speed: V, longitudinal speed of the rear axle, m/s.
         omega: tractor yaw rate, rad/s.
         gamma: tractor yaw minus trailer yaw, rad.
@@ -36,18 +37,18 @@ def trailer_yaw_rate(
         crab: alpha_r, rad.
         trailer_crab: alpha_i, rad.
     """
-    d, slope = vehicle.drawbar_length, ca.tan(trailer_crab)
-    lateral = speed * ca.tan(crab) - vehicle.free_joint_offset * omega
+    d, slope = lengths.drawbar_length, ca.tan(trailer_crab)
+    lateral = speed * ca.tan(crab) - lengths.free_joint_offset * omega
     push = speed * ca.sin(gamma) + lateral * ca.cos(gamma) - d * joint_rate * ca.cos(joint)
     drag = speed * ca.cos(gamma) - lateral * ca.sin(gamma) + d * joint_rate * ca.sin(joint)
-    lever = vehicle.trailer_length + d * ca.cos(joint) + slope * d * ca.sin(joint)
+    lever = lengths.trailer_length + d * ca.cos(joint) + slope * d * ca.sin(joint)
     return (push - slope * drag) / lever
 
 
-def trailer_antenna(vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi: Any, joint: Any) -> tuple[Any, Any]:
+def trailer_antenna(lengths: Lengths, x: Any, y: Any, theta: Any, psi: Any, joint: Any) -> tuple[Any, Any]:
     """Return the trailer antenna's position (m) behind a tractor whose rear axle is at x, y (m); angles in rad."""
-    a, d = vehicle.free_joint_offset, vehicle.drawbar_length
-    back = vehicle.trailer_length - vehicle.trailer_antenna
+    a, d = lengths.free_joint_offset, lengths.drawbar_length
+    back = lengths.trailer_length - lengths.trailer_antenna
     phi = psi + joint
     return (
         x - a * ca.cos(theta) - d * ca.cos(phi) - back * ca.cos(psi),
@@ -56,12 +57,12 @@ def trailer_antenna(vehicle: VehicleParameters, x: Any, y: Any, theta: Any, psi:
 
 
 def tractor_rates(
-    vehicle: VehicleParameters, theta: Any, steering: Any, mu: Any, kappa: Any, offset: Any, crab: Any, v: Any
+    lengths: Lengths, theta: Any, steering: Any, mu: Any, kappa: Any, offset: Any, crab: Any, v: Any
 ) -> Any:
     """Return the column x', y' (m/s), theta' (rad/s) of the tractor.
 
     Args:
-        vehicle: lengths.
+        lengths: of the vehicle.
         theta: tractor yaw, rad.
         steering: delta_t, rad.
         mu: longitudinal slip factor.
@@ -74,7 +75,7 @@ def tractor_rates(
     return ca.vertcat(
         speed * ca.cos(theta) - slide * ca.sin(theta),
         speed * ca.sin(theta) + slide * ca.cos(theta),
-        speed * (ca.tan(kappa * steering + offset) - ca.tan(crab)) / vehicle.wheelbase,
+        speed * (ca.tan(kappa * steering + offset) - ca.tan(crab)) / lengths.wheelbase,
     )
 
 
@@ -84,13 +85,14 @@ def articulated(vehicle: VehicleParameters) -> Model:
     States x_t, y_t, theta, psi, delta_t, delta_i; inputs the steering rates; parameters mu, kappa, b, alpha_i, v,
     alpha_r. The hitch angle is an output: beta = theta - psi - delta_i.
     """
+    lengths, constants = lengths_of(vehicle)
 
     def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
         x_t, y_t, theta, psi, delta_t, delta_i = ca.vertsplit(x)
         mu, kappa, offset, trailer_crab, v, crab = ca.vertsplit(p)
-        tractor = tractor_rates(vehicle, theta, delta_t, mu, kappa, offset, crab, v)
-        psi_rate = trailer_yaw_rate(vehicle, mu * v, tractor[2], theta - psi, delta_i, u[1], crab, trailer_crab)
-        x_i, y_i = trailer_antenna(vehicle, x_t, y_t, theta, psi, delta_i)
+        tractor = tractor_rates(lengths, theta, delta_t, mu, kappa, offset, crab, v)
+        psi_rate = trailer_yaw_rate(lengths, mu * v, tractor[2], theta - psi, delta_i, u[1], crab, trailer_crab)
+        x_i, y_i = trailer_antenna(lengths, x_t, y_t, theta, psi, delta_i)
         output = ca.vertcat(x_t, y_t, x_i, y_i, theta - psi - delta_i, v, delta_t, delta_i, u)
         return ca.vertcat(tractor, psi_rate, u), output
 
@@ -116,6 +118,7 @@ def articulated(vehicle: VehicleParameters) -> Model:
         ),
         outputs=(*MEASURED, *rates),
         equations=equations,
+        constants=constants,
     )
 
 
@@ -164,11 +167,12 @@ def articulated_tractor(vehicle: VehicleParameters) -> Model:
     States x, y, theta, delta_t; input the steering rate; parameters mu, kappa, b, alpha_r, v and the reference pose
     x, y, yaw. Outputs: lateral error (m), heading error of the direction of motion (rad), steering, steering rate.
     """
+    lengths, constants = lengths_of(vehicle)
 
     def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
         px, py, theta, delta = ca.vertsplit(x)
         mu, kappa, offset, crab, v, rx, ry, yaw = ca.vertsplit(p)
-        rates = tractor_rates(vehicle, theta, delta, mu, kappa, offset, crab, v)
+        rates = tractor_rates(lengths, theta, delta, mu, kappa, offset, crab, v)
         errors = _lateral_error(px, py, rx, ry, yaw), theta + crab - yaw
         return ca.vertcat(rates, u), ca.vertcat(*errors, delta, u)
 
@@ -188,6 +192,7 @@ def articulated_tractor(vehicle: VehicleParameters) -> Model:
         ),
         outputs=variables(lateral_error="m", heading_error="rad", steering="rad", steering_rate="rad/s"),
         equations=equations,
+        constants=constants,
     )
 
 
@@ -198,12 +203,13 @@ def articulated_trailer(vehicle: VehicleParameters) -> Model:
     yaw rate (the coupling), its pose at the stage, and the reference pose. Outputs: lateral error of the trailer
     antenna (m), steering, steering rate.
     """
+    lengths, constants = lengths_of(vehicle)
 
     def equations(x: Any, u: Any, p: Any) -> tuple[Any, Any]:
         gamma, delta = ca.vertsplit(x)
         mu, crab, trailer_crab, v, omega, tx, ty, theta, rx, ry, yaw = ca.vertsplit(p)
-        psi_rate = trailer_yaw_rate(vehicle, mu * v, omega, gamma, delta, u, crab, trailer_crab)
-        px, py = trailer_antenna(vehicle, tx, ty, theta, theta - gamma, delta)
+        psi_rate = trailer_yaw_rate(lengths, mu * v, omega, gamma, delta, u, crab, trailer_crab)
+        px, py = trailer_antenna(lengths, tx, ty, theta, theta - gamma, delta)
         return ca.vertcat(omega - psi_rate, u), ca.vertcat(_lateral_error(px, py, rx, ry, yaw), delta, u)
 
     return declare(
@@ -225,6 +231,7 @@ def articulated_trailer(vehicle: VehicleParameters) -> Model:
         ),
         outputs=variables(lateral_error="m", steering="rad", steering_rate="rad/s"),
         equations=equations,
+        constants=constants,
     )
 
 

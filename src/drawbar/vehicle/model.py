@@ -1,8 +1,9 @@
 """A model declared once, symbolically: from this the solvers, filters and simulations are derived."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import casadi as ca
 
@@ -23,10 +24,34 @@ def variables(**units: str) -> tuple[Variable, ...]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Model:
-    """x' = derivative(x, u, p) and outputs h(x, u, p), as CasADi SX expressions of the symbols x, u, p.
+class Constant:
+    """A named number of a model with its unit, which stands in the expressions as a symbol.
 
-    Raises ModelError when shapes or names do not fit each other.
+    Solvers take its value as data: a change compiles nothing. Raises ModelError when the value is not finite.
+    """
+
+    name: str
+    unit: str
+    value: float
+    symbol: Any
+    """scalar SX symbol"""
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.value):
+            raise ModelError(f"The constant {self.name!r} is {self.value}; only finite numbers are allowed.")
+
+
+def constant(name: str, unit: str, value: float) -> Constant:
+    """Return a constant with a symbol of its own."""
+    return Constant(name=name, unit=unit, value=value, symbol=ca.SX.sym(name))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """x' = derivative(x, u, p) and outputs h(x, u, p), as CasADi SX expressions of the symbols x, u, p and constants.
+
+    Plain numbers in the expressions belong to the model's structure: another number is another model to a solver, which
+    is compiled anew. Raises ModelError when shapes or names do not fit each other.
     """
 
     name: str
@@ -44,6 +69,8 @@ class Model:
     """(nx, 1) SX, per second"""
     output: Any
     """(ny, 1) SX"""
+    constants: tuple[Constant, ...] = ()
+    """numbers in the expressions that are data"""
 
     def __post_init__(self) -> None:
         pairs = (
@@ -68,27 +95,50 @@ class Model:
         if not self.states or not self.inputs:
             raise ModelError(f"Model {self.name!r} needs at least one state and one input.")
         self._refuse_duplicates()
-        known = {s.element_hash() for s in ca.symvar(ca.vertcat(self.x, self.u, self.p))}  # names may repeat
+        # by hash: names may repeat
+        known = {s.element_hash() for s in ca.symvar(ca.vertcat(self.x, self.u, self.p, self.c))}
         free = ca.symvar(ca.vertcat(self.derivative, self.output))
         names = {str(s) for s in free if s.element_hash() not in known}
         if names:
             raise ModelError(
-                f"Model {self.name!r} uses symbols that are neither state, input nor parameter: {sorted(names)}."
+                f"Model {self.name!r} uses symbols that are neither state, input, parameter nor constant: "
+                f"{sorted(names)}."
             )
+
+    @property
+    def c(self) -> Any:
+        """(nc, 1) SX symbols of the constants."""
+        return column(self.constants)
+
+    def numeric(self) -> Self:
+        """Return the model with the values of its constants in the expressions: functions of x, u, p alone."""
+        derivative, output = with_values([self.derivative, self.output], self.constants)
+        return replace(self, derivative=derivative, output=output, constants=())
 
     def _refuse_duplicates(self) -> None:
         """Refuse a symbol or a name that stands for two things: bounds, weights and deviations go by name."""
-        given = ca.vertcat(self.x, self.u, self.p)
+        given = ca.vertcat(self.x, self.u, self.p, self.c)
         if not given.is_valid_input() or len({s.element_hash() for s in ca.symvar(given)}) != given.numel():
-            raise ModelError(f"Model {self.name!r}: x, u and p must be symbols, each a different one, got {given}.")
-        for group in ((*self.states, *self.inputs, *self.parameters), self.outputs):
-            names = [variable.name for variable in group]
+            raise ModelError(f"Model {self.name!r}: x, u, p, constants must be symbols, all different, got {given}.")
+        for group in ((*self.states, *self.inputs, *self.parameters, *self.constants), self.outputs):
+            names = [each.name for each in group]
             repeated = sorted({name for name in names if names.count(name) > 1})
             if repeated:
                 raise ModelError(
                     f"Model {self.name!r} declares {', '.join(map(repr, repeated))} more than once; give every state, "
-                    f"input and parameter a name of its own, and every output one among the outputs."
+                    f"input, parameter and constant a name of its own, and every output one among the outputs."
                 )
+
+
+def column(constants: tuple[Constant, ...]) -> Any:
+    """Return the constants' symbols as a column."""
+    return ca.vertcat(*(each.symbol for each in constants)) if constants else ca.SX(0, 1)
+
+
+def with_values(expressions: list[Any], constants: tuple[Constant, ...]) -> list[Any]:
+    """Return the expressions with the constants' values in place of their symbols."""
+    values = [each.value for each in constants]
+    return list(ca.substitute(expressions, [column(constants)], [ca.DM(values)])) if constants else expressions
 
 
 def symbols(declared: tuple[Variable, ...]) -> Any:
@@ -104,14 +154,18 @@ def declare(
     parameters: tuple[Variable, ...],
     outputs: tuple[Variable, ...],
     equations: Callable[[Any, Any, Any], tuple[Any, Any]],
+    constants: tuple[Constant, ...] = (),
 ) -> Model:
     """Return a model from what its variables are called and a function (x, u, p) -> (derivative, output).
+
+    Of the constants it keeps those that the equations use.
 
     Raises:
         ModelError: the expressions do not fit the variables.
     """
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     derivative, output = equations(x, u, p)
+    used = {s.element_hash() for s in ca.symvar(ca.vertcat(derivative, output))}
     return Model(
         name=name,
         states=states,
@@ -123,6 +177,7 @@ def declare(
         p=p,
         derivative=derivative,
         output=output,
+        constants=tuple(each for each in constants if each.symbol.element_hash() in used),
     )
 
 
@@ -134,13 +189,18 @@ def integrate(model: Model, sample_time: float, steps: int = 1) -> Any:
         sample_time: s, during which u and p are constant.
         steps: Runge-Kutta steps within the sample.
     """
-    f = ca.Function("f", [model.x, model.u, model.p], [model.derivative])
+    return runge_kutta(model.numeric(), sample_time, steps)
+
+
+def runge_kutta(model: Model, sample_time: Any, steps: int = 1) -> Any:
+    """Do the same with the constants as symbols, and with a symbol as sample time where one is given."""
+    f = ca.Function("f", [model.x, model.u, model.p, model.c], [model.derivative])
     h = sample_time / steps
     x = model.x
     for _ in range(steps):
-        k1 = f(x, model.u, model.p)
-        k2 = f(x + h / 2 * k1, model.u, model.p)
-        k3 = f(x + h / 2 * k2, model.u, model.p)
-        k4 = f(x + h * k3, model.u, model.p)
+        k1 = f(x, model.u, model.p, model.c)
+        k2 = f(x + h / 2 * k1, model.u, model.p, model.c)
+        k3 = f(x + h / 2 * k2, model.u, model.p, model.c)
+        k4 = f(x + h * k3, model.u, model.p, model.c)
         x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     return x

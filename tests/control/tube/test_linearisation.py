@@ -19,7 +19,7 @@ LAG = VEHICLE.steering_lag
 
 def moved(model, x, p, command, sign=None):
     """Return the state after a sample: many small steps of order 4; a lagging actuator where there is a sign."""
-    f = ca.Function("f", [model.x, model.u, model.p], [model.derivative])
+    f = ca.Function("f", [model.x, model.u, model.p], [model.numeric().derivative])
     names = [state.name for state in model.states]
 
     def rates(x):
@@ -128,7 +128,7 @@ def test_the_discretisation_is_the_matrix_exponential_also_of_a_fast_actuator():
 
 
 def test_the_steady_articulation_does_not_change():
-    model = articulated_trailer(VEHICLE)
+    model = articulated_trailer(VEHICLE).numeric()
     rate = ca.Function("rate", [model.x, model.u, model.p], [model.derivative[0]])
     names = [parameter.name for parameter in model.parameters]
     for curvature, joint in ((0.1, 0.0), (0.3, 0.3), (-0.2, 0.2)):

@@ -128,7 +128,7 @@ def _articulated_centralised() -> Case:
 def simulated(model: Model, x: Floats, u: Floats, p: Floats) -> Floats:
     """Return the outputs (N+1, ny) of a run with inputs u (N, nu); the last row repeats the last input."""
     step = ca.Function("F", [model.x, model.u, model.p], [integrate(model, SAMPLE)])
-    output = ca.Function("h", [model.x, model.u, model.p], [model.output])
+    output = ca.Function("h", [model.x, model.u, model.p], [model.numeric().output])
     rows = []
     for k in range(len(u) + 1):
         rows.append(np.array(output(x, u[min(k, len(u) - 1)], p)).ravel())

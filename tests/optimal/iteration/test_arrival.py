@@ -147,7 +147,7 @@ def test_without_process_noise_the_window_knows_everything_ever_measured() -> No
 def extended_kalman(case: Any, y: Floats, process: Floats) -> Floats:
     """Return the filtered states and parameters (len(y), n) of an extended Kalman filter; inputs are noise."""
     problem = case.problem
-    model = problem.model
+    model = problem.model.numeric()
     x = ca.vertcat(model.x, model.p)
     step = ca.vertcat(integrate(model, SAMPLE), model.p)
     kept = ca.vertcat(model.output[:8])

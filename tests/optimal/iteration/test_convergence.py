@@ -25,7 +25,7 @@ OPTIONS: dict[str, Any] = {
 
 def reference_solution(case: Any, x0: Floats, u0: Floats) -> tuple[Floats, Floats]:
     """Return IPOPT's x (N+1, nx) and u (N, nu); the estimator's parameters are the last columns of x."""
-    problem, model = case.problem, case.problem.model
+    problem, model = case.problem, case.problem.model.numeric()
     estimation = isinstance(problem, EstimationProblem)
     n, nx, nu, npar = problem.horizon, len(model.states), len(model.inputs), len(model.parameters)
     step = ca.Function("F", [model.x, model.u, model.p], [integrate(model, problem.sample_time)])

@@ -27,7 +27,7 @@ def settled(solver: ControlSolver) -> ControlSolver:
 
 def cost(solver: ControlSolver, case: Any) -> float:
     """Return the sum of squares of a settled solver's trajectory, penalties of soft bounds left out."""
-    model = case.problem.model
+    model = case.problem.model.numeric()
     output = ca.Function("h", [model.x, model.u, model.p], [model.output])
     inputs = np.vstack([solver.u, np.zeros((1, solver.u.shape[1]))])
     residual = np.array(

@@ -52,7 +52,7 @@ def test_sensitivities_of_every_interval(case: Any) -> None:
 
 def half_cost(case: Any, x: Floats, u: Floats) -> float:
     """Return half the sum of squares at (x, u), missing measurements and the arrival cost included."""
-    t, solver_data = transcribe(case.problem), case
+    t, solver_data = transcribe(case.problem).numeric(), case
     output = ca.Function("h", [t.x, t.u, t.p], [t.output])
     n = case.problem.horizon
     value = 0.0
@@ -122,7 +122,7 @@ def judge_hessian(case: Any) -> None:
     solver = disturbed(case)
     x, u, n = solver.x.copy(), solver.u.copy(), case.problem.horizon
     solver.prepare()
-    t = transcribe(case.problem)
+    t = transcribe(case.problem).numeric()
     z = ca.vertcat(t.x, t.u)
     jacobian = ca.Function("J", [t.x, t.u, t.p], [ca.jacobian(t.output, z)])
     Q, S, R = (solver.workspace.array(f"qp.{name}") for name in "QSR")

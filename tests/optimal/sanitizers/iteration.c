@@ -13,7 +13,10 @@ static void fill(void)
 {
     const double spread = one_in(4) ? 1e3 : 1.0;
 
-    reset(&memory.component);
+    memset(&memory.component, 0, sizeof memory.component);
+    for (int i = 0; i < CONSTANTS; ++i)    /* lengths and a sample time */
+        work.constants[i] = 0.1 + magnitude(1.0);
+    lay_down(&work);
     numbers(work.z, NZ, spread);
     numbers(&work.p[0][0], (N + 1) * NP, 1.0);
     numbers(&work.y[0][0], (N + 1) * NY, spread);

@@ -11,11 +11,9 @@ from rich.console import Console
 from drawbar.cli import main as cli
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError, DrawbarError
-from drawbar.recording.header import run_header
 from drawbar.recording.recorder import Recorder
 from drawbar.report.tube.command import show_tubes
-from drawbar.simulation import drive
-from drawbar.step.build import build_autopilot, build_machine, build_path
+from drawbar.simulation import Simulation
 
 SHORT = ("path.radii=[8.0]", "path.straight_length=1.0")
 
@@ -24,10 +22,10 @@ SHORT = ("path.radii=[8.0]", "path.straight_length=1.0")
 def log(tmp_path_factory):
     """Return the log of a short run of the product, seed 0."""
     config = load_configuration("articulated", SHORT)
-    path, _ = build_path(config)
     file = tmp_path_factory.mktemp("tube") / "log.mcap"
-    with Recorder(file, run_header(config, path, None, 0)) as recorder:
-        for record in drive(build_autopilot(config, path, build_machine(config, path, 0)), time_limit=200.0):
+    simulation = Simulation(config)
+    with Recorder(file, simulation.header()) as recorder:
+        for record in simulation.steps():
             recorder.write(record)
     return file
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from drawbar.control.tube.error_model import ErrorModel
 from drawbar.geometry import Floats
-from drawbar.vehicle.model import Model
+from drawbar.vehicle.model import Model, with_values
 
 _ORDER = 18
 """Of the series; its rest is below the rounding error."""
@@ -71,7 +71,7 @@ def _jacobians(commanded: CommandedModel) -> ca.Function:
     rates = commanded.derivative[kept]
     by = (model.x[kept], commanded.command, model.p)
     together = ca.horzcat(*(ca.jacobian(rates, symbol) for symbol in by))
-    return ca.Function("jacobians", [model.x, commanded.command, model.p], [together])
+    return ca.Function("jacobians", [model.x, commanded.command, model.p], with_values([together], model.constants))
 
 
 def _at(jacobians: ca.Function, model: Model, point: WorkPoint) -> Floats:

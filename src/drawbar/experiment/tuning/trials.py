@@ -12,7 +12,7 @@ from drawbar.config import Configuration, TuningSettings
 from drawbar.errors import DrawbarError
 from drawbar.experiment.cluster import Failure
 from drawbar.experiment.measure import Runs, measure_cases
-from drawbar.experiment.progress import CampaignProgress
+from drawbar.experiment.progress import RunsProgress
 from drawbar.experiment.task import Task, compile_solvers
 from drawbar.experiment.tuning.parameters import SearchSpace, Values
 from drawbar.experiment.tuning.study import Score
@@ -78,7 +78,7 @@ class Driver:
             name: [Task(configuration=configuration, seed=seed) for seed in seeds]
             for name, configuration in configurations.items()
         }
-        with CampaignProgress(self.console, f"{self.space.configuration.name}, {title}") as progress:
+        with RunsProgress(self.console, f"{self.space.configuration.name}, {title}") as progress:
             measured = measure_cases(self.client, self.folder, cases, progress)
         for name, runs in measured.items():
             if runs.failures:

@@ -2,27 +2,31 @@
  *
  *     drawbar_example measurements.csv [path.csv] > commands.csv
  *
- * measurements.csv: one line of names, then one line for each sample: time, tractor_x, tractor_y, trailer_x, trailer_y,
- *     hitch_angle, speed, tractor_steering, trailer_steering; s, m, rad, m/s; an empty value is missing
- * path.csv: one line of names, then one line for each node: arc_length, x, y, yaw; m, rad
+ * measurements.csv: one line of names, then one line for each sample: the members of struct drawbar_measurement in their
+ *     order, in its units. What is empty, or behind the end of the line, is missing: NaN, or 0 for an age or a quality.
+ * path.csv: one line of names, then one line for each node: the members of struct drawbar_path_node
  */
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "drawbar.h"
 
-#define LINE 1024
-#define MEASURED 9
-#define NODE 4
+#define LINE 2048
+#define NODE (sizeof(struct drawbar_path_node) / sizeof(double))
+/* Of a measurement, its doubles, the first of them that is an age, and the integers behind them. */
+#define DOUBLES (offsetof(struct drawbar_measurement, tractor_fix_quality) / sizeof(double))
+#define FIRST_AGE (offsetof(struct drawbar_measurement, tractor_fix_age) / sizeof(double))
+#define INTEGERS (sizeof(struct drawbar_measurement) / sizeof(int32_t) - 2 * DOUBLES)
 
 static struct drawbar_state state;         /* too large for a microcontroller's stack */
 
 /* Read numbers between commas; what is no number is NaN. */
-static void read_numbers(const char *line, double *values, int count)
+static void read_numbers(const char *line, double *values, size_t count)
 {
-    for (int i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         char *end;
         const double value = strtod(line, &end);
         values[i] = end != line && strchr(",\r\n", *end) != NULL ? value : (double)NAN;
@@ -58,7 +62,7 @@ static struct drawbar_path_node *read_path(const char *name, int32_t *count)
         if (nodes == NULL)
             exit(2);
         read_numbers(line, values, NODE);
-        nodes[*count] = (struct drawbar_path_node){values[0], values[1], values[2], values[3]};
+        memcpy(&nodes[*count], values, sizeof values);
         ++*count;
     }
     fclose(file);
@@ -71,10 +75,18 @@ static struct drawbar_path_node *read_path(const char *name, int32_t *count)
 
 static struct drawbar_measurement read_measurement(const char *line)
 {
-    double v[MEASURED];
+    struct drawbar_measurement measurement;
+    double values[DOUBLES + INTEGERS];
+    int32_t integers[INTEGERS];
 
-    read_numbers(line, v, MEASURED);
-    return (struct drawbar_measurement){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]};
+    read_numbers(line, values, DOUBLES + INTEGERS);
+    for (size_t i = FIRST_AGE; i < DOUBLES + INTEGERS; ++i)
+        values[i] = isnan(values[i]) ? 0.0 : values[i];
+    for (size_t i = 0; i < INTEGERS; ++i)
+        integers[i] = (int32_t)values[DOUBLES + i];
+    memcpy(&measurement, values, DOUBLES * sizeof *values);
+    memcpy((char *)&measurement + DOUBLES * sizeof *values, integers, sizeof integers);
+    return measurement;
 }
 
 static int replay(const char *name)

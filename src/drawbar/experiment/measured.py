@@ -27,7 +27,7 @@ class Verdict:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Campaign:
+class MeasuredExperiment:
     """An experiment with its runs."""
 
     experiment: Experiment
@@ -47,6 +47,11 @@ class Campaign:
         """Names of all figures, in the order of their first appearance."""
         return list(dict.fromkeys(name for runs in self.figures.values() for run in runs for name in run))
 
+    @property
+    def _expected(self) -> Mapping[str, Mapping[str, Expectation]]:
+        """What is expected of the cases that were driven."""
+        return {case: each for case, each in self.experiment.settings.expected.items() if case in self.runs}
+
     def values(self, case: str, figure: str) -> list[float]:
         """Return a figure of a case, one value per seed; NaN where a run does not have it, or has no result."""
         return [run.get(figure, float("nan")) for run in self.figures[case]]
@@ -63,7 +68,7 @@ class Campaign:
         """Return every expectation beside what came out."""
         return [
             Verdict(case=case, figure=figure, statistic=self.statistic(case, figure), expected=expected)
-            for case, by_figure in self.experiment.settings.expected.items()
+            for case, by_figure in self._expected.items()
             for figure, expected in by_figure.items()
         ]
 
@@ -72,7 +77,7 @@ class Campaign:
         failures = [f"{case}: {reason}" for case, runs in self.runs.items() for reason in runs.failures]
         lost = [
             f"{case}, seed {result.metrics.seed}: {result.metrics.outcome}"
-            for case in self.experiment.settings.expected
+            for case in self._expected
             for result in self.runs[case].results
             if not result.metrics.finished
         ]

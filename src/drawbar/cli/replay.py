@@ -1,0 +1,52 @@
+"""`drawbar replay`: recompute a recorded run, and tell where it differs."""
+
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drawbar.cli.options import console
+
+if TYPE_CHECKING:
+    from drawbar.replay import Replay
+
+
+def replay(
+    log: Annotated[FilePath, typer.Argument(metavar="RUN.mcap", help="log of a run")],
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="try another setting, e.g. controller.tractor.lateral=50"),
+    ] = None,
+) -> None:
+    """Recompute a run from its recorded measurements, and compare estimates, plans and commands number by number.
+
+    With the same build of drawbar on the same machine every number is the recorded one; else, or with --set, the first
+    difference is told. Exit code 1: a number differs although no setting was changed.
+    """
+    from drawbar.recording.log import read_log
+    from drawbar.replay import replay as recompute
+
+    recomputed = recompute(read_log(log), changes or [])
+    console.print(f"{log}: {len(recomputed.records)} steps recomputed")
+    if not recomputed.differences:
+        console.print("every number is the recorded one, bit for bit")
+        return
+    _tell(recomputed)
+    raise SystemExit(0 if changes else 1)
+
+
+def _tell(recomputed: "Replay") -> None:
+    """Print the first difference, and the signals that differ most."""
+    first = recomputed.differences[0]
+    console.print(
+        f"first difference: step {first.step}, {first.signal}: recorded {first.recorded!r}, "
+        f"recomputed {first.recomputed!r}, difference {first.size:.3g}"
+    )
+    groups: dict[str, tuple[int, float]] = {}
+    for each in recomputed.differences:  # the numbers of an array are one signal
+        name = each.signal.rstrip("0123456789").rstrip(".")
+        step, largest = groups.get(name, (each.step, 0.0))
+        groups[name] = step, max(largest, recomputed.largest[each.signal])
+    console.print("signals that differ: first step, largest difference")
+    for name, (step, largest) in groups.items():
+        console.print(f"  {name:34s} {step:6d}  {largest:9.3g}")

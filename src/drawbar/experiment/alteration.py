@@ -1,0 +1,60 @@
+"""What no configuration can say of a run: a function of its experiment's alterations.py, applied before it begins."""
+
+import ast
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drawbar.errors import ConfigurationError
+from drawbar.machine.simulated import SimulatedMachine
+from drawbar.signals import Measurement
+from drawbar.simulation import Simulation
+
+FILE_NAME = "alterations.py"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alteration:
+    """A function of a Simulation as text, so that any worker can call it and a task's key tells it apart."""
+
+    name: str
+    source: str
+    """of the whole file that defines it, Python"""
+
+    def apply(self, simulation: Simulation) -> None:
+        """Change a run that has not begun."""
+        names: dict[str, Any] = {"__name__": "alterations"}
+        exec(compile(self.source, FILE_NAME, "exec"), names)
+        names[self.name](simulation)
+
+
+def find_alteration(folder: Path, name: str) -> Alteration:
+    """Return a function of the alterations.py in an experiment's folder.
+
+    Raises:
+        ConfigurationError: there is no such file, it is no Python, or it has no such function; lists those that it has.
+    """
+    file = folder / FILE_NAME
+    try:
+        source = file.read_text("utf-8")
+        known = [each.name for each in ast.parse(source).body if isinstance(each, ast.FunctionDef)]
+    except (OSError, ValueError, SyntaxError) as error:
+        raise ConfigurationError(f"{file}: alteration {name!r} cannot be read ({error}).") from error
+    public = [each for each in known if not each.startswith("_")]
+    if name not in public:
+        raise ConfigurationError(f"{file}: has no function {name!r}; it has: {', '.join(public) or 'none'}.")
+    return Alteration(name=name, source=source)
+
+
+class InterceptedMachine(SimulatedMachine):
+    """A simulated machine whose measurements pass through a function on their way to the autopilot."""
+
+    def __init__(self, machine: SimulatedMachine, change: Callable[[Measurement], Measurement]) -> None:
+        """Take a machine over, which is not used by itself again."""
+        vars(self).update(vars(machine))
+        self._change = change
+
+    def read(self) -> Measurement:
+        """Return what the function makes of the next measurement."""
+        return self._change(super().read())

@@ -1,0 +1,64 @@
+/* The speed that is commanded: the set speed, approached by a ramp, and less of it the longer the vehicle is driven on
+ * predictions alone.
+ *
+ * Two clocks tell for how long that has been: `unsolved`, since estimator and both controllers have last had a solution,
+ * and `overdue`, by which samples came late, less half of the time that has passed in order since. For a sixth of the
+ * endurance the speed stays; then it falls in proportion, to zero at the endurance, and with it the run ends.
+ */
+#ifndef DRAWBAR_PACE_H
+#define DRAWBAR_PACE_H
+
+#include "components.h"
+#include "geometry.h"
+
+#define PACE_KEPT (1.0 / 6.0)              /* share of the endurance for which the speed stays */
+
+static inline void pace_begin(struct autopilot *a)
+{
+    a->speed = a->wanted_speed;
+    a->unsolved = a->overdue = 0.0;
+}
+
+/* The least speed that plans reckon with, m/s: a plan takes the speed for constant, and one made for a machine that has
+ * just started, and creeps, would steer too much too late. */
+static inline double pace_planned(const struct autopilot *a)
+{
+    return a->wanted_speed > 0.0 ? fmin(a->settings.planned_speed, a->wanted_speed) : a->settings.planned_speed;
+}
+
+/* Note for how long (s) the last sample lasted; return how many samples were left out. */
+static inline int pace_left_out(struct autopilot *a, double elapsed)
+{
+    const double sample = a->settings.sample_time;
+
+    if (!(elapsed > 1.5 * sample)) {
+        a->overdue = fmax(a->overdue - 0.5 * sample, 0.0);
+        return 0;
+    }
+    a->diagnostics.flags |= DRAWBAR_LATE;
+    a->overdue += elapsed - sample;
+    return (int)(elapsed / sample + 0.5) - 1;
+}
+
+/* Set the speed to command. Returns 0, or enum drawbar_status where the run cannot go on. */
+static inline int pace_step(struct autopilot *a, int solved)
+{
+    const struct step_settings *settings = &a->settings;
+    const double change = settings->acceleration * settings->sample_time;
+    const double ramped = a->speed + clamped(a->wanted_speed - a->speed, -change, change);
+    struct drawbar_diagnostics *d = &a->diagnostics;
+
+    a->unsolved = solved ? 0.0 : a->unsolved + settings->sample_time;
+    const double doubt = fmax(a->unsolved, a->overdue) / settings->endurance;
+    const double share = clamped((1.0 - doubt) / (1.0 - PACE_KEPT), 0.0, 1.0);
+    a->speed = fmin(ramped, share * settings->speed);
+    d->speed = a->speed;
+    d->unsolved = a->unsolved;
+    d->overdue = a->overdue;
+    d->flags |= (solved ? 0 : DRAWBAR_SOLVER) | (share < 1.0 ? DRAWBAR_SLOWED : 0);
+    if (share > 0.0)
+        return 0;
+    return a->unsolved >= a->overdue ? DRAWBAR_UNSOLVED : DRAWBAR_OVERDUE;
+}
+
+#endif

@@ -1,0 +1,177 @@
+"""Faults, one table and one behaviour: what breaks, how it must end, within what time and how far from the line.
+
+Every entry drives a figure-eight of radius 8 m with 20 m straights, seed 0, through Python and through the exported
+library; the fault begins at 20 s, on the first straight's end, or at 30 s, in a curve. Commands are held against their
+promises at every call (conftest.Rig). Distances are those of the true antennas.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drawbar.signals import Flag, Measurement, Status
+
+BEGINS = 30.0
+NOTHING = Flag(0)
+SENSORS = ("tractor_x", "trailer_x", "hitch_angle", "speed", "tractor_steering", "trailer_steering")
+Change = Callable[[Measurement], Measurement]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fault:
+    """What happens from BEGINS on, and what must come of it."""
+
+    change: Change = lambda measurement: measurement
+    """of each measurement while the fault lasts"""
+    fails: tuple[str, ...] = ()
+    """components whose solvers fail while it lasts"""
+    every: int = 1
+    """samples from one call to the next while it lasts"""
+    pause: float = 0.0
+    """time without any call when it begins, s"""
+    lasts: float = math.inf
+    """s"""
+    watched: float = 30.0
+    """how long the run is watched from BEGINS on, s"""
+    ends: Status = Status.OK
+    """OK: the run goes on"""
+    within: float = math.inf
+    """s from BEGINS in which it must have ended"""
+    distance: float = 0.3
+    """of either body from the line, m"""
+    flags: Flag = NOTHING
+    """that must have been told"""
+
+
+def missing(*names: str) -> Change:
+    return lambda measurement: replace(measurement, **dict.fromkeys(names, math.nan))
+
+
+def shifted(metres: float) -> Change:
+    return lambda m: replace(m, tractor_y=m.tractor_y + metres, trailer_y=m.trailer_y + metres)
+
+
+def at(value: Any, name: str = "time") -> Change:
+    return lambda measurement: replace(measurement, **{name: value})
+
+
+POSITIONS = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
+EVERYTHING = (*POSITIONS, *SENSORS[2:])
+ANTENNAS = {"tractor": POSITIONS[:2], "trailer": POSITIONS[2:]}
+FAULTS = {
+    "both antennas jump 100 m": Fault(change=shifted(100.0), ends=Status.OFF_COURSE, within=1.2, distance=0.5),
+    "both antennas jump 100 m for half a second": Fault(change=shifted(100.0), lasts=0.5),
+    "speed 1e300": Fault(change=at(1e300, "speed"), flags=Flag.MEASUREMENT),
+    "a clock that stands still": Fault(change=at(29.8), ends=Status.STOPPED, within=1.0),
+    "a clock that stands still for half a second": Fault(change=at(29.8), lasts=0.5),
+    "a clock that runs backwards": Fault(
+        change=lambda m: replace(m, time=60.0 - m.time), ends=Status.STOPPED, within=1.0
+    ),
+    "a clock that jumps a day": Fault(change=lambda m: replace(m, time=m.time + 86400.0), ends=Status.GAP, within=0.2),
+    "a clock that is not a number": Fault(change=at(math.nan), ends=Status.STOPPED, within=1.0),
+    "a gap of 1 s": Fault(pause=1.0, lasts=0.0, flags=Flag.LATE),
+    "a gap of 2 s": Fault(pause=2.0, lasts=0.0, ends=Status.GAP, within=2.2),
+    "a gap of 10 s": Fault(pause=10.0, lasts=0.0, ends=Status.GAP, within=10.2, distance=5.0),
+    "all sensors missing for 1 s": Fault(change=missing(*EVERYTHING), lasts=1.0),
+    "all sensors missing for 5 s": Fault(change=missing(*EVERYTHING), lasts=5.0),
+    "all sensors missing for 20 s": Fault(
+        change=missing(*EVERYTHING), lasts=20.0, ends=Status.BLIND, within=15.4, distance=1.0
+    ),
+    "the tractor's antenna missing for good": Fault(change=missing(*ANTENNAS["tractor"])),
+    "the trailer's antenna missing for good": Fault(change=missing(*ANTENNAS["trailer"])),
+    "the hitch angle missing for good": Fault(change=missing("hitch_angle")),
+    "the speed missing for good": Fault(change=missing("speed")),
+    "the tractor's steering missing for good": Fault(change=missing("tractor_steering")),
+    "the trailer's steering missing for good": Fault(change=missing("trailer_steering")),
+    **{
+        f"the {name} fails {'for good' if math.isinf(lasts) else f'for {lasts:.0f} s'}": Fault(
+            fails=(name,),
+            lasts=lasts,
+            ends=Status.OK if lasts < 3.0 else Status.UNSOLVED,
+            within=3.2,
+            flags=Flag.SOLVER | Flag.SLOWED,
+        )
+        for name in ("estimator", "tractor", "trailer")
+        for lasts in (2.0, 5.0, 10.0, math.inf)
+    },
+    "everything fails for good": Fault(
+        fails=("estimator", "tractor", "trailer"), ends=Status.UNSOLVED, within=3.2, flags=Flag.SOLVER | Flag.SLOWED
+    ),
+    **{
+        f"a caller who comes every {0.2 * every:.1f} s": Fault(
+            every=every, ends=Status.OVERDUE, within=10.0, flags=Flag.LATE | Flag.SLOWED
+        )
+        for every in (3, 4, 5)
+    },
+}
+
+
+def drive(rig: Any, fault: Fault) -> Any:
+    """Drive until BEGINS, then with the fault."""
+    samples = 0
+    while (measurement := rig.let_pass()).time < BEGINS - 0.1:
+        assert rig.step(measurement) in (0, Flag.LIMITED)
+    for _ in range(round(fault.pause / 0.2) - 1):
+        measurement = rig.let_pass()
+    while measurement.time < BEGINS + fault.watched:
+        lasts = measurement.time < BEGINS + fault.lasts - 0.01
+        for name in fault.fails:
+            rig.fail(name, lasts)
+        if not lasts or samples % fault.every == fault.every - 1 or fault.every == 1:
+            rig.step(fault.change(measurement) if lasts else measurement)
+        samples += 1
+        measurement = rig.let_pass()
+    return rig.run
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_ends_as_it_must(rig: Callable[..., Any], name: str) -> None:
+    fault = FAULTS[name]
+    run = drive(rig("articulated", "path.radii=[8.0]"), fault)
+    assert run.ended is fault.ends, run.statuses[-200:]
+    if fault.ends is not Status.OK:
+        assert run.first(fault.ends) <= BEGINS + fault.within + 1e-6
+    assert run.flags & fault.flags == fault.flags
+    assert run.distance() <= fault.distance
+
+
+SEEDS = range(12)
+
+
+def random_faults(rng: np.random.Generator) -> list[Fault]:
+    """Return a sequence of faults, each of which ends, chosen from the table."""
+    transient = [replace(fault, lasts=min(fault.lasts, 3.0)) for fault in FAULTS.values() if not fault.pause]
+    chosen = [transient[index] for index in rng.integers(len(transient), size=6)]
+    return [replace(fault, lasts=float(rng.uniform(0.2, fault.lasts))) for fault in chosen]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_any_sequence_of_faults_keeps_the_promises(rig: Callable[..., Any], seed: int) -> None:
+    """One fault after the other, with pauses between them; Rig holds every command against what is promised."""
+    rng = np.random.default_rng(seed)
+    driven = rig("articulated", "path.radii=[8.0]", seed=seed)
+    for fault in random_faults(rng):
+        for _ in range(int(rng.integers(1, 30))):
+            driven.step(driven.let_pass())
+        for name in fault.fails:
+            driven.fail(name, True)
+        for sample in range(round(fault.lasts / 0.2)):
+            measurement = driven.let_pass()
+            if sample % fault.every == 0:
+                driven.step(fault.change(measurement))
+        for name in fault.fails:
+            driven.fail(name, False)
+    for _ in range(50):
+        driven.step(driven.let_pass())
+    if driven.run.ended.has_ended:
+        assert driven.machine.truth().speed == pytest.approx(0.0, abs=0.05)
+
+
+def test_the_table_tells_of_every_way_in_which_a_run_can_be_stopped() -> None:
+    ends = {fault.ends for fault in FAULTS.values()}
+    stopped = {status for status in Status if status.has_ended} - {Status.FINISHED, Status.GUIDANCE}
+    assert stopped <= ends

@@ -1,0 +1,121 @@
+"""The loop around the step: when a run ends, why, and what the machine is told at last."""
+
+from dataclasses import replace
+from itertools import islice
+
+import pytest
+
+from drawbar.errors import HardwareError, PathError
+from drawbar.machine.base import Machine
+from drawbar.signals import Status
+from drawbar.simulation import RunAborted, Simulation, drive
+
+
+class Watched(Machine):
+    """Passes everything on to a simulated machine, and writes down what it is told."""
+
+    def __init__(self, machine, change=lambda measurement: measurement):
+        self.machine, self.change, self.told = machine, change, []
+
+    def read(self):
+        return self.change(self.machine.read())
+
+    def write(self, command):
+        self.told.append(command.speed)
+        self.machine.write(command)
+
+    def stop(self):
+        self.told.append("stop")
+        self.machine.stop()
+
+    def close(self):
+        self.told.append("close")
+
+
+def driven(simulation, change=lambda measurement: measurement, time_limit=1000.0):
+    machine = Watched(simulation.machine, change)
+    return machine, drive(machine, simulation.autopilot, time_limit=time_limit)
+
+
+def short(build) -> Simulation:
+    return build("articulated", "path.radii=[8.0]", "path.straight_length=4.0")
+
+
+def test_a_run_ends_with_the_path(build):
+    machine, steps = driven(short(build))
+    records = list(steps)
+    assert records[-1].reference.tractor.progress == pytest.approx(short(build).path.length, abs=0.3)
+    assert machine.told[-3:] == [0.0, "stop", "close"]
+
+
+def test_a_vehicle_that_does_not_arrive_is_given_up(build):
+    machine, steps = driven(short(build), time_limit=4.0)
+    with pytest.raises(RunAborted, match="not finished within 4 s"):
+        list(steps)
+    assert machine.told[-2:] == ["stop", "close"]
+
+
+def jump(at, metres=100.0):
+    """Let both antennas jump at a time."""
+
+    def change(m):
+        if m.time < at:
+            return m
+        return replace(m, tractor_y=m.tractor_y + metres, trailer_y=m.trailer_y + metres)
+
+    return change
+
+
+def test_a_vehicle_that_left_the_path_is_given_up_after_its_record(build):
+    machine, steps = driven(short(build), jump(4.0))
+    told = [record.status for record in islice(steps, 26) if record.status is not Status.OK]
+    assert told == [Status.OFF_COURSE]
+    with pytest.raises(RunAborted, match=r"At 5\.0 s the tractor was .* m from the path \(limit 5\.0 m\)"):
+        next(steps)
+    assert machine.told[-3:] == [0.0, "stop", "close"]
+
+
+def test_a_first_measurement_without_a_position_is_told(build):
+    _, steps = driven(short(build), lambda m: replace(m, trailer_x=float("nan")))
+    with pytest.raises(HardwareError, match=r"lacks a position .* wait for a fix of both antennas"):
+        next(steps)
+
+
+def test_a_start_too_far_away_is_told(build):
+    told = r"is 6\.0. m from the start of the path .* at most 5 m is allowed: drive to"
+    with pytest.raises(PathError, match=told):
+        build("articulated", "start.left=6.0")
+    _, steps = driven(short(build), lambda m: replace(m, tractor_y=m.tractor_y + 6.02))
+    with pytest.raises(PathError, match=told):
+        next(steps)
+
+
+def test_a_vehicle_that_faces_away_where_no_turns_help_is_told(build):
+    simulation = build("articulated", "start.yaw=3.1", "guidance.turning_room=0.1")
+    with pytest.raises(RunAborted, match=r"faced -?1\d\d° away from the path; turns of .* do not lead onto it"):
+        list(simulation.steps())
+
+
+class Interrupted(Exception):  # noqa: N818 -- no mistake
+    pass
+
+
+@pytest.mark.parametrize("place", ["read", "feedback", "write", "prepare", "record", "consumer"])
+def test_whatever_breaks_the_loop_the_machine_is_told_to_stop(build, monkeypatch, place):
+    simulation = short(build)
+    machine, steps = driven(simulation)
+    list(islice(steps, 5))
+
+    def broken(*arguments):
+        raise Interrupted
+
+    if place in ("read", "write"):
+        monkeypatch.setattr(machine, place, broken)
+    elif place != "consumer":
+        monkeypatch.setattr(simulation.autopilot, place, broken)
+    with pytest.raises(Interrupted):  # noqa: PT012 -- the loop is what is tested
+        for _ in steps:
+            if place == "consumer":
+                steps.close()
+                raise Interrupted
+    assert machine.told[-2:] == ["stop", "close"]
