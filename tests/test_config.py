@@ -78,8 +78,8 @@ WRONG_VALUES = {
     "vehicle.joint_sign=0": ("vehicle.joint_sign = 0", "-1 or 1"),
     "vehicle=3": ("vehicle = 3", "section with keys"),
     "name=3": ("name = 3", "string"),
-    "name=": ("name = ''", "no slash"),
-    'name="../evil"': ("name = '../evil'", "no slash"),
+    "name=": ("name = ''", "without slashes"),
+    'name="../evil"': ("name = '../evil'", "without slashes"),
     'name="a\\u0000b"': ("name = ", "control character"),
     "sample_time=2.0": ("sample_time = 2.0", "less than or equal to 1"),
     "speed=1e-6": ("speed = 1e-06", "greater than or equal to 0.05"),
@@ -265,5 +265,5 @@ def test_a_base_that_is_none_is_refused(write: Write, base: str) -> None:
 
 def test_errors_of_an_estimate_that_is_not_ideal_are_refused() -> None:
     errors = "bounded_errors.estimate.tractor_yaw=0.01"
-    assert 'set estimator.model = "ideal"' in refusal("articulated", errors)
+    assert 'set it to "ideal", or leave these bounds zero' in refusal("articulated", errors)
     assert load_configuration("articulated-ideal", [errors]).bounded_errors.estimate.tractor_yaw == 0.01

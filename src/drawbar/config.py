@@ -50,7 +50,7 @@ class PathSettings(Settings):
     @model_validator(mode="after")
     def _track_of_a_file(self) -> Self:
         if self.track and not self.file:
-            raise ValueError(f"track = {self.track!r} names a line of no file; give path.file too")
+            raise ValueError(f"track = {self.track!r} is given without a file; give path.file too, or leave track out")
         return self
 
 
@@ -125,7 +125,7 @@ class Configuration(Settings):
         full_speed = self.machine.hydrostat.full_speed
         if not self.speed <= full_speed:
             raise ValueError(
-                f"speed = {self.speed} m/s is more than machine.hydrostat.full_speed = {full_speed} m/s; lower it"
+                f"speed = {self.speed} m/s is above machine.hydrostat.full_speed = {full_speed} m/s; lower it"
             )
         for body in ("tractor", "trailer"):
             limit = getattr(self.vehicle, f"{body}_steering_limit")
@@ -141,8 +141,8 @@ class Configuration(Settings):
     def _errors_of_what_is_there(self) -> Self:
         if self.estimator.model != "ideal" and any(bound for _, bound in self.bounded_errors.estimate):
             raise ValueError(
-                f'bounded_errors.estimate is added to the true state, which estimator.model = "{self.estimator.model}" '
-                f'does not use; set estimator.model = "ideal", or leave these bounds zero'
+                f'bounded_errors.estimate needs estimator.model = "ideal", which is "{self.estimator.model}"; '
+                f'set it to "ideal", or leave these bounds zero'
             )
         return self
 
@@ -204,8 +204,8 @@ def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], 
     base = data.pop("extends")
     if not isinstance(base, str) or str(Path(source).parent / base) in (source, *extending):
         raise ConfigurationError(
-            f"{origin}: extends = {base!r} must name another configuration, and not one that extends this one: "
-            f"a shipped one ({', '.join(shipped_names())}) or a file beside this one."
+            f"{origin}: extends = {base!r} is not allowed; give the name of a shipped configuration "
+            f"({', '.join(shipped_names())}) or of a file in the same folder, but none that extends this one."
         )
     beside = str(Path(source).parent / base)
     basis, _ = _resolved(beside if Path(beside).is_file() else base, (source, *extending))
@@ -255,7 +255,7 @@ _REASONS = {
     "model_attributes_type": "must be a section with keys",
     "tuple_type": "must be a list",
     "too_short": "must hold at least {min_length} value(s)",
-    "string_pattern_mismatch": "must hold a letter or more, and no slash or control character",
+    "string_pattern_mismatch": "must be one character long or more, without slashes and control characters",
 }
 """Where pydantic's own words would be those of a programmer."""
 
@@ -295,7 +295,9 @@ def _apply(data: dict[str, Any], change: str) -> None:
     for section in sections:
         data = data.setdefault(section, {}) if isinstance(data, dict) else data
     if not isinstance(data, dict):
-        raise ConfigurationError(f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys.")
+        raise ConfigurationError(
+            f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys; set it as a whole."
+        )
     value = _value(text)
     if last == "model" and data.get(last) != value:
         data.clear()  # another model has other keys: they start at their defaults

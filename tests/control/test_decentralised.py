@@ -38,7 +38,7 @@ def test_no_error_on_a_straight_line_is_no_steering(name, make, situation):
 
 @pytest.mark.parametrize("curvature", [0.1, -0.15])
 def test_a_circle_without_error_is_steered_by_its_curvature(make, situation, curvature):
-    # theory, 5: (atan(L k + tan alpha_r) - b) / kappa, in the steady state of slip, crab and offset
+    # docs/theory/control.md: (atan(L k + tan alpha_r) - b) / kappa, in the steady state of slip, crab and offset
     for values in ({}, {"tractor_slip": 0.9, "steering_offset": 0.02, "longitudinal_slip": 0.9}):
         kappa, offset = values.get("tractor_slip", 1.0), values.get("steering_offset", 0.0)
         steady = (math.atan(1.4 * curvature) - offset) / kappa

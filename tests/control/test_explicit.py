@@ -138,7 +138,7 @@ def test_the_integral_leaves_the_limit_from_beyond():
 
 
 def test_the_integral_removes_a_steady_error():
-    # the straight line of theory.md, y' = -V / (L_i + d) (y - y_0 + d delta), with y_0 the error it starts from
+    # docs/theory/vehicle-models.md, straight line: y' = -V / (L_i + d) (y - y_0 + d delta), y_0 the error at the start
     output = proportional_integral(proportional=10.0, integral=10.0)
     y = shift = 0.04
     for _ in range(300):

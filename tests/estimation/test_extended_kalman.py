@@ -1,4 +1,4 @@
-"""Against a dense filter in textbook form: formulas of theory.md, differences for Jacobians, full covariances."""
+"""Against a dense filter in textbook form: formulas of docs/theory, differences for Jacobians, full covariances."""
 
 import math
 from dataclasses import replace

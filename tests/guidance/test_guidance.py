@@ -122,7 +122,7 @@ def test_the_trailer_is_found_further_behind_than_the_tractor_may_be() -> None:
 
 
 @pytest.mark.parametrize("position", [(math.nan, 0.0), (0.0, math.inf)])
-def test_a_trailer_that_is_nowhere_is_refused(position: tuple[float, float]) -> None:
+def test_a_missing_trailer_position_is_refused(position: tuple[float, float]) -> None:
     start = {"tractor": (0.0, 0.0), "trailer": position}
     guidance = LookAhead(EIGHT, SETTINGS, stages=15, interval=0.2, speed=1.0, **start)
     assert guidance.begun is GuidanceStatus.POSE_NOT_FINITE

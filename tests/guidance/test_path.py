@@ -131,10 +131,13 @@ def test_labels_follow_the_pieces() -> None:
 def test_a_path_that_is_not_finite_or_does_not_advance_is_refused() -> None:
     good = {"x": np.zeros(3), "y": np.zeros(3), "yaw": np.zeros(3)}
     labels = {"label_of_piece": np.zeros(2, dtype=np.int8), "label_names": ("a",)}
-    with pytest.raises(PathError, match="finite"):
+    with pytest.raises(PathError, match=r"pose 2 of a path is .*nan.*; poses must be finite"):
         Path.through(arc_length=np.array([0.0, 1.0, np.nan]), **good, **labels)
-    with pytest.raises(PathError, match="increases"):
+    with pytest.raises(PathError, match="must begin at 0 and increase"):
         Path.through(arc_length=np.array([0.0, 1.0, 1.0]), **good, **labels)
+    single = {name: values[:1] for name, values in good.items()}
+    with pytest.raises(PathError, match="at least two poses, got 1"):
+        Path.through(arc_length=np.zeros(1), **single, **labels)
 
 
 CHECK = load(

@@ -109,7 +109,7 @@ def zigzag(corners: int) -> RecordedLine:
 def test_kinks_in_a_row_are_smoothed_together_but_not_without_end() -> None:
     assert_continuous_and_within(drivable(zigzag(20)), LIMIT)
     endless = zigzag(220)
-    with pytest.raises(PathError, match=r"from \(0\.0, 0\.0\) m; 2000 m of kinks in a row"):
+    with pytest.raises(PathError, match=r"from \(0\.0, 0\.0\) m on; at most 2000 m of kinks in a row"):
         drivable(line(endless.x - 1e-9, endless.y))
 
 

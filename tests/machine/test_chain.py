@@ -1,4 +1,4 @@
-"""The chain keeps the axles' rolling constraints and equals the closed form of theory.md 3.2."""
+"""The chain keeps the axles' rolling constraints and equals the closed form of docs/theory/vehicle-models.md."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""The integrated world: order of the integration, and the closed forms of theory.md 3.2."""
+"""The integrated world: order of the integration, and the closed forms of docs/theory/vehicle-models.md."""
 
 import math
 from collections.abc import Callable

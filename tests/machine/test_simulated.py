@@ -156,7 +156,7 @@ def test_a_machine_of_other_lengths_than_stated_is_the_machine_that_has_them(
 @pytest.mark.parametrize(
     ("factors", "reason"),
     [
-        (LengthFactors(trailer_length=0.1), "trailer_antenna = 0.25 m .* is ahead of RJ2"),
+        (LengthFactors(trailer_length=0.1), "trailer_antenna = 0.25 m .* ahead of the actuated joint"),
         (LengthFactors(drawbar_length=20.0), "drawbar_length = 4.0 m puts the free joint ahead"),
     ],
 )

@@ -55,12 +55,12 @@ def estimation(**changes: Any) -> EstimationProblem:
 
 
 WRONG = (
-    ({"horizon": 1}, "horizon of at least 2 stages"),
-    ({"integration_steps": 0}, "1 integration step"),
-    ({"sample_time": 0.0}, "sample time must be positive"),
-    ({"sample_time": math.nan}, "sample time must be positive"),
-    ({"sample_time": math.inf}, "sample time must be positive"),
-    ({"bounds": {"wings": Bound(lower=0.0, upper=1.0)}}, "Bound on 'wings', which is no state"),
+    ({"horizon": 1}, "horizon must be at least 2 and integration_steps at least 1, got 1 and 1"),
+    ({"integration_steps": 0}, "integration_steps at least 1, got 5 and 0"),
+    ({"sample_time": 0.0}, "sample_time must be positive"),
+    ({"sample_time": math.nan}, "sample_time must be positive"),
+    ({"sample_time": math.inf}, "sample_time must be positive"),
+    ({"bounds": {"wings": Bound(lower=0.0, upper=1.0)}}, "bounds: 'wings' is no state"),
 )
 
 
@@ -79,7 +79,10 @@ WRONG = (
         ({"terminal_weights": TERMINAL | {"y": math.nan}}, "terminal_weights must be finite"),
         ({"terminal_weights": WEIGHTS}, "terminal_weights: 'steering' of 'tricycle_tractor' depends on an input"),
         ({"initial_weights": {"x": 1.0, "y": 1.0}}, "initial_weights: 'yaw' is missing"),
-        ({"bounds": {"speed": Bound(lower=0.0, upper=1.0)}}, "Bound on 'speed', which is no state or input"),
+        (
+            {"bounds": {"speed": Bound(lower=0.0, upper=1.0)}},
+            "bounds: 'speed' is no state or input of 'tricycle_tractor'; there are x, y, yaw, steering",
+        ),
     ],
 )
 def test_control_problem(changes: dict[str, Any], complaint: str) -> None:

@@ -1,4 +1,4 @@
-"""The chain against its own constraints and closed forms (theory.md 2 and 3.2)."""
+"""The chain against its own constraints and closed forms (docs/theory/vehicle-models.md)."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ TINY = 1e-40
 
 
 def trailer_axle(vehicle: VehicleParameters, x: Any) -> Any:
-    """Position of the trailer axle from the geometry of theory.md section 2, as numpy."""
+    """Position of the trailer axle from the geometry of docs/theory/conventions.md, as numpy."""
     theta, psi, phi = x[2], x[3], x[3] + x[5]
     ahead = (vehicle.free_joint_offset, theta), (vehicle.drawbar_length, phi), (vehicle.trailer_length, psi)
     east = x[0] - sum(length * np.cos(angle) for length, angle in ahead)

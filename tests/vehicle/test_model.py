@@ -15,7 +15,7 @@ from drawbar.vehicle.articulated import (
     articulated_tractor,
     articulated_trailer,
 )
-from drawbar.vehicle.model import Model, integrate, symbols, variables
+from drawbar.vehicle.model import Model, constant, integrate, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
@@ -71,8 +71,9 @@ TWICE = {"x": SYMBOL, "u": SYMBOL, "derivative": SYMBOL, "output": SYMBOL}
         ({"derivative": ca.MX.sym("speed")}, "the expression for its states is a MX, but must be CasADi's SX"),
         ({"p": ca.MX(0, 1)}, "the expression for its parameters is a MX"),
         ({"output": ca.DM(1.0)}, "put constants into ca.SX"),
-        ({"x": 2.0 * SYMBOL, "output": SYMBOL}, "x, u and p must be symbols"),
-        (TWICE, "x, u and p must be symbols, each a different one"),
+        ({"x": 2.0 * SYMBOL, "output": SYMBOL}, "x, u, p, constants must be symbols"),
+        (TWICE, "x, u, p, constants must be symbols, all different"),
+        ({"constants": (constant("position", "m", 1.0),)}, "declares 'position' more than once"),
     ],
 )
 def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], complaint: str) -> None:

@@ -1,4 +1,4 @@
-"""The paper's model against the chain (theory.md 3.3)."""
+"""The paper's model against the chain (docs/theory/vehicle-models.md)."""
 
 from typing import Any
 

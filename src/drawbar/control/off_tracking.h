@@ -2,7 +2,7 @@
  *
  * On a steady curve the whole vehicle turns about one centre, so each part's distance from it follows from the lengths,
  * the joint's angle and the axles' side-slip. Behind a tractor on its line the trailer so keeps a lateral error, of which
- * its own steering can take back no more than the short drawbar reaches sideways (docs/theory.md, nominal controllers).
+ * its own steering can take back no more than the short drawbar reaches sideways (docs/theory/off-tracking.md).
  */
 #ifndef DRAWBAR_OFF_TRACKING_H
 #define DRAWBAR_OFF_TRACKING_H

@@ -1,4 +1,4 @@
-/* Moving horizon estimation: one Gauss-Newton iteration per sample over a sliding window (equation mhe of theory.md).
+/* Moving horizon estimation: one Gauss-Newton iteration per sample over a sliding window (docs/theory/estimation.md).
  *
  * The window fills from the first measurement on; once full, its oldest stage moves into the arrival cost. The
  * including unit is the solver of the window's problem and has included the model.

@@ -30,7 +30,7 @@ class SlipBounds(Settings):
 
 
 class ScreeningSettings(Settings):
-    """Which position fixes are masked before the estimator sees them (docs/theory.md).
+    """Which position fixes are masked before the estimator sees them (docs/theory/screening.md).
 
     A deviation is that of one coordinate: `sensors.position`, or what the fixes show where that is more.
     """
@@ -177,7 +177,7 @@ class ArticulatedEstimatorSettings(Settings):
     model: Literal["articulated"]
     method: Method = "moving_horizon"
     window: Horizon = 6
-    """N, samples in the window besides the newest; 1.2 s at 5 Hz; a longer one brings nothing (docs/theory.md)"""
+    """N, samples in the window besides the newest; 1.2 s at 5 Hz; why no more: docs/theory/estimation.md"""
     steering_rate: PositiveAngle = 0.06
     """standard deviation of both steering rates from what the last command asks of lag and rate limit, rad/s"""
     crab: PositiveAngle = 0.1

@@ -63,7 +63,9 @@ def _require_room(folder: Path) -> None:
     """Refuse a folder in which something else lies: it would be lost."""
     earlier = (folder / "include" / "drawbar.h").is_file()
     if folder.is_dir() and any(folder.iterdir()) and not earlier:
-        raise DrawbarError(f"{folder}: holds files that are not of an earlier export; choose another --out folder.")
+        raise DrawbarError(
+            f"{folder}: holds files that no earlier export wrote; choose another --out folder, or empty it."
+        )
 
 
 def _require_exportable(configuration: Configuration) -> None:

@@ -57,7 +57,7 @@ class CallGraph:
 
     def _below(self, function: _Function, above: tuple[_Function, ...]) -> StackUse:
         if function in above:
-            raise CompilerError(f"{function[1]} calls itself in the end; its stack has no bound.")
+            raise CompilerError(f"{function[1]} calls itself, directly or through others: its stack has no bound.")
         if function not in self._deepest:
             uses = [self._below(called, (*above, function)) for called in self._called(function)]
             deepest = max(uses, key=lambda use: use.size, default=StackUse(size=0, chain=()))

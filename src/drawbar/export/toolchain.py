@@ -79,7 +79,9 @@ def _wheel() -> Path:
     """Return the folder of the ziglang wheel."""
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
-        raise CompilerError('The library is built by the ziglang wheel, which is not here: pip install "drawbar[zig]"')
+        raise CompilerError(
+            'The ziglang wheel, which builds the library, is not installed. Run: pip install "drawbar[zig]"'
+        )
     return Path(found.origin).parent
 
 

@@ -1,4 +1,4 @@
-"""The paper's track: figure-eights of straights and circular arcs (theory, section 7)."""
+"""The paper's track: figure-eights of straights and circular arcs (docs/theory/path.md)."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ def figure_eights(radii: Sequence[float], straight_length: float) -> Path:
     """
     for name, value in [*(("radius", radius) for radius in radii), ("straight length", straight_length)]:
         if not 0.0 < value < math.inf:
-            raise PathError(f"figure-eight: {name} {value} m; it must be a positive, finite length")
+            raise PathError(f"figure-eight: {name} is {value} m; it must be a positive, finite length")
     if not radii:
         raise PathError("figure-eight: no radius was given; give at least one, in m")
     names = ("straight", *dict.fromkeys(f"{1.0 / radius:.3g}" for radius in radii))

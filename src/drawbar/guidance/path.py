@@ -71,9 +71,14 @@ class Path:
         Raises PathError when a number is not finite or the arc length does not increase from 0.
         """
         nodes = np.column_stack([arc_length, x, y, yaw]).astype(np.float64, order="C")
-        increasing = len(nodes) > 1 and arc_length[0] == 0.0 and (np.diff(arc_length) > 0.0).all()
-        if not (np.isfinite(nodes).all() and increasing):
-            raise PathError("a path needs finite poses and an arc length that increases from 0")
+        if len(nodes) < 2:
+            raise PathError(f"a path needs at least two poses, got {len(nodes)}")
+        advances = np.concatenate([nodes[:1, 0] == 0.0, np.diff(nodes[:, 0]) > 0.0])
+        for bad in np.flatnonzero(~(advances & np.isfinite(nodes).all(axis=1)))[:1].tolist():
+            raise PathError(
+                f"pose {bad} of a path is (arc length, x, y, yaw) = {nodes[bad].tolist()}; poses must be finite, and "
+                f"the arc length must begin at 0 and increase from pose to pose"
+            )
         return cls(nodes=nodes, label_of_piece=label_of_piece, label_names=label_names)
 
     @property

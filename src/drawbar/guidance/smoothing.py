@@ -191,9 +191,9 @@ def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
     """Refuse a stretch that is too long to be worked on: it is noise, or no line for a vehicle."""
     if len(points) * step > _LONGEST_STRETCH:
         raise PathError(
-            f"line {line.name!r} is too tight for the vehicle over and over for {len(points) * step:.0f} m "
-            f"from ({points[0].real:z.1f}, {points[0].imag:z.1f}) m; {_LONGEST_STRETCH:g} m of kinks in a row "
-            f"are allowed: smooth or redraw it there"
+            f"line {line.name!r} is too tight for the vehicle along {len(points) * step:.0f} m, "
+            f"from ({points[0].real:z.1f}, {points[0].imag:z.1f}) m on; at most {_LONGEST_STRETCH:g} m of kinks in a "
+            f"row can be rounded: smooth or redraw the line there"
         )
 
 
@@ -213,8 +213,8 @@ def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_r
         if not values[worst] <= limit:
             raise PathError(
                 f"line {name!r} cannot be made drivable: near ({samples[worst, 0]:z.1f}, "
-                f"{samples[worst, 1]:z.1f}) m its {what} stays at {values[worst]:.2f} {unit}, {limit:g} "
-                f"{unit} is allowed; redraw the line without this turn"
+                f"{samples[worst, 1]:z.1f}) m its {what} stays at {values[worst]:.2f} {unit}; at most "
+                f"{limit:g} {unit} is allowed: redraw the line without this turn"
             )
 
 
@@ -225,6 +225,6 @@ def _require_close(line: RecordedLine, deviations: Floats, curvature_limit: floa
         raise PathError(
             f"line {line.name!r} is too tight for the vehicle: recorded point {worst + 1} at "
             f"({line.x[worst]:z.2f}, {line.y[worst]:z.2f}) m is {deviations[worst]:.3f} m from the closest "
-            f"path within {curvature_limit:g} 1/m, {tolerance:g} m is allowed; raise path_tolerance, "
-            f"or the vehicle's curvature_limit if it can steer tighter, or redraw the line there"
+            f"path within {curvature_limit:g} 1/m; at most {tolerance:g} m is allowed: raise "
+            f"guidance.path_tolerance, or vehicle.curvature_limit if it can turn tighter, or redraw the line there"
         )

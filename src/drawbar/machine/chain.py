@@ -1,7 +1,7 @@
 """The exact nonholonomic motion of tractor, drawbar and trailer, from the axles' rolling constraints alone.
 
 Nothing here is shared with the controller's models: each yaw rate is the root of the (linear) condition that
-an axle moves in the direction its wheels allow (theory.md sections 2 and 3.2).
+an axle moves in the direction its wheels allow (docs/theory/vehicle-models.md).
 """
 
 import casadi as ca

@@ -1,4 +1,4 @@
-"""Settings of the simulated machine; the defaults are those of theory.md section 8."""
+"""Settings of the simulated machine; the defaults are those of docs/theory/simulated-machine.md."""
 
 import math
 from typing import Annotated, Self

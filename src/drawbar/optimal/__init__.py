@@ -1,8 +1,10 @@
 """Optimal control and estimation: problems as data, and the compiled real-time iteration that solves them."""
 
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
-from drawbar.optimal.solver import ControlSolver, EstimationSolver
+from drawbar.optimal.quadratic_program import QuadraticProgram, Sizes
+from drawbar.optimal.solver import ControlSolver, EstimationSolver, RealTimeIteration
 from drawbar.optimal.unit import SolverUnit, solver_unit
+from drawbar.optimal.views import StageBounds
 
 __all__ = [
     "Bound",
@@ -10,6 +12,10 @@ __all__ = [
     "ControlSolver",
     "EstimationProblem",
     "EstimationSolver",
+    "QuadraticProgram",
+    "RealTimeIteration",
+    "Sizes",
     "SolverUnit",
+    "StageBounds",
     "solver_unit",
 ]

@@ -24,11 +24,12 @@ class Bound:
     def __post_init__(self) -> None:
         if not self.lower <= self.upper:
             raise SolverError(
-                f"Bounds cross: lower {self.lower} is not below upper {self.upper}; exchange or widen them."
+                f"A bound needs lower <= upper, got lower = {self.lower} and upper = {self.upper}; exchange them."
             )
         if not (self.linear_penalty > 0.0 and 0.0 <= self.quadratic_penalty < math.inf):
             raise SolverError(
-                f"Penalties of a soft bound must be positive, got {self.linear_penalty} and {self.quadratic_penalty}."
+                f"A bound needs linear_penalty > 0 (infinite: hard) and a finite quadratic_penalty >= 0, got "
+                f"{self.linear_penalty} and {self.quadratic_penalty}."
             )
 
 
@@ -127,9 +128,9 @@ def row(values: Mapping[str, float], declared: Iterable[Variable]) -> list[float
 
 def _check_time(horizon: int, sample_time: float, steps: int) -> None:
     if horizon < 2 or steps < 1:
-        raise SolverError(f"Need a horizon of at least 2 stages and 1 integration step, got {horizon} and {steps}.")
+        raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
     if not 0.0 < sample_time < math.inf:
-        raise SolverError(f"The sample time must be positive and finite, got {sample_time} s.")
+        raise SolverError(f"sample_time must be positive and finite, got {sample_time} s.")
 
 
 def _check_values(
@@ -160,5 +161,5 @@ def _check_bounds(model: Model, bounds: Mapping[str, Bound], kinds: Mapping[str,
     for name in bounds:
         if name not in names:
             raise SolverError(
-                f"Bound on {name!r}, which is no {' or '.join(kinds)} of {model.name!r}; there are {', '.join(names)}."
+                f"bounds: {name!r} is no {' or '.join(kinds)} of {model.name!r}; there are {', '.join(names)}."
             )

@@ -39,7 +39,7 @@ def write_settings(
         array("root")[:] = np.diag(np.sqrt(row(problem.initial_weights, problem.model.states)))
 
 
-class _RealTimeIteration(Guarded):
+class RealTimeIteration(Guarded):
     """What control and estimation share: the workspace and the phases prepare, feedback and shift.
 
     The arrays are views of the compiled solver's own memory: write into them (`solver.y[...] = values`), read from
@@ -68,8 +68,11 @@ class _RealTimeIteration(Guarded):
         self.upper = StageBounds({name: array("upper")[place] for name, place in places.items()})
         """(stages,) upper bounds, likewise"""
         self.prepare: Phase = self.workspace.function("prepare")
+        """the preparation phase: linearise along the trajectory and factorise; returns a SolverStatus"""
         self.feedback: Phase = self.workspace.function("feedback")
+        """the feedback phase: solve for the newest data, and move the trajectory; returns a SolverStatus"""
         self.shift: Phase = self.workspace.function("shift")
+        """move trajectory and data by one sample"""
 
     @property
     def status(self) -> SolverStatus:
@@ -87,7 +90,7 @@ class _RealTimeIteration(Guarded):
         return float(self.workspace.array("qp.kkt")[0])
 
 
-class ControlSolver(_RealTimeIteration):
+class ControlSolver(RealTimeIteration):
     """Real-time iteration for a ControlProblem.
 
     Before the first sample: write `initial` and `p`, then start(). Each sample: write `initial`, `p`, `y`; feedback();
@@ -147,7 +150,7 @@ class ControlSolver(_RealTimeIteration):
         )
 
 
-class EstimationSolver(_RealTimeIteration):
+class EstimationSolver(RealTimeIteration):
     """Real-time iteration for an EstimationProblem.
 
     Each sample: write row `newest` of `y`, NaN where a value is missing; feedback(); read row `newest` of `x`; then
@@ -172,6 +175,7 @@ class EstimationSolver(_RealTimeIteration):
         super().__init__(problem)
         array = self.workspace.array
         self.slide: Phase = self.workspace.function("slide")
+        """move the window on by one sample, once it is full; returns a SolverStatus"""
         self._restart = self.workspace.function("restart", pointers=1)
         self._newest = array("window.newest")
         self.root: Floats = _read_only(array("root"))

@@ -117,16 +117,16 @@ class Model:
 
     def _refuse_duplicates(self) -> None:
         """Refuse a symbol or a name that stands for two things: bounds, weights and deviations go by name."""
-        given = ca.vertcat(self.x, self.u, self.p)
+        given = ca.vertcat(self.x, self.u, self.p, self.c)
         if not given.is_valid_input() or len({s.element_hash() for s in ca.symvar(given)}) != given.numel():
-            raise ModelError(f"Model {self.name!r}: x, u and p must be symbols, each a different one, got {given}.")
-        for group in ((*self.states, *self.inputs, *self.parameters), self.outputs):
-            names = [variable.name for variable in group]
+            raise ModelError(f"Model {self.name!r}: x, u, p, constants must be symbols, all different, got {given}.")
+        for group in ((*self.states, *self.inputs, *self.parameters, *self.constants), self.outputs):
+            names = [each.name for each in group]
             repeated = sorted({name for name in names if names.count(name) > 1})
             if repeated:
                 raise ModelError(
                     f"Model {self.name!r} declares {', '.join(map(repr, repeated))} more than once; give every state, "
-                    f"input and parameter a name of its own, and every output one among the outputs."
+                    f"input, parameter and constant a name of its own, and every output one among the outputs."
                 )
 
 

@@ -45,8 +45,8 @@ class VehicleParameters(Settings):
     def _joints_in_order(self) -> Self:
         if not self.trailer_antenna <= self.trailer_length:
             raise ValueError(
-                f"trailer_antenna = {self.trailer_antenna} m ahead of the trailer axle is ahead of RJ2; "
-                f"at most trailer_length = {self.trailer_length} m is possible"
+                f"trailer_antenna = {self.trailer_antenna} m puts the antenna ahead of the actuated joint; it must be "
+                f"at most trailer_length = {self.trailer_length} m"
             )
         if not self.drawbar_length < self.hitch_length + self.wheelbase:
             raise ValueError(

@@ -1,6 +1,7 @@
 """The paper's adaptive kinematic tricycle (equations kinematicmodel and kinematicmodelDe), and its two subsystems.
 
-Positions are those of the two antennas as the paper takes them; see docs/theory.md for what this model gets wrong.
+Positions are those of the two antennas as the paper takes them; docs/theory/vehicle-models.md says what this model
+gets wrong.
 """
 
 from collections.abc import Callable

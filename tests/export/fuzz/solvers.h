@@ -17,22 +17,13 @@ struct solver_faults {
 
 static struct solver_faults solver_faults;
 
-int __real_drawbar_estimator_update(struct component *, const struct drawbar_measurement *, struct drawbar_estimate *,
-                                    void *);
-int __wrap_drawbar_estimator_update(struct component *, const struct drawbar_measurement *, struct drawbar_estimate *,
-                                    void *);
-int __real_drawbar_tractor_feedback(struct component *, const struct drawbar_estimate *,
-                                    const struct drawbar_body_reference *, const struct drawbar_body_plan *,
-                                    struct drawbar_body_plan *, void *);
-int __wrap_drawbar_tractor_feedback(struct component *, const struct drawbar_estimate *,
-                                    const struct drawbar_body_reference *, const struct drawbar_body_plan *,
-                                    struct drawbar_body_plan *, void *);
-int __real_drawbar_trailer_feedback(struct component *, const struct drawbar_estimate *,
-                                    const struct drawbar_body_reference *, const struct drawbar_body_plan *,
-                                    struct drawbar_body_plan *, void *);
-int __wrap_drawbar_trailer_feedback(struct component *, const struct drawbar_estimate *,
-                                    const struct drawbar_body_reference *, const struct drawbar_body_plan *,
-                                    struct drawbar_body_plan *, void *);
+typedef int update(struct component *, const struct drawbar_measurement *, struct drawbar_estimate *, void *);
+typedef int feedback(struct component *, const struct drawbar_estimate *, const struct drawbar_body_reference *,
+                     const struct drawbar_body_plan *, struct drawbar_body_plan *, void *);
+
+update __real_drawbar_estimator_update, __wrap_drawbar_estimator_update;
+feedback __real_drawbar_tractor_feedback, __wrap_drawbar_tractor_feedback;
+feedback __real_drawbar_trailer_feedback, __wrap_drawbar_trailer_feedback;
 
 /* Whether this one is to fail now. */
 static int fails(int which)

@@ -44,11 +44,11 @@ def test_dialects_of_csv(tmp_path: Path, content: str) -> None:
         (" \n\n", "is empty"),
         (b"\x89PNG\r\n\x1a\n\x00\x00", "not UTF-8"),
         (b"1,2\x00\n", "binary"),
-        ("x,y\n", r"0 point\(s\)"),
-        ("0,0\n", r"1 point\(s\)"),
-        ("0,0\n0,0\n", r"1 point\(s\)"),
+        ("x,y\n", r"0 different point\(s\)"),
+        ("0,0\n", r"1 different point\(s\)"),
+        ("0,0\n0,0\n", r"1 different point\(s\)"),
         ("0,0\n1,2,3\n", r"csv:2: .*3 columns"),
-        ("# nothing\n#\n", r"0 point\(s\)"),
+        ("# nothing\n#\n", r"0 different point\(s\)"),
         ("0 0\n1 1\n", r"csv:1: '0 0' has 1 column; two"),
         ('"1,5"\n"2,5"\n', r"csv:1: header"),
         ("0,zero\n1,1\n", r"csv:1: y is 'zero'; a number"),
@@ -143,8 +143,8 @@ def test_a_feature_is_chosen_by_name(tmp_path: Path) -> None:
         ),
         (json.dumps({"type": "FeatureCollection"}), "'features' is None"),
         (json.dumps({"type": "LineString"}), "'coordinates' is None"),
-        (json.dumps(string()), r"0 point\(s\)"),
-        (json.dumps(string([4.7, 50.8])), r"1 point\(s\)"),
+        (json.dumps(string()), r"0 different point\(s\)"),
+        (json.dumps(string([4.7, 50.8])), r"1 different point\(s\)"),
         (json.dumps(string([4.7, 50.8], [4.7])), r"position 1: is \[4\.7\]"),
         (json.dumps(string([4.7, 50.8], ["a", 50.8])), "position 1"),
         (json.dumps(string([4.7, 50.8], [True, 50.8])), "position 1"),
@@ -218,7 +218,7 @@ def test_any_other_reference_system_is_refused(tmp_path: Path, member: dict[str,
 
 
 def test_unknown_names_types_and_files_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(PathError, match=r"its lines: 'line'"):
+    with pytest.raises(PathError, match=r"its lines are: 'line'"):
         load_line(written(tmp_path, "line.csv", "0,0\n1,1\n"), "other")
     with pytest.raises(PathError, match=r"neither an AgOpenGPS field folder nor .*\.csv, \.geojson"):
         load_line(written(tmp_path, "line.shp", "x"), None)

@@ -80,11 +80,14 @@ def _tracks(file: Path, rows: list[str]) -> list[_Track]:
             continue
         left = len(rows) - head - _HEAD
         if left < 0:
-            raise PathError(f"{file}:{len(rows)}: the file ends inside line {rows[head]!r}; is it complete?")
+            raise PathError(
+                f"{file}:{len(rows)}: the file ends inside line {rows[head]!r}; export the field from AgOpenGPS again"
+            )
         count = number(rows[head + 7], f"{file}:{head + 8}", "the number of points")
         if not (count.is_integer() and 0 <= count <= left):
             raise PathError(
-                f"{file}:{head + 8}: line {rows[head]!r} announces {rows[head + 7]} points; {left} rows follow"
+                f"{file}:{head + 8}: line {rows[head]!r} announces {rows[head + 7]} points, but {left} rows "
+                f"follow; export the field from AgOpenGPS again"
             )
         tracks.append(_Track(name=rows[head], head=head, count=int(count)))
         head += _HEAD + int(count)
@@ -97,8 +100,8 @@ def _line(file: Path, rows: list[str], track: _Track) -> RecordedLine:
     nudge = number(rows[head + 4], f"{file}:{head + 5}", "the nudge distance")
     if nudge != 0.0:
         raise PathError(
-            f"{file}:{head + 5}: line {track.name!r} is nudged by {nudge:g} m; only lines with nudge 0 "
-            f"can be driven: move the reference line itself in AgOpenGPS"
+            f"{file}:{head + 5}: line {track.name!r} has a nudge of {nudge:g} m; only 0 can be "
+            f"driven: move the reference line itself in AgOpenGPS"
         )
     is_ab = number(rows[head + 5], f"{file}:{head + 6}", "the mode") == _AB_LINE
     indices = range(head + 2, head + 4) if is_ab else range(first, first + track.count)

@@ -61,8 +61,8 @@ class RecordedLine:
         kept, repeated = points[apart], int((~apart).sum())
         if len(kept) < 2:
             raise PathError(
-                f"{places[0]}: line {name!r} has {len(kept)} point(s) "
-                f"that differ; a line needs at least two that are more than {_SAME_POINT:g} m apart"
+                f"{places[0]}: line {name!r} has {len(kept)} "
+                f"different point(s); it needs at least two that are more than {_SAME_POINT:g} m apart"
             )
         if not (_SHORTEST <= (length := float(step.sum())) <= _LONGEST):
             raise PathError(
@@ -86,11 +86,11 @@ def choose(source: Path, names: list[str], wanted: str | None) -> int:
     listed = ", ".join(map(repr, names)) or "none"
     found = [index for index, name in enumerate(names) if wanted in (None, name)]
     if not found:
-        raise PathError(f"{source}: has no line {wanted or ''!r}; its lines: {listed}")
+        raise PathError(f"{source}: has no line {wanted or ''!r}; its lines are: {listed}")
     times = Counter(names[index] for index in found)
     for name, count in times.most_common(1):
         if count > 1:
             raise PathError(f"{source}: has {count} lines named {name!r}; give them different names")
     if len(found) > 1:
-        raise PathError(f"{source}: holds {len(names)} lines: {listed}; choose one with --track NAME")
+        raise PathError(f"{source}: holds {len(names)} lines: {listed}; choose one with --track NAME or path.track")
     return found[0]
