@@ -9,6 +9,7 @@ import pytest
 from drawbar.errors import SolverError
 from drawbar.optimal import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.transcription import transcribe
+from drawbar.vehicle.model import declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
 
@@ -109,3 +110,27 @@ def test_bounded_variables_are_those_that_can_move() -> None:
     found = transcribe(estimation(bounds=bounds)).bounds
     yaws, steerings = [11 * k + 2 for k in range(6)], [66 + 2 * k + 1 for k in range(5)]
     assert [index for index, _ in found] == [*yaws, 6, *steerings], "a constant is bounded once"
+
+
+def test_another_length_and_sample_time_are_the_same_source() -> None:
+    long = VehicleParameters(wheelbase=2.5, trailer_length=4.0)
+    for problem, other in ((control, tricycle_tractor), (estimation, tricycle)):
+        changed = transcribe(problem(model=other(long), sample_time=0.1))
+        assert changed.source() == transcribe(problem()).source()
+        assert [each.value for each in changed.constants if each.name in ("wheelbase", "sample_time")] == [2.5, 0.1]
+
+
+def test_plain_numbers_of_a_model_are_in_its_source() -> None:
+    def cart(gain: float) -> str:
+        model = declare(
+            "cart",
+            states=variables(position="m"),
+            inputs=variables(speed="m/s"),
+            parameters=(),
+            outputs=variables(position="m"),
+            equations=lambda x, u, p: (gain * u, x),
+        )
+        return transcribe(control(model=model, weights=(1.0,), terminal_weights=(1.0,))).source()
+
+    assert cart(1.5) == cart(1.5)
+    assert cart(1.5) != cart(2.5)

@@ -24,5 +24,5 @@ class Component(Workspace):
         """
         self.source = source
         super().__init__(build(name, source + _INTROSPECTION))
-        self.work = self.memory.ctypes.data + self.part_size
+        self.work = self.memory.ctypes.data + self.work_offset
         """address of what the unit borrows for the length of a call"""

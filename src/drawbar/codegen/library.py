@@ -73,6 +73,11 @@ class Workspace:
         """Bytes of `struct component`, behind which there is only what the component borrows (workspace.h)."""
         return ctypes.c_int64.in_dll(self._library, "drawbar_component_size").value
 
+    @property
+    def work_offset(self) -> int:
+        """Where what the component borrows begins, bytes."""
+        return ctypes.c_int64.in_dll(self._library, "drawbar_work_offset").value
+
     def write(self, values: Mapping[str, ArrayLike]) -> None:
         """Set fields by name."""
         for name, value in values.items():

@@ -24,4 +24,4 @@ class Unit:
     @property
     def work_size(self) -> int:
         """Bytes that the component borrows for the length of a call."""
-        return self.workspace.memory.size - self.size
+        return self.workspace.memory.size - self.workspace.work_offset
