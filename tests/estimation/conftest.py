@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drawbar.codegen.component import Component
+from drawbar.codegen.emit import emit_indices
 from drawbar.config import load_configuration
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
@@ -24,6 +25,7 @@ from drawbar.estimation.settings import (
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.exchange import CCommand, CEstimate, CMeasurement
 from drawbar.geometry import Floats
+from drawbar.optimal.transcription import transcribe
 from drawbar.settings import Settings
 from drawbar.signals import Command, Estimate, Measurement
 from drawbar.vehicle.model import integrate
@@ -37,10 +39,11 @@ DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
 
 
 UNIT = """
-#include "{name}_estimation.h"
-struct component {{ struct estimation_model model; double state[12], y[12], rates[2]; }};
+#define NX {states}
+{indices}#include "{name}_estimation.h"
+struct component {{ struct estimation_model model; double state[12], y[12]; }};
 #define COMPONENT_FIELDS MODEL_FIELDS(component, model.) \\
-    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 12, 0, 0) FIELD(component, rates, 0, 2, 0, 0)
+    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 12, 0, 0)
 int first_guess(struct component *component, const struct drawbar_measurement *first)
 {{
     return model_first_guess(&component->model, first, component->state);
@@ -50,10 +53,10 @@ int outputs(struct component *component, const struct drawbar_measurement *measu
     model_outputs(&component->model, measurement, component->y);
     return 0;
 }}
-int steering_rates(struct component *component, const struct drawbar_command *command)
+int told(struct component *component, const struct drawbar_command *command)
 {{
-    model_steering_rates(&component->model, component->state, command, component->rates);
-    return STEERING_RATES;
+    model_told_outputs(&component->model, component->state, command, component->y);
+    return 0;
 }}
 int estimate(struct component *component, const struct drawbar_measurement *measurement,
              struct drawbar_estimate *estimate)
@@ -68,7 +71,10 @@ class CompiledModel(Component):
     """What a model's header offers to the estimators, by itself."""
 
     def __init__(self, model: EstimationModel) -> None:
-        super().__init__(f"{model.name}_model", UNIT.format(name=model.name))
+        names = transcribe(model.problem).names
+        source = UNIT.format(name=model.name, states=len(names["X"]), indices=emit_indices(names))
+        super().__init__(f"{model.name}_model", source)
+        self._outputs = names["Y"]
         for name, value in model.constants.items():
             self.array(f"model.{name}")[:] = value
         self.state = self.array("state")
@@ -89,9 +95,9 @@ class CompiledModel(Component):
     def steering_rates(self, command: Command) -> list[float]:
         """Return the rates that a command gives in the state that is kept."""
         self._command.write(command)
-        count = self.function("steering_rates", pointers=1)(byref(self._command))
-        rates: list[float] = self.array("rates")[:count].tolist()
-        return rates
+        self.function("told", pointers=1)(byref(self._command))
+        values = dict(zip(self._outputs, self.array("y").tolist(), strict=False))
+        return [values[name] for name in self._outputs if name.endswith("steering_rate")]
 
     def estimate(self, measurement: Measurement) -> Estimate:
         """Return the estimate of the state that is kept."""

@@ -6,12 +6,16 @@ from typing import Any
 
 import pytest
 
+from drawbar.codegen.cache import runtime_sources
 from drawbar.errors import SolverError
 from drawbar.optimal import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.transcription import transcribe
 from drawbar.vehicle.model import declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
+
+MODEL_HEADER = re.compile(r"(centralised_)?(articulated|tricycle)|at_rest|first_guess")
+"""headers that belong to a model"""
 
 
 def control(**changes: Any) -> ControlProblem:
@@ -134,3 +138,21 @@ def test_plain_numbers_of_a_model_are_in_its_source() -> None:
 
     assert cart(1.5) == cart(1.5)
     assert cart(1.5) != cart(2.5)
+
+
+def test_indices_are_those_of_the_declaration() -> None:
+    assert transcribe(control()).indices() == (
+        "enum { X_X, X_Y, X_YAW };\nenum { U_STEERING };\n"
+        "enum { P_LONGITUDINAL_SLIP, P_TRACTOR_SLIP, P_SPEED };\nenum { Y_X, Y_Y, Y_STEERING };\n"
+    )
+    states, *_ = transcribe(estimation()).indices().splitlines()
+    assert states.endswith(
+        "X_TRAILER_YAW, X_LONGITUDINAL_SLIP, X_TRACTOR_SLIP, X_TRAILER_SLIP, X_HITCH_ANGLE, X_SPEED };"
+    )
+
+
+@pytest.mark.parametrize("name", [name for name in runtime_sources() if MODEL_HEADER.match(name)])
+def test_no_header_counts_the_elements_of_a_models_vector(name: str) -> None:
+    assert not re.search(
+        r"\b(state|x|u|p|y|p\[k\]|y\[k\]|(STATE|INPUT)\([^)]*\))\[\d+\](?!\[)", runtime_sources()[name]
+    )

@@ -4,25 +4,28 @@ from dataclasses import replace
 
 import casadi as ca
 
-from drawbar.estimation.description import EstimationModel, chain
+from drawbar.estimation.description import EstimationModel, by_kind, chain
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
-from drawbar.vehicle.model import Model, variables
+from drawbar.vehicle.model import Model, by_name, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
-_ORDER = (
-    *("position", "position", "yaw", "yaw", "steering", "steering", "longitudinal_slip", "tractor_slip"),
-    *("steering_offset", "crab", "speed", "crab"),
-)
-"""the problem's states and parameters, by the names of prior and drift"""
-_ON_A_SLOPE = ("steering_offset", "crab")
+_CRAB = {"trailer_crab": "rad", "tractor_crab": "rad"}
+_KINDS = {
+    **dict.fromkeys(("tractor_x", "tractor_y"), "position"),
+    **dict.fromkeys(("tractor_yaw", "trailer_yaw"), "yaw"),
+    **dict.fromkeys(("tractor_steering", "trailer_steering"), "steering"),
+    **dict.fromkeys(_CRAB, "crab"),
+}
+"""how prior and drift call what has no name of its own there"""
+_ON_A_SLOPE = ("steering_offset", *_CRAB)
 """what a side slope moves, all by the same angle"""
 
 
 class ArticulatedEstimation(EstimationModel):
-    """States x_t, y_t, theta, psi, delta_t, delta_i; parameters mu, kappa, b, alpha_i, v, alpha_r."""
+    """States and parameters of the chain, see vehicle/articulated.py; the steering rates are its inputs."""
 
     name = "articulated"
 
@@ -52,15 +55,18 @@ class ArticulatedEstimation(EstimationModel):
             noise.tractor_steering,
             noise.trailer_steering,
         )
+        model = _with_crab(articulated(vehicle))
         angle = Bound(lower=-settings.angle_bound, upper=settings.angle_bound)
         self.problem = EstimationProblem(
-            model=_with_crab(articulated(vehicle)),
+            model=model,
             horizon=settings.window,
             sample_time=sample_time,
             weights=tuple(deviation**-2 for deviation in (*deviations, *(settings.crab,) * 2, *rates)),
-            prior_deviation=_ordered(settings.prior.model_dump()),
-            process_deviation=_ordered(settings.drift.model_dump()),
-            common_deviation=tuple(settings.drift.slope if name in _ON_A_SLOPE else 0.0 for name in _ORDER),
+            prior_deviation=by_kind(model, settings.prior.model_dump(), _KINDS),
+            process_deviation=by_kind(model, settings.drift.model_dump(), _KINDS),
+            common_deviation=tuple(
+                settings.drift.slope if name in _ON_A_SLOPE else 0.0 for name in (*model.names["X"], *model.names["P"])
+            ),
             bounds={
                 "longitudinal_slip": _bound(settings.longitudinal_slip_bounds),
                 "tractor_slip": _bound(settings.tractor_slip_bounds),
@@ -73,17 +79,12 @@ class ArticulatedEstimation(EstimationModel):
 
 def _with_crab(model: Model) -> Model:
     """Return the model with both crab angles as outputs, before the rates: on the whole, axles do not slip sideways."""
-    crab, split = variables(trailer_crab="rad", tractor_crab="rad"), len(MEASURED)
+    crab, known, split = variables(**_CRAB), by_name(model.parameters, model.p), len(MEASURED)
     return replace(
         model,
         outputs=(*model.outputs[:split], *crab, *model.outputs[split:]),
-        output=ca.vertcat(model.output[:split], model.p[3], model.p[5], model.output[split:]),
+        output=ca.vertcat(model.output[:split], *(known[name] for name in _CRAB), model.output[split:]),
     )
-
-
-def _ordered(values: dict[str, float]) -> tuple[float, ...]:
-    """Return a prior or drift section in the order of the problem's states and parameters."""
-    return tuple(values[name] for name in _ORDER)
 
 
 def _bound(bounds: SlipBounds) -> Bound:

@@ -8,6 +8,7 @@ from drawbar.errors import HardwareError
 from drawbar.estimation.settings import ScreeningSettings
 from drawbar.optimal import EstimationProblem
 from drawbar.signals import Measurement
+from drawbar.vehicle.model import Model
 from drawbar.vehicle.parameters import VehicleParameters
 
 
@@ -33,6 +34,17 @@ class EstimationModel(ABC):
         for name, value in self.screening.model_dump().items():
             workspace.array(f"screening.{name}")[:] = value
         workspace.array("screening.deviation")[:] = self.position_deviation
+
+
+def by_kind(model: Model, values: Mapping[str, float], kinds: Mapping[str, str]) -> tuple[float, ...]:
+    """Return a value for each state, then each parameter of a model: that of its kind where it has one, else its own.
+
+    Args:
+        model: says which there are.
+        values: by kind or name.
+        kinds: by name.
+    """
+    return tuple(values[kinds.get(name, name)] for name in (*model.names["X"], *model.names["P"]))
 
 
 def chain(vehicle: VehicleParameters) -> dict[str, float]:

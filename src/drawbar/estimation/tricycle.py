@@ -1,15 +1,23 @@
 """Estimation on the paper's model."""
 
-from drawbar.estimation.description import EstimationModel, chain
+from drawbar.estimation.description import EstimationModel, by_kind, chain
 from drawbar.estimation.settings import TricycleEstimatorSettings
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 from drawbar.vehicle.tricycle import tricycle
 
+_SLIPS = ("longitudinal_slip", "tractor_slip", "trailer_slip")
+_KINDS = {
+    **dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), "position"),
+    **dict.fromkeys(("tractor_yaw", "trailer_yaw"), "yaw"),
+    **dict.fromkeys(_SLIPS, "slip"),
+}
+"""how prior and drift call what has no name of its own there"""
+
 
 class TricycleEstimation(EstimationModel):
-    """States x_t, y_t, theta, x_i, y_i, psi; parameters mu, kappa, eta, beta, v; both steering angles are inputs."""
+    """States and parameters of the paper's model, see vehicle/tricycle.py; both steering angles are its inputs."""
 
     name = "tricycle"
 
@@ -34,31 +42,14 @@ class TricycleEstimation(EstimationModel):
             noise.trailer_steering,
         )
         power = -1 if settings.weighting == "paper" else -2
+        model = tricycle(vehicle)
         slip = Bound(lower=settings.slip_bounds.lower, upper=settings.slip_bounds.upper)
         self.problem = EstimationProblem(
-            model=tricycle(vehicle),
+            model=model,
             horizon=settings.window,
             sample_time=sample_time,
             weights=tuple(float(deviation**power) for deviation in deviations),
-            prior_deviation=_ordered(settings.prior.model_dump()),
-            process_deviation=_ordered(settings.drift.model_dump()),
-            bounds=dict.fromkeys(("longitudinal_slip", "tractor_slip", "trailer_slip"), slip),
+            prior_deviation=by_kind(model, settings.prior.model_dump(), _KINDS),
+            process_deviation=by_kind(model, settings.drift.model_dump(), _KINDS),
+            bounds=dict.fromkeys(_SLIPS, slip),
         )
-
-
-def _ordered(values: dict[str, float]) -> tuple[float, ...]:
-    """Return a prior or drift section in the order of the problem's states and parameters."""
-    order = (
-        "position",
-        "position",
-        "yaw",
-        "position",
-        "position",
-        "yaw",
-        "slip",
-        "slip",
-        "slip",
-        "hitch_angle",
-        "speed",
-    )
-    return tuple(values[name] for name in order)

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from drawbar.export.unit import Unit
 
-_OF_SOLVER = ("constants", "w", "lower", "upper", "root", "process", "common")
-"""settings of a solver, which is the first member of its component"""
 _C_TYPES = {"f": "double", "i": "int32_t"}
 
 
@@ -48,10 +46,9 @@ class _Run:
 
 def _runs(unit: Unit, kind: str) -> Iterator[_Run]:
     """Yield what is not zero in the settings of one kind of number."""
-    for name, array in unit.workspace.settings().items():
+    for member, array in unit.workspace.settings().items():
         if array.dtype.kind != kind:
             continue
-        member = f"rti.{name}" if unit.has_solver and (name in _OF_SOLVER or name.startswith("qp.")) else name
         first = 0
         for row, count in _grouped(array):
             if any(row):

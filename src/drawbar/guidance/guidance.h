@@ -33,7 +33,7 @@ static inline int guidance_begin(struct guidance *guidance, const struct path *p
     double start[4], error;
 
     path_sample(path, 0.0, start);
-    if (!(hypot(first->tractor_x - start[0], first->tractor_y - start[1]) <= reach))
+    if (!(hypot(first->tractor_x - start[AT_X], first->tractor_y - start[AT_Y]) <= reach))
         return GUIDANCE_FAR_FROM_START;
     if (!isfinite(first->trailer_x + first->trailer_y))
         return GUIDANCE_POSE_NOT_FINITE;
@@ -87,9 +87,9 @@ static inline void guidance_to_branch(struct guidance *guidance, const struct dr
     const double targets[BODIES] = {estimate->tractor.yaw, estimate->trailer.yaw};
 
     for (int i = 0; i < BODIES; ++i) {
-        const double first = guidance->samples[i][0][2], shift = nearest_branch(first, targets[i]) - first;
+        const double first = guidance->samples[i][0][AT_YAW], shift = nearest_branch(first, targets[i]) - first;
         for (int j = 0; j <= STAGES; ++j)
-            guidance->samples[i][j][2] += shift;
+            guidance->samples[i][j][AT_YAW] += shift;
     }
 }
 
