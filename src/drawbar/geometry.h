@@ -1,10 +1,13 @@
-/* Angles, as in geometry.py. */
+/* Angles, as in geometry.py, and rows of numbers that are poses. */
 #ifndef DRAWBAR_GEOMETRY_H
 #define DRAWBAR_GEOMETRY_H
 
 #include <math.h>
 
 #define DRAWBAR_PI 3.14159265358979323846
+
+/* A pose as a row of numbers, m and rad; a sample of a path is one that also has the curvature there, 1/m. */
+enum { AT_X, AT_Y, AT_YAW, AT_CURVATURE };
 
 /* The angle in [-pi, pi), rad; for differences only, never for states. */
 static inline double wrapped(double angle)

@@ -101,6 +101,25 @@ def test_constants_are_laid_down_in_every_row(compiled: Callable[..., Workspace]
     np.testing.assert_array_equal(unit.array("g"), np.full((5, 1), 3.0))
 
 
+def test_what_depends_on_constants_alone_is_laid_down_with_their_values(compiled: Callable[..., Workspace]) -> None:
+    x, u, c = ca.SX.sym("x", 2), ca.SX.sym("u", 1), ca.SX.sym("c", 3)
+    f = ca.vertcat(x[0] / c[0] + c[1] * c[2], ca.sin(c[1]) / c[2], x[0] * x[1] / (c[0] + c[2]), c[0])
+    unit = compiled(x, u, f, c[1] * u, c)
+    rng = np.random.default_rng(0)
+    both = ca.Function("both", [x, u, c], [f, c[1] * u])
+    for _ in range(2):
+        unit.array("x")[:], unit.array("u")[:] = rng.normal(size=(17, 2)), rng.normal(size=(5, 1))
+        unit.array("c")[:], unit.array("f")[:] = rng.uniform(1.0, 2.0, 3), np.nan
+        unit.array("first")[0], unit.array("count")[0] = 0, 17
+        unit.function("run")()
+        np.testing.assert_array_equal(np.isnan(unit.array("f")[0]), [False, True, False, True])
+        unit.function("constants")()
+        for k, later in enumerate(np.minimum(np.arange(17), 4)):
+            one, other = both(unit.array("x")[k], unit.array("u")[later], unit.array("c"))
+            np.testing.assert_allclose(unit.array("f")[k], np.array(one).ravel(), rtol=1e-14)
+            np.testing.assert_allclose(unit.array("g")[later], np.array(other).ravel(), rtol=1e-14)
+
+
 def test_stages_before_the_first_are_left_alone(compiled: Callable[..., Workspace]) -> None:
     x, u = ca.SX.sym("x", 1), ca.SX.sym("u", 1)
     unit = compiled(x, u, 2 * x, x + u)

@@ -13,6 +13,7 @@ from c_signals import given, room, taken
 from estimators import MovingHorizonEstimator
 
 from drawbar.codegen import Unit
+from drawbar.codegen.emit import emit_indices
 from drawbar.config import load_configuration
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
@@ -25,6 +26,7 @@ from drawbar.estimation.settings import (
 )
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import Floats
+from drawbar.optimal.transcription import transcribe
 from drawbar.settings import Settings
 from drawbar.signals import Command, Estimate, Measurement
 from drawbar.simulation import Simulation
@@ -39,10 +41,11 @@ DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
 
 
 UNIT = """
-#include "{name}_estimation.h"
-struct component {{ struct estimation_model model; double state[12], y[12], rates[2]; }};
+#define NX {states}
+{indices}#include "{name}_estimation.h"
+struct component {{ struct estimation_model model; double state[12], y[12]; }};
 #define COMPONENT_FIELDS MODEL_FIELDS(component, model.) \\
-    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 12, 0, 0) FIELD(component, rates, 0, 2, 0, 0)
+    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 12, 0, 0)
 int UNIT(first_guess)(struct component *component, const struct drawbar_measurement *first)
 {{
     return model_first_guess(&component->model, first, component->state);
@@ -52,10 +55,10 @@ int UNIT(outputs)(struct component *component, const struct drawbar_measurement 
     model_outputs(&component->model, measurement, component->y);
     return 0;
 }}
-int UNIT(steering_rates)(struct component *component, const struct drawbar_command *command)
+int UNIT(told)(struct component *component, const struct drawbar_command *command)
 {{
-    model_steering_rates(&component->model, component->state, command, component->rates);
-    return STEERING_RATES;
+    model_told_outputs(&component->model, component->state, command, component->y);
+    return 0;
 }}
 int UNIT(estimate)(struct component *component, const struct drawbar_measurement *measurement,
                    struct drawbar_estimate *estimate)
@@ -71,8 +74,10 @@ class CompiledModel(Alone):
 
     def __init__(self, model: EstimationModel) -> None:
         constants = {f"model.{name}": value for name, value in model.constants.items()}
-        source = UNIT.format(name=model.name)
+        names = transcribe(model.problem).names
+        source = UNIT.format(name=model.name, states=len(names["X"]), indices=emit_indices(names))
         super().__init__(Unit(name="model", source=source, configure=lambda workspace: workspace.write(constants)))
+        self._outputs = names["Y"]
         self.state = self.live.array("state")
 
     def first_guess(self, measurement: Measurement) -> Floats | None:
@@ -86,9 +91,9 @@ class CompiledModel(Alone):
 
     def steering_rates(self, command: Command) -> list[float]:
         """Return the rates that a command gives in the state that is kept."""
-        count = self.call("steering_rates", given(command))
-        rates: list[float] = self.live.array("rates")[:count].tolist()
-        return rates
+        self.call("told", given(command))
+        values = dict(zip(self._outputs, self.live.array("y").tolist(), strict=False))
+        return [values[name] for name in self._outputs if name.endswith("steering_rate")]
 
     def estimate(self, measurement: Measurement) -> Estimate:
         """Return the estimate of the state that is kept."""

@@ -163,3 +163,14 @@ def test_all_experiments_make_one_report(
     assert report.index("## The first one") < report.index("## The second one")
     assert "| slow | 2/2 | 0.5 ± 6.4 |" in report  # of the seeds 0 and 1: t(0.975, 1) = 12.7
     assert (tmp_path / "experiments" / "second" / "means.csv").exists()
+
+
+def test_an_experiment_of_which_nothing_is_left_keeps_its_results(
+    drawbar, on_cluster: None, write_experiment: Write
+) -> None:
+    experiment = write_experiment('title = "x"\ncases = [{ name = "paper", needs = "no such folder" }]')
+    (experiment.folder / "results.md").write_text("measured elsewhere", "utf-8")
+    code, said = drawbar(str(experiment.folder))
+    assert code == 0
+    assert "small: paper is left out: no such folder is not here" in said
+    assert results(experiment) == "measured elsewhere"

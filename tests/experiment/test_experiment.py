@@ -57,6 +57,19 @@ def test_a_case_may_have_a_configuration_of_its_own(write_experiment: Write, tmp
     assert tomllib.loads(experiment.configurations["a"])["name"] == "mine"
 
 
+def test_a_case_without_what_it_needs_is_left_out(write_experiment: Write, tmp_path: Path) -> None:
+    cases = f"""title = "x"
+cases = [{{ name = "paper" }}, {{ name = "a", configuration = "paper", needs = "{(tmp_path / "field").as_posix()}" }}]
+expected.a.x = {{ at_most = 1.0 }}
+"""
+    experiment = write_experiment(cases)
+    assert list(experiment.tasks(1)) == ["paper"]
+    assert list(experiment.left_out) == ["a"]
+    assert experiment.left_out["a"].endswith("field is not here")
+    (tmp_path / "field").mkdir()
+    assert list(write_experiment(cases).tasks(1)) == ["paper", "a"]
+
+
 WRONG = {
     "no TOML": ("title = ", "cannot be read as an experiment"),
     "no case": ('title = "x"\ncases = []', "cases"),

@@ -130,6 +130,17 @@ def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment, tm
     assert "| casadi | " in report
 
 
+def test_a_case_that_is_left_out_is_told_and_missed_by_nobody(write_experiment: Write, short_result) -> None:
+    text = 'title = "x"\nexpected.a.x = { at_most = 1.0 }\ncases = [{ name = "paper" }, '
+    experiment = write_experiment(text + '{ name = "a", configuration = "paper", needs = "no such folder" }]')
+    measured = measured_of(experiment, {"paper": Runs(results=[short_result], failures=[])}, 1)
+    assert measured.verdicts() == []
+    assert measured.misses() == []
+    write_results(measured, [])
+    results = (experiment.folder / "results.md").read_text("utf-8")
+    assert "Not driven: a (no such folder is not here)." in results
+
+
 def test_own_functions_take_the_place_of_the_defaults(measured: MeasuredExperiment, short_result) -> None:
     folder = measured.experiment.folder
     assert load_analysis(folder).figures(short_result) == error_figures(short_result.metrics)

@@ -6,14 +6,18 @@ from typing import Any
 
 import pytest
 
+from drawbar.codegen.cache import runtime_sources
 from drawbar.errors import SolverError
 from drawbar.optimal import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import transcribe
+from drawbar.vehicle.model import declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
 
+MODEL_HEADER = re.compile(r"(centralised_)?(articulated|tricycle)|at_rest|first_guess")
+"""headers that belong to a model"""
 MODEL = tricycle_tractor(VehicleParameters())
 WEIGHTS = {"x": 1.0, "y": 1.0, "steering": 1.0}
 TERMINAL = {"x": 1.0, "y": 1.0}
@@ -144,3 +148,45 @@ def test_bounded_variables_are_those_that_can_move() -> None:
     found = transcribe(estimation(bounds=bounds)).bounds
     yaws, steerings = [11 * k + 2 for k in range(6)], [66 + 2 * k + 1 for k in range(5)]
     assert [index for index, _ in found] == [*yaws, 6, *steerings], "a constant is bounded once"
+
+
+def test_another_length_and_sample_time_are_the_same_source() -> None:
+    long = VehicleParameters(wheelbase=2.5, trailer_length=4.0)
+    for problem, other in ((control, tricycle_tractor), (estimation, tricycle)):
+        changed = transcribe(problem(model=other(long), sample_time=0.1))
+        assert changed.source() == transcribe(problem()).source()
+        assert [each.value for each in changed.constants if each.name in ("wheelbase", "sample_time")] == [2.5, 0.1]
+
+
+def test_plain_numbers_of_a_model_are_in_its_source() -> None:
+    def cart(gain: float) -> str:
+        model = declare(
+            "cart",
+            states=variables(position="m"),
+            inputs=variables(speed="m/s"),
+            parameters=(),
+            outputs=variables(position="m"),
+            equations=lambda x, u, p: (gain * u, x),
+        )
+        return transcribe(control(model=model, weights=(1.0,), terminal_weights=(1.0,))).source()
+
+    assert cart(1.5) == cart(1.5)
+    assert cart(1.5) != cart(2.5)
+
+
+def test_indices_are_those_of_the_declaration() -> None:
+    assert transcribe(control()).indices() == (
+        "enum { X_X, X_Y, X_YAW };\nenum { U_STEERING };\n"
+        "enum { P_LONGITUDINAL_SLIP, P_TRACTOR_SLIP, P_SPEED };\nenum { Y_X, Y_Y, Y_STEERING };\n"
+    )
+    states, *_ = transcribe(estimation()).indices().splitlines()
+    assert states.endswith(
+        "X_TRAILER_YAW, X_LONGITUDINAL_SLIP, X_TRACTOR_SLIP, X_TRAILER_SLIP, X_HITCH_ANGLE, X_SPEED };"
+    )
+
+
+@pytest.mark.parametrize("name", [name for name in runtime_sources() if MODEL_HEADER.match(name)])
+def test_no_header_counts_the_elements_of_a_models_vector(name: str) -> None:
+    assert not re.search(
+        r"\b(state|x|u|p|y|p\[k\]|y\[k\]|(STATE|INPUT)\([^)]*\))\[\d+\](?!\[)", runtime_sources()[name]
+    )

@@ -15,7 +15,7 @@ from drawbar.vehicle.articulated import (
     articulated_tractor,
     articulated_trailer,
 )
-from drawbar.vehicle.model import Model, constant, integrate, symbols, variables
+from drawbar.vehicle.model import Model, constant, declare, integrate, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
@@ -79,6 +79,30 @@ TWICE = {"x": SYMBOL, "u": SYMBOL, "derivative": SYMBOL, "output": SYMBOL}
 def test_declarations_that_do_not_fit_are_refused(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(ModelError, match=re.escape(complaint)):
         declared(**changes)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_constant_that_is_not_finite_is_refused(value: float) -> None:
+    with pytest.raises(ModelError, match="only finite numbers are allowed"):
+        constant("length", "m", value)
+
+
+def test_numeric_has_the_values_of_the_constants_that_the_equations_use() -> None:
+    used, unused = constant("gain", "1", 3.0), constant("length", "m", 2.0)
+    model = declare(
+        "cart",
+        states=variables(position="m"),
+        inputs=variables(speed="m/s"),
+        parameters=(),
+        outputs=variables(position="m"),
+        equations=lambda x, u, p: (used.symbol * u, x),
+        constants=(used, unused),
+    )
+    assert model.constants == (used,)
+    numeric = model.numeric()
+    assert not numeric.constants
+    assert float(ca.Function("f", [numeric.x, numeric.u], [numeric.derivative])(0.0, 5.0)) == 15.0
+    assert float(ca.Function("F", [model.x, model.u], [integrate(model, 0.1)])(0.0, 5.0)) == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize("declare", MODELS)

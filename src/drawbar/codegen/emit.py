@@ -7,6 +7,7 @@ not computed but laid down once (emit_constants).
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -100,6 +101,17 @@ class _Program:
     """names of the expressions' values"""
     inverses: dict[str, str] = field(default_factory=dict)
     """names of the inverses of what is the same for all stages"""
+
+
+def emit_indices(names: Mapping[str, Sequence[str]]) -> str:
+    """Return C enumerations of indices: what the elements of vectors are called, by the prefix of each vector."""
+    listed = (", ".join(index_name(prefix, name) for name in elements) for prefix, elements in names.items())
+    return "".join(f"enum {{ {each} }};\n" for each in listed if each)
+
+
+def index_name(prefix: str, name: str) -> str:
+    """Return what C calls the index of an element: X_SPEED, for one."""
+    return f"{prefix}_{name.upper()}"
 
 
 def emit_constants(name: str, inputs: list[Input], outputs: list[Output], arguments: str) -> str:

@@ -20,8 +20,8 @@ struct drawbar_field {
 #define ROWS(type, name, a, b) {#name, (int64_t)offsetof(struct type, name), 0, {a, b, WIDTH}, WIDTH - NX, 0},
 #define END_OF_FIELDS {NULL, 0, 0, {0, 0, 0}, 0, 0}
 
-#define RTI(name, kind, a, b, c) FIELD(rti, name, kind, a, b, c)
-#define SET(name, a, b) SETTING(rti, name, 0, a, b, 0)
+#define RTI(name, kind, a, b, c) FIELD(component, rti.name, kind, a, b, c)
+#define SET(name, a, b) SETTING(component, rti.name, 0, a, b, 0)
 #define QP_FIELDS(type, prefix)                                                                              \
     ROWS(type, prefix Q, N + 1, NX) ROWS(type, prefix S, CROSS ? N : EMPTY, NU) ROWS(type, prefix A, N, ND)                  \
     FIELD(type, prefix R, 0, N, NU, NU) FIELD(type, prefix B, 0, N, ND, NU) FIELD(type, prefix c, 0, N, NX, 0) \

@@ -76,8 +76,8 @@ class Workspace:
         """(size,) bytes of the C structure"""
         self._address = ctypes.c_void_p(self.memory.ctypes.data)
         places = _places(self._library, f"{prefix}fields")
-        self._fields = {name: self._view(place) for name, place in places.items()}
-        self._settings = [name for name, place in places.items() if place.setting]
+        self._fields = {_short(member): self._view(place) for member, place in places.items()}
+        self._settings = [member for member, place in places.items() if place.setting]
 
     def _view(self, place: _Place) -> NDArray[Any]:
         count = math.prod(place.shape) * np.dtype(place.kind).itemsize
@@ -85,7 +85,7 @@ class Workspace:
         return stored[..., : place.shape[-1] - place.padding]
 
     def array(self, name: str) -> NDArray[Any]:
-        """Return the named field as an array that shares the workspace's memory.
+        """Return the named field as an array that shares the workspace's memory; of a solver without `rti.`.
 
         Raises:
             SolverError: there is no field of that name; says which there are.
@@ -100,8 +100,8 @@ class Workspace:
             self._fields[name][...] = value
 
     def settings(self) -> dict[str, NDArray[Any]]:
-        """Return the fields that are set once, before the first call, by name."""
-        return {name: self._fields[name] for name in self._settings}
+        """Return the fields that are set once, before the first call, by what they are as members of the component."""
+        return {member: self._fields[_short(member)] for member in self._settings}
 
     def function(self, name: str, pointers: int = 0) -> Callable[..., int]:
         """Return the exported C function, bound to this workspace; calling it costs about a microsecond.
@@ -120,6 +120,11 @@ class Workspace:
             return function(address, *arguments)  # type: ignore[no-any-return]
 
         return call
+
+
+def _short(member: str) -> str:
+    """Return what a component's member is called here: that of its solver `rti` by its own name."""
+    return member.removeprefix("rti.")
 
 
 def _places(library: ctypes.CDLL, table: str) -> dict[str, _Place]:

@@ -6,10 +6,17 @@
 
 #include "fields.h"
 
+/* Where rows of the work do not begin on SIMD registers' places, a feedback takes up to 6 % longer. */
+#if defined(__GNUC__)
+#define ALIGNED __attribute__((aligned(64)))
+#else
+#define ALIGNED
+#endif
+
 struct workspace {
     struct component component;
 #ifdef WORK
-    WORK work;
+    WORK work ALIGNED;
 #endif
 };
 

@@ -1,5 +1,5 @@
 /* The product's nominal controller of the tractor: slip, crab and a steering of limited rate, held near the path's own
- * curvature. States x, y, yaw, steering; input: steering rate; outputs: lateral and heading error, steering, rate. */
+ * curvature. Its model is `articulated_tractor` of vehicle/articulated.py. */
 #ifndef DRAWBAR_ARTICULATED_TRACTOR_H
 #define DRAWBAR_ARTICULATED_TRACTOR_H
 
@@ -22,34 +22,45 @@ struct component {
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)
 {
-    state[0] = estimate->tractor.x;
-    state[1] = estimate->tractor.y;
-    state[2] = estimate->tractor.yaw;
-    state[3] = estimate->tractor_steering;
+    state[X_X] = estimate->tractor.x;
+    state[X_Y] = estimate->tractor.y;
+    state[X_YAW] = estimate->tractor.yaw;
+    state[X_STEERING] = estimate->tractor_steering;
 }
 
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
                  const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
 {
     struct rti *solver = &component->rti;
-    const double known[5] = {estimate->longitudinal_slip, estimate->tractor_slip, estimate->steering_offset,
-                             estimate->tractor_crab, estimate->speed};
 
     (void)neighbour;
     for (int k = 0; k <= N; ++k) {
-        memcpy(&solver->p[k][0], known, sizeof known);
-        memcpy(&solver->p[k][5], reference->samples[k], 3 * sizeof(double));
-        solver->y[k][2] = curvature_steering(&component->chain, estimate, reference->samples[k][3]);
+        const double *sample = reference->samples[k];
+        double *p = solver->p[k];
+
+        p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
+        p[P_TRACTOR_SLIP] = estimate->tractor_slip;
+        p[P_STEERING_OFFSET] = estimate->steering_offset;
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab;
+        p[P_SPEED] = estimate->speed;
+        p[P_REFERENCE_X] = sample[AT_X];
+        p[P_REFERENCE_Y] = sample[AT_Y];
+        p[P_REFERENCE_YAW] = sample[AT_YAW];
+        solver->y[k][Y_STEERING] = curvature_steering(&component->chain, estimate, sample[AT_CURVATURE]);
     }
-    shared_targets(&component->shared, estimate, reference->samples, N + 1, &solver->y[0][0], NY);
+    shared_targets(&component->shared, estimate, reference->samples, N + 1, &solver->y[0][Y_LATERAL_ERROR], NY);
 }
 
 /* Linearise along the path itself, steered as its curvature asks. */
 static void guess(struct rti *solver)
 {
     for (int k = 0; k <= N; ++k) {
-        memcpy(STATE(solver->z, k), &solver->p[k][5], 3 * sizeof(double));
-        STATE(solver->z, k)[3] = solver->y[k][2];
+        double *state = STATE(solver->z, k);
+
+        state[X_X] = solver->p[k][P_REFERENCE_X];
+        state[X_Y] = solver->p[k][P_REFERENCE_Y];
+        state[X_YAW] = solver->p[k][P_REFERENCE_YAW];
+        state[X_STEERING] = solver->y[k][Y_STEERING];
     }
     memset(INPUT(solver->z, 0), 0, N * NU * sizeof(double));
     memcpy(STATE(solver->z, 0), iteration_begin(solver), NX * sizeof(double));
@@ -59,7 +70,7 @@ static void guess(struct rti *solver)
 static double body_command(struct component *component)
 {
     double *z = component->rti.z;
-    return actuator_follow(&component->actuator, STATE(z, 0)[3], INPUT(z, 0));
+    return actuator_follow(&component->actuator, STATE(z, 0)[X_STEERING], &INPUT(z, 0)[U_STEERING_RATE]);
 }
 
 static double body_hold(const struct component *component, double steering)
@@ -72,7 +83,7 @@ static void body_plan(struct component *component)
     for (int k = 0; k <= N; ++k)
         memcpy(component->subsystem.poses[k], STATE(component->rti.z, k), sizeof component->subsystem.poses[k]);
     for (int k = 0; k < N; ++k)
-        component->subsystem.steerings[k] = STATE(component->rti.z, k + 1)[3];
+        component->subsystem.steerings[k] = STATE(component->rti.z, k + 1)[X_STEERING];
 }
 
 #include "subsystem_phases.h"

@@ -1,5 +1,5 @@
 /* The product's nominal controller of the trailer, on the chain behind a tractor whose motion is given by the coupling.
- * States articulation, steering; input: steering rate; outputs: lateral error, steering, rate. */
+ * Its model is `articulated_trailer` of vehicle/articulated.py. */
 #ifndef DRAWBAR_ARTICULATED_TRAILER_H
 #define DRAWBAR_ARTICULATED_TRAILER_H
 
@@ -27,8 +27,17 @@ struct component {
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)
 {
-    state[0] = estimate->tractor.yaw - estimate->trailer.yaw;
-    state[1] = estimate->trailer_steering;
+    state[X_ARTICULATION] = estimate->tractor.yaw - estimate->trailer.yaw;
+    state[X_STEERING] = estimate->trailer_steering;
+}
+
+/* Let the tractor turn (rad/s) and be (m, rad) so at a stage. */
+static inline void place_tractor(double *p, double yaw_rate, double x, double y, double yaw)
+{
+    p[P_TRACTOR_YAW_RATE] = yaw_rate;
+    p[P_TRACTOR_X] = x;
+    p[P_TRACTOR_Y] = y;
+    p[P_TRACTOR_YAW] = yaw;
 }
 
 /* Let the tractor do what it plans. */
@@ -36,10 +45,10 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
 {
     for (int k = 0; k <= N; ++k) {
         const int interval = k < N ? k : N - 1;
-        double *p = component->rti.p[k];
+        const double *pose = tractor->poses[k];
+        const double turn = tractor->poses[interval + 1][AT_YAW] - tractor->poses[interval][AT_YAW];
 
-        p[4] = (tractor->poses[interval + 1][2] - tractor->poses[interval][2]) / component->interval;
-        memcpy(&p[5], tractor->poses[k], 3 * sizeof(double));
+        place_tractor(component->rti.p[k], turn / component->interval, pose[AT_X], pose[AT_Y], pose[AT_YAW]);
     }
 }
 
@@ -68,9 +77,8 @@ static void assume_tractor(struct component *component, const struct drawbar_est
 
     for (int k = 0; k <= N; ++k) {
         const double yaw = pose->yaw + k * turn, course = yaw + estimate->tractor_crab + half;
-        const double motion[4] = {omega, x, y, yaw};
 
-        memcpy(&component->rti.p[k][4], motion, sizeof motion);
+        place_tractor(component->rti.p[k], omega, x, y, yaw);
         x += chord * cos(course);
         y += chord * sin(course);
     }
@@ -79,12 +87,17 @@ static void assume_tractor(struct component *component, const struct drawbar_est
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
                  const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
 {
-    const double known[4] = {estimate->longitudinal_slip, estimate->tractor_crab, estimate->trailer_crab,
-                             estimate->speed};
-
     for (int k = 0; k <= N; ++k) {
-        memcpy(&component->rti.p[k][0], known, sizeof known);
-        memcpy(&component->rti.p[k][8], reference->samples[k], 3 * sizeof(double));
+        const double *sample = reference->samples[k];
+        double *p = component->rti.p[k];
+
+        p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab;
+        p[P_TRAILER_CRAB] = estimate->trailer_crab;
+        p[P_SPEED] = estimate->speed;
+        p[P_REFERENCE_X] = sample[AT_X];
+        p[P_REFERENCE_Y] = sample[AT_Y];
+        p[P_REFERENCE_YAW] = sample[AT_YAW];
     }
     if (component->coupling == PLANNED && neighbour)
         follow_plan(component, neighbour);
@@ -101,7 +114,7 @@ static void guess(struct rti *solver)
 static double body_command(struct component *component)
 {
     double *z = component->rti.z;
-    return actuator_follow(&component->actuator, STATE(z, 0)[1], INPUT(z, 0));
+    return actuator_follow(&component->actuator, STATE(z, 0)[X_STEERING], &INPUT(z, 0)[U_STEERING_RATE]);
 }
 
 static double body_hold(const struct component *component, double steering)
@@ -113,13 +126,15 @@ static void body_plan(struct component *component)
 {
     for (int k = 0; k <= N; ++k) {
         const double *p = component->rti.p[k], *state = STATE(component->rti.z, k);
+        const double psi = p[P_TRACTOR_YAW] - state[X_ARTICULATION];
         double *pose = component->subsystem.poses[k];
 
-        pose[2] = p[7] - state[0];
-        trailer_antenna(&component->chain, p[5], p[6], p[7], pose[2] + state[1], pose[2], pose);
+        trailer_antenna(&component->chain, p[P_TRACTOR_X], p[P_TRACTOR_Y], p[P_TRACTOR_YAW], psi + state[X_STEERING],
+                        psi, pose);
+        pose[AT_YAW] = psi;
     }
     for (int k = 0; k < N; ++k)
-        component->subsystem.steerings[k] = STATE(component->rti.z, k + 1)[1];
+        component->subsystem.steerings[k] = STATE(component->rti.z, k + 1)[X_STEERING];
 }
 
 #include "subsystem_phases.h"

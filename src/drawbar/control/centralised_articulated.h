@@ -14,8 +14,6 @@
 
 #include "centralised.h"
 
-enum { X, Y, THETA, PSI, DELTA_T, DELTA_I };   /* the states; the inputs are the rates of both steering angles */
-
 struct component {
     struct rti rti;
     struct centralised centralised;
@@ -27,22 +25,25 @@ struct component {
 
 static void vehicle_state(const struct drawbar_estimate *estimate, double *x)
 {
-    x[X] = estimate->tractor.x;
-    x[Y] = estimate->tractor.y;
-    x[THETA] = estimate->tractor.yaw;
-    x[PSI] = estimate->trailer.yaw;
-    x[DELTA_T] = estimate->tractor_steering;
-    x[DELTA_I] = estimate->trailer_steering;
+    x[X_TRACTOR_X] = estimate->tractor.x;
+    x[X_TRACTOR_Y] = estimate->tractor.y;
+    x[X_TRACTOR_YAW] = estimate->tractor.yaw;
+    x[X_TRAILER_YAW] = estimate->trailer.yaw;
+    x[X_TRACTOR_STEERING] = estimate->tractor_steering;
+    x[X_TRAILER_STEERING] = estimate->trailer_steering;
 }
 
 static void vehicle_deviation(struct centralised *both, const double *estimated, const double *predicted,
                               const struct drawbar_body_reference *tractor,
                               const struct drawbar_body_reference *trailer)
 {
-    const double front[] = {estimated[X], estimated[Y], estimated[THETA], estimated[DELTA_T]};
-    double front_nominal[] = {predicted[X], predicted[Y], predicted[THETA], predicted[DELTA_T]};
-    const double rear[] = {estimated[THETA] - estimated[PSI], estimated[DELTA_I]};
-    const double rear_nominal[] = {predicted[THETA] - predicted[PSI], predicted[DELTA_I]};
+    const double front[] = {estimated[X_TRACTOR_X], estimated[X_TRACTOR_Y], estimated[X_TRACTOR_YAW],
+                            estimated[X_TRACTOR_STEERING]};
+    double front_nominal[] = {predicted[X_TRACTOR_X], predicted[X_TRACTOR_Y], predicted[X_TRACTOR_YAW],
+                              predicted[X_TRACTOR_STEERING]};
+    const double rear[] = {estimated[X_TRACTOR_YAW] - estimated[X_TRAILER_YAW], estimated[X_TRAILER_STEERING]};
+    const double rear_nominal[] = {predicted[X_TRACTOR_YAW] - predicted[X_TRAILER_YAW],
+                                   predicted[X_TRAILER_STEERING]};
 
     (void)trailer;                         /* the trailer's own states are angles of the body itself */
     move_beside(front_nominal, tractor->closest);
@@ -54,16 +55,23 @@ static void fill(struct component *component, const struct drawbar_estimate *est
                  const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer)
 {
     for (int k = 0; k <= N; ++k) {
+        const double *front = tractor->samples[k], *rear = trailer->samples[k];
         double *p = component->rti.p[k];
-        p[0] = estimate->longitudinal_slip;
-        p[1] = estimate->tractor_slip;
-        p[2] = estimate->steering_offset;
-        p[3] = estimate->trailer_crab;
-        p[4] = estimate->speed;
-        p[5] = estimate->tractor_crab;
-        memcpy(p + 6, tractor->samples[k], 3 * sizeof *p);
-        memcpy(p + 9, trailer->samples[k], 3 * sizeof *p);
-        component->rti.y[k][2] = curvature_steering(&component->chain, estimate, tractor->samples[k][3]);
+
+        p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
+        p[P_TRACTOR_SLIP] = estimate->tractor_slip;
+        p[P_STEERING_OFFSET] = estimate->steering_offset;
+        p[P_TRAILER_CRAB] = estimate->trailer_crab;
+        p[P_SPEED] = estimate->speed;
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab;
+        p[P_TRACTOR_REFERENCE_X] = front[AT_X];
+        p[P_TRACTOR_REFERENCE_Y] = front[AT_Y];
+        p[P_TRACTOR_REFERENCE_YAW] = front[AT_YAW];
+        p[P_TRAILER_REFERENCE_X] = rear[AT_X];
+        p[P_TRAILER_REFERENCE_Y] = rear[AT_Y];
+        p[P_TRAILER_REFERENCE_YAW] = rear[AT_YAW];
+        component->rti.y[k][Y_TRACTOR_STEERING]
+            = curvature_steering(&component->chain, estimate, front[AT_CURVATURE]);
     }
 }
 
@@ -72,11 +80,15 @@ static void guess(struct rti *solver)
 {
     memcpy(STATE(solver->z, 0), solver->initial, sizeof solver->initial);
     for (int k = 1; k <= N; ++k) {
+        const double *p = solver->p[k];
         double *x = STATE(solver->z, k);
-        memcpy(x, solver->p[k] + 6, 3 * sizeof *x);
-        x[PSI] = solver->p[k][11];
-        x[DELTA_T] = solver->y[k][2];
-        x[DELTA_I] = 0.0;
+
+        x[X_TRACTOR_X] = p[P_TRACTOR_REFERENCE_X];
+        x[X_TRACTOR_Y] = p[P_TRACTOR_REFERENCE_Y];
+        x[X_TRACTOR_YAW] = p[P_TRACTOR_REFERENCE_YAW];
+        x[X_TRAILER_YAW] = p[P_TRAILER_REFERENCE_YAW];
+        x[X_TRACTOR_STEERING] = solver->y[k][Y_TRACTOR_STEERING];
+        x[X_TRAILER_STEERING] = 0.0;
     }
     memset(INPUT(solver->z, 0), 0, N * NU * sizeof(double));
     rti_prepare(solver);
@@ -87,8 +99,10 @@ static void vehicle_command(struct component *component, double *commands)
     const double *x = STATE(component->rti.z, 0);
     double *rates = INPUT(component->rti.z, 0);
 
-    commands[0] = actuator_follow(&component->tractor_actuator, x[DELTA_T], &rates[0]);
-    commands[1] = actuator_follow(&component->trailer_actuator, x[DELTA_I], &rates[1]);
+    commands[0] = actuator_follow(&component->tractor_actuator, x[X_TRACTOR_STEERING],
+                                  &rates[U_TRACTOR_STEERING_RATE]);
+    commands[1] = actuator_follow(&component->trailer_actuator, x[X_TRAILER_STEERING],
+                                  &rates[U_TRAILER_STEERING_RATE]);
 }
 
 static void vehicle_hold(const struct component *component, double tractor, double trailer, double *commands)
@@ -103,13 +117,18 @@ static void vehicle_plan(struct component *component)
 
     for (int k = 0; k <= N; ++k) {
         const double *x = STATE(component->rti.z, k);
-        memcpy(both->tractor_poses[k], x, sizeof both->tractor_poses[k]);
-        trailer_antenna(&component->chain, x[X], x[Y], x[THETA], x[PSI] + x[DELTA_I], x[PSI], both->trailer_poses[k]);
-        both->trailer_poses[k][2] = x[PSI];
+        const double theta = x[X_TRACTOR_YAW], psi = x[X_TRAILER_YAW];
+        double *front = both->tractor_poses[k], *rear = both->trailer_poses[k];
+
+        front[AT_X] = x[X_TRACTOR_X];
+        front[AT_Y] = x[X_TRACTOR_Y];
+        front[AT_YAW] = theta;
+        trailer_antenna(&component->chain, front[AT_X], front[AT_Y], theta, psi + x[X_TRAILER_STEERING], psi, rear);
+        rear[AT_YAW] = psi;
     }
     for (int k = 0; k < N; ++k) {
-        both->tractor_steerings[k] = STATE(component->rti.z, k + 1)[DELTA_T];
-        both->trailer_steerings[k] = STATE(component->rti.z, k + 1)[DELTA_I];
+        both->tractor_steerings[k] = STATE(component->rti.z, k + 1)[X_TRACTOR_STEERING];
+        both->trailer_steerings[k] = STATE(component->rti.z, k + 1)[X_TRAILER_STEERING];
     }
 }
 

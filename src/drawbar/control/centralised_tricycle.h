@@ -11,7 +11,7 @@
 #include "centralised.h"
 
 struct component {
-    struct rti rti;                        /* states: both poses, the tractor's first; inputs: both steering angles */
+    struct rti rti;
     struct centralised centralised;
 };
 
@@ -19,28 +19,42 @@ struct component {
 
 static void vehicle_state(const struct drawbar_estimate *estimate, double *x)
 {
-    x[0] = estimate->tractor.x;
-    x[1] = estimate->tractor.y;
-    x[2] = estimate->tractor.yaw;
-    x[3] = estimate->trailer.x;
-    x[4] = estimate->trailer.y;
-    x[5] = estimate->trailer.yaw;
+    x[X_TRACTOR_X] = estimate->tractor.x;
+    x[X_TRACTOR_Y] = estimate->tractor.y;
+    x[X_TRACTOR_YAW] = estimate->tractor.yaw;
+    x[X_TRAILER_X] = estimate->trailer.x;
+    x[X_TRAILER_Y] = estimate->trailer.y;
+    x[X_TRAILER_YAW] = estimate->trailer.yaw;
 }
 
-static void body_deviation(const double *estimated, const double *predicted, const double *closest, double *deviation)
+static void tractor_pose(const double *x, double *pose)
 {
-    double nominal[] = {predicted[0], predicted[1], predicted[2]};
+    pose[AT_X] = x[X_TRACTOR_X];
+    pose[AT_Y] = x[X_TRACTOR_Y];
+    pose[AT_YAW] = x[X_TRACTOR_YAW];
+}
 
-    move_beside(nominal, closest);
-    pose_deviation(estimated, nominal, 3, deviation);
+static void trailer_pose(const double *x, double *pose)
+{
+    pose[AT_X] = x[X_TRAILER_X];
+    pose[AT_Y] = x[X_TRAILER_Y];
+    pose[AT_YAW] = x[X_TRAILER_YAW];
 }
 
 static void vehicle_deviation(struct centralised *both, const double *estimated, const double *predicted,
                               const struct drawbar_body_reference *tractor,
                               const struct drawbar_body_reference *trailer)
 {
-    body_deviation(estimated, predicted, tractor->closest, both->tractor_deviation);
-    body_deviation(estimated + 3, predicted + 3, trailer->closest, both->trailer_deviation);
+    double pose[3], nominal[3];
+
+    tractor_pose(estimated, pose);
+    tractor_pose(predicted, nominal);
+    move_beside(nominal, tractor->closest);
+    pose_deviation(pose, nominal, 3, both->tractor_deviation);
+    trailer_pose(estimated, pose);
+    trailer_pose(predicted, nominal);
+    move_beside(nominal, trailer->closest);
+    pose_deviation(pose, nominal, 3, both->trailer_deviation);
 }
 
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
@@ -48,15 +62,18 @@ static void fill(struct component *component, const struct drawbar_estimate *est
 {
     for (int k = 0; k <= N; ++k) {
         double *p = component->rti.p[k], *y = component->rti.y[k];
-        p[0] = estimate->longitudinal_slip;
-        p[1] = estimate->tractor_slip;
-        p[2] = estimate->trailer_slip;
-        p[3] = estimate->hitch_angle;
-        p[4] = estimate->speed;
-        memcpy(y, tractor->samples[k], 2 * sizeof *y);
-        memcpy(y + 2, trailer->samples[k], 2 * sizeof *y);
-        y[6] = estimate->tractor_steering;
-        y[7] = estimate->trailer_steering;
+
+        p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
+        p[P_TRACTOR_SLIP] = estimate->tractor_slip;
+        p[P_TRAILER_SLIP] = estimate->trailer_slip;
+        p[P_HITCH_ANGLE] = estimate->hitch_angle;
+        p[P_SPEED] = estimate->speed;
+        y[Y_TRACTOR_X] = tractor->samples[k][AT_X];
+        y[Y_TRACTOR_Y] = tractor->samples[k][AT_Y];
+        y[Y_TRAILER_X] = trailer->samples[k][AT_X];
+        y[Y_TRAILER_Y] = trailer->samples[k][AT_Y];
+        y[Y_TRACTOR_STEERING] = estimate->tractor_steering;
+        y[Y_TRAILER_STEERING] = estimate->trailer_steering;
     }
 }
 
@@ -68,7 +85,10 @@ static void guess(struct rti *solver)
 
 static void vehicle_command(struct component *component, double *commands)
 {
-    memcpy(commands, INPUT(component->rti.z, 0), 2 * sizeof *commands);
+    const double *u = INPUT(component->rti.z, 0);
+
+    commands[0] = u[U_TRACTOR_STEERING];
+    commands[1] = u[U_TRAILER_STEERING];
 }
 
 static void vehicle_hold(const struct component *component, double tractor, double trailer, double *commands)
@@ -83,13 +103,12 @@ static void vehicle_plan(struct component *component)
     struct centralised *both = &component->centralised;
 
     for (int k = 0; k <= N; ++k) {
-        const double *x = STATE(component->rti.z, k);
-        memcpy(both->tractor_poses[k], x, sizeof both->tractor_poses[k]);
-        memcpy(both->trailer_poses[k], x + 3, sizeof both->trailer_poses[k]);
+        tractor_pose(STATE(component->rti.z, k), both->tractor_poses[k]);
+        trailer_pose(STATE(component->rti.z, k), both->trailer_poses[k]);
     }
     for (int k = 0; k < N; ++k) {
-        both->tractor_steerings[k] = INPUT(component->rti.z, k)[0];
-        both->trailer_steerings[k] = INPUT(component->rti.z, k)[1];
+        both->tractor_steerings[k] = INPUT(component->rti.z, k)[U_TRACTOR_STEERING];
+        both->trailer_steerings[k] = INPUT(component->rti.z, k)[U_TRAILER_STEERING];
     }
 }
 

@@ -45,9 +45,9 @@ static void roll_out(struct component *component, const struct drawbar_estimate 
     for (int k = 0; k <= N; ++k) {
         const double distance = pace * k, half = 0.5 * distance * tan(steering) / component->chain.wheelbase;
         const double chord = half == 0.0 ? distance : distance * sin(half) / half;
-        component->tractor_poses[k][0] = pose->x + chord * cos(pose->yaw + half);
-        component->tractor_poses[k][1] = pose->y + chord * sin(pose->yaw + half);
-        component->tractor_poses[k][2] = pose->yaw + 2.0 * half;
+        component->tractor_poses[k][AT_X] = pose->x + chord * cos(pose->yaw + half);
+        component->tractor_poses[k][AT_Y] = pose->y + chord * sin(pose->yaw + half);
+        component->tractor_poses[k][AT_YAW] = pose->yaw + 2.0 * half;
     }
 }
 

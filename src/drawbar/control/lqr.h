@@ -23,7 +23,7 @@ struct law {
 static double curvature_ahead(const double (*samples)[4], double lead)
 {
     const int before = (int)fmin(lead, N - 1);
-    const double here = samples[before][3], next = samples[before + 1][3];
+    const double here = samples[before][AT_CURVATURE], next = samples[before + 1][AT_CURVATURE];
     return here + (fmin(lead, N) - before) * (next - here);
 }
 
@@ -32,7 +32,7 @@ static double law_steering(const struct law *law, const struct chain *chain,
 {
     const double (*samples)[4] = reference->samples;
     const double forward = curvature_steering(chain, estimate, curvature_ahead(samples, law->lead));
-    const double heading = wrapped(estimate->tractor.yaw + estimate->tractor_crab - samples[0][2]);
+    const double heading = wrapped(estimate->tractor.yaw + estimate->tractor_crab - samples[0][AT_YAW]);
     const double lateral = clipped(tangent_distance(&estimate->tractor, reference), law->furthest);
 
     return forward - (law->gain[0] * lateral + law->gain[1] * heading);

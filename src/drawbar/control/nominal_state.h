@@ -12,26 +12,26 @@
  * constant on the way); its offset and heading to the path stay. */
 static inline void move_beside(double *pose, const double *closest)
 {
-    const double cosine = cos(closest[2]), sine = sin(closest[2]), curvature = closest[3];
-    const double east = pose[0] - closest[0], north = pose[1] - closest[1];
+    const double cosine = cos(closest[AT_YAW]), sine = sin(closest[AT_YAW]), curvature = closest[AT_CURVATURE];
+    const double east = pose[AT_X] - closest[AT_X], north = pose[AT_Y] - closest[AT_Y];
     const double ahead = cosine * east + sine * north, left = cosine * north - sine * east;
     const double outward = 1.0 - curvature * left;
     /* distances from the circle of curvature, without the difference of two large radii */
     const double offset = (2.0 * left - curvature * (ahead * ahead + left * left))
         / (1.0 + hypot(outward, curvature * ahead));
 
-    pose[0] = closest[0] - offset * sine;
-    pose[1] = closest[1] + offset * cosine;
-    pose[2] -= atan2(curvature * ahead, outward);
+    pose[AT_X] = closest[AT_X] - offset * sine;
+    pose[AT_Y] = closest[AT_Y] + offset * cosine;
+    pose[AT_YAW] -= atan2(curvature * ahead, outward);
 }
 
 /* Lateral (m) and heading (rad) in the nominal heading's frame, then the remaining states: n - 1 values of states (n). */
 static inline void pose_deviation(const double *estimated, const double *nominal, int n, double *deviation)
 {
-    const double east = estimated[0] - nominal[0], north = estimated[1] - nominal[1];
+    const double east = estimated[AT_X] - nominal[AT_X], north = estimated[AT_Y] - nominal[AT_Y];
 
-    deviation[0] = cos(nominal[2]) * north - sin(nominal[2]) * east;
-    deviation[1] = wrapped(estimated[2] - nominal[2]);
+    deviation[0] = cos(nominal[AT_YAW]) * north - sin(nominal[AT_YAW]) * east;
+    deviation[1] = wrapped(estimated[AT_YAW] - nominal[AT_YAW]);
     for (int i = 3; i < n; ++i)
         deviation[i - 1] = estimated[i] - nominal[i];
 }

@@ -71,7 +71,7 @@ static inline void shared_targets(struct shared_error *shared, const struct draw
 
     for (int k = 0; k < stages; ++k) {
         targets[k * stride] = target;
-        target += follows * (steady_target(shared, estimate, samples[k][3]) - target);
+        target += follows * (steady_target(shared, estimate, samples[k][AT_CURVATURE]) - target);
         if (k == 0 && isfinite(target))
             shared->next = target;
     }

@@ -13,23 +13,23 @@
 /* A pose x, y (m), yaw (rad) as seen from a frame: ahead, left, turned. */
 static inline void seen_from(const double *frame, double *pose)
 {
-    const double cosine = cos(frame[2]), sine = sin(frame[2]);
-    const double east = pose[0] - frame[0], north = pose[1] - frame[1];
+    const double cosine = cos(frame[AT_YAW]), sine = sin(frame[AT_YAW]);
+    const double east = pose[AT_X] - frame[AT_X], north = pose[AT_Y] - frame[AT_Y];
 
-    pose[0] = cosine * east + sine * north;
-    pose[1] = cosine * north - sine * east;
-    pose[2] -= frame[2];
+    pose[AT_X] = cosine * east + sine * north;
+    pose[AT_Y] = cosine * north - sine * east;
+    pose[AT_YAW] -= frame[AT_YAW];
 }
 
 /* A pose, given as seen from a frame, in the world; the inverse of seen_from. */
 static inline void placed_at(const double *frame, double *pose)
 {
-    const double cosine = cos(frame[2]), sine = sin(frame[2]);
-    const double ahead = pose[0], left = pose[1];
+    const double cosine = cos(frame[AT_YAW]), sine = sin(frame[AT_YAW]);
+    const double ahead = pose[AT_X], left = pose[AT_Y];
 
-    pose[0] = frame[0] + cosine * ahead - sine * left;
-    pose[1] = frame[1] + sine * ahead + cosine * left;
-    pose[2] += frame[2];
+    pose[AT_X] = frame[AT_X] + cosine * ahead - sine * left;
+    pose[AT_Y] = frame[AT_Y] + sine * ahead + cosine * left;
+    pose[AT_YAW] += frame[AT_YAW];
 }
 
 /* The least and the largest first state, from the estimate and where the nominal model got. */
@@ -66,7 +66,7 @@ static inline void pose_seen(const double *frame, struct drawbar_pose *pose)
     double seen[3] = {pose->x, pose->y, pose->yaw};
 
     seen_from(frame, seen);
-    *pose = (struct drawbar_pose){seen[0], seen[1], seen[2]};
+    *pose = (struct drawbar_pose){seen[AT_X], seen[AT_Y], seen[AT_YAW]};
 }
 
 /* What the problem is made of as seen from the frame; samples: N + 1 rows for the reference. */

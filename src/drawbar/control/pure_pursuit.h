@@ -23,15 +23,15 @@ static void goal_point(const double (*samples)[4], double look_ahead, double *go
     double beyond = look_ahead;
 
     for (int k = 1; k <= N; ++k) {
-        const double chord = hypot(samples[k][0] - from[0], samples[k][1] - from[1]);
+        const double chord = hypot(samples[k][AT_X] - from[AT_X], samples[k][AT_Y] - from[AT_Y]);
         if (!(chord <= beyond))
             break;
         beyond -= chord;
         from = samples[k];
     }
-    const double bearing = from[2] + 0.5 * from[3] * beyond;
-    goal[0] = from[0] + beyond * cos(bearing);
-    goal[1] = from[1] + beyond * sin(bearing);
+    const double bearing = from[AT_YAW] + 0.5 * from[AT_CURVATURE] * beyond;
+    goal[AT_X] = from[AT_X] + beyond * cos(bearing);
+    goal[AT_Y] = from[AT_Y] + beyond * sin(bearing);
 }
 
 static double law_steering(const struct law *law, const struct chain *chain,
@@ -41,7 +41,7 @@ static double law_steering(const struct law *law, const struct chain *chain,
     double goal[2];
 
     goal_point(reference->samples, law->look_ahead, goal);
-    const double east = goal[0] - pose->x, north = goal[1] - pose->y, alpha = atan2(north, east) - pose->yaw;
+    const double east = goal[AT_X] - pose->x, north = goal[AT_Y] - pose->y, alpha = atan2(north, east) - pose->yaw;
     return atan2(2.0 * chain->wheelbase * sin(alpha), hypot(east, north));
 }
 

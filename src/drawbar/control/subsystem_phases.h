@@ -5,6 +5,10 @@
 #include "optimised_start.h"
 #include "subsystem.h"
 
+#if POSE_STATES
+typedef char states_begin_with_a_pose[(int)X_X == AT_X && (int)X_Y == AT_Y && (int)X_YAW == AT_YAW ? 1 : -1];
+#endif
+
 /* The nominal state, without what separates it from the estimate along the path; the estimate itself where there is
  * none to go on from. */
 static void nominal_state(struct subsystem *body, const double *closest)

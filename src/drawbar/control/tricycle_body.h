@@ -1,5 +1,4 @@
-/* What the paper's two nominal controllers have in common: states are poses, the input is the steering angle itself;
- * outputs: position and steering. */
+/* What the paper's two nominal controllers have in common: states are poses, the input is the steering angle itself. */
 #ifndef DRAWBAR_TRICYCLE_BODY_H
 #define DRAWBAR_TRICYCLE_BODY_H
 
@@ -11,8 +10,9 @@
 static inline void fill_references(struct rti *solver, const struct drawbar_body_reference *reference, double steering)
 {
     for (int k = 0; k <= N; ++k) {
-        memcpy(&solver->y[k][0], reference->samples[k], 2 * sizeof(double));
-        solver->y[k][2] = steering;
+        solver->y[k][Y_X] = reference->samples[k][AT_X];
+        solver->y[k][Y_Y] = reference->samples[k][AT_Y];
+        solver->y[k][Y_STEERING] = steering;
     }
 }
 
@@ -24,15 +24,17 @@ static void guess(struct rti *solver)
 
 static inline void pose_state(const struct drawbar_pose *pose, double *state)
 {
-    state[0] = pose->x;
-    state[1] = pose->y;
-    state[2] = pose->yaw;
+    state[X_X] = pose->x;
+    state[X_Y] = pose->y;
+    state[X_YAW] = pose->yaw;
 }
 
 static inline void pose_plan(struct subsystem *body, const struct rti *solver)
 {
-    memcpy(body->poses, STATE(solver->z, 0), sizeof body->poses);
-    memcpy(body->steerings, INPUT(solver->z, 0), sizeof body->steerings);
+    for (int k = 0; k <= N; ++k)
+        memcpy(body->poses[k], STATE(solver->z, k), sizeof body->poses[k]);
+    for (int k = 0; k < N; ++k)
+        body->steerings[k] = INPUT(solver->z, k)[U_STEERING];
 }
 
 #endif

@@ -19,17 +19,20 @@ static void body_state(const struct drawbar_estimate *estimate, double *state)
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
                  const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
 {
-    const double known[3] = {estimate->longitudinal_slip, estimate->tractor_slip, estimate->speed};
-
     (void)neighbour;
-    for (int k = 0; k <= N; ++k)
-        memcpy(component->rti.p[k], known, sizeof known);
+    for (int k = 0; k <= N; ++k) {
+        double *p = component->rti.p[k];
+
+        p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
+        p[P_TRACTOR_SLIP] = estimate->tractor_slip;
+        p[P_SPEED] = estimate->speed;
+    }
     fill_references(&component->rti, reference, estimate->tractor_steering);
 }
 
 static double body_command(struct component *component)
 {
-    return INPUT(component->rti.z, 0)[0];
+    return INPUT(component->rti.z, 0)[U_STEERING];
 }
 
 static double body_hold(const struct component *component, double steering)

@@ -27,25 +27,28 @@ static void fill_pull(struct component *component, const struct drawbar_estimate
     for (int k = 0; k <= N; ++k) {
         const double steering = planned ? tractor->steerings[k < N ? k : N - 1] : estimate->tractor_steering;
         const double pull = component->leverage * tan(estimate->tractor_slip * steering);
-        component->rti.p[k][4] = component->coupling == NEGLECTED ? 0.0 : pull;
+        component->rti.p[k][P_COUPLING] = component->coupling == NEGLECTED ? 0.0 : pull;
     }
 }
 
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
                  const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
 {
-    const double known[4] = {estimate->longitudinal_slip, estimate->trailer_slip, estimate->hitch_angle,
-                             estimate->speed};
+    for (int k = 0; k <= N; ++k) {
+        double *p = component->rti.p[k];
 
-    for (int k = 0; k <= N; ++k)
-        memcpy(component->rti.p[k], known, sizeof known);
+        p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
+        p[P_TRAILER_SLIP] = estimate->trailer_slip;
+        p[P_HITCH_ANGLE] = estimate->hitch_angle;
+        p[P_SPEED] = estimate->speed;
+    }
     fill_pull(component, estimate, neighbour);
     fill_references(&component->rti, reference, estimate->trailer_steering);
 }
 
 static double body_command(struct component *component)
 {
-    return INPUT(component->rti.z, 0)[0];
+    return INPUT(component->rti.z, 0)[U_STEERING];
 }
 
 static double body_hold(const struct component *component, double steering)

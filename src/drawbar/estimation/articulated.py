@@ -8,26 +8,26 @@ from drawbar.estimation.description import EstimationModel, by_variable, chain, 
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
-from drawbar.vehicle.model import Model, variables
+from drawbar.vehicle.model import Model, by_name, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
-_CRABS = ("trailer_crab", "tractor_crab")
+_CRAB = {"trailer_crab": "rad", "tractor_crab": "rad"}
 _RATES = ("tractor_steering_rate", "trailer_steering_rate")
 _KEYS = (
     dict.fromkeys(("tractor_x", "tractor_y"), "position")
     | dict.fromkeys(("tractor_yaw", "trailer_yaw"), "yaw")
     | dict.fromkeys(("tractor_steering", "trailer_steering"), "steering")
     | {name: name for name in ("longitudinal_slip", "tractor_slip", "steering_offset", "speed")}
-    | dict.fromkeys(_CRABS, "crab")
+    | dict.fromkeys(_CRAB, "crab")
 )
 """which value of a prior or drift section each state and parameter has"""
-_ON_A_SLOPE = ("steering_offset", *_CRABS)
+_ON_A_SLOPE = ("steering_offset", *_CRAB)
 """what a side slope moves, all by the same angle"""
 
 
 class ArticulatedEstimation(EstimationModel):
-    """States x_t, y_t, theta, psi, delta_t, delta_i; parameters mu, kappa, b, alpha_i, v, alpha_r."""
+    """States and parameters of the chain, see vehicle/articulated.py; the steering rates are its inputs."""
 
     name = "articulated"
 
@@ -51,12 +51,13 @@ class ArticulatedEstimation(EstimationModel):
         }
         deviations = (
             sensor_deviations(noise)
-            | dict.fromkeys(_CRABS, settings.crab)
+            | dict.fromkeys(_CRAB, settings.crab)
             | dict.fromkeys(_RATES, settings.steering_rate)
         )
+        model = _with_crab(articulated(vehicle))
         angle = Bound(lower=-settings.angle_bound, upper=settings.angle_bound)
         self.problem = EstimationProblem(
-            model=_with_crab(articulated(vehicle)),
+            model=model,
             horizon=settings.window,
             sample_time=sample_time,
             weights={name: deviation**-2 for name, deviation in deviations.items()},
@@ -73,11 +74,11 @@ class ArticulatedEstimation(EstimationModel):
 
 def _with_crab(model: Model) -> Model:
     """Return the model with both crab angles as outputs, before the rates: on the whole, axles do not slip sideways."""
-    crab, split = variables(trailer_crab="rad", tractor_crab="rad"), len(MEASURED)
+    crab, known, split = variables(**_CRAB), by_name(model.parameters, model.p), len(MEASURED)
     return replace(
         model,
         outputs=(*model.outputs[:split], *crab, *model.outputs[split:]),
-        output=ca.vertcat(model.output[:split], model.p[3], model.p[5], model.output[split:]),
+        output=ca.vertcat(model.output[:split], *(known[name] for name in _CRAB), model.output[split:]),
     )
 
 

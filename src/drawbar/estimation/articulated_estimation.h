@@ -1,18 +1,10 @@
 /* Estimation on the exact chain (vehicle/articulated.py): from measurements to its states and outputs, and from its
- * states to an estimate.
- *
- * State: x_t, y_t, theta, psi, delta_t, delta_i; then the parameters mu, kappa, b, alpha_i, v, alpha_r. Outputs: the
- * measured quantities, both crab angles, both steering rates.
- */
+ * states to an estimate. The model's parameters are states too, after its own. */
 #ifndef DRAWBAR_ARTICULATED_ESTIMATION_H
 #define DRAWBAR_ARTICULATED_ESTIMATION_H
 
 #include <string.h>
 #include "at_rest.h"
-
-#define STEERING_RATES 2                   /* how many outputs, the last ones, a command tells */
-#define TRACTOR_YAW 2
-#define TRAILER_YAW 3
 
 struct estimation_model {
     struct chain chain;
@@ -39,18 +31,21 @@ static inline int model_at_rest(const struct estimation_model *model, const stru
 
     if (!yaws_at_rest(&model->chain, measurement, &theta, &psi))
         return 0;
-    const double rest[] = {
-        measurement->tractor_x, measurement->tractor_y, theta, psi,
-        known(measurement->tractor_steering), known(measurement->trailer_steering),
-        model->first_slip, model->first_slip, 0.0, 0.0, known(measurement->speed), 0.0,
-    };
-    memcpy(state, rest, sizeof rest);
+    memset(state, 0, NX * sizeof *state);
+    state[X_TRACTOR_X] = measurement->tractor_x;
+    state[X_TRACTOR_Y] = measurement->tractor_y;
+    state[X_TRACTOR_YAW] = theta;
+    state[X_TRAILER_YAW] = psi;
+    state[X_TRACTOR_STEERING] = known(measurement->tractor_steering);
+    state[X_TRAILER_STEERING] = known(measurement->trailer_steering);
+    state[X_LONGITUDINAL_SLIP] = state[X_TRACTOR_SLIP] = model->first_slip;
+    state[X_SPEED] = known(measurement->speed);
     return 1;
 }
 
 #include "first_guess.h"
 
-/* The measurement (8 values); zero for both crab angles while a fix is missing; zero for both steering rates.
+/* The measurement; zero for both crab angles while a fix is missing; zero for both steering rates.
  *
  * With both fixes the crab angles show, and to pull them to zero would hide a side slope; without, nothing holds them
  * but the belief that they fade. Commands take the place of the rates' zeros as soon as they are known. */
@@ -59,18 +54,20 @@ static inline void model_outputs(const struct estimation_model *model, const str
 {
     (void)model;
     measured(measurement, y);
-    y[8] = y[9] = isnan(y[0] + y[1] + y[2] + y[3]) ? 0.0 : NAN;
-    y[10] = y[11] = 0.0;
+    const int missing = isnan(y[Y_TRACTOR_X] + y[Y_TRACTOR_Y] + y[Y_TRAILER_X] + y[Y_TRAILER_Y]);
+    y[Y_TRAILER_CRAB] = y[Y_TRACTOR_CRAB] = missing ? 0.0 : NAN;
+    y[Y_TRACTOR_STEERING_RATE] = y[Y_TRAILER_STEERING_RATE] = 0.0;
 }
 
 /* Where both antennas are: x, y of the tractor's, x, y of the trailer's, which follows from the chain, m. */
 static inline void model_antennas(const struct estimation_model *model, const double *state, double *antennas)
 {
-    const double psi = state[3];
+    const double psi = state[X_TRAILER_YAW];
 
-    antennas[0] = state[0];
-    antennas[1] = state[1];
-    trailer_antenna(&model->chain, state[0], state[1], state[2], psi + state[5], psi, antennas + 2);
+    antennas[0] = state[X_TRACTOR_X];
+    antennas[1] = state[X_TRACTOR_Y];
+    trailer_antenna(&model->chain, antennas[0], antennas[1], state[X_TRACTOR_YAW], psi + state[X_TRAILER_STEERING],
+                    psi, antennas + 2);
 }
 
 /* By how much per second a lagging, rate-limited actuator moves within an interval, rad/s.
@@ -86,16 +83,37 @@ static inline double mean_rate(double error, double lag, double limit, double in
     return copysign(moved, error) / interval;
 }
 
-/* The mean rates (rad/s) of both lagging, rate-limited actuators until the next sample, as the values of the last
- * outputs. */
-static inline void model_steering_rates(const struct estimation_model *model, const double *state,
-                                        const struct drawbar_command *command, double *rates)
+/* The mean rates (rad/s) of both lagging, rate-limited actuators until the next sample. */
+static inline double tractor_rate(const struct estimation_model *model, const double *state,
+                                  const struct drawbar_command *command)
 {
-    const double joint = model->joint_sign * command->trailer_steering;
+    const double error = command->tractor_steering - state[X_TRACTOR_STEERING];
+    return mean_rate(error, model->steering_lag, model->tractor_rate, model->sample_time);
+}
 
-    rates[0] = mean_rate(command->tractor_steering - state[4], model->steering_lag, model->tractor_rate,
-                         model->sample_time);
-    rates[1] = mean_rate(joint - state[5], model->steering_lag, model->trailer_rate, model->sample_time);
+static inline double trailer_rate(const struct estimation_model *model, const double *state,
+                                  const struct drawbar_command *command)
+{
+    const double error = model->joint_sign * command->trailer_steering - state[X_TRAILER_STEERING];
+    return mean_rate(error, model->steering_lag, model->trailer_rate, model->sample_time);
+}
+
+/* What a command tells of the outputs until the next sample. */
+static inline void model_told_outputs(const struct estimation_model *model, const double *state,
+                                      const struct drawbar_command *command, double *y)
+{
+    y[Y_TRACTOR_STEERING_RATE] = tractor_rate(model, state, command);
+    y[Y_TRAILER_STEERING_RATE] = trailer_rate(model, state, command);
+}
+
+/* What a command tells of the inputs until the next sample; one that is not finite tells nothing. */
+static inline void model_told_inputs(const struct estimation_model *model, const double *state,
+                                     const struct drawbar_command *command, double *u)
+{
+    const double tractor = tractor_rate(model, state, command), trailer = trailer_rate(model, state, command);
+
+    u[U_TRACTOR_STEERING_RATE] = isfinite(tractor) ? tractor : u[U_TRACTOR_STEERING_RATE];
+    u[U_TRAILER_STEERING_RATE] = isfinite(trailer) ? trailer : u[U_TRAILER_STEERING_RATE];
 }
 
 /* The estimate that a state stands for; the trailer's antenna follows from the chain. Of the fixes it knows nothing. */
@@ -108,18 +126,18 @@ static inline void model_estimate(struct estimation_model *model, const double *
     model_antennas(model, state, antennas);
     *estimate = (struct drawbar_estimate){
         .time = measurement->time,
-        .tractor = {antennas[0], antennas[1], state[2]},
-        .trailer = {antennas[2], antennas[3], state[3]},
-        .hitch_angle = state[2] - state[3] - state[5],
-        .speed = state[10],
-        .tractor_steering = state[4],
-        .trailer_steering = state[5],
-        .longitudinal_slip = state[6],
-        .tractor_slip = state[7],
+        .tractor = {antennas[0], antennas[1], state[X_TRACTOR_YAW]},
+        .trailer = {antennas[2], antennas[3], state[X_TRAILER_YAW]},
+        .hitch_angle = state[X_TRACTOR_YAW] - state[X_TRAILER_YAW] - state[X_TRAILER_STEERING],
+        .speed = state[X_SPEED],
+        .tractor_steering = state[X_TRACTOR_STEERING],
+        .trailer_steering = state[X_TRAILER_STEERING],
+        .longitudinal_slip = state[X_LONGITUDINAL_SLIP],
+        .tractor_slip = state[X_TRACTOR_SLIP],
         .trailer_slip = 1.0,
-        .steering_offset = state[8],
-        .tractor_crab = state[11],
-        .trailer_crab = state[9],
+        .steering_offset = state[X_STEERING_OFFSET],
+        .tractor_crab = state[X_TRACTOR_CRAB],
+        .trailer_crab = state[X_TRAILER_CRAB],
         .status = status,
     };
 }

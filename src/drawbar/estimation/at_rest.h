@@ -16,17 +16,17 @@ static inline double known(double value)
     return isfinite(value) ? value : 0.0;
 }
 
-/* The eight measured quantities in the order of both models' outputs; what is not finite is missing. */
+/* The measured quantities, which are outputs of both models; what is not finite is missing. */
 static inline void measured(const struct drawbar_measurement *measurement, double *y)
 {
-    y[0] = if_finite(measurement->tractor_x);
-    y[1] = if_finite(measurement->tractor_y);
-    y[2] = if_finite(measurement->trailer_x);
-    y[3] = if_finite(measurement->trailer_y);
-    y[4] = if_finite(measurement->hitch_angle);
-    y[5] = if_finite(measurement->speed);
-    y[6] = if_finite(measurement->tractor_steering);
-    y[7] = if_finite(measurement->trailer_steering);
+    y[Y_TRACTOR_X] = if_finite(measurement->tractor_x);
+    y[Y_TRACTOR_Y] = if_finite(measurement->tractor_y);
+    y[Y_TRAILER_X] = if_finite(measurement->trailer_x);
+    y[Y_TRAILER_Y] = if_finite(measurement->trailer_y);
+    y[Y_HITCH_ANGLE] = if_finite(measurement->hitch_angle);
+    y[Y_SPEED] = if_finite(measurement->speed);
+    y[Y_TRACTOR_STEERING] = if_finite(measurement->tractor_steering);
+    y[Y_TRAILER_STEERING] = if_finite(measurement->trailer_steering);
 }
 
 /* Tractor and trailer yaw (rad) from both antennas and both joint angles; returns 0 when a position is missing.

@@ -1,9 +1,9 @@
 /* Dead-time compensation: plan from where the commands under way will have taken the vehicle (Smith 1957; Findeisen and
  * Allgoewer 2004 for predictive control).
  *
- * The including unit defines MOST_COMMANDS, how many can be under way; STATES, PARAMETERS, OUTPUTS and CONSTANTS, the
- * sizes of the model with its actuators; and its functions take_estimate, motion and give_estimate, generated from that
- * model.
+ * The including unit defines MOST_COMMANDS, how many can be under way; STATES, INPUTS, PARAMETERS, OUTPUTS and CONSTANTS,
+ * the sizes of the model with its actuators; what its elements are called (U_TRACTOR_TARGET, for one); and its functions
+ * take_estimate, motion and give_estimate, generated from that model.
  */
 #ifndef DRAWBAR_DEAD_TIME_H
 #define DRAWBAR_DEAD_TIME_H
@@ -23,7 +23,7 @@ struct component {
     int32_t soon;                          /* the oldest acts for less than half a sample: then comes the next */
     int32_t sent;                          /* commands so far, up to count + 1 */
     struct drawbar_command under_way[MOST_COMMANDS];   /* oldest first; the newest `sent` of the count are valid */
-    double x[1][STATES], u[1][2], p[1][PARAMETERS], duration[1][1], y[1][OUTPUTS];
+    double x[1][STATES], u[1][INPUTS], p[1][PARAMETERS], duration[1][1], y[1][OUTPUTS];
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -48,8 +48,8 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
     for (int i = 0; i < component->count; ++i) {
         const struct drawbar_command *command = &component->under_way[i];
         const int known = i >= component->count - component->sent;
-        component->u[0][0] = known ? command->tractor_steering : now->tractor_steering;
-        component->u[0][1] = known ? component->sign * command->trailer_steering : now->trailer_steering;
+        component->u[0][U_TRACTOR_TARGET] = known ? command->tractor_steering : now->tractor_steering;
+        component->u[0][U_TRAILER_TARGET] = known ? component->sign * command->trailer_steering : now->trailer_steering;
         component->duration[0][0] = component->durations[i];
         motion(component, 0, 1);
     }

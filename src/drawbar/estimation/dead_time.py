@@ -13,8 +13,8 @@ from typing import Any
 import casadi as ca
 
 from drawbar.codegen import Unit
-from drawbar.codegen.emit import Input, Output, emit
-from drawbar.vehicle.model import Model, Variable, constant, runge_kutta, symbols, variables
+from drawbar.codegen.emit import Input, Output, emit, emit_indices, index_name
+from drawbar.vehicle.model import Model, by_name, constant, runge_kutta, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 
 _STEPS = 4
@@ -32,10 +32,11 @@ _UNIT = """
 #define LANES 1
 #define MOST_COMMANDS {room}
 #define STATES {states}
+#define INPUTS {inputs}
 #define PARAMETERS {parameters}
 #define OUTPUTS {outputs}
 #define CONSTANTS {constants}
-#include "dead_time.h"
+{indices}#include "dead_time.h"
 static void take_estimate(struct component *work, const struct drawbar_estimate *estimate)
 {{
     {take}
@@ -81,10 +82,10 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
     The angles follow with the actuators' lag and within their rates. They are states of the new model, if they were
     not already: the articulated model takes their rates as inputs, the tricycle the angles themselves.
     """
-    target, names = ca.SX.sym("target", 2), [variable.name for variable in model.states]
-    inner = all(name in names for name in _STEERING)
+    target, states = ca.SX.sym("target", 2), by_name(model.states, model.x)
+    inner = all(name in states for name in _STEERING)
     steering = variables(tractor_steering="rad", trailer_steering="rad")
-    angles = ca.vertcat(*(model.x[names.index(name)] for name in _STEERING)) if inner else symbols(steering)
+    angles = ca.vertcat(*(states[name] for name in _STEERING)) if inner else symbols(steering)
     lag = constant("steering_lag", "s", vehicle.steering_lag)
     limits = [constant(f"{name}_rate", "rad/s", getattr(vehicle, f"{name}_rate")) for name in _STEERING]
     limit = ca.vertcat(*(each.symbol for each in limits))
@@ -105,15 +106,17 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
 
 def _source(model: Model, room: int) -> str:
     """Return the C unit of the prediction with an actuated model, through so many commands at most."""
-    take = [*_taken("x", model.states), *_taken("p", model.parameters)]
-    given = dict([*_places("y", model.outputs), *_places("x", model.states)])  # a state rather than its measurement
+    x, p, y = (_places(model, letter) for letter in "XPY")
+    given = y | x  # a state rather than its measurement
     return _UNIT.format(
         room=room,
         states=len(model.states),
+        inputs=len(model.inputs),
         parameters=len(model.parameters),
         outputs=len(model.outputs),
         constants=len(model.constants),
-        take="\n    ".join(take),
+        indices=emit_indices(model.names),
+        take="\n    ".join(f"{place} = {_field(name)};" for name, place in (x | p).items()),
         give="\n    ".join(f"{_field(name)} = {given[name]};" for name in _MOVED),
         motion=_motion(model),
     )
@@ -140,13 +143,9 @@ def _motion(model: Model) -> str:
     )
 
 
-def _places(array: str, declared: tuple[Variable, ...]) -> list[tuple[str, str]]:
-    """Return the names of variables with the C expressions of their places."""
-    return [(variable.name, f"work->{array}[0][{i}]") for i, variable in enumerate(declared)]
-
-
-def _taken(array: str, declared: tuple[Variable, ...]) -> list[str]:
-    return [f"{place} = {_field(name)};" for name, place in _places(array, declared)]
+def _places(model: Model, letter: str) -> dict[str, str]:
+    """Return the C expressions of the places of a vector's elements, by what these are called."""
+    return {name: f"work->{letter.lower()}[0][{index_name(letter, name)}]" for name in model.names[letter]}
 
 
 def _field(name: str) -> str:

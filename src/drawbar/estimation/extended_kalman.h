@@ -59,23 +59,15 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     return status;
 }
 
-/* Let the inputs be what the command does to the steering until the next sample: the last ones, where there are such. A
- * command that is not finite tells nothing, and the inputs stay as they were measured. */
-static void expect(struct component *component, const struct drawbar_command *acting)
-{
-    double rates[NU], *told = component->filter.u[0] + NU - STEERING_RATES;
-
-    model_steering_rates(&component->model, component->filter.x[0], acting, rates);
-    for (int i = 0; i < STEERING_RATES; ++i)
-        told[i] = isfinite(rates[i]) ? rates[i] : told[i];
-}
-
-/* Predict one sample ahead, under the command that acts until then (NULL where nobody tells). */
+/* Predict one sample ahead, under the command that acts until then (NULL where nobody tells): where it tells no input,
+ * the last measured one stays. */
 int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
 {
+    struct filter *filter = &component->filter;
+
     if (acting != NULL)
-        expect(component, acting);
-    return component->predicted = filter_predict(&component->filter);
+        model_told_inputs(&component->model, filter->x[0], acting, filter->u[0]);
+    return component->predicted = filter_predict(filter);
 }
 
 /* Let a sample pass in which nothing was measured. */

@@ -23,7 +23,7 @@ _UNIT = """
 #define NY {outputs}
 #define CONSTANTS {constants}
 #define LANES 1
-#include "{model}_estimation.h"
+{indices}#include "{model}_estimation.h"
 #include "extended_kalman.h"
 {functions}
 """
@@ -74,6 +74,7 @@ def _source(discrete: Transcription, model: str) -> str:
         inputs=discrete.u.numel(),
         outputs=discrete.output.numel(),
         constants=len(discrete.constants),
+        indices=discrete.indices(),
         model=model,
         functions=emit_constants("filter_constants", inputs, every, _FILTER)
         + "".join(emit(name, inputs, results, _FILTER) for name, results in functions.items()),

@@ -1,5 +1,5 @@
-/* Where an estimator begins, and begins anew; to be included by the models, which define struct estimation_model,
- * model_at_rest and the rows of both yaws. */
+/* Where an estimator begins, and begins anew; to be included by the models, which define struct estimation_model and
+ * model_at_rest. */
 #ifndef DRAWBAR_FIRST_GUESS_H
 #define DRAWBAR_FIRST_GUESS_H
 
@@ -9,8 +9,8 @@ static inline int model_first_guess(const struct estimation_model *model,
 {
     if (!model_at_rest(model, measurement, state))
         return 0;
-    state[TRACTOR_YAW] += model->first_yaw_error;
-    state[TRAILER_YAW] += model->first_yaw_error;
+    state[X_TRACTOR_YAW] += model->first_yaw_error;
+    state[X_TRAILER_YAW] += model->first_yaw_error;
     return 1;
 }
 
@@ -20,9 +20,9 @@ static inline int model_new_guess(const struct estimation_model *model, const st
 {
     if (!model_at_rest(model, measurement, state))
         return 0;
-    const double turns = nearest_branch(state[TRACTOR_YAW], present[TRACTOR_YAW]) - state[TRACTOR_YAW];
-    state[TRACTOR_YAW] += turns;
-    state[TRAILER_YAW] += turns;
+    const double turns = nearest_branch(state[X_TRACTOR_YAW], present[X_TRACTOR_YAW]) - state[X_TRACTOR_YAW];
+    state[X_TRACTOR_YAW] += turns;
+    state[X_TRAILER_YAW] += turns;
     return 1;
 }
 

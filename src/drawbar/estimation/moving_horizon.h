@@ -49,11 +49,13 @@ static void overrule(struct component *component, const struct drawbar_measureme
 /* Forget the fixes of an antenna that has just turned out to be wrong, as far back as the disagreement was averaged. */
 static void disbelieve(struct component *component, int antenna)
 {
-    const int newest = component->window.newest, column = 2 * (antenna - TRACTOR_ANTENNA);
+    const int newest = component->window.newest, tractor = antenna == TRACTOR_ANTENNA;
     const int first = newest > component->screening.memory ? newest - component->screening.memory : 0;
 
-    for (int k = first; k < newest; ++k)
-        component->rti.y[k][column] = component->rti.y[k][column + 1] = NAN;
+    for (int k = first; k < newest; ++k) {
+        double *y = component->rti.y[k];
+        y[tractor ? Y_TRACTOR_X : Y_TRAILER_X] = y[tractor ? Y_TRACTOR_Y : Y_TRAILER_Y] = NAN;
+    }
 }
 
 /* Take in a measurement: judge its fixes, let the window forget what they show to have been wrong. */
@@ -87,10 +89,9 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
  * then (NULL: nobody tells), slide the window, linearise along the predicted trajectory. */
 int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
 {
-    double *rates = component->rti.y[component->window.newest] + NY - STEERING_RATES;
-
     if (acting != NULL)
-        model_steering_rates(&component->model, newest_state(component), acting, rates);
+        model_told_outputs(&component->model, newest_state(component), acting,
+                           component->rti.y[component->window.newest]);
     WATCHED(WATCHED_SLIDE, window_slide(&component->window, &component->rti));
     WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;

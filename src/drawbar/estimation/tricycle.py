@@ -18,7 +18,7 @@ _KEYS = (
 
 
 class TricycleEstimation(EstimationModel):
-    """States x_t, y_t, theta, x_i, y_i, psi; parameters mu, kappa, eta, beta, v; both steering angles are inputs."""
+    """States and parameters of the paper's model, see vehicle/tricycle.py; both steering angles are its inputs."""
 
     name = "tricycle"
 
@@ -36,9 +36,10 @@ class TricycleEstimation(EstimationModel):
             "first_yaw_error": settings.first_yaw_error,
         }
         power = -1 if settings.weighting == "paper" else -2
+        model = tricycle(vehicle)
         slip = Bound(lower=settings.slip_bounds.lower, upper=settings.slip_bounds.upper)
         self.problem = EstimationProblem(
-            model=tricycle(vehicle),
+            model=model,
             horizon=settings.window,
             sample_time=sample_time,
             weights={name: float(deviation**power) for name, deviation in sensor_deviations(noise).items()},

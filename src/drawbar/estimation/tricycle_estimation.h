@@ -1,24 +1,17 @@
 /* Estimation on the paper's model (vehicle/tricycle.py): from measurements to its states and outputs, and from its
- * states to an estimate.
- *
- * State: x_t, y_t, theta, x_i, y_i, psi; then the parameters mu, kappa, eta, beta, v. Outputs: the measured quantities;
- * both steering angles are the inputs.
- */
+ * states to an estimate. The model's parameters are states too, after its own; both steering angles are inputs. */
 #ifndef DRAWBAR_TRICYCLE_ESTIMATION_H
 #define DRAWBAR_TRICYCLE_ESTIMATION_H
 
 #include <string.h>
 #include "at_rest.h"
 
-#define STEERING_RATES 0                   /* no output is told by a command: the inputs are measured */
-#define TRACTOR_YAW 2
-#define TRAILER_YAW 5
-
 struct estimation_model {
     struct chain chain;
     double first_slip;                     /* first guess of mu, kappa and eta */
     double first_yaw_error;                /* added to the first guess of both yaws, rad */
-    double steering[2];                    /* newest measured angles of both bodies, which no later output sees, rad */
+    /* newest measured angles, which no later output sees, rad */
+    double tractor_steering, trailer_steering;
 };
 
 #define MODEL_FIELDS(type, prefix)                                                                           \
@@ -34,18 +27,21 @@ static inline int model_at_rest(const struct estimation_model *model, const stru
 
     if (!yaws_at_rest(&model->chain, measurement, &theta, &psi))
         return 0;
-    const double rest[] = {
-        measurement->tractor_x, measurement->tractor_y, theta, measurement->trailer_x, measurement->trailer_y, psi,
-        model->first_slip, model->first_slip, model->first_slip,
-        known(measurement->hitch_angle), known(measurement->speed),
-    };
-    memcpy(state, rest, sizeof rest);
+    state[X_TRACTOR_X] = measurement->tractor_x;
+    state[X_TRACTOR_Y] = measurement->tractor_y;
+    state[X_TRACTOR_YAW] = theta;
+    state[X_TRAILER_X] = measurement->trailer_x;
+    state[X_TRAILER_Y] = measurement->trailer_y;
+    state[X_TRAILER_YAW] = psi;
+    state[X_LONGITUDINAL_SLIP] = state[X_TRACTOR_SLIP] = state[X_TRAILER_SLIP] = model->first_slip;
+    state[X_HITCH_ANGLE] = known(measurement->hitch_angle);
+    state[X_SPEED] = known(measurement->speed);
     return 1;
 }
 
 #include "first_guess.h"
 
-/* The measurement (8 values). */
+/* The measurement. */
 static inline void model_outputs(const struct estimation_model *model, const struct drawbar_measurement *measurement,
                                  double *y)
 {
@@ -57,16 +53,25 @@ static inline void model_outputs(const struct estimation_model *model, const str
  * tractor's, m. Its own position is a state that would follow any fix. */
 static inline void model_antennas(const struct estimation_model *model, const double *state, double *antennas)
 {
-    antennas[0] = state[0];
-    antennas[1] = state[1];
-    trailer_antenna(&model->chain, state[0], state[1], state[2], state[2] - state[9], state[5], antennas + 2);
+    const double theta = state[X_TRACTOR_YAW];
+
+    antennas[0] = state[X_TRACTOR_X];
+    antennas[1] = state[X_TRACTOR_Y];
+    trailer_antenna(&model->chain, antennas[0], antennas[1], theta, theta - state[X_HITCH_ANGLE], state[X_TRAILER_YAW],
+                    antennas + 2);
 }
 
-/* No rates: the steering angles are inputs, and measured. */
-static inline void model_steering_rates(const struct estimation_model *model, const double *state,
-                                        const struct drawbar_command *command, double *rates)
+/* A command tells nothing: the steering angles are inputs, and measured. */
+static inline void model_told_outputs(const struct estimation_model *model, const double *state,
+                                      const struct drawbar_command *command, double *y)
 {
-    (void)model, (void)state, (void)command, (void)rates;
+    (void)model, (void)state, (void)command, (void)y;
+}
+
+static inline void model_told_inputs(const struct estimation_model *model, const double *state,
+                                     const struct drawbar_command *command, double *u)
+{
+    (void)model, (void)state, (void)command, (void)u;
 }
 
 /* The estimate that a state stands for; the steering angles are the newest measured ones. Of the fixes it knows
@@ -75,21 +80,21 @@ static inline void model_estimate(struct estimation_model *model, const double *
                                   const struct drawbar_measurement *measurement, int status,
                                   struct drawbar_estimate *estimate)
 {
-    double *held = model->steering;
-
-    held[0] = isfinite(measurement->tractor_steering) ? measurement->tractor_steering : held[0];
-    held[1] = isfinite(measurement->trailer_steering) ? measurement->trailer_steering : held[1];
+    if (isfinite(measurement->tractor_steering))
+        model->tractor_steering = measurement->tractor_steering;
+    if (isfinite(measurement->trailer_steering))
+        model->trailer_steering = measurement->trailer_steering;
     *estimate = (struct drawbar_estimate){
         .time = measurement->time,
-        .tractor = {state[0], state[1], state[2]},
-        .trailer = {state[3], state[4], state[5]},
-        .hitch_angle = state[9],
-        .speed = state[10],
-        .tractor_steering = held[0],
-        .trailer_steering = held[1],
-        .longitudinal_slip = state[6],
-        .tractor_slip = state[7],
-        .trailer_slip = state[8],
+        .tractor = {state[X_TRACTOR_X], state[X_TRACTOR_Y], state[X_TRACTOR_YAW]},
+        .trailer = {state[X_TRAILER_X], state[X_TRAILER_Y], state[X_TRAILER_YAW]},
+        .hitch_angle = state[X_HITCH_ANGLE],
+        .speed = state[X_SPEED],
+        .tractor_steering = model->tractor_steering,
+        .trailer_steering = model->trailer_steering,
+        .longitudinal_slip = state[X_LONGITUDINAL_SLIP],
+        .tractor_slip = state[X_TRACTOR_SLIP],
+        .trailer_slip = state[X_TRAILER_SLIP],
         .status = status,
     };
 }

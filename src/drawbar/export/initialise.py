@@ -10,10 +10,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from drawbar.codegen import Component
-from drawbar.optimal import SolverUnit
 
-_OF_SOLVER = ("constants", "w", "lower", "upper", "root", "process", "common")
-"""settings of a solver, which is the first member of its component"""
 _C_TYPES = {"f": "double", "i": "int32_t"}
 
 
@@ -50,11 +47,9 @@ class _Run:
 
 def _runs(component: Component, kind: str) -> Iterator[_Run]:
     """Yield what is not zero in the settings of one kind of number."""
-    for name, array in component.settings.settings().items():
+    for member, array in component.settings.settings().items():
         if array.dtype.kind != kind:
             continue
-        of_solver = isinstance(component.unit, SolverUnit) and (name in _OF_SOLVER or name.startswith("qp."))
-        member = f"rti.{name}" if of_solver else name
         first = 0
         for row, count in _grouped(array):
             if any(row):

@@ -74,9 +74,9 @@ static inline void approach_lay_node(struct drawbar_path_node *node, const struc
     double sample[4];
 
     path_sample(path, node->x, sample);
-    node->x = sample[0] - left * lane_sin(sample[2]);
-    node->y = sample[1] + left * lane_cos(sample[2]);
-    node->yaw = sample[2] + atan2(lane_sin(direction), (1.0 - left * sample[3]) * lane_cos(direction));
+    node->x = sample[AT_X] - left * lane_sin(sample[AT_YAW]);
+    node->y = sample[AT_Y] + left * lane_cos(sample[AT_YAW]);
+    node->yaw = sample[AT_YAW] + atan2(lane_sin(direction), (1.0 - left * sample[AT_CURVATURE]) * lane_cos(direction));
 }
 
 /* Join two laid nodes: continuous yaw, arc length from the chord. Returns 0 where the piece is none, or begins tighter
@@ -111,7 +111,7 @@ static inline int approach_lay(struct approach *approach, const struct path *pat
     }
     /* the way ends in the path's direction; whole rounds before that are not the path's */
     path_sample(path, approach->joins_at, closest);
-    const double rounds = last->yaw - closest[2];
+    const double rounds = last->yaw - closest[AT_YAW];
     for (int32_t i = 0; i < approach->count; ++i)
         nodes[i].yaw -= rounds;
     return approach->count > 1;
@@ -124,9 +124,10 @@ static inline struct beside_path beside_path(const struct path *path, const stru
     double closest[4];
 
     path_sample(path, near, closest);
-    const double offset = cos(closest[2]) * (pose->y - closest[1]) - sin(closest[2]) * (pose->x - closest[0]);
-    const double turned = wrapped(pose->yaw - closest[2]);
-    const double heading = atan2((1.0 - closest[3] * offset) * sin(turned), cos(turned));
+    const double offset = cos(closest[AT_YAW]) * (pose->y - closest[AT_Y])
+        - sin(closest[AT_YAW]) * (pose->x - closest[AT_X]);
+    const double turned = wrapped(pose->yaw - closest[AT_YAW]);
+    const double heading = atan2((1.0 - closest[AT_CURVATURE] * offset) * sin(turned), cos(turned));
     const struct beside_path beside = {near, offset, heading, curvature};
     return beside;
 }
@@ -145,10 +146,11 @@ static inline void approach_trace(struct approach *approach, const struct beside
  * straight line; the path is sampled where the curve is `left` (m) of it. */
 static inline double approach_bend(const double *sample, double left, double direction, double bend)
 {
-    const double cosine = lane_cos(direction), sine = lane_sin(direction), nearer = 1.0 - left * sample[3];
+    const double curvature = sample[AT_CURVATURE], nearer = 1.0 - left * curvature;
+    const double cosine = lane_cos(direction), sine = lane_sin(direction);
     const double squared = nearer * nearer * cosine * cosine + sine * sine;
 
-    return (sample[3] * cosine + (nearer * bend + sample[3] * sine * sine * cosine) / squared) / sqrt(squared);
+    return (curvature * cosine + (nearer * bend + curvature * sine * sine * cosine) / squared) / sqrt(squared);
 }
 
 /* Is a turn within the limits on its arc? It is looked at where it leads furthest aside, along the line, and between. */

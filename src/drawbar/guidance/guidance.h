@@ -36,7 +36,7 @@ static inline int guidance_place(struct guidance *guidance, const struct path *p
     double beginning[4], error;
 
     path_sample(path, start, beginning);
-    if (!(hypot(tractor[0] - beginning[0], tractor[1] - beginning[1]) <= reach))
+    if (!(hypot(tractor[0] - beginning[AT_X], tractor[1] - beginning[AT_Y]) <= reach))
         return DRAWBAR_GUIDANCE_FAR_FROM_START;
     if (!isfinite(trailer[0] + trailer[1]))
         return DRAWBAR_GUIDANCE_POSE_NOT_FINITE;
@@ -121,9 +121,9 @@ static inline void guidance_to_branch(struct guidance *guidance, const struct dr
     const double targets[BODIES] = {estimate->tractor.yaw, estimate->trailer.yaw};
 
     for (int i = 0; i < BODIES; ++i) {
-        const double first = guidance->samples[i][0][2], shift = nearest_branch(first, targets[i]) - first;
+        const double first = guidance->samples[i][0][AT_YAW], shift = nearest_branch(first, targets[i]) - first;
         for (int j = 0; j <= STAGES; ++j)
-            guidance->samples[i][j][2] += shift;
+            guidance->samples[i][j][AT_YAW] += shift;
     }
 }
 

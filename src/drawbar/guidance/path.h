@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stddef.h>
 #include "drawbar_signals.h"
+#include "geometry.h"
 #include "lanes.h"
 
 #define PATH_PROJECTIONS 20                /* Newton steps of a projection, at most */
@@ -79,10 +80,10 @@ static inline void path_cubic_sample(const struct path_cubic *cubic, double arc_
     const double tangent_y = y[1] + 2.0 * inner_y + distance * slope_y;
     const double bend_x = x[2] + 3.0 * slope_x, bend_y = y[2] + 3.0 * slope_y; /* half the second derivative */
 
-    sample[0] = x[0] + distance * (x[1] + inner_x);
-    sample[1] = y[0] + distance * (y[1] + inner_y);
-    sample[2] = cubic->yaw + atan2(tangent_y * x[1] - tangent_x * y[1], tangent_x * x[1] + tangent_y * y[1]);
-    sample[3] = 2.0 * (tangent_x * bend_y - tangent_y * bend_x);
+    sample[AT_X] = x[0] + distance * (x[1] + inner_x);
+    sample[AT_Y] = y[0] + distance * (y[1] + inner_y);
+    sample[AT_YAW] = cubic->yaw + atan2(tangent_y * x[1] - tangent_x * y[1], tangent_x * x[1] + tangent_y * y[1]);
+    sample[AT_CURVATURE] = 2.0 * (tangent_x * bend_y - tangent_y * bend_x);
 }
 
 /* x, y (m), continuous yaw (rad) and curvature (1/m) of the path at count arc lengths, m. */

@@ -89,7 +89,7 @@ static int preview_astray(const struct component *component, const struct path *
     double sample[4];
 
     preview_ahead(component, path, 0.0, sample);
-    return fabs(wrapped(yaw - sample[2])) > ASTRAY;
+    return fabs(wrapped(yaw - sample[AT_YAW])) > ASTRAY;
 }
 
 /* Begin turns where the tractor faces away from the path, and leave those that it faces away from. Returns 0 where no

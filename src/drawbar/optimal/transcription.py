@@ -1,14 +1,15 @@
 """Multiple shooting: from a problem declaration to the C source of its solver."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import casadi as ca
 
-from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.codegen.emit import Input, Output, emit, emit_constants, emit_indices
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
-from drawbar.vehicle.model import Constant, Variable, column, constant, runge_kutta, with_values
+from drawbar.vehicle.model import Constant, column, constant, runge_kutta, with_values
 
 LEVENBERG = 1e-9
 """Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
@@ -32,15 +33,15 @@ _UNIT = """
 #define IP_ITERATIONS {iterations}
 #include "{header}"
 {functions}
-{component}
+{names}{component}
 """
 SOLVER_FIELDS = """
-    {"x", offsetof(struct rti, z), 0, {N + 1, NX, 0}, 0, 0},
-    {"u", offsetof(struct rti, z) + sizeof(double) * (N + 1) * NX, 0, {N, NU, 0}, 0, 0},
+    {"rti.x", offsetof(struct component, rti.z), 0, {N + 1, NX, 0}, 0, 0},
+    {"rti.u", offsetof(struct component, rti.z) + sizeof(double) * (N + 1) * NX, 0, {N, NU, 0}, 0, 0},
     RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) SET(w, N + 1, NY)
     SET(constants, CONSTANTS, 0) RTI(initial, 0, NX, 0, 0) SET(lower, NB, 0) SET(upper, NB, 0) SET(root, NX, NX)
     RTI(prior, 0, NX, 0, 0) SET(process, NX, 0) SET(common, NX, 0) RTI(status, 1, 1, 0, 0)
-    QP_FIELDS(rti, qp.)"""
+    QP_FIELDS(component, rti.qp.)"""
 """entries of the table of fields (fields.h)"""
 _TABLE = """
 #include "workspace.h"
@@ -88,6 +89,8 @@ class Transcription:
     """its cost sums up what the window has left behind"""
     bounds: tuple[tuple[int, Bound], ...]
     """(index into x_0 .. x_N, u_0 .. u_{N-1}; bound)"""
+    names: Mapping[str, tuple[str, ...]]
+    """what the elements of x, u, p and output are called, by the letters X, U, P and Y"""
 
     @property
     def input_outputs(self) -> tuple[bool, ...]:
@@ -127,8 +130,13 @@ class Transcription:
             iterations=ESTIMATION_ITERATIONS if self.arrival else CONTROL_ITERATIONS,
             header="window.h" if self.arrival else "rti.h",
             functions=self._functions(),
+            names=self.indices() if component else "",
             component=f'#include "{component}"' if component else _BARE_WINDOW if self.arrival else _BARE,
         )
+
+    def indices(self) -> str:
+        """Return C enumerations of the indices into x, u, p and output: X_SPEED, for one."""
+        return emit_indices(self.names)
 
     def introspection(self) -> str:
         """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
@@ -193,7 +201,9 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
     model, estimation = problem.model, isinstance(problem, EstimationProblem)
     sample_time = constant("sample_time", "s", problem.sample_time)
     step = runge_kutta(model, sample_time.symbol, problem.integration_steps)
-    names = [variable.name for variable in (*model.states, *(model.parameters if estimation else ()))]
+    names = model.names
+    if estimation:
+        names |= {"X": (*names["X"], *names["P"]), "P": ()}
     constant_states = len(model.parameters) if estimation else 0
     return Transcription(
         name=model.name,
@@ -207,14 +217,15 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
         constant_states=constant_states,
         free_initial=isinstance(problem, EstimationProblem) or bool(problem.initial_weights),
         arrival=estimation,
-        bounds=tuple(_bounded(problem, names, model.inputs, constant_states)),
+        bounds=tuple(_bounded(problem, names["X"], names["U"], constant_states)),
+        names=names,
     )
 
 
 def _bounded(
     problem: ControlProblem | EstimationProblem,
-    states: list[str],
-    inputs: tuple[Variable, ...],
+    states: tuple[str, ...],
+    inputs: tuple[str, ...],
     constant_states: int,
 ) -> list[tuple[int, Bound]]:
     """Return the bounded scalars: constant states only once, a given first state not at all.
@@ -230,8 +241,8 @@ def _bounded(
         if name in problem.bounds:
             stages = range(first, horizon + 1) if j < nx - constant_states else range(1)
             found += [(k * nx + j, problem.bounds[name]) for k in stages]
-    for a, variable in enumerate(inputs):
-        if variable.name in problem.bounds:
+    for a, name in enumerate(inputs):
+        if name in problem.bounds:
             start = (horizon + 1) * nx + a
-            found += [(start + k * nu, problem.bounds[variable.name]) for k in range(horizon)]
+            found += [(start + k * nu, problem.bounds[name]) for k in range(horizon)]
     return found

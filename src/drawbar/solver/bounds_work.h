@@ -11,12 +11,12 @@
 
 /* Work of active_set.h: the bounds that it holds, and one column for each that it ever held in this problem. */
 struct active_set {
-    int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
-    int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
     double column[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(NB)];   /* how a unit pull moves the bounded variables */
     double L[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(ACTIVE_MOST)], D[AT_LEAST_ONE(ACTIVE_MOST)];
     double nu[AT_LEAST_ONE(ACTIVE_MOST)];
     double pull[NZ], dz[NZ], dpi[(N + 1) * NX];   /* one sweep: the pulls, and how they move everything */
+    int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
+    int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
 };
 
 /* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */

@@ -15,7 +15,6 @@
 #include "lanes.h"
 
 struct rti {
-    double constants[CONSTANTS];           /* of the model, and the sample time, s */
     double z[NZ];                          /* the trajectory: linearisation point before, solution after a step */
     double p[N + 1][AT_LEAST_ONE(NP)];     /* known parameters of each stage */
     double y[N + 1][NY], w[N + 1][NY];     /* references or measurements (NaN: missing), and their weights */
@@ -27,6 +26,7 @@ struct rti {
     int32_t status, open_end;              /* open_end: x_N is still to be predicted */
     uint8_t missing[N + 1][NY];            /* measurements, as rti_note_missing last saw them */
     struct qp qp;
+    double constants[CONSTANTS];           /* of the model, and the sample time, s */
 };
 
 #define WORK union bounds_work             /* what a feedback borrows, see workspace.h */

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 
 from drawbar.vehicle.lengths import Lengths, lengths_of
-from drawbar.vehicle.model import Model, declare, symbols, variables
+from drawbar.vehicle.model import Model, by_name, declare, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
 
@@ -138,11 +138,13 @@ def articulated_tracking(vehicle: VehicleParameters) -> Model:
         trailer_reference_yaw="rad",
     )
     known = symbols(references)
-    x_t, y_t, x_i, y_i = ca.vertsplit(chain.output)[:4]
-    delta_t, delta_i = chain.x[4], chain.x[5]
-    heading = chain.x[2] + chain.p[5] - known[2]
-    tractor = _lateral_error(x_t, y_t, *ca.vertsplit(known[:3])), heading, delta_t, chain.u[0]
-    trailer = _lateral_error(x_i, y_i, *ca.vertsplit(known[3:])), delta_i, chain.u[1]
+    x, u, p = by_name(chain.states, chain.x), by_name(chain.inputs, chain.u), by_name(chain.parameters, chain.p)
+    at, reference = by_name(chain.outputs, chain.output), by_name(references, known)
+
+    def lateral_error(body: str) -> Any:
+        pose = (reference[f"{body}_reference_{coordinate}"] for coordinate in ("x", "y", "yaw"))
+        return _lateral_error(at[f"{body}_x"], at[f"{body}_y"], *pose)
+
     return replace(
         chain,
         name="articulated_tracking",
@@ -157,7 +159,15 @@ def articulated_tracking(vehicle: VehicleParameters) -> Model:
             trailer_steering_rate="rad/s",
         ),
         p=ca.vertcat(chain.p, known),
-        output=ca.vertcat(*tractor, *trailer),
+        output=ca.vertcat(
+            lateral_error("tractor"),
+            x["tractor_yaw"] + p["tractor_crab"] - reference["tractor_reference_yaw"],
+            x["tractor_steering"],
+            u["tractor_steering_rate"],
+            lateral_error("trailer"),
+            x["trailer_steering"],
+            u["trailer_steering_rate"],
+        ),
     )
 
 

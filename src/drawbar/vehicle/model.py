@@ -106,6 +106,12 @@ class Model:
             )
 
     @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """What the elements of x, u, p and output are called, by the letters X, U, P and Y."""
+        vectors = {"X": self.states, "U": self.inputs, "P": self.parameters, "Y": self.outputs}
+        return {letter: tuple(each.name for each in declared) for letter, declared in vectors.items()}
+
+    @property
     def c(self) -> Any:
         """(nc, 1) SX symbols of the constants."""
         return column(self.constants)
@@ -120,8 +126,9 @@ class Model:
         given = ca.vertcat(self.x, self.u, self.p, self.c)
         if not given.is_valid_input() or len({s.element_hash() for s in ca.symvar(given)}) != given.numel():
             raise ModelError(f"Model {self.name!r}: x, u, p, constants must be symbols, all different, got {given}.")
-        for group in ((*self.states, *self.inputs, *self.parameters, *self.constants), self.outputs):
-            names = [each.name for each in group]
+        of_symbols = [each.name for each in (*self.states, *self.inputs, *self.parameters)]
+        of_symbols += [each.name for each in self.constants]
+        for names in (of_symbols, [each.name for each in self.outputs]):
             repeated = sorted({name for name in names if names.count(name) > 1})
             if repeated:
                 raise ModelError(
@@ -139,6 +146,11 @@ def with_values(expressions: list[Any], constants: tuple[Constant, ...]) -> list
     """Return the expressions with the constants' values in place of their symbols."""
     values = [each.value for each in constants]
     return list(ca.substitute(expressions, [column(constants)], [ca.DM(values)])) if constants else expressions
+
+
+def by_name(declared: tuple[Variable, ...], values: Any) -> dict[str, Any]:
+    """Return the elements of a column by the names of their variables."""
+    return {variable.name: values[i] for i, variable in enumerate(declared)}
 
 
 def symbols(declared: tuple[Variable, ...]) -> Any:

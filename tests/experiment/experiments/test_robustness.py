@@ -75,6 +75,9 @@ def test_the_report_marks_misses_and_names_who_is_nearer(experiment, run, assemb
     comparators = {row[0]: row[1:] for row in tables["comparators"].rows}
     assert comparators["no event"] == ["5.1 / 5.1", "4.1 / 4.1", *["6.1 / 6.1"] * 3, "186.7 / 186.7 (2/3)"]
     assert comparators["GPS lost 1 s"][1:] == [""] * 5
+    events = {row[0]: row[1:] for row in tables["events"].rows}
+    assert events["no event"] == ["400 / 400 (2/3)", "5 / 5"]
+    assert events["κ to 0.7"] == ["80 / 80", "20 / 20"]
     assert "`articulated-centralised`: **no event (1.0 ± 0.0 / 1.0 ± 0.0)**" in text
     assert "`lqr-pi`: **κ to 0.7" in text
     assert "- `paper`: never" in text

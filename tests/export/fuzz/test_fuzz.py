@@ -26,6 +26,8 @@ SANITIZERS = (
     "-fno-sanitize-recover=all",
 )
 FLAGS = ("-std=c99", "-O1", "-g1", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-Wno-psabi")
+REPLACED = ("estimator_update", "tractor_feedback", "trailer_feedback")
+"""functions of the library that solvers.h stands in for"""
 COMPILERS = ("clang-14", "clang")
 SECONDS = os.environ.get("DRAWBAR_FUZZ_SECONDS", "")
 
@@ -39,6 +41,7 @@ def limits() -> list[str]:
         "TRACTOR_LIMIT": vehicle.tractor_steering_limit,
         "TRAILER_LIMIT": vehicle.trailer_steering_limit,
         "SPEED_LIMIT": configuration.speed,
+        "ACCELERATION": configuration.acceleration,
         "TRACTOR_CHANGE": reach * vehicle.tractor_steering_rate,
         "TRAILER_CHANGE": reach * vehicle.trailer_steering_rate,
     }
@@ -52,7 +55,7 @@ def fuzzer(exported: Callable[..., Path], tmp_path_factory: pytest.TempPathFacto
     if compiler is None:
         pytest.skip("clang is not installed")
     library, folder = exported("articulated"), tmp_path_factory.mktemp("fuzz")
-    headers = [f"-I{library / 'include'}", f"-I{HERE}"]
+    headers = [f"-I{library / 'include'}", f"-I{library / 'src'}", f"-I{HERE}"]
 
     def compile_unit(source: Path) -> Path:
         built = folder / f"{source.stem}.o"
@@ -63,7 +66,8 @@ def fuzzer(exported: Callable[..., Path], tmp_path_factory: pytest.TempPathFacto
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(compile_unit, [*(library / "src").glob("*.c"), HERE / "fuzz.c"]))
     program = folder / "fuzz"
-    linked = subprocess.run([compiler, *SANITIZERS, *map(str, objects), "-lm", "-o", str(program)], capture_output=True)
+    linking = [*(f"-Wl,--wrap=drawbar_{name}" for name in REPLACED), *map(str, objects), "-lm", "-o", str(program)]
+    linked = subprocess.run([compiler, *SANITIZERS, *linking], capture_output=True)
     if linked.returncode != 0:
         pytest.skip("this clang has no libFuzzer")
     return program

@@ -17,7 +17,7 @@ from drawbar.control.settings import TubeWorkRange
 from drawbar.control.tube.error_model import ErrorModel, Limit
 from drawbar.control.tube.linearisation import CommandedModel, WorkPoint, linearised
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
-from drawbar.vehicle.model import Model
+from drawbar.vehicle.model import Model, by_name
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle_tractor, tricycle_trailer
 
@@ -150,7 +150,7 @@ def _corners(ranges: tuple[tuple[float, float], ...], *from_straight: tuple[floa
 
 def _lagging(model: Model, errors: Mapping[str, str], lag: float, sign: int = 1) -> CommandedModel:
     """Return a model whose steering follows its command as a first-order lag (s)."""
-    command, steering = ca.SX.sym("command"), model.x[[state.name for state in model.states].index("steering")]
+    command, steering = ca.SX.sym("command"), by_name(model.states, model.x)["steering"]
     derivative = ca.substitute(model.derivative, model.u, (sign * command - steering) / lag)
     return CommandedModel(model=model, errors=errors, command=command, derivative=derivative)
 
