@@ -3,8 +3,8 @@
 Each row is one change of a shipped configuration, or of what joins its parts, driven with seeds 0 to 4. Distances are
 those of each body's true antenna position from the path, in cm, tractor / trailer: means by curvature over all seeds,
 and the largest of all seeds; then the largest RMS error of the estimated yaw of any seed, and the solver failures of
-all. With TEXT only the rows whose name contains one of the texts. The table of recorded lines needs the AgOpenGPS field
-that lies beside the repository in ../shared/data, and is left out without it.
+all. With TEXT only the rows whose name contains one of the texts. Of the recorded lines only the first comes with the
+repository; the others need a real field in ../shared/data, and are left out without it.
 """
 
 import sys
@@ -31,8 +31,12 @@ from drawbar.step.autopilot import Autopilot
 from drawbar.step.build import build_autopilot, build_machine, build_path
 
 SEEDS = range(5)
-FIELD = FilePath(__file__).parents[2] / "shared/data/agopengps-field"
-TRACKS = ("Cu 275.4°", "Cu 49.9°", "Cu 183.7°")
+ROOT = FilePath(__file__).parents[1]
+FIELDS = {
+    ROOT / "examples" / "field": ("Cu 14.1°",),
+    ROOT.parent / "shared" / "data" / "agopengps-field": ("Cu 275.4°", "Cu 49.9°", "Cu 183.7°"),
+}
+"""folders of recorded lines, and those that are driven"""
 Build = Callable[[Configuration, Path, SimulatedMachine], Autopilot]
 
 
@@ -308,9 +312,9 @@ def jump_row(antenna: str) -> str:
     return f"| {antenna}'s antenna | {' | '.join(cells)} |"
 
 
-def line_row(track: str) -> str:
+def line_row(field: FilePath, track: str) -> str:
     """Return the row of one recorded line: means by class, the largest distance, and what making it drivable cost."""
-    where = (f'path.file="{FIELD.as_posix()}"', f'path.track="{track}"')
+    where = (f'path.file="{field.as_posix()}"', f'path.track="{track}"')
     runs = [run(Reading(name=track, base="articulated", changes=where), seed) for seed in SEEDS]
     straight, curve, kink = 100.0 * np.mean([each.means for each in runs], axis=0).T
     tractor, trailer = 100.0 * np.max([each.largest for each in runs], axis=0)
@@ -349,9 +353,9 @@ def main(wanted: Sequence[str]) -> None:
             print(jump_row(antenna), flush=True)
     print("\n| line | straights | curves | kinks | largest | deviation at 0.3 / 0.41 1/m, m |")
     print("|---|---|---|---|---|---|")
-    for track in TRACKS if FIELD.exists() else ():
+    for field, track in ((field, track) for field, tracks in FIELDS.items() if field.exists() for track in tracks):
         if not wanted or any(text in track for text in wanted):
-            print(line_row(track), flush=True)
+            print(line_row(field, track), flush=True)
 
 
 if __name__ == "__main__":
