@@ -15,7 +15,24 @@ from drawbar.report.path_errors import PathErrors, project_track
 from drawbar.signals import StepRecord
 from drawbar.simulation import Simulation
 
-FIELD = FilePath(__file__).parents[2] / "shared" / "data" / "agopengps-field"
+ROOT = FilePath(__file__).parents[1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """An AgOpenGPS field and its curves."""
+
+    folder: FilePath
+    curves: tuple[str, ...]
+
+
+FIELDS = {
+    "examples/field": Field(folder=ROOT / "examples" / "field", curves=("Cu 14.1°", "Cu 85.2°")),
+    "../shared/data/agopengps-field": Field(
+        folder=ROOT.parent / "shared" / "data" / "agopengps-field", curves=("Cu 275.4°", "Cu 49.9°", "Cu 183.7°")
+    ),
+}
+"""the one that examples/record_field.py drove, and a real one, which only some machines have beside the repository"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,9 +74,23 @@ def simulate(build: Callable[..., Simulation]) -> Callable[..., Run]:
     return simulate
 
 
-@pytest.fixture(scope="session")
-def recorded_field() -> FilePath:
-    """Return the real AgOpenGPS field that lies beside the repository."""
-    if not FIELD.is_dir():
-        pytest.skip("the recorded field ../shared/data/agopengps-field is not here")
-    return FIELD
+@pytest.fixture(scope="session", params=FIELDS)
+def recorded_field(request: pytest.FixtureRequest) -> Field:
+    """Return each of the recorded fields."""
+    return _present(request.param)
+
+
+CURVES = [(name, curve) for name, field in FIELDS.items() for curve in field.curves]
+
+
+@pytest.fixture(scope="session", params=CURVES, ids=" ".join)
+def recorded_line(request: pytest.FixtureRequest) -> tuple[FilePath, str]:
+    """Return each curve of the recorded fields: the folder of its field, and its name."""
+    name, curve = request.param
+    return _present(name).folder, curve
+
+
+def _present(name: str) -> Field:
+    if not FIELDS[name].folder.is_dir():
+        pytest.skip(f"the recorded field {name} is not on this machine")
+    return FIELDS[name]

@@ -1,4 +1,4 @@
-"""The tutorial's example runs, does what the tutorial says, and is what the tutorial shows."""
+"""The tutorial's example runs, does what the tutorial says, and is what the tutorial shows; other scripts run."""
 
 import importlib.util
 import re
@@ -76,3 +76,18 @@ def test_the_tutorial_quotes_the_example() -> None:
     assert blocks
     for block in blocks:
         assert block in source
+
+
+def test_the_recorded_lines_are_those_that_the_script_drives(tmp_path: Path) -> None:
+    script = ROOT / "examples" / "record_field.py"
+    subprocess.run([sys.executable, script, tmp_path], check=True)
+    files = [file.relative_to(tmp_path) for file in tmp_path.rglob("*.*")]
+    assert len(files) == 3
+    for file in files:
+        assert (tmp_path / file).read_text("utf-8") == (script.parent / file).read_text("utf-8"), file
+
+
+def test_another_seed_drives_other_lines(tmp_path: Path) -> None:
+    script = ROOT / "examples" / "record_field.py"
+    subprocess.run([sys.executable, script, tmp_path, "1"], check=True)
+    assert (tmp_path / "brook.csv").read_text("utf-8") != (script.parent / "brook.csv").read_text("utf-8")

@@ -10,10 +10,7 @@ from drawbar.guidance.importers.line import RecordedLine
 from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.smoothing import DrivablePath, make_drivable
 
-FIELD = Path(__file__).parents[3] / "shared" / "data" / "agopengps-field"
-TRACKS = ("Cu 275.4°", "Cu 49.9°", "Cu 183.7°")
 LIMIT, RATE = 0.3, 0.3
-needs_field = pytest.mark.skipif(not FIELD.exists(), reason="the recorded field is not beside the repository")
 
 
 def line(x: Floats, y: Floats) -> RecordedLine:
@@ -53,10 +50,8 @@ def independent_deviation(result: DrivablePath, x: float, y: float) -> float:
     return float(np.abs(offsets - share * chords).min())
 
 
-@needs_field
-@pytest.mark.parametrize("track", TRACKS)
-def test_the_recorded_lines_become_drivable(track: str) -> None:
-    recorded = load_line(FIELD, track)
+def test_the_recorded_lines_become_drivable(recorded_line: tuple[Path, str]) -> None:
+    recorded = load_line(*recorded_line)
     result = drivable(recorded)
     assert_continuous_and_within(result, LIMIT)
     for index in [int(result.deviations.argmax()), *range(0, len(recorded.x), 50)]:
@@ -66,9 +61,8 @@ def test_the_recorded_lines_become_drivable(track: str) -> None:
     assert result.deviations.mean() <= 0.013
 
 
-@needs_field
-def test_outside_the_kinks_the_path_stays_on_the_recorded_points() -> None:
-    recorded = load_line(FIELD, TRACKS[0])
+def test_outside_the_kinks_the_path_stays_on_the_recorded_points(recorded_line: tuple[Path, str]) -> None:
+    recorded = load_line(*recorded_line)
     result = drivable(recorded)
     for x, y, deviation in zip(recorded.x, recorded.y, result.deviations, strict=True):
         guess = np.arange(0.0, result.path.length, 0.25)

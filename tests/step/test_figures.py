@@ -5,7 +5,6 @@ import pytest
 
 SEEDS = range(5)
 CURVES = ("0.1", "0.125", "0.15")
-TRACKS = ("Cu 275.4°", "Cu 49.9°", "Cu 183.7°")
 
 
 def mean_error(run, body, label):
@@ -43,9 +42,9 @@ def test_paper_run_reproduces_the_papers_figures(simulate):
     assert measured == pytest.approx(figures, rel=0.15)
 
 
-@pytest.mark.parametrize("track", TRACKS)
-def test_recorded_lines_keep_their_figures(simulate, recorded_field, track):
-    run = simulate("articulated", f'path.file="{recorded_field.as_posix()}"', f'path.track="{track}"')
+def test_recorded_lines_keep_their_figures(simulate, recorded_line):
+    folder, track = recorded_line
+    run = simulate("articulated", f'path.file="{folder.as_posix()}"', f'path.track="{track}"')
     for body, limit in (("tractor", 0.025), ("trailer", 0.03)):
         errors = run.true_errors(body)
         outside = np.abs(errors.error[errors.labels != "kink"])

@@ -96,8 +96,9 @@ static void ask(struct fuzz *f, int (*library)(struct drawbar_state *, const str
                                                struct drawbar_command *))
 {
     struct drawbar_measurement measurement;
-    struct answer answer = {.absurd = measure(f, &measurement), .time = measurement.time};
+    struct answer answer = {.absurd = measure(f, &measurement)};
 
+    answer.time = measurement.time;
     solver_faults.happened = 0;
     answer.status = library(f->state, &measurement, &answer.command);
     answer.unsolved = solver_faults.happened && solver_faults.status != DRAWBAR_SOLVER_SOLVED;

@@ -1,4 +1,6 @@
+import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -6,9 +8,14 @@ import pytest
 from drawbar.errors import PathError
 from drawbar.guidance.importers.load import load_line
 
-FIELD = Path(__file__).parents[4] / "shared" / "data" / "agopengps-field"
-needs_field = pytest.mark.skipif(not FIELD.exists(), reason="the recorded field is not beside the repository")
-
+ENDS = {
+    "Cu 14.1°": (351, (-54.454, 59.847)),
+    "Cu 85.2°": (146, (74.194, 38.265)),
+    "Cu 275.4°": (660, (-250.825, 67.647)),
+    "Cu 49.9°": (501, (134.705, 119.743)),
+    "Cu 183.7°": (445, (-137.806, -253.521)),
+}
+"""number of points and the last one of recorded curves"""
 CURVE = ["Curve", "1.57", "0,0", "2,0", "0", "4", "True", "3", "0,0,1.57", "1,0.5,1.57", "2,0,1.57"]
 FIELD_FILE = "2024-March-02 08:41:36 PM\n$FieldDir\nHill\n$Offsets\n0,0\nConvergence\n0\nStartFix\n50.8,4.7\n"
 AB = ["AB 90°", "1.57", "1,2", "11,2", "0", "2", "True", "0"]
@@ -21,28 +28,20 @@ def field(folder: Path, *rows: str, end: str = "\n", mark: str = "") -> Path:
     return folder
 
 
-@needs_field
-@pytest.mark.parametrize(
-    ("track", "count", "last"),
-    [
-        ("Cu 275.4°", 660, (-250.825, 67.647)),
-        ("Cu 49.9°", 501, (134.705, 119.743)),
-        ("Cu 183.7°", 445, (-137.806, -253.521)),
-    ],
-)
-def test_the_recorded_field(track: str, count: int, last: tuple[float, float]) -> None:
-    line = load_line(FIELD, track)
+def test_the_recorded_lines(recorded_line: tuple[Path, str]) -> None:
+    folder, track = recorded_line
+    line = load_line(folder, track)
+    count, last = ENDS[track]
     assert (line.name, len(line.x), line.repeated) == (track, count, 0)
     assert (line.x[-1], line.y[-1]) == last
-    same = load_line(FIELD / "TrackLines.txt", track)
+    same = load_line(folder / "TrackLines.txt", track)
     np.testing.assert_array_equal(line.x, same.x)
 
 
-@needs_field
 @pytest.mark.parametrize("track", [None, "Cu 1°"])
-def test_missing_and_unknown_names_list_the_lines(track: str | None) -> None:
-    with pytest.raises(PathError, match=r"'Cu 275\.4°', 'Cu 49\.9°', 'Cu 183\.7°'"):
-        load_line(FIELD, track)
+def test_missing_and_unknown_names_list_the_lines(recorded_field: Any, track: str | None) -> None:
+    with pytest.raises(PathError, match=", ".join(map(re.escape, map(repr, recorded_field.curves)))):
+        load_line(recorded_field.folder, track)
 
 
 def test_windows_line_ends_and_byte_order_mark(tmp_path: Path) -> None:
