@@ -24,13 +24,25 @@ struct ip_answer {
     double kkt, z[NZ], pi[(N + 1) * NX], multiplier[AT_LEAST_ONE(NSIDES)], violation[AT_LEAST_ONE(NSIDES)];
 };
 
+/* What is added to the diagonal of the Hessian for each kind of variable, where the cost leaves something undetermined. */
+struct ip_damping {
+    double weight[NX + NU];
+    int32_t on;
+};
+
 /* Work of interior_point.h. Slots without a bound keep t = 1, lambda = 0, those without softness v = 0, sigma = 0: flags
  * of 0 and 1 instead of branches let every loop over slots run in SIMD registers. */
 struct interior_point {
+    struct ip_damping damping;
+    double loose;                          /* how much bounds give way within one step, relative to the curvature */
+    double infeasible;                     /* by how much the best certificate so far proves that there is no point */
+    double before;                         /* residual of the iteration before */
+    int32_t stalled;                       /* long steps since it last fell */
     double exists[NSLOTS], soft[NSLOTS], offset[NSLOTS], linear[NSLOTS], quadratic[NSLOTS];
     double t[NSLOTS], lambda[NSLOTS], v[NSLOTS], sigma[NSLOTS];
     double dt[NSLOTS], dlambda[NSLOTS], dv[NSLOTS], dsigma[NSLOTS];
     double distance[NSLOTS], per_t[NSLOTS], per_v[NSLOTS];
+    double ease[NSLOTS], per_pair[NSLOTS];  /* where bounds give way: by how much for a multiplier, and 1 / t with that */
     double pairs;                          /* complementary pairs in all */
     double gradient[NZ], defect[N][NX];    /* of the Lagrangian, and of the dynamics */
     double barrier[NZ], dz[NZ], dpi[(N + 1) * NX];

@@ -11,18 +11,26 @@
 #include "kkt.h"
 
 #define FARKAS_DOUBT 1e4                   /* cancelled: what is left, times this, is small against what it was */
-#define FARKAS_SLACK (10.0 * CHECK_TOLERANCE)   /* what the check would forgive is not infeasible */
+#define FARKAS_FAR 1e11                    /* or this, against the largest slope of its kind of variable */
+#define FARKAS_ROUNDING 1e-9               /* a sum this much smaller than its terms is nothing but rounding */
+#define FARKAS_FORGIVEN (10.0 * CHECK_TOLERANCE)   /* infeasible by less, the check may still forgive */
+#define FARKAS_EXACT 1e-11                 /* what rounding may make of the sum, relative to its terms */
 
-/* No point exists if value > 0. Terms: sum of the sizes of what it is the sum of; by kind of variable, what is left of
- * the slopes that should have cancelled, and the largest that anything cancelled from. */
+/* No point exists if value > 0. Terms: sum of the sizes of what it is the sum of; doubt: what is left of the costates that
+ * were set to zero, relative to what they cancelled from. Slopes that should have cancelled are collected with what they
+ * cancelled from, and the largest that any of their kind did. */
 struct farkas {
-    double value, terms, left[NX + NU], largest[NX + NU];
+    double value, terms, doubt, slope[NX + N * NU], size[NX + N * NU], largest[NX + NU];
+    int open, kind[NX + N * NU];
     double low[NZ], high[NZ], net[NZ];     /* hard bounds of every variable; lower minus upper multiplier of a state */
 };
 
-/* Collect the tightest hard bounds; returns 0 when two bounds on one variable exclude each other. */
-static int farkas_bounds(const struct qp *restrict s, struct farkas *restrict f)
+/* Collect the tightest hard bounds; returns by how much two bounds on one variable exclude each other, relative to their
+ * sizes. */
+static double farkas_bounds(const struct qp *restrict s, struct farkas *restrict f)
 {
+    double crossed = 0.0;
+
     for (int i = 0; i < NZ; ++i) {
         f->low[i] = -INFINITY;
         f->high[i] = INFINITY;
@@ -33,10 +41,11 @@ static int farkas_bounds(const struct qp *restrict s, struct farkas *restrict f)
             continue;
         f->low[at] = s->lower[i] > f->low[at] ? s->lower[i] : f->low[at];
         f->high[at] = s->upper[i] < f->high[at] ? s->upper[i] : f->high[at];
-        if (f->low[at] - f->high[at] > FARKAS_SLACK * (fabs(f->low[at]) + fabs(f->high[at])))
-            return 0;
+        const double apart = f->low[at] - f->high[at];
+        if (apart > crossed * (fabs(f->low[at]) + fabs(f->high[at])))
+            crossed = apart / (fabs(f->low[at]) + fabs(f->high[at]));
     }
-    return 1;
+    return crossed;
 }
 
 static inline void farkas_add(struct farkas *f, double part)
@@ -51,10 +60,15 @@ static inline void farkas_least(struct farkas *f, double slope, double size, dou
     const double end = slope > 0.0 ? low : high;
 
     f->largest[kind] = largest(f->largest[kind], size);
+    if (slope == 0.0)
+        return;
     if (fabs(end) < INFINITY)
         farkas_add(f, slope * end);
-    else
-        f->left[kind] += fabs(slope);
+    else {
+        f->slope[f->open] = fabs(slope);
+        f->size[f->open] = size;
+        f->kind[f->open++] = kind;
+    }
 }
 
 /* Add one side of a hard state bound; inputs and a free first state meet their bounds in farkas_least. */
@@ -68,56 +82,80 @@ static inline void farkas_side(const struct qp *restrict s, struct farkas *restr
     farkas_add(f, lambda * bound);
 }
 
-/* One stage back, adding its inputs and defects: pi and size belong to k + 1 before, to k after. */
-static void farkas_stage(const struct qp *restrict s, struct farkas *restrict f, int k, double *restrict pi,
-                         double *restrict size)
+/* A costate from the sum of its terms. Costates may be chosen: what is nothing but rounding is better zero, and stays in
+ * doubt as a slope of its state. */
+static inline double farkas_costate(struct farkas *f, double sum, double size)
 {
-    double pi_k[NX], size_k[NX];
-
-    for (int a = 0; a < NU; ++a) {
-        double slope = 0.0, terms = 0.0;
-        for (int m = 0; m < ND; ++m) {
-            slope += s->B[k][m][a] * pi[m];
-            terms += fabs(s->B[k][m][a]) * size[m];
-        }
-        farkas_least(f, slope, terms, INPUT(f->low, k)[a], INPUT(f->high, k)[a], NX + a);
-    }
-    for (int i = 0; i < NX; ++i) {
-        farkas_add(f, pi[i] * s->c[k][i]);
-        pi_k[i] = (i < ND ? 0.0 : pi[i]) - STATE(f->net, k)[i];
-        size_k[i] = (i < ND ? 0.0 : size[i]) + fabs(STATE(f->net, k)[i]);
-        for (int m = 0; m < ND; ++m) {
-            pi_k[i] += s->A[k][m][i] * pi[m];
-            size_k[i] += fabs(s->A[k][m][i]) * size[m];
-        }
-    }
-    memcpy(pi, pi_k, sizeof pi_k);
-    memcpy(size, size_k, sizeof size_k);
+    if (sum == 0.0 || fabs(sum) > FARKAS_ROUNDING * size)
+        return sum;
+    f->doubt += FARKAS_DOUBT * fabs(sum) / size;
+    return 0.0;
 }
 
-/* Do these multipliers of the lower and upper sides (NB each; those that are not positive count as zero) prove it? */
-static int farkas_proves(const struct qp *restrict s, const double *restrict lower, const double *restrict upper)
+/* One stage back, adding its inputs and defects: pi belongs to k + 1 before, to k after. */
+static void farkas_stage(const struct qp *restrict s, struct farkas *restrict f, int k, double *restrict pi,
+                         double *restrict terms)
+{
+    double pi_k[NX];
+
+    for (int a = 0; a < NU; ++a) {
+        double slope = 0.0, size = 0.0;
+        for (int m = 0; m < ND; ++m) {
+            slope += s->B[k][m][a] * pi[m];
+            size += fabs(s->B[k][m][a] * pi[m]);
+        }
+        farkas_least(f, slope, size, INPUT(f->low, k)[a], INPUT(f->high, k)[a], NX + a);
+    }
+    for (int i = 0; i < NX; ++i) {
+        const double net = STATE(f->net, k)[i];
+        double sum = (i < ND ? 0.0 : pi[i]) - net, size = (i < ND ? 0.0 : fabs(pi[i])) + fabs(net);
+        farkas_add(f, pi[i] * s->c[k][i]);
+        for (int m = 0; m < ND; ++m) {
+            sum += s->A[k][m][i] * pi[m];
+            size += fabs(s->A[k][m][i] * pi[m]);
+        }
+        pi_k[i] = farkas_costate(f, sum, size);
+        terms[i] = size;
+        f->largest[i] = largest(f->largest[i], size);
+    }
+    memcpy(pi, pi_k, sizeof pi_k);
+}
+
+/* What is left of the slopes that should have cancelled, relative: small against what each cancelled from at its own
+ * stage, or nothing but the rounding of others of its kind. */
+static double farkas_doubt(const struct farkas *f)
+{
+    double doubt = f->doubt;
+
+    for (int i = 0; i < f->open; ++i) {
+        const double own = FARKAS_DOUBT * f->slope[i] / f->size[i], far = FARKAS_FAR * f->slope[i] / f->largest[f->kind[i]];
+        doubt += own < far ? own : far;
+    }
+    return doubt;
+}
+
+/* By how much do these multipliers of the lower and upper sides (NB each; those that are not positive count as zero) prove
+ * it? Relative to the terms; nothing is proved by less than FARKAS_EXACT. */
+static double farkas_margin(const struct qp *restrict s, const double *restrict lower, const double *restrict upper)
 {
     struct farkas f = {.value = 0.0};
-    double pi[NX], size[NX], doubt = FARKAS_SLACK;
+    double pi[NX], terms[NX];
+    const double crossed = farkas_bounds(s, &f);
 
-    if (!farkas_bounds(s, &f))
-        return 1;
+    if (crossed > FARKAS_EXACT)
+        return crossed;
     for (int i = 0; i < NB; ++i) {
         farkas_side(s, &f, i, lower[i] > 0.0 ? lower[i] : 0.0, s->lower[i]);
         farkas_side(s, &f, i, upper[i] > 0.0 ? -upper[i] : 0.0, s->upper[i]);
     }
-    for (int i = 0; i < NX; ++i) {
-        pi[i] = -STATE(f.net, N)[i];
-        size[i] = fabs(pi[i]);
-    }
-    for (int k = N - 1; k >= 0; --k)
-        farkas_stage(s, &f, k, pi, size);
     for (int i = 0; i < NX; ++i)
-        farkas_least(&f, pi[i], size[i], FREE_INITIAL ? f.low[i] : s->initial[i], FREE_INITIAL ? f.high[i] : s->initial[i], i);
-    for (int j = 0; j < NX + NU; ++j)
-        doubt += f.left[j] > 0.0 ? FARKAS_DOUBT * f.left[j] / f.largest[j] : 0.0;
-    return f.value > doubt * f.terms;
+        pi[i] = -STATE(f.net, N)[i];
+    for (int k = N - 1; k >= 0; --k)
+        farkas_stage(s, &f, k, pi, terms);
+    for (int i = 0; i < NX; ++i)
+        farkas_least(&f, pi[i], terms[i], FREE_INITIAL ? f.low[i] : s->initial[i], FREE_INITIAL ? f.high[i] : s->initial[i], i);
+    const double doubt = farkas_doubt(&f);
+    return f.value > doubt * f.terms ? f.value / f.terms - doubt : 0.0;
 }
 
 #endif

@@ -10,6 +10,7 @@
 
 #include "active_set.h"
 #include "farkas.h"
+#include "ip_start.h"
 
 #ifndef IP_ITERATIONS
 #define IP_ITERATIONS 60                   /* a unit whose time is short says less */
@@ -17,6 +18,12 @@
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
 #define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
+#define STALLED 2                          /* long steps one after the other that leave the residual as it was: rounding */
+#define STALL_RATIO 0.9                    /* of the residual before */
+#define LOOSE 1e-12                        /* how much bounds give way then, relative to the curvature, */
+#define LOOSEN_BY 100.0                    /* each time more, */
+#define LOOSEST 1e-5                       /* at most */
+#define LOOSEN_OUTSIDE 1e-7                /* but only where bounds are violated by less: else there may be no point */
 #define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
 
 /* Largest of many non-negative numbers. */
@@ -43,16 +50,8 @@ static void ip_look(const struct qp *restrict s, struct interior_point *restrict
         ip->per_t[m] = 1.0 / ip->t[m];
         ip->per_v[m] = 1.0 / (ip->v[m] + (1.0 - ip->soft[m]));
     }
-}
-
-static void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
-{
-    for (int i = 0; i < NB; ++i) {
-        s->multiplier[2 * i] = ip->lambda[i];
-        s->multiplier[2 * i + 1] = ip->lambda[NLOWER + i];
-        s->violation[2 * i] = ip->v[i];
-        s->violation[2 * i + 1] = ip->v[NLOWER + i];
-    }
+    for (int m = 0; ip->loose > 0.0 && m < 2 * NLOWER; ++m)
+        ip->per_pair[m] = 1.0 / (ip->t[m] + ip->loose * ip->ease[m] * ip->lambda[m]);
 }
 
 /* Mean complementarity after a step of the given length. */
@@ -68,58 +67,13 @@ static double ip_measure(const struct interior_point *restrict ip, double step)
         }
     for (int j = 0; j < BLOCK; ++j)
         total += sum[j];
-    return total / ip->pairs;
-}
-
-/* Start from the solution without bounds, with every distance pushed well inside. */
-static void ip_start(struct qp *restrict s, struct interior_point *restrict ip)
-{
-    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0};
-
-    memset(ip, 0, sizeof *ip);
-    for (int m = 0; m < 2 * NLOWER; ++m)
-        ip->t[m] = ip->distance[m] = 1.0;
-    for (int i = 0; i < NZ; ++i)
-        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
-    for (int m = 0; m < NSIDES; ++m) {
-        const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
-        const double bound = m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2];
-        if (!(fabs(bound) < INFINITY))
-            continue;
-        const double distance = bound_distance(s, s->z, m);
-        ip->exists[slot] = 1.0;
-        ip->offset[slot] = m % 2 == 0 ? -bound : bound;
-        ip->pairs += 1.0;
-        worst[kind] = largest(worst[kind], distance < 0.0 ? distance : 0.0);
-    }
-    for (int m = 0; m < NSIDES; ++m) {
-        const int slot = m % 2 * NLOWER + m / 2, i = s->bound[m / 2], kind = kind_of(i), u = i - (N + 1) * NX;
-        if (ip->exists[slot] == 0.0)
-            continue;
-        const double distance = bound_distance(s, s->z, m), least = 1e-3 * size[kind] + 1e-12;
-        const double margin = worst[kind] > least ? worst[kind] : least, price = s->soft_linear[m / 2];
-        const double curvature = u < 0 ? s->P[i / NX][i % NX][i % NX] : 1.0 / s->D[u / NU][u % NU];
-        double lambda;
-        ip->t[slot] = distance > margin ? distance : margin;
-        lambda = margin * margin * (curvature > 1e-12 ? curvature : 1e-12) / ip->t[slot];
-        if (price < INFINITY) {            /* starts where its own multipliers add up to the violation's price */
-            lambda = lambda < 0.5 * price ? lambda : 0.5 * price;
-            ip->soft[slot] = 1.0;
-            ip->linear[slot] = price;
-            ip->quadratic[slot] = s->soft_quadratic[m / 2];
-            ip->v[slot] = lambda * ip->t[slot] / (price - lambda);
-            ip->sigma[slot] = price + ip->quadratic[slot] * ip->v[slot] - lambda;
-            ip->pairs += 1.0;
-        }
-        ip->lambda[slot] = lambda;
-    }
-    ip_publish(s, ip);
+    return ip->pairs > 0.0 ? total / ip->pairs : 0.0;
 }
 
 /* How many stages there are up to the last one with a bound: only they see the barrier. */
-static int ip_stages(const struct qp *s)
+static int ip_stages(const struct qp *s, const struct interior_point *ip)
 {
-    int stages = 0;
+    int stages = ip->damping.on ? N + 1 : 0;
 
     for (int i = 0; i < NB; ++i) {
         const int at = s->bound[i], k = at < (N + 1) * NX ? at / NX : (at - (N + 1) * NX) / NU;
@@ -132,27 +86,28 @@ static int ip_stages(const struct qp *s)
  * before. The barrier is factorised in the first `stages`; 0: it has not changed. */
 static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, double tau, double second, int stages)
 {
+    const double *restrict per_pair = ip->loose > 0.0 ? ip->per_pair : ip->per_t;
     double gradient[NZ], initial[NX];
     double gap[NSLOTS], pair[NSLOTS], soft_pair[NSLOTS], elastic[NSLOTS], give[NSLOTS], push[NSLOTS], weight[NSLOTS],
         move[NSLOTS] = {0.0};
 
     for (int m = 0; m < 2 * NLOWER; ++m) {
-        const double exists = ip->exists[m], soft = ip->soft[m], w = ip->lambda[m] * ip->per_t[m];
+        const double exists = ip->exists[m], soft = ip->soft[m], w = ip->lambda[m] * per_pair[m];
         const double dual = soft * (ip->linear[m] + ip->quadratic[m] * ip->v[m] - ip->lambda[m] - ip->sigma[m]);
         const double inverse = soft / (ip->quadratic[m] + w + ip->sigma[m] * ip->per_v[m] + (1.0 - soft));
         gap[m] = exists * (ip->distance[m] + ip->v[m] - ip->t[m]);
         pair[m] = exists * (tau - ip->t[m] * ip->lambda[m] - second * ip->dt[m] * ip->dlambda[m]);
         soft_pair[m] = soft * (tau - ip->v[m] * ip->sigma[m] - second * ip->dv[m] * ip->dsigma[m]);
-        elastic[m] = (pair[m] * ip->per_t[m] - w * gap[m] + soft_pair[m] * ip->per_v[m] - dual) * inverse;
+        elastic[m] = (pair[m] * per_pair[m] - w * gap[m] + soft_pair[m] * ip->per_v[m] - dual) * inverse;
         give[m] = w * inverse;
-        push[m] = pair[m] * ip->per_t[m] - w * (gap[m] + elastic[m]);
+        push[m] = pair[m] * per_pair[m] - w * (gap[m] + elastic[m]);
         weight[m] = w * (1.0 - give[m]);
     }
     memcpy(gradient, ip->gradient, sizeof gradient);
     for (int i = 0; i < NB; ++i)
         gradient[s->bound[i]] -= push[i] - push[NLOWER + i];
     if (stages > 0) {
-        memset(ip->barrier, 0, sizeof ip->barrier);
+        ip_clear_barrier(ip);
         for (int i = 0; i < NB; ++i)
             ip->barrier[s->bound[i]] += weight[i] + weight[NLOWER + i];
         if (!qp_factor(s, ip->barrier, stages))
@@ -169,10 +124,12 @@ static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, do
         const double exists = ip->exists[m], soft = ip->soft[m];
         const double dv = soft * (elastic[m] - give[m] * move[m]), dt = exists * (move[m] + dv + gap[m]);
         ip->dv[m] = dv;
+        ip->dlambda[m] = (pair[m] - ip->lambda[m] * dt) * per_pair[m];
         ip->dt[m] = dt;
-        ip->dlambda[m] = (pair[m] - ip->lambda[m] * dt) * ip->per_t[m];
         ip->dsigma[m] = (soft_pair[m] - ip->sigma[m] * dv) * ip->per_v[m];
     }
+    for (int m = 0; ip->loose > 0.0 && m < 2 * NLOWER; ++m)
+        ip->dt[m] += ip->loose * ip->ease[m] * ip->dlambda[m];
     return 1;
 }
 
@@ -206,11 +163,37 @@ static void ip_move(struct qp *restrict s, struct interior_point *restrict ip, d
     }
 }
 
-/* Do the multipliers' last steps prove that no point exists? Where none does the multipliers grow without end, along a
+/* By how much do the multipliers' last steps prove that no point exists? Where none does the multipliers grow without end, along a
  * certificate, while the cost stands still: their growth is the purer certificate. */
-static int ip_infeasible(const struct qp *s, const struct interior_point *ip)
+static double ip_infeasible(const struct qp *s, const struct interior_point *ip)
 {
-    return farkas_proves(s, ip->dlambda, ip->dlambda + NLOWER);
+    return farkas_margin(s, ip->dlambda, ip->dlambda + NLOWER);
+}
+
+/* By how much hard bounds are violated, relative to the size of their kind of variable. */
+static double ip_outside(const struct qp *s)
+{
+    double size[NX + NU] = {0.0}, outside[NX + NU] = {0.0}, worst = 0.0;
+
+    for (int i = 0; i < NZ; ++i)
+        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
+    for (int m = 0; m < NSIDES; ++m) {
+        const double distance = bound_distance(s, s->z, m) + s->violation[m];
+        const int kind = kind_of(s->bound[m / 2]);
+        outside[kind] = largest(outside[kind], distance < 0.0 ? distance : 0.0);
+    }
+    for (int j = 0; j < NX + NU; ++j)
+        worst = size[j] > 0.0 ? largest(worst, outside[j] / size[j]) : worst;
+    return worst;
+}
+
+/* Where rounding in the factorisation stands in the way: let the bounds give way more within one step. */
+static int ip_loosen(struct interior_point *ip)
+{
+    if (!(ip->loose < LOOSEST))
+        return 0;
+    ip->loose = ip->loose > 0.0 ? LOOSEN_BY * ip->loose : LOOSE;
+    return 1;
 }
 
 static void ip_keep(const struct qp *s, struct ip_answer *best)
@@ -232,43 +215,85 @@ static int ip_restore(struct qp *s, const struct ip_answer *best)
     return SOLVED;
 }
 
+/* Where it goes no further: the best answer if it is good enough, else the proof that there is none, else the reason. */
+static int ip_end(struct qp *s, struct interior_point *ip, int reason)
+{
+    if (ip->best.kkt <= CHECK_TOLERANCE)
+        return ip_restore(s, &ip->best);
+    return largest(ip->infeasible, ip_infeasible(s, ip)) > FARKAS_EXACT ? INFEASIBLE : reason;
+}
+
+/* One iteration: predictor, corrector, and the step along both. Returns its length, or 0 where the factorisation
+ * fails. */
+static double ip_iterate(struct qp *restrict s, struct interior_point *restrict ip, int stages)
+{
+    ip_look(s, ip);
+    const double mu = ip_measure(ip, 0.0);
+    if (!ip_step(s, ip, 0.0, 0.0, stages))
+        return 0.0;
+    const double affine = ip_longest(ip, 1.0), ratio = mu > 0.0 ? ip_measure(ip, affine) / mu : 0.0;
+    ip_step(s, ip, ratio * ratio * ratio * mu, affine * affine, 0);
+    double step = ip_longest(ip, BOUNDARY);
+    if (!(ip_measure(ip, step) < mu)) {    /* the second-order term led astray, and would do so in a cycle */
+        ip_step(s, ip, CENTRING * mu, 0.0, 0);
+        step = ip_longest(ip, BOUNDARY);
+    }
+    ip_move(s, ip, step);
+    ip_publish(s, ip);
+    return step;
+}
+
+/* Loosen where long steps no longer get anywhere. */
+static void ip_watch(const struct qp *restrict s, struct interior_point *restrict ip, double step)
+{
+    ip->stalled = s->kkt > STALL_RATIO * ip->before && step > 0.5 ? ip->stalled + 1 : 0;
+    ip->before = s->kkt;
+    if (ip->stalled >= STALLED && ip_outside(s) < LOOSEN_OUTSIDE && ip_loosen(ip))
+        ip->stalled = 0;
+}
+
 /* Solve with bounds, starting from s->z and s->pi as qp_solve left them without bounds. */
 static int qp_interior_point(struct qp *s, struct interior_point *ip)
 {
     struct ip_answer *best = &ip->best;
-    const int stages = ip_stages(s);
+    const int stages = ip_stages(s, ip);
 
+    if (!ip_approach(s, ip))
+        return NOT_FINITE;
     ip_start(s, ip);
-    best->kkt = INFINITY;
+    best->kkt = ip->before = INFINITY;
     if (kkt_check(s, 1, ip->gradient, ip->defect) == NOT_FINITE)
         return NOT_FINITE;
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS; ++s->iterations) {
-        const double mu = ip_measure(ip, 0.0);
-        ip_look(s, ip);
-        if (!ip_step(s, ip, 0.0, 0.0, stages))
-            return best->kkt <= CHECK_TOLERANCE ? ip_restore(s, best) : ip_infeasible(s, ip) ? INFEASIBLE : NOT_FINITE;
-        const double affine = ip_longest(ip, 1.0), ratio = ip_measure(ip, affine) / mu;
-        ip_step(s, ip, ratio * ratio * ratio * mu, affine * affine, 0);
-        double step = ip_longest(ip, BOUNDARY);
-        if (!(ip_measure(ip, step) < mu)) {   /* the second-order term led astray, and would do so in a cycle */
-            ip_step(s, ip, CENTRING * mu, 0.0, 0);
-            step = ip_longest(ip, BOUNDARY);
-        }
-        ip_move(s, ip, step);
-        ip_publish(s, ip);
-        const int status = kkt_check(s, 1, ip->gradient, ip->defect);
+        const double step = ip_iterate(s, ip, stages);
+        if (step == 0.0 && best->kkt > CHECK_TOLERANCE && ip_loosen(ip))
+            continue;
+        const int status = step == 0.0 ? NOT_FINITE : kkt_check(s, 1, ip->gradient, ip->defect);
         if (status == NOT_FINITE)
-            return best->kkt <= CHECK_TOLERANCE ? ip_restore(s, best) : NOT_FINITE;
+            return ip_end(s, ip, NOT_FINITE);
         if (s->kkt <= IP_TOLERANCE)
             return SOLVED;
         if (best->kkt <= CHECK_TOLERANCE && s->kkt >= 0.5 * best->kkt)
             return ip_restore(s, best);
+        ip_watch(s, ip, step);
         if (status == SOLVED)
             ip_keep(s, best);
-        else if (s->iterations % FARKAS_EVERY == 0 && ip_infeasible(s, ip))
+        else if (s->iterations % FARKAS_EVERY == 0)
+            ip->infeasible = largest(ip->infeasible, ip_infeasible(s, ip));
+        if (ip->infeasible > FARKAS_FORGIVEN)
             return INFEASIBLE;
     }
-    return best->kkt <= CHECK_TOLERANCE ? ip_restore(s, best) : MAXIMUM_ITERATIONS;
+    return ip_end(s, ip, MAXIMUM_ITERATIONS);
+}
+
+/* Once more where the sweep without bounds was not the answer: damped, from its own start. */
+static int qp_damped(struct qp *s, struct interior_point *ip, int reason)
+{
+    s->factored = 0;
+    if (!ip_damp(s, ip))
+        return reason;
+    const int status = qp_interior_point(s, ip);
+    return status == SOLVED || status == INFEASIBLE ? status : reason;
 }
 
 /* One sweep (factored beforehand if s->factored) when no bound is active, the active set when few are, the interior
@@ -288,15 +313,17 @@ static int qp_optimise(struct qp *s, union bounds_work *work)
     if (invalid)
         return BAD_INPUT;
     if (!s->factored && !qp_factor(s, NULL, N + 1))
-        return NOT_FINITE;
+        return qp_damped(s, &work->ip, NOT_FINITE);
     s->factored = 1;
     qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
     for (int i = 0; i < NB; ++i) {
         const double value = s->z[s->bound[i]];
         violated |= (value < s->lower[i]) | (value > s->upper[i]);
     }
-    if (!violated)
-        return kkt_check(s, 0, gradient, defect);
+    if (!violated) {
+        const int status = kkt_check(s, 0, gradient, defect);
+        return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, status);
+    }
     if (qp_active_set(s, &work->active)) {
         if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return SOLVED;
@@ -304,6 +331,7 @@ static int qp_optimise(struct qp *s, union bounds_work *work)
         qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
     }
     s->factored = 0;                       /* the barrier changes it */
+    work->ip.damping.on = 0;
     return qp_interior_point(s, &work->ip);
 }
 

@@ -55,8 +55,17 @@ static int bounds_exist(const struct qp *s)
     return !missing;
 }
 
+#define LDL_ROUNDING 1e-13                 /* a pivot this much smaller than what it was taken from is rounding */
+#define LDL_RAISED 1e-8                    /* and becomes this much of it: the direction is undetermined, and held back */
+#define PIVOT_AS_IT_IS(pivot, from) (pivot)
+
+static inline double ldl_raised(double pivot, double from)
+{
+    return fabs(pivot) <= LDL_ROUNDING * from ? LDL_RAISED * from : pivot;
+}
+
 /* L D L' of a symmetric matrix (lower triangle read; D holds reciprocals); returns 0 when it is not positive definite. */
-#define DEFINE_LDL(name, n, columns)                                                          \
+#define DEFINE_LDL(name, n, columns, pivot)                                                   \
     static inline int name(const double (*restrict M)[columns], double (*restrict L)[n], double *restrict D) \
     {                                                                                         \
         double W[n][n];                                                                       \
@@ -64,6 +73,7 @@ static int bounds_exist(const struct qp *s)
             double d = M[j][j];                                                               \
             for (int k = 0; k < j; ++k)                                                       \
                 d -= L[j][k] * W[j][k];                                                       \
+            d = pivot(d, M[j][j]);                                                            \
             if (!(d > 0.0) || !(d < 1e300))                                                   \
                 return 0;                                                                     \
             D[j] = 1.0 / d;                                                                   \
@@ -89,8 +99,9 @@ static int bounds_exist(const struct qp *s)
                 v[i] -= L[k][i] * v[k];                                                       \
     }
 
-DEFINE_LDL(ldl_input, NU, NU)
-DEFINE_LDL(ldl_state, NX, WIDTH)
+DEFINE_LDL(ldl_input, NU, NU, PIVOT_AS_IT_IS)
+DEFINE_LDL(ldl_input_raised, NU, NU, ldl_raised)
+DEFINE_LDL(ldl_state, NX, WIDTH, PIVOT_AS_IT_IS)
 
 /* K = -Huu^-1 Hux, all columns side by side. */
 static inline void feedback_rows(const double (*restrict L)[NU], const double *restrict D,
@@ -137,7 +148,8 @@ static inline int riccati_input(struct qp *restrict s, int k, const double *rest
         if (barrier)
             Huu[a][a] += INPUT(barrier, k)[a];
     }
-    return ldl_input((const double (*)[NU])Huu, s->L[k], s->D[k]);
+    return NU > 1 && barrier ? ldl_input_raised((const double (*)[NU])Huu, s->L[k], s->D[k])
+                   : ldl_input((const double (*)[NU])Huu, s->L[k], s->D[k]);
 }
 
 /* One backward step: P_{k+1} gives P_k, with the feedback K, L, D of stage k. */

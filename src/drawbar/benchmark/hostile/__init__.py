@@ -1,0 +1,4 @@
+"""Hostile stage problems whose truth is known by construction, and what each solver says of them.
+
+`python -m drawbar.benchmark.hostile` prints the table; tests/optimal/test_hostile.py judges a sample.
+"""

@@ -1,0 +1,194 @@
+/* Where the interior point begins: the solution without bounds, or a nearer one where that lies far out or where the cost
+ * leaves something undetermined.
+ */
+#ifndef DRAWBAR_IP_START_H
+#define DRAWBAR_IP_START_H
+
+#include "kkt.h"
+
+#define FAR_OUT 100.0                      /* times the largest bound: no start lies further out than that */
+#define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
+
+/* Curvature of the cost to go along bounded variable i, as factorised. */
+static inline double ip_curvature(const struct qp *s, int i)
+{
+    const int at = s->bound[i], u = at - (N + 1) * NX;
+
+    return u < 0 ? s->P[at / NX][at % NX][at % NX] : 1.0 / s->D[u / NU][u % NU];
+}
+
+/* Bound m of variable m / 2: lower sides are even, upper ones odd. */
+static inline double ip_bound(const struct qp *s, int m)
+{
+    return m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2];
+}
+
+/* Of two hard sides only the multipliers' difference acts: leave out what they have in common. */
+static void ip_leave_out(struct qp *restrict s, const struct interior_point *restrict ip)
+{
+    for (int i = 0; i < NB; ++i) {
+        const double lower = ip->lambda[i], upper = ip->lambda[NLOWER + i], both = lower < upper ? lower : upper;
+        if (ip->soft[i] > 0.0)
+            continue;
+        s->multiplier[2 * i] = lower - both;
+        s->multiplier[2 * i + 1] = upper - both;
+    }
+}
+
+static void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
+{
+    for (int i = 0; i < NB; ++i) {
+        s->multiplier[2 * i] = ip->lambda[i];
+        s->multiplier[2 * i + 1] = ip->lambda[NLOWER + i];
+        s->violation[2 * i] = ip->v[i];
+        s->violation[2 * i + 1] = ip->v[NLOWER + i];
+    }
+    if (ip->loose > 0.0)
+        ip_leave_out(s, ip);
+}
+
+/* The barrier before any bound: what damps steps where the cost alone does not. */
+static void ip_clear_barrier(struct interior_point *ip)
+{
+    memset(ip->barrier, 0, sizeof ip->barrier);
+    for (int i = 0; ip->damping.on && i < NZ; ++i)
+        ip->barrier[i] = ip->damping.weight[kind_of(i)];
+}
+
+static inline double positive(double value)
+{
+    return value > 0.0 ? value : 0.0;
+}
+
+/* Where the cost leaves something undetermined: damp every step a little, which changes no solution, since steps vanish
+ * there. Returns 0 when the cost has no minimum all the same, else the start is that of the strongly damped problem. */
+static int ip_damp(struct qp *restrict s, struct interior_point *restrict ip)
+{
+    double *weight = ip->damping.weight, heaviest = 0.0;
+
+    memset(&ip->damping, 0, sizeof ip->damping);
+    for (int k = 0; k <= N; ++k)
+        for (int j = 0; j < NX; ++j)
+            weight[j] = largest(weight[j], positive(s->Q[k][j][j]));
+    for (int k = 0; k < N; ++k)
+        for (int a = 0; a < NU; ++a) {
+            double own = positive(s->R[k][a][a]);
+            for (int m = 0; m < ND; ++m)
+                own += s->B[k][m][a] * s->B[k][m][a] * positive(s->Q[k + 1][m][m]);
+            weight[NX + a] = largest(weight[NX + a], own);
+        }
+    for (int j = 0; j < NX + NU; ++j)
+        heaviest = largest(heaviest, weight[j]);
+    for (int i = 0; i < NZ && heaviest == 0.0; ++i)   /* no curvature at all: as much as there is slope */
+        heaviest = largest(heaviest, s->g[i]);
+    for (int j = 0; j < NX + NU; ++j)
+        weight[j] = largest(largest(ROUNDING * heaviest, weight[j]), 1e-100);
+    ip->damping.on = 1;
+    for (int j = 0; j < NX + NU; ++j)
+        weight[j] *= DAMPING;
+    ip_clear_barrier(ip);
+    if (!qp_factor(s, ip->barrier, N + 1))
+        return 0;
+    for (int i = 0; i < NZ; ++i)
+        ip->barrier[i] /= DAMPING;
+    if (!qp_factor(s, ip->barrier, N + 1))
+        return 0;
+    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+    return 1;
+}
+
+/* How far the variables of each kind lie outside, and how far from zero their bounds are. Returns whether any lies so
+ * far out that this is no start. */
+static int ip_far_out(const struct qp *restrict s, double *restrict out, double *restrict span)
+{
+    int far = 0;
+
+    for (int m = 0; m < NSIDES; ++m) {
+        const int kind = kind_of(s->bound[m / 2]);
+        const double distance = bound_distance(s, s->z, m);
+        if (!(fabs(ip_bound(s, m)) < INFINITY))
+            continue;
+        out[kind] = largest(out[kind], distance < 0.0 ? distance : 0.0);
+        span[kind] = largest(span[kind], ip_bound(s, m));
+    }
+    for (int j = 0; j < NX + NU; ++j)
+        far |= out[j] > FAR_OUT * span[j];
+    return far;
+}
+
+/* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
+ * bounded variables towards their bounds until the point is about as near as those are; returns 0 on failure. */
+static int ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
+{
+    double out[NX + NU] = {0.0}, span[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, gradient[NZ];
+
+    if (!ip_far_out(s, out, span))
+        return 1;
+    for (int i = 0; i < NB; ++i)
+        curve[kind_of(s->bound[i])] = largest(curve[kind_of(s->bound[i])], ip_curvature(s, i));
+    ip_clear_barrier(ip);
+    memcpy(gradient, s->g, sizeof gradient);
+    for (int m = 0; m < NSIDES; ++m) {
+        const int i = s->bound[m / 2], kind = kind_of(i);
+        if (!(fabs(ip_bound(s, m)) < INFINITY) || !(span[kind] > 0.0))
+            continue;
+        const double weight = curve[kind] * out[kind] / span[kind];
+        ip->barrier[i] += weight;
+        gradient[i] -= weight * ip_bound(s, m);
+    }
+    if (!qp_factor(s, ip->barrier, N + 1))
+        return 0;
+    qp_solve(s, gradient, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+    return 1;
+}
+
+/* Start from the solution without bounds, with every distance pushed well inside. */
+static void ip_start(struct qp *restrict s, struct interior_point *restrict ip)
+{
+    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0};
+    const struct ip_damping damping = ip->damping;
+
+    memset(ip, 0, sizeof *ip);
+    ip->damping = damping;
+    for (int m = 0; m < 2 * NLOWER; ++m)
+        ip->t[m] = ip->distance[m] = 1.0;
+    for (int i = 0; i < NZ; ++i)
+        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
+    for (int m = 0; m < NSIDES; ++m) {
+        const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
+        const double bound = ip_bound(s, m);
+        if (!(fabs(bound) < INFINITY))
+            continue;
+        const double distance = bound_distance(s, s->z, m);
+        ip->exists[slot] = 1.0;
+        ip->offset[slot] = m % 2 == 0 ? -bound : bound;
+        ip->pairs += 1.0;
+        worst[kind] = largest(worst[kind], distance < 0.0 ? distance : 0.0);
+        curve[kind] = largest(curve[kind], ip_curvature(s, m / 2));
+    }
+    for (int m = 0; m < NSIDES; ++m) {
+        const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
+        if (ip->exists[slot] == 0.0)
+            continue;
+        const double distance = bound_distance(s, s->z, m), least = 1e-3 * size[kind] + 1e-12;
+        const double margin = worst[kind] > least ? worst[kind] : least, price = s->soft_linear[m / 2];
+        const double curvature = ip_curvature(s, m / 2);
+        double lambda;
+        ip->t[slot] = distance > margin ? distance : margin;
+        ip->ease[slot] = 1.0 / (curve[kind] > 1e-12 ? curve[kind] : 1e-12);
+        lambda = margin * margin * (curvature > 1e-12 ? curvature : 1e-12) / ip->t[slot];
+        if (price < INFINITY) {            /* starts where its own multipliers add up to the violation's price */
+            lambda = lambda < 0.5 * price ? lambda : 0.5 * price;
+            ip->soft[slot] = 1.0;
+            ip->linear[slot] = price;
+            ip->quadratic[slot] = s->soft_quadratic[m / 2];
+            ip->v[slot] = lambda * ip->t[slot] / (price - lambda);
+            ip->sigma[slot] = price + ip->quadratic[slot] * ip->v[slot] - lambda;
+            ip->pairs += 1.0;
+        }
+        ip->lambda[slot] = lambda;
+    }
+    ip_publish(s, ip);
+}
+
+#endif
