@@ -1,4 +1,4 @@
-"""The tutorial's example runs, does what the tutorial says, and is what the tutorial shows; docs/readings.py runs."""
+"""The tutorial's example runs, does what the tutorial says, and is what the tutorial shows."""
 
 import importlib.util
 import re
@@ -10,7 +10,6 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from drawbar.config import load_configuration
 from drawbar.geometry import Floats
 
 ROOT = Path(__file__).parents[1]
@@ -33,11 +32,6 @@ def _imported(path: Path) -> ModuleType:
 @pytest.fixture(scope="module")
 def example() -> ModuleType:
     return _imported(EXAMPLE)
-
-
-@pytest.fixture(scope="module")
-def readings() -> ModuleType:
-    return _imported(ROOT / "docs" / "readings.py")
 
 
 @pytest.fixture(scope="module", params=range(5), ids="seed {}".format)
@@ -82,33 +76,3 @@ def test_the_tutorial_quotes_the_example() -> None:
     assert blocks
     for block in blocks:
         assert block in source
-
-
-def test_every_reading_is_a_configuration_and_in_the_table(readings: ModuleType) -> None:
-    chapters = (ROOT / "docs" / "theory").glob("*.md")
-    theory = "".join(chapter.read_text("utf-8") for chapter in chapters)
-    for reading in readings.READINGS:
-        load_configuration(reading.base, reading.changes)
-        assert f"| {reading.base}: {reading.name} |" in theory
-    for name, event in readings.EVENTS.items():
-        load_configuration("paper", [f"machine.events=[{event}]"])
-        assert f"| {name} |" in theory
-
-
-def test_a_reading_prints_its_row(readings: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(readings, "SEEDS", range(1))
-    wrapped = next(reading for reading in readings.READINGS if reading.name == "joint sensor reversed too")
-    cells = readings.row(wrapped).split("|")
-    assert len(cells) == 10
-    tractor, trailer = map(float, cells[7].split("/"))
-    assert tractor < trailer
-    assert trailer > 10.0
-
-
-def test_another_guidance_makes_another_row(readings: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(readings, "SEEDS", range(1))
-    shipped, advancing = (
-        next(reading for reading in readings.READINGS if reading.name == name)
-        for name in ("as shipped", "trailer reference advances")
-    )
-    assert readings.row(shipped).split("|")[2:] != readings.row(advancing).split("|")[2:]

@@ -9,7 +9,7 @@ from matplotlib.ticker import NullFormatter
 from drawbar.benchmark.bench import STAGES
 from drawbar.benchmark.closed_loop import probed_runs
 from drawbar.benchmark.figures import machine, on_one_core
-from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, Picture, Table, Text
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result
@@ -62,15 +62,15 @@ def _phases(prepare: np.ndarray, feedback: np.ndarray) -> dict[str, np.ndarray]:
     return dict(zip(PHASES, times, strict=True))
 
 
-def report(campaign: Campaign) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
     """Yield the machine, the table of the solvers by themselves, the ratios, and the same in the loop."""
     with on_one_core():
-        alone = {key: times for case in campaign.cases for key, times in _by_itself(case).items()}
-    loop = {key: times for case in campaign.cases for key, times in _pooled(campaign, case).items()}
+        alone = {key: times for case in measured.cases for key, times in _by_itself(case).items()}
+    loop = {key: times for case in measured.cases for key, times in _pooled(measured, case).items()}
     facts = machine()
     yield Text(text=f"Measured on one core of: {facts['processor']}, {facts['system']}, Python {facts['python']}.")
     yield _table_by_itself(alone)
-    yield Text(text=_ratios(campaign, alone))
+    yield Text(text=_ratios(measured, alone))
     yield Picture(
         name="times",
         caption="Overall time of one sample of each solver by itself: average, with a line from minimum to maximum, "
@@ -93,10 +93,10 @@ def _by_itself(case: str) -> dict[tuple[str, str], dict[str, np.ndarray]]:
     }
 
 
-def _pooled(campaign: Campaign, case: str) -> dict[tuple[str, str], dict[str, np.ndarray]]:
+def _pooled(measured: MeasuredExperiment, case: str) -> dict[tuple[str, str], dict[str, np.ndarray]]:
     """Return the times of all runs of a case, from the closed loop."""
     names = {"centralised": "tractor"} if case.endswith("centralised") else {solver: solver for solver in SOLVERS}
-    runs = campaign.runs[case].results
+    runs = measured.runs[case].results
     return {
         (case, name): {
             phase: np.concatenate([_in_the_loop(result, solver)[phase] for result in runs]) for phase in PHASES
@@ -140,7 +140,7 @@ def _table_in_the_loop(loop: Times) -> Table:
     )
 
 
-def _ratios(campaign: Campaign, alone: Times) -> str:
+def _ratios(measured: MeasuredExperiment, alone: Times) -> str:
     bodies = ("tractor", "trailer")
     paper = 100.0 * sum(PAPER[body, "overall"][1] for body in bodies) / PAPER["centralised", "overall"][1]
     lines = [
@@ -150,7 +150,7 @@ def _ratios(campaign: Campaign, alone: Times) -> str:
         f"- the paper's table, averages: {paper:.0f} %: {_holds(paper)}",
     ]
     for pair in PAIRS.items():
-        ratio, loop = _ratio_by_itself(alone, *pair), _ratio_in_the_loop(campaign, *pair)
+        ratio, loop = _ratio_by_itself(alone, *pair), _ratio_in_the_loop(measured, *pair)
         lines += [
             f"- `{pair[0]}` per `{pair[1]}`, by themselves, averages: {ratio:.0f} %: {_holds(ratio)}",
             f"- the same in the loop, medians, over the seeds: {loop.text(0)} %: {_holds(loop.mean)}",
@@ -163,9 +163,9 @@ def _ratio_by_itself(alone: Times, decentralised: str, centralised: str) -> floa
     return float(100.0 * both / alone[centralised, "centralised"]["overall"].mean())
 
 
-def _ratio_in_the_loop(campaign: Campaign, decentralised: str, centralised: str) -> Statistic:
-    tractor, trailer = (campaign.values(decentralised, f"{body} overall") for body in ("tractor", "trailer"))
-    whole = campaign.values(centralised, "tractor overall")
+def _ratio_in_the_loop(measured: MeasuredExperiment, decentralised: str, centralised: str) -> Statistic:
+    tractor, trailer = (measured.values(decentralised, f"{body} overall") for body in ("tractor", "trailer"))
+    whole = measured.values(centralised, "tractor overall")
     return Statistic.of([100.0 * (a + b) / c for a, b, c in zip(tractor, trailer, whole, strict=False)])
 
 

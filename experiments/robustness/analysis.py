@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, Picture, Table, Text
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result
@@ -26,6 +26,17 @@ SLOPES = "side slope"
 """how the names of the variants begin that have two limits, one of them from 10 s after the onset on"""
 STARTS = "starts"
 """how the names of the variants begin that do not start on the path"""
+EVENTS = (
+    "no event",
+    "GPS lost 3 s",
+    "GPS lost 10 s",
+    "GPS held 10 s",
+    "μ to 0.7",
+    "κ to 0.7",
+    "bump to the left",
+    "side slope 3° to the left",
+)
+"""variants of which the worst of all seeds is shown, for the paper's set and the product"""
 LARGEST = tuple(f"{body} largest" for body in BODIES)
 LATE_LARGEST = tuple(f"{body} after 10 s" for body in BODIES)
 LOOKS = {
@@ -70,42 +81,43 @@ def _overshoot(errors: np.ndarray) -> float:
     return max(float((-np.sign(first) * errors).max()), 0.0) if abs(first) > NEAR else np.nan
 
 
-def report(campaign: Campaign) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
     """Yield the picture, the product's table, the comparators' table, and those of the slopes and the starts."""
     yield Picture(
         name="robustness",
         caption="Largest distance from the path in a run, mean over the seeds with its 95 % interval, logarithmic. "
         "Ticks: what the product must not exceed.",
-        draw=lambda figure: _draw(figure, campaign),
-        size=(9.5, 0.19 * len(_variants(campaign)) + 1.3),
+        draw=lambda figure: _draw(figure, measured),
+        size=(9.5, 0.19 * len(_variants(measured)) + 1.3),
     )
-    yield _product(campaign)
-    yield _comparators(campaign)
-    yield Text(text=_nearer(campaign))
-    yield _slopes(campaign)
-    yield _starts(campaign)
+    yield _product(measured)
+    yield _comparators(measured)
+    yield _events(measured)
+    yield Text(text=_nearer(measured))
+    yield _slopes(measured)
+    yield _starts(measured)
 
 
 def _name(case: str, variant: str) -> str:
     return f"{case}: {variant}"
 
 
-def _variants(campaign: Campaign) -> list[str]:
+def _variants(measured: MeasuredExperiment) -> list[str]:
     """Return the variants that start on the path: of the others the largest distance is that of the start."""
-    return [variant for variant in _all_variants(campaign) if not variant.startswith(STARTS)]
+    return [variant for variant in _all_variants(measured) if not variant.startswith(STARTS)]
 
 
-def _all_variants(campaign: Campaign) -> list[str]:
-    return [variant.name for variant in campaign.experiment.settings.variants]
+def _all_variants(measured: MeasuredExperiment) -> list[str]:
+    return [variant.name for variant in measured.experiment.settings.variants]
 
 
-def _cases(campaign: Campaign) -> list[str]:
-    return [case.name for case in campaign.experiment.settings.cases]
+def _cases(measured: MeasuredExperiment) -> list[str]:
+    return [case.name for case in measured.experiment.settings.cases]
 
 
-def _limit(campaign: Campaign, variant: str, figure: str) -> float:
+def _limit(measured: MeasuredExperiment, variant: str, figure: str) -> float:
     """Return what a figure of the product must not exceed; NaN where nothing is said."""
-    expected = campaign.experiment.settings.expected.get(_name(PRODUCT, variant), {}).get(figure)
+    expected = measured.experiment.settings.expected.get(_name(PRODUCT, variant), {}).get(figure)
     return np.nan if expected is None or expected.at_most is None else expected.at_most
 
 
@@ -117,14 +129,14 @@ def _cell(statistic: Statistic, limit: float) -> str:
     return f"{text if statistic.mean <= limit else f'**{text}**'} ≤ {limit:g}"
 
 
-def _product(campaign: Campaign) -> Table:
+def _product(measured: MeasuredExperiment) -> Table:
     rows = []
-    for variant in _variants(campaign):
+    for variant in _variants(measured):
         case = _name(PRODUCT, variant)
-        largest = [_cell(campaign.statistic(case, name), _limit(campaign, variant, name)) for name in LARGEST]
-        settled = campaign.statistic(case, "settled")
+        largest = [_cell(measured.statistic(case, name), _limit(measured, variant, name)) for name in LARGEST]
+        settled = measured.statistic(case, "settled")
         away = "–" if np.isnan(settled.mean) else f"{settled.text()} ({settled.largest:.1f})"
-        rows.append([variant, campaign.finished(case), *largest, away])
+        rows.append([variant, measured.finished(case), *largest, away])
     return Table(
         name="product",
         caption=f"`{PRODUCT}`: largest distance from the path in a run, cm, and time from when a body is first more "
@@ -135,31 +147,49 @@ def _product(campaign: Campaign) -> Table:
     )
 
 
-def _comparators(campaign: Campaign) -> Table:
-    cases = _cases(campaign)
+def _comparators(measured: MeasuredExperiment) -> Table:
+    cases = _cases(measured)
     return Table(
         name="comparators",
         caption="Largest distance from the path, tractor / trailer, cm, mean over the seeds; in brackets how many runs "
         "came to the end, where not all did.",
         header=["", *cases],
-        rows=[[variant, *(_pair(campaign, case, variant) for case in cases)] for variant in _variants(campaign)],
+        rows=[[variant, *(_pair(measured, case, variant) for case in cases)] for variant in _variants(measured)],
     )
 
 
-def _pair(campaign: Campaign, case: str, variant: str) -> str:
+def _pair(measured: MeasuredExperiment, case: str, variant: str) -> str:
     name = _name(case, variant)
-    if name not in campaign.runs:
+    if name not in measured.runs:
         return ""
-    text = " / ".join(f"{campaign.statistic(name, figure).mean:.1f}" for figure in LARGEST)
-    finished = campaign.finished(name)
-    return text if finished == f"{campaign.seeds}/{campaign.seeds}" else f"{text} ({finished})"
+    return _told(measured, name, " / ".join(f"{measured.statistic(name, figure).mean:.1f}" for figure in LARGEST))
 
 
-def _nearer(campaign: Campaign) -> str:
+def _told(measured: MeasuredExperiment, name: str, text: str) -> str:
+    """Return the text, with how many runs came to the end where not all did."""
+    finished = measured.finished(name)
+    return text if finished == f"{measured.seeds}/{measured.seeds}" else f"{text} ({finished})"
+
+
+def _events(measured: MeasuredExperiment) -> Table:
+    cases = ("paper", PRODUCT)
+    return Table(
+        name="events",
+        caption="The same of the worst seed: largest distance of any run, tractor / trailer, cm.",
+        header=["event", *cases],
+        rows=[[event, *(_worst(measured, _name(case, event)) for case in cases)] for event in EVENTS],
+    )
+
+
+def _worst(measured: MeasuredExperiment, name: str) -> str:
+    return _told(measured, name, " / ".join(f"{measured.statistic(name, figure).largest:.0f}" for figure in LARGEST))
+
+
+def _nearer(measured: MeasuredExperiment) -> str:
     """Say who stays nearer to the path than the product, with both bodies at once."""
     lines = [f"Comparators whose largest distance is, in the mean, below that of `{PRODUCT}` on both bodies:", ""]
-    for case in _cases(campaign)[1:]:
-        claims = [_claim(campaign, case, variant) for variant in _variants(campaign)]
+    for case in _cases(measured)[1:]:
+        claims = [_claim(measured, case, variant) for variant in _variants(measured)]
         lines.append(f"- `{case}`: {'; '.join(filter(None, claims)) or 'never'}")
     explanation = (
         "In brackets: by how many cm, tractor / trailer, over the same seeds; **bold** where the 95 % intervals of "
@@ -168,32 +198,32 @@ def _nearer(campaign: Campaign) -> str:
     return "\n".join([*lines, "", explanation])
 
 
-def _claim(campaign: Campaign, case: str, variant: str) -> str:
+def _claim(measured: MeasuredExperiment, case: str, variant: str) -> str:
     """Return the variant with the margins by which a comparator beats the product; empty if it does not."""
     name, product = _name(case, variant), _name(PRODUCT, variant)
-    if name not in campaign.runs:
+    if name not in measured.runs:
         return ""
-    margins = [_margin(campaign, name, product, figure) for figure in LARGEST]
+    margins = [_margin(measured, name, product, figure) for figure in LARGEST]
     if not all(margin.mean > 0.0 for margin in margins):
         return ""
     text = f"{variant} ({' / '.join(margin.text() for margin in margins)})"
     return f"**{text}**" if all(margin.mean > margin.half_width for margin in margins) else text
 
 
-def _margin(campaign: Campaign, name: str, product: str, figure: str) -> Statistic:
+def _margin(measured: MeasuredExperiment, name: str, product: str, figure: str) -> Statistic:
     """Return by how much a comparator is nearer to the path than the product, seed by seed."""
-    pairs = zip(campaign.values(product, figure), campaign.values(name, figure), strict=False)
+    pairs = zip(measured.values(product, figure), measured.values(name, figure), strict=False)
     return Statistic.of([own - other for own, other in pairs])
 
 
-def _slopes(campaign: Campaign) -> Table:
+def _slopes(measured: MeasuredExperiment) -> Table:
     rows = []
-    for variant in (variant for variant in _all_variants(campaign) if variant.startswith(SLOPES)):
-        limits = [f"≤ {_limit(campaign, variant, name):g}" for name in (*LARGEST, *LATE_LARGEST)]
+    for variant in (variant for variant in _all_variants(measured) if variant.startswith(SLOPES)):
+        limits = [f"≤ {_limit(measured, variant, name):g}" for name in (*LARGEST, *LATE_LARGEST)]
         rows.append([variant, "limit of `articulated`", *limits])
-        for case in _cases(campaign):
-            if (name := _name(case, variant)) in campaign.runs:
-                cells = [campaign.statistic(name, figure).text() for figure in (*LARGEST, *LATE_LARGEST)]
+        for case in _cases(measured):
+            if (name := _name(case, variant)) in measured.runs:
+                cells = [measured.statistic(name, figure).text() for figure in (*LARGEST, *LATE_LARGEST)]
                 rows.append([variant, case, *cells])
     return Table(
         name="slopes",
@@ -203,14 +233,14 @@ def _slopes(campaign: Campaign) -> Table:
     )
 
 
-def _starts(campaign: Campaign) -> Table:
+def _starts(measured: MeasuredExperiment) -> Table:
     rows = []
-    for variant in (variant for variant in _all_variants(campaign) if variant.startswith(STARTS)):
-        for case in _cases(campaign):
+    for variant in (variant for variant in _all_variants(measured) if variant.startswith(STARTS)):
+        for case in _cases(measured):
             name = _name(case, variant)
-            if name in campaign.runs:
-                cells = [campaign.statistic(name, figure) for figure in ("settled", "overshoot")]
-                rows.append([variant, case, campaign.finished(name), *(cell.text() for cell in cells)])
+            if name in measured.runs:
+                cells = [measured.statistic(name, figure) for figure in ("settled", "overshoot")]
+                rows.append([variant, case, measured.finished(name), *(cell.text() for cell in cells)])
     return Table(
         name="starts",
         caption="Starts off the path: time until both bodies stay within 15 cm for good, s, and how far a body gets to "
@@ -220,15 +250,15 @@ def _starts(campaign: Campaign) -> Table:
     )
 
 
-def _draw(figure: Figure, campaign: Campaign) -> None:
-    variants = _variants(campaign)
+def _draw(figure: Figure, measured: MeasuredExperiment) -> None:
+    variants = _variants(measured)
     for axes, body, name in zip(figure.subplots(1, 2, sharey=True, sharex=True), BODIES, LARGEST, strict=True):
         for row, variant in enumerate(variants):
-            limit = _limit(campaign, variant, name)
+            limit = _limit(measured, variant, name)
             axes.plot([limit] * 2, [row - 0.42, row + 0.42], color=INK, lw=1.0, zorder=2.0)
-            for case in reversed(_cases(campaign)):
-                if (case_name := _name(case, variant)) in campaign.runs:
-                    _draw_dot(axes, row, case, campaign.statistic(case_name, name), limit)
+            for case in reversed(_cases(measured)):
+                if (case_name := _name(case, variant)) in measured.runs:
+                    _draw_dot(axes, row, case, measured.statistic(case_name, name), limit)
         for row in range(1, len(variants), 2):
             axes.axhspan(row - 0.5, row + 0.5, color=GRID, alpha=0.5, lw=0.0, zorder=0.5)
         axes.set(xscale="log", xlabel="largest distance, cm", title=body, xlim=(1.0, None))
@@ -237,7 +267,7 @@ def _draw(figure: Figure, campaign: Campaign) -> None:
         axes.tick_params(axis="y", length=0.0)
         axes.grid(axis="y", visible=False)
         axes.set(yticks=range(len(variants)), yticklabels=variants, ylim=(len(variants) - 0.5, -0.5))
-    legend = {case: look for case, look in LOOKS.items() if case in _cases(campaign)}
+    legend = {case: look for case, look in LOOKS.items() if case in _cases(measured)}
     for case, look in (legend | {f"{PRODUCT}, limit missed": MISSED}).items():
         axes.plot([], [], ls="", label=case, **look)
     figure.legend(loc="outside upper center", ncols=3)

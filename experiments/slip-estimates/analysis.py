@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drawbar.config import Configuration
-from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, INK, REFERENCE
@@ -62,35 +62,35 @@ def _truth(result: Result, name: str) -> np.ndarray:
     return result.columns[f"truth.{name}"]
 
 
-def report(campaign: Campaign) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
     """Yield the paper's figure for both models, and the tables of slips and yaws."""
     for name, (title, cases) in PICTURES.items():
         yield Picture(
             name=f"slips-{name}",
             caption=f"Slips estimated with {title}, seed 0. Band: three standard deviations as the estimator computes "
             "them; where it fills the panel it is wider than the bounds. Dotted: truth. Dashed: bounds.",
-            draw=lambda figure, cases=cases: _draw(figure, campaign, cases),
-            size=(9.0, 1.9 * len(_slips(campaign, name)) + 0.6),
+            draw=lambda figure, cases=cases: _draw(figure, measured, cases),
+            size=(9.0, 1.9 * len(_slips(measured, name)) + 0.6),
         )
-    yield _slip_table(campaign)
-    yield _yaw_table(campaign)
+    yield _slip_table(measured)
+    yield _yaw_table(measured)
 
 
-def _bounds(campaign: Campaign, case: str) -> dict[str, tuple[float, float]]:
-    configuration = Configuration.model_validate(tomllib.loads(campaign.experiment.configurations[case]))
+def _bounds(measured: MeasuredExperiment, case: str) -> dict[str, tuple[float, float]]:
+    configuration = Configuration.model_validate(tomllib.loads(measured.experiment.configurations[case]))
     return configuration.estimator.bounds_by_estimate()
 
 
-def _slips(campaign: Campaign, case: str) -> list[str]:
+def _slips(measured: MeasuredExperiment, case: str) -> list[str]:
     """Return the slips that the estimator's model has."""
-    return [name for name in SLIPS if name in _bounds(campaign, case)]
+    return [name for name in SLIPS if name in _bounds(measured, case)]
 
 
-def _slip_table(campaign: Campaign) -> Table:
+def _slip_table(measured: MeasuredExperiment) -> Table:
     rows = []
-    for case in campaign.cases:
-        cells = [cell for name in SLIPS for cell in _slip_cells(campaign, case, name)]
-        rows.append([case, campaign.finished(case), *cells])
+    for case in measured.cases:
+        cells = [cell for name in SLIPS for cell in _slip_cells(measured, case, name)]
+        rows.append([case, measured.finished(case), *cells])
     return Table(
         name="slips",
         caption="RMS error of the slips (mean standard deviation as the estimator computes it), share of samples on a "
@@ -105,35 +105,35 @@ def _slip_table(campaign: Campaign) -> Table:
     )
 
 
-def _slip_cells(campaign: Campaign, case: str, name: str) -> list[str]:
-    if name not in _bounds(campaign, case):
+def _slip_cells(measured: MeasuredExperiment, case: str, name: str) -> list[str]:
+    if name not in _bounds(measured, case):
         return [""] * 3
     symbol = SLIPS[name]
-    return [_error(campaign, case, symbol, 3), _on_bound(campaign, case, name), _inside(campaign, case, symbol)]
+    return [_error(measured, case, symbol, 3), _on_bound(measured, case, name), _inside(measured, case, symbol)]
 
 
-def _error(campaign: Campaign, case: str, symbol: str, digits: int) -> str:
-    deviation = campaign.statistic(case, f"{symbol} deviation").mean
-    return f"{campaign.statistic(case, f'{symbol} error').text(digits)} ({deviation:.{digits}f})"
+def _error(measured: MeasuredExperiment, case: str, symbol: str, digits: int) -> str:
+    deviation = measured.statistic(case, f"{symbol} deviation").mean
+    return f"{measured.statistic(case, f'{symbol} error').text(digits)} ({deviation:.{digits}f})"
 
 
-def _inside(campaign: Campaign, case: str, symbol: str) -> str:
-    return f"{campaign.statistic(case, f'{symbol} inside').mean:.1f} %"
+def _inside(measured: MeasuredExperiment, case: str, symbol: str) -> str:
+    return f"{measured.statistic(case, f'{symbol} inside').mean:.1f} %"
 
 
-def _on_bound(campaign: Campaign, case: str, name: str) -> str:
-    bounds = np.array(_bounds(campaign, case)[name])
-    estimates = np.concatenate([result.columns[f"estimate.{name}"] for result in campaign.runs[case].results])
+def _on_bound(measured: MeasuredExperiment, case: str, name: str) -> str:
+    bounds = np.array(_bounds(measured, case)[name])
+    estimates = np.concatenate([result.columns[f"estimate.{name}"] for result in measured.runs[case].results])
     return f"{100.0 * np.mean(np.abs(estimates[:, None] - bounds).min(axis=1) < 1e-6):.1f} %"
 
 
-def _yaw_table(campaign: Campaign) -> Table:
+def _yaw_table(measured: MeasuredExperiment) -> Table:
     rows = []
-    for case in campaign.cases:
+    for case in measured.cases:
         cells = [
             cell
             for symbol in YAWS.values()
-            for cell in (_error(campaign, case, symbol, 2), _inside(campaign, case, symbol))
+            for cell in (_error(measured, case, symbol, 2), _inside(measured, case, symbol))
         ]
         rows.append([case, *cells])
     return Table(
@@ -145,12 +145,12 @@ def _yaw_table(campaign: Campaign) -> Table:
     )
 
 
-def _draw(figure: Figure, campaign: Campaign, cases: dict[str, str]) -> None:
-    slips = _slips(campaign, next(iter(cases)))
+def _draw(figure: Figure, measured: MeasuredExperiment, cases: dict[str, str]) -> None:
+    slips = _slips(measured, next(iter(cases)))
     panels = figure.subplots(len(slips), len(cases), sharex=True, sharey="row", squeeze=False)
     for row, name in zip(panels, slips, strict=True):
         for axes, case in zip(row, cases, strict=True):
-            _draw_slip(axes, campaign, case, name)
+            _draw_slip(axes, measured, case, name)
         row[0].set_ylabel(SLIPS[name])
     for axes, title in zip(panels[0], cases.values(), strict=True):
         axes.set_title(title)
@@ -159,8 +159,8 @@ def _draw(figure: Figure, campaign: Campaign, cases: dict[str, str]) -> None:
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=4)
 
 
-def _draw_slip(axes: Axes, campaign: Campaign, case: str, name: str) -> None:
-    result, (low, high) = campaign.runs[case].results[0], _bounds(campaign, case)[name]
+def _draw_slip(axes: Axes, measured: MeasuredExperiment, case: str, name: str) -> None:
+    result, (low, high) = measured.runs[case].results[0], _bounds(measured, case)[name]
     time, estimate = result.columns["measurement.time"], result.columns[f"estimate.{name}"]
     band = 3.0 * result.columns[f"deviation.{name}"]
     axes.fill_between(time, estimate - band, estimate + band, color=ESTIMATOR, alpha=0.2, lw=0.0, label="3σ")

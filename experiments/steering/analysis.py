@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drawbar.config import Configuration
-from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.task import Result
 from drawbar.report.style import BODY_COLOURS, GRID, INK, REFERENCE
-from drawbar.step.build import build_path
+from drawbar.simulation import build_path
 
 BODIES = tuple(BODY_COLOURS)
 REVERSED = ("paper", "paper-ideal")
@@ -57,30 +57,30 @@ def _actual(result: Result, body: str) -> np.ndarray:
     return sign * result.columns[f"truth.{body}_steering"]
 
 
-def report(campaign: Campaign) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
     """Yield the table of shares and, of the first run, the steering along the path and in one curve."""
-    yield _shares(campaign)
+    yield _shares(measured)
     for case, title in CASES.items():
         yield Picture(
             name=f"steering-{case}",
             caption=f"Commanded and actual steering of {title}, seed 0. Dashed: the steering's limits. Shaded: curves.",
-            draw=lambda figure, case=case: _draw(figure, campaign, case),
+            draw=lambda figure, case=case: _draw(figure, measured, case),
             size=(8.0, 4.6),
         )
     yield Picture(
         name="close-up",
         caption="The first curve from near: the actuators follow their commands with a lag of 0.3 s, seed 0.",
-        draw=lambda figure: _draw_close_up(figure, campaign),
+        draw=lambda figure: _draw_close_up(figure, measured),
         size=(8.0, 4.6),
     )
 
 
-def _shares(campaign: Campaign) -> Table:
+def _shares(measured: MeasuredExperiment) -> Table:
     rows = [["the paper", body, PAPER_SHARES[body], *("" for _ in list(QUANTITIES)[1:]), ""] for body in BODIES]
-    for case in campaign.cases:
+    for case in measured.cases:
         for body in BODIES:
-            cells = [campaign.statistic(case, f"{body} {name}").text() for name in QUANTITIES]
-            rows.append([case, body, *cells, _at_limit(campaign, case, body)])
+            cells = [measured.statistic(case, f"{body} {name}").text() for name in QUANTITIES]
+            rows.append([case, body, *cells, _at_limit(measured, case, body)])
     return Table(
         name="shares",
         caption="Steering over the three figure-eights, mean over the seeds ± 95 % interval. Share: sum of the "
@@ -90,41 +90,41 @@ def _shares(campaign: Campaign) -> Table:
     )
 
 
-def _at_limit(campaign: Campaign, case: str, body: str) -> str:
+def _at_limit(measured: MeasuredExperiment, case: str, body: str) -> str:
     """Return the share of samples whose command is within 1° of the body's steering limit."""
-    limit = _limit(campaign, case, body)
-    commands = np.concatenate([result.columns[f"{body}_steering.command"] for result in campaign.runs[case].results])
+    limit = _limit(measured, case, body)
+    commands = np.concatenate([result.columns[f"{body}_steering.command"] for result in measured.runs[case].results])
     return f"{100.0 * np.mean(np.abs(commands) >= limit - np.radians(1.0)):.1f}"
 
 
-def _configuration(campaign: Campaign, case: str) -> Configuration:
-    return Configuration.model_validate(tomllib.loads(campaign.experiment.configurations[case]))
+def _configuration(measured: MeasuredExperiment, case: str) -> Configuration:
+    return Configuration.model_validate(tomllib.loads(measured.experiment.configurations[case]))
 
 
-def _limit(campaign: Campaign, case: str, body: str) -> float:
-    limit: float = getattr(_configuration(campaign, case).vehicle, f"{body}_steering_limit")
+def _limit(measured: MeasuredExperiment, case: str, body: str) -> float:
+    limit: float = getattr(_configuration(measured, case).vehicle, f"{body}_steering_limit")
     return limit
 
 
-def _draw(figure: Figure, campaign: Campaign, case: str) -> None:
+def _draw(figure: Figure, measured: MeasuredExperiment, case: str) -> None:
     panels = figure.subplots(2, 1, sharex=True)
     for axes, body in zip(panels, BODIES, strict=True):
-        _draw_steering(axes, campaign, case, body)
-        _shade_curves(axes, campaign, case)
-        limit = np.degrees(_limit(campaign, case, body))
+        _draw_steering(axes, measured, case, body)
+        _shade_curves(axes, measured, case)
+        limit = np.degrees(_limit(measured, case, body))
         axes.axhline(limit, color=REFERENCE, ls=DASHED, lw=0.9)
         axes.axhline(-limit, color=REFERENCE, ls=DASHED, lw=0.9)
         axes.set(title=body, ylabel="steering, °", ylim=(-1.15 * limit, 1.15 * limit))
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
-    progress = campaign.runs[case].results[0].columns["progress.tractor"]
+    progress = measured.runs[case].results[0].columns["progress.tractor"]
     panels[1].set(xlabel="closest point of the path, m", xlim=(0.0, progress[-1]))
 
 
-def _draw_close_up(figure: Figure, campaign: Campaign) -> None:
+def _draw_close_up(figure: Figure, measured: MeasuredExperiment) -> None:
     panels = figure.subplots(2, len(CASES), sharex=True, sharey="row")
     for row, body in zip(panels, BODIES, strict=True):
         for axes, (case, title) in zip(row, CASES.items(), strict=True):
-            _draw_steering(axes, campaign, case, body, CLOSE_UP)
+            _draw_steering(axes, measured, case, body, CLOSE_UP)
             axes.set(title=f"{body}, {title}", xlim=CLOSE_UP)
         row[0].set(ylabel="steering, °")
         row[1].legend(loc="best")
@@ -133,10 +133,10 @@ def _draw_close_up(figure: Figure, campaign: Campaign) -> None:
 
 
 def _draw_steering(
-    axes: Axes, campaign: Campaign, case: str, body: str, span: tuple[float, float] = (-np.inf, np.inf)
+    axes: Axes, measured: MeasuredExperiment, case: str, body: str, span: tuple[float, float] = (-np.inf, np.inf)
 ) -> None:
     """Draw commanded and actual steering over a span of the path, m."""
-    result = campaign.runs[case].results[0]
+    result = measured.runs[case].results[0]
     progress = result.columns[f"progress.{body}"]
     shown = (span[0] <= progress) & (progress <= span[1])
     for values, label, look in (
@@ -146,8 +146,8 @@ def _draw_steering(
         axes.plot(progress[shown], np.degrees(values[shown]), label=label, **look)
 
 
-def _shade_curves(axes: Axes, campaign: Campaign, case: str) -> None:
-    path, _ = build_path(_configuration(campaign, case))
+def _shade_curves(axes: Axes, measured: MeasuredExperiment, case: str) -> None:
+    path, _ = build_path(_configuration(measured, case))
     nodes = np.arange(0.0, path.length, 0.25)
     curved = np.array(path.labels(nodes)) != "straight"
     axes.fill_between(nodes, 0.0, 1.0, where=curved, transform=axes.get_xaxis_transform(), color=GRID, lw=0.0)

@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from drawbar.config import Configuration
-from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, Picture, Table, Text
 from drawbar.experiment.statistics import Statistic
 from drawbar.report.style import BODY_COLOURS, GRID, REFERENCE
-from drawbar.step.build import build_path
+from drawbar.simulation import build_path
 
 PRODUCT = "articulated"
 CLASSES = ("straight", "0.1", "0.125", "0.15")
@@ -25,31 +25,31 @@ DASHED = (0, (4, 2))
 MARKERS = {"tractor": "o", "trailer": "s"}
 
 
-def report(campaign: Campaign) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
     """Yield the table of means, who beats the product, and the two figures."""
-    yield _means(campaign)
-    yield Text(text=_who_beats_the_product(campaign))
+    yield _means(measured)
+    yield Text(text=_who_beats_the_product(measured))
     yield Picture(
         name="error",
         caption="Distance of the true antennas from the path, seed 0: the paper's set and the product's, at two "
         "scales. Dashed: the paper's means in the field. Shaded: curves.",
-        draw=lambda figure: _draw_errors(figure, campaign),
+        draw=lambda figure: _draw_errors(figure, measured),
         size=(8.0, 5.2),
     )
     yield Picture(
         name="means",
         caption="Mean distance by class of the path, mean over the seeds with its 95 % interval, logarithmic.",
-        draw=lambda figure: _draw_means(figure, campaign),
-        size=(10.0, 0.24 * len(campaign.cases) + 1.4),
+        draw=lambda figure: _draw_means(figure, measured),
+        size=(10.0, 0.24 * len(measured.cases) + 1.4),
     )
 
 
-def _means(campaign: Campaign) -> Table:
+def _means(measured: MeasuredExperiment) -> Table:
     field = [f"{tractor:.1f} / {trailer:.1f}" for tractor, trailer in zip(*FIELD.values(), strict=True)]
     rows = [["the paper, in the field", "", *field, ""]]
-    for case in campaign.cases:
-        cells = [_both(campaign, case, label) for label in (*CLASSES, "largest")]
-        rows.append([case, campaign.finished(case), *cells])
+    for case in measured.cases:
+        cells = [_both(measured, case, label) for label in (*CLASSES, "largest")]
+        rows.append([case, measured.finished(case), *cells])
     return Table(
         name="means",
         caption="Distance of the true antennas from the path, tractor / trailer, cm: mean by class of the path and "
@@ -59,14 +59,14 @@ def _means(campaign: Campaign) -> Table:
     )
 
 
-def _both(campaign: Campaign, case: str, label: str) -> str:
-    return " / ".join(campaign.statistic(case, f"{body} {label}").text() for body in BODIES)
+def _both(measured: MeasuredExperiment, case: str, label: str) -> str:
+    return " / ".join(measured.statistic(case, f"{body} {label}").text() for body in BODIES)
 
 
-def _who_beats_the_product(campaign: Campaign) -> str:
+def _who_beats_the_product(measured: MeasuredExperiment) -> str:
     lines = [f"Comparators whose mean is below that of `{PRODUCT}` on both bodies at once:", ""]
     for label, title in zip(CLASSES, TITLES, strict=True):
-        better = [_claim(campaign, case, label) for case in campaign.cases if case != PRODUCT]
+        better = [_claim(measured, case, label) for case in measured.cases if case != PRODUCT]
         lines.append(f"- {title}: {', '.join(filter(None, better)) or 'none'}")
     explanation = (
         "In brackets: by how many cm, tractor / trailer, over the same seeds; **bold** where the 95 % intervals of "
@@ -75,9 +75,9 @@ def _who_beats_the_product(campaign: Campaign) -> str:
     return "\n".join([*lines, "", explanation])
 
 
-def _claim(campaign: Campaign, case: str, label: str) -> str:
+def _claim(measured: MeasuredExperiment, case: str, label: str) -> str:
     """Return the name of a comparator that beats the product on both bodies, with the margins; empty if it does not."""
-    margins = [_margin(campaign, case, f"{body} {label}") for body in BODIES]
+    margins = [_margin(measured, case, f"{body} {label}") for body in BODIES]
     if not all(margin.mean > 0.0 for margin in margins):
         return ""
     sure = all(margin.mean > margin.half_width for margin in margins)
@@ -85,31 +85,31 @@ def _claim(campaign: Campaign, case: str, label: str) -> str:
     return f"**{text}**" if sure else text
 
 
-def _margin(campaign: Campaign, case: str, figure: str) -> Statistic:
+def _margin(measured: MeasuredExperiment, case: str, figure: str) -> Statistic:
     """Return by how much a comparator is nearer to the path than the product, seed by seed."""
-    pairs = zip(campaign.values(PRODUCT, figure), campaign.values(case, figure), strict=True)
+    pairs = zip(measured.values(PRODUCT, figure), measured.values(case, figure), strict=True)
     return Statistic.of([product - other for product, other in pairs])
 
 
-def _draw_errors(figure: Figure, campaign: Campaign) -> None:
+def _draw_errors(figure: Figure, measured: MeasuredExperiment) -> None:
     panels = figure.subplots(2, 1, sharex=True)
     cases = {"paper": "the paper's set (paper)", PRODUCT: "the product (articulated)"}
     for axes, (case, title) in zip(panels, cases.items(), strict=True):
-        run = campaign.runs[case].results[0]
+        run = measured.runs[case].results[0]
         progress = run.columns["progress.tractor"]
         for body, colour in BODY_COLOURS.items():
             axes.plot(progress, 100.0 * np.abs(run.columns[f"error.{body}"]), color=colour, label=body, lw=0.9)
         axes.set(ylabel="distance, cm", ylim=(0.0, None), xlim=(0.0, progress[-1]))
         axes.set_title(title, pad=14.0)
-        _shade_curves(axes, campaign, case)
+        _shade_curves(axes, measured, case)
     panels[0].plot([], [], color=REFERENCE, ls=DASHED, lw=0.9, label="the paper's mean in the field")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=3)
     panels[1].set_xlabel("closest point of the path to the tractor, m")
 
 
-def _shade_curves(axes: Axes, campaign: Campaign, case: str) -> None:
+def _shade_curves(axes: Axes, measured: MeasuredExperiment, case: str) -> None:
     """Mark the curves, and draw the paper's means beside its set."""
-    configuration = Configuration.model_validate(tomllib.loads(campaign.experiment.configurations[case]))
+    configuration = Configuration.model_validate(tomllib.loads(measured.experiment.configurations[case]))
     path, _ = build_path(configuration)
     nodes = np.arange(0.0, path.length, 0.25)
     labels = np.array(path.labels(nodes))
@@ -125,13 +125,13 @@ def _shade_curves(axes: Axes, campaign: Campaign, case: str) -> None:
                 axes.hlines(FIELD[body][place], nodes[start], nodes[end], color=colour, lw=0.9, ls=DASHED)
 
 
-def _draw_means(figure: Figure, campaign: Campaign) -> None:
+def _draw_means(figure: Figure, measured: MeasuredExperiment) -> None:
     panels = figure.subplots(1, len(CLASSES), sharey=True, sharex=True)
-    names = ["the paper, in the field", *campaign.cases]
+    names = ["the paper, in the field", *measured.cases]
     rows = np.arange(len(names))
     for place, (axes, label, title) in enumerate(zip(panels, CLASSES, TITLES, strict=True)):
         for body, colour in BODY_COLOURS.items():
-            statistics = [campaign.statistic(case, f"{body} {label}") for case in campaign.cases]
+            statistics = [measured.statistic(case, f"{body} {label}") for case in measured.cases]
             means = [FIELD[body][place], *(statistic.mean for statistic in statistics)]
             widths = [0.0, *(statistic.half_width for statistic in statistics)]
             look = {"fmt": MARKERS[body], "ms": 4.0, "color": colour, "elinewidth": 1.0}

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drawbar.config import Configuration, load_configuration
-from drawbar.experiment.campaign import Campaign
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.task import Result
 from drawbar.geometry import Floats
@@ -120,30 +120,30 @@ def figures(result: Result) -> dict[str, float]:
     }
 
 
-def report(campaign: Campaign) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
     """Yield the table, then a run at its bounds with and without tightening."""
-    yield _table(campaign)
+    yield _table(measured)
     yield Picture(
         name="commands",
         caption="What both bodies are asked for, seed 0, adversarial errors within their bounds: nominal steering "
         "(thin, grey) and with the ancillary law (thick); the bounds of the nominal problem tightened and not. "
         "Dashed: the bounds of the machine; dotted: what the tube leaves of them.",
-        draw=lambda figure: _draw_commands(figure, campaign),
+        draw=lambda figure: _draw_commands(figure, measured),
         size=(9.0, 5.0),
     )
     yield Picture(
         name="margins",
         caption="Least margin of each run: 1 at the centre of a tube, 0 on its boundary, negative outside.",
-        draw=lambda figure: _draw_margins(figure, campaign),
-        size=(9.0, 0.26 * len(campaign.cases) + 1.0),
+        draw=lambda figure: _draw_margins(figure, measured),
+        size=(9.0, 0.26 * len(measured.cases) + 1.0),
     )
 
 
-def _table(campaign: Campaign) -> Table:
+def _table(measured: MeasuredExperiment) -> Table:
     rows = []
-    for case in campaign.cases:
-        values = {name: campaign.values(case, name) for name in campaign.figure_names}
-        count = sum(len(run.columns["tractor_steering.margin"]) for run in campaign.runs[case].results)
+    for case in measured.cases:
+        values = {name: measured.values(case, name) for name in measured.figure_names}
+        count = sum(len(run.columns["tractor_steering.margin"]) for run in measured.runs[case].results)
         shares = [
             f"{np.mean(values[f'tractor {name}']):.2f} / {np.mean(values[f'trailer {name}']):.2f}"
             for name in ("command", "angle", "rate")
@@ -151,7 +151,7 @@ def _table(campaign: Campaign) -> Table:
         rows.append(
             [
                 case,
-                campaign.finished(case),
+                measured.finished(case),
                 str(count),
                 f"{np.mean(values['inside']):.2f}",
                 *shares,
@@ -180,12 +180,12 @@ def _table(campaign: Campaign) -> Table:
     )
 
 
-def _draw_commands(figure: Figure, campaign: Campaign) -> None:
+def _draw_commands(figure: Figure, measured: MeasuredExperiment) -> None:
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     for column, (case, title) in enumerate(
         (("propagated: adversarial", "tightened"), ("propagated, not tightened: adversarial", "not tightened"))
     ):
-        run = campaign.runs[case].results[0]
+        run = measured.runs[case].results[0]
         for row, body in enumerate(BODIES):
             _draw_command(panels[row, column], run, body)
             panels[row, column].set_title(f"{body}, {title}")
@@ -207,12 +207,12 @@ def _draw_command(axes: Axes, run: Result, body: str) -> None:
             axes.axhline(np.degrees(side), color=REFERENCE, linestyle=dash, linewidth=0.9)
 
 
-def _draw_margins(figure: Figure, campaign: Campaign) -> None:
+def _draw_margins(figure: Figure, measured: MeasuredExperiment) -> None:
     axes = figure.subplots()
-    for place, case in enumerate(campaign.cases):
-        margins = campaign.values(case, "margin")
+    for place, case in enumerate(measured.cases):
+        margins = measured.values(case, "margin")
         axes.plot(margins, np.full(len(margins), place), "o", markersize=3.5, alpha=0.6, color=BODY_COLOURS["tractor"])
     axes.axvline(0.0, color=REFERENCE, linewidth=1.0)
-    axes.set_yticks(range(len(campaign.cases)), campaign.cases)
-    axes.set_ylim(len(campaign.cases) - 0.5, -0.5)
+    axes.set_yticks(range(len(measured.cases)), measured.cases)
+    axes.set_ylim(len(measured.cases) - 0.5, -0.5)
     axes.set_xlabel("least margin of the run")

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
-from drawbar.experiment.campaign import Campaign
 from drawbar.experiment.experiment import Case
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result
@@ -38,22 +38,22 @@ def figures(result: Result) -> dict[str, float]:
     }
 
 
-def report(campaign: Campaign) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
     """Yield both objectives as a table, the paper's set as a picture, and what a start beside the path shows."""
     yield Table(
         name="objectives",
         caption="Mean distance from the path, cm, and mean steering rate, °/s, each the mean of both bodies, with the "
         "95 % interval over the seeds; *less shipped*: less that of `paper` or `articulated`, seed by seed.",
         header=["case", "finished", "error", "less shipped", "steering", "less shipped"],
-        rows=[_row(campaign, case) for case in campaign.experiment.settings.cases],
+        rows=[_row(measured, case) for case in measured.experiment.settings.cases],
     )
     yield Picture(
         name="look-ahead",
         caption="The paper's set with other look-aheads (m, beside each point), and with other weights too (tuned): "
         "mean over the seeds with its 95 % interval.",
-        draw=lambda figure: _draw(figure, campaign),
+        draw=lambda figure: _draw(figure, measured),
     )
-    starting = [f"{case.name}: {BESIDE}" for case in campaign.experiment.settings.cases if not case.variants]
+    starting = [f"{case.name}: {BESIDE}" for case in measured.experiment.settings.cases if not case.variants]
     yield Table(
         name="start",
         caption="From a start 2 m beside the path: how far the worse body crosses it, cm, and when both are within 15 "
@@ -62,30 +62,30 @@ def report(campaign: Campaign) -> Iterator[Part]:
         rows=[
             [
                 case,
-                campaign.finished(case),
-                *(campaign.statistic(case, name).text() for name in ("overshoot", "settled")),
+                measured.finished(case),
+                *(measured.statistic(case, name).text() for name in ("overshoot", "settled")),
             ]
             for case in starting
         ],
     )
 
 
-def _row(campaign: Campaign, case: Case) -> list[str]:
-    cells = [case.name, campaign.finished(f"{case.name}: {ON}")]
+def _row(measured: MeasuredExperiment, case: Case) -> list[str]:
+    cells = [case.name, measured.finished(f"{case.name}: {ON}")]
     for objective in ("error", "steering"):
-        own = campaign.values(f"{case.name}: {ON}", objective)
+        own = measured.values(f"{case.name}: {ON}", objective)
         cells.append(Statistic.of(own).text(2))
-        shipped = campaign.values(f"{case.configuration}: {ON}", objective) if case.configuration else []
+        shipped = measured.values(f"{case.configuration}: {ON}", objective) if case.configuration else []
         cells.append(Statistic.of(list(np.subtract(own, shipped))).text(2) if shipped else "")
     return cells
 
 
-def _draw(figure: Figure, campaign: Campaign) -> None:
+def _draw(figure: Figure, measured: MeasuredExperiment) -> None:
     axes = figure.subplots()
-    for case in campaign.experiment.settings.cases:
+    for case in measured.experiment.settings.cases:
         if "paper" not in (case.name, case.configuration):
             continue
-        error, steering = (campaign.statistic(f"{case.name}: {ON}", objective) for objective in ("error", "steering"))
+        error, steering = (measured.statistic(f"{case.name}: {ON}", objective) for objective in ("error", "steering"))
         axes.errorbar(
             error.mean,
             steering.mean,

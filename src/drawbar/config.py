@@ -13,6 +13,7 @@ from drawbar.bounded import BoundedErrors
 from drawbar.configurations import shipped_names, shipped_text
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
+    ExternalControllerSettings,
     LqrSettings,
     PurePursuitSettings,
     TricycleControllerSettings,
@@ -95,7 +96,11 @@ class Configuration(Settings):
         Field(discriminator="model"),
     ]
     controller: Annotated[
-        ArticulatedControllerSettings | TricycleControllerSettings | PurePursuitSettings | LqrSettings,
+        ArticulatedControllerSettings
+        | TricycleControllerSettings
+        | PurePursuitSettings
+        | LqrSettings
+        | ExternalControllerSettings,
         Field(discriminator="model"),
     ]
     tube: TubeSettings = TubeSettings()
@@ -105,6 +110,15 @@ class Configuration(Settings):
     machine: SimulatedMachineSettings = SimulatedMachineSettings()
     bounded_errors: BoundedErrors = BoundedErrors()
     tuning: TuningSettings = TuningSettings()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _controller_of_ones_own(cls, data: Any) -> Any:
+        """Take `controller.model = "module:Class"` for what it is short for."""
+        section = data.get("controller") if isinstance(data, dict) else None
+        if not isinstance(section, dict) or not isinstance(model := section.get("model"), str) or ":" not in model:
+            return data
+        return {**data, "controller": {**section, "model": "external", "implementation": model}}
 
     @model_validator(mode="after")
     def _within_reach_of_the_machine(self) -> Self:

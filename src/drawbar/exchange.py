@@ -115,9 +115,13 @@ def _assemble(kind: Any) -> Any:
 
 
 def _maker(base: type[Any]) -> Any:
+    """Return what makes one field of an iterator over the numbers that follow."""
     if is_dataclass(base):
         return _assemble(base)
-    return next if base is float else lambda values: base(next(values))
+    if base is float:
+        return next
+    members = base._value2member_map_ if issubclass(base, IntEnum) else {}  # quicker than to call the enumeration
+    return lambda values: members.get(number := next(values)) or base(number)
 
 
 def _base(hint: Any) -> Any:

@@ -6,10 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from controllers import (
+    ArticulatedTractor,
+    ArticulatedTrailer,
+    DecentralisedController,
+    TricycleTractor,
+    TricycleTrailer,
+)
 
 from drawbar.codegen import Workspace, build
-from drawbar.control.articulated import ArticulatedTractor, ArticulatedTrailer
-from drawbar.control.decentralised import DecentralisedController
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     Coupling,
@@ -17,7 +22,6 @@ from drawbar.control.settings import (
     TricycleControllerSettings,
     TubeSettings,
 )
-from drawbar.control.tricycle import TricycleTractor, TricycleTrailer
 from drawbar.control.tube.tube import Tubes, tubes_of
 from drawbar.geometry import Floats
 from drawbar.signals import BodyReference, Estimate, Pose, Reference, SolverStatus
@@ -126,6 +130,15 @@ def make(untightened: Callable[..., Tubes]) -> Callable[..., DecentralisedContro
 class Situation:
     estimate: Estimate
     reference: Reference
+
+    def nowhere(self) -> "Situation":
+        """Return the same estimate with references that no solver takes."""
+
+        def body(old: BodyReference) -> BodyReference:
+            return replace(old, samples=np.full_like(old.samples, math.nan))
+
+        r = self.reference
+        return replace(self, reference=replace(r, tractor=body(r.tractor), trailer=body(r.trailer)))
 
     def _moved(self, position: Callable[[Floats], Floats], sign: float, turn: float) -> "Situation":
         def pose(old: Pose) -> Pose:

@@ -3,8 +3,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from controllers import AncillaryLaw
 
-from drawbar.control.ancillary import AncillaryLaw
 from drawbar.control.settings import ArticulatedControllerSettings, BodyTubeSettings, TubeSettings
 from drawbar.control.tube.tube import tubes_of
 from drawbar.signals import BodyPlan, SolverStatus

@@ -4,7 +4,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drawbar.errors import SolverError
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -102,20 +101,6 @@ def test_the_first_pose_of_a_plan_is_the_estimate(name, make, random_situations)
             assert getattr(plan, body).poses[0] == pytest.approx([pose.x, pose.y, pose.yaw], abs=1e-9)
 
 
-def test_a_plan_that_failed_begins_at_the_estimate_too(name, make, situation):
-    controller, one = make(name), situation(left=0.3, yaw=0.1, hitch=0.05, ahead=0.2)
-    settled(controller, situation(left=0.1), steps=2)
-    nowhere = {
-        body: replace(getattr(one.reference, body), samples=np.full_like(one.reference.tractor.samples, math.nan))
-        for body in BODIES
-    }
-    plan = first(controller, replace(one, reference=replace(one.reference, **nowhere)))
-    for body in BODIES:
-        pose = getattr(one.estimate, body)
-        assert getattr(plan, body).status is SolverStatus.BAD_INPUT
-        assert getattr(plan, body).poses[0] == pytest.approx([pose.x, pose.y, pose.yaw], abs=1e-9)
-
-
 def test_neglected_coupling_does_not_see_the_tractors_steering(name, make, situation):
     straight, curved = (situation(left=0.01, tractor_steering=angle) for angle in (0.0, 0.05))
     plans = [first(make(name, "neglected"), one).trailer.steering for one in (straight, curved)]
@@ -188,10 +173,3 @@ def test_an_estimate_that_is_not_finite_harms_no_later_plan(name, make, situatio
     assert_solved(here)
     for body in BODIES:
         assert getattr(here, body).steerings == pytest.approx(getattr(there, body).steerings, abs=1e-8)
-
-
-def test_a_reference_shorter_than_the_horizon_is_refused(name, make, situation):
-    there = situation()
-    short = replace(there.reference.tractor, samples=there.reference.tractor.samples[:-1])
-    with pytest.raises(SolverError, match=r"shape \(20, 4\).*at least \(21, 4\).*one horizon"):
-        make(name).feedback(there.estimate, replace(there.reference, tractor=short))

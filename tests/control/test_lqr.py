@@ -3,9 +3,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from controllers import LinearQuadraticRegulator
 from scipy.linalg import expm
 
-from drawbar.control.lqr import LinearQuadraticRegulator, path_dynamics, regulator_gain
+from drawbar.control.lqr import lqr_gain, path_dynamics, regulator_gain
 from drawbar.control.settings import LqrSettings
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -59,16 +60,16 @@ def test_errors_move_as_the_matrix_exponential_says(speed):
 @pytest.mark.parametrize("steering", [1e-3, 0.1, 10.0])
 def test_the_loop_is_stable(speed, steering):
     A, B = path_dynamics(speed, VEHICLE.wheelbase, SAMPLE_TIME)
-    gain = regulator(speed, steering=steering).gain
+    gain = lqr_gain(VEHICLE, LqrSettings(model="lqr", steering=steering), SAMPLE_TIME, speed)
     assert np.abs(np.linalg.eigvals(A - B @ gain)).max() < 1.0
 
 
 def test_small_errors_are_answered_by_the_gain(situation):
-    law = regulator()
+    law, gain = regulator(), lqr_gain(VEHICLE, LqrSettings(model="lqr"), SAMPLE_TIME, 1.0)
     for left, yaw in ((0.01, 0.0), (0.0, 0.01), (-0.02, 0.03)):
         here = situation(left=left, yaw=yaw)
         plan = law.feedback(here.estimate, here.reference)
-        assert plan.tractor.steering == pytest.approx(-float(law.gain[0] @ (left, yaw)), abs=1e-12)
+        assert plan.tractor.steering == pytest.approx(-float(gain[0] @ (left, yaw)), abs=1e-12)
 
 
 @pytest.mark.parametrize("left", [-50.0, -3.0, 3.0, 50.0])

@@ -6,8 +6,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from controllers import ArticulatedTractor, ArticulatedTrailer, TricycleTractor
 
-from drawbar.control.articulated import ArticulatedTractor, ArticulatedTrailer
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     BodyTubeSettings,
@@ -16,7 +16,6 @@ from drawbar.control.settings import (
     TricycleControllerSettings,
     TubeSettings,
 )
-from drawbar.control.tricycle import TricycleTractor
 from drawbar.control.tube.inner_box import initial_choice
 from drawbar.control.tube.tube import tubes_of
 from drawbar.signals import SolverStatus
@@ -50,12 +49,12 @@ def step(controller, situation, name="tractor"):
 
 def successor(controller):
     """Return where the controller's nominal model got to (nx,), in the frame in which it is remembered."""
-    return controller.solver.workspace.array("subsystem.successor").copy()
+    return controller.live.array("subsystem.successor").copy()
 
 
 def placed_successor(controller):
     """Return where the nominal model of a controller that optimises its first state got to (nx,), in the world."""
-    x, y, yaw = controller.solver.workspace.array("subsystem.frame").tolist()
+    x, y, yaw = controller.live.array("subsystem.frame").tolist()
     ahead, left, *rest = successor(controller).tolist()
     world = complex(x, y) + complex(ahead, left) * complex(math.cos(yaw), math.sin(yaw))
     return np.array([world.real, world.imag, rest[0] + yaw, *rest[1:]])
@@ -160,6 +159,20 @@ def test_the_trailers_state_is_its_own(situation):
     articulation = second.estimate.tractor.yaw - second.estimate.trailer.yaw
     assert plan.deviation == pytest.approx([articulation - follows[0], -follows[1]], abs=1e-12)
     assert controller.solver.p.shape[1] == 11
+
+
+@pytest.mark.parametrize("nominal", list(Nominal))
+def test_while_the_solver_fails_the_last_plan_is_gone_on_along_and_nothing_held_to_it(situation, nominal):
+    controller = ArticulatedTractor(VEHICLE, PRODUCT, SAMPLE_TIME, tubes(nominal).tractor)
+    for k in range(3):
+        last = step(controller, situation(left=0.1 + 0.02 * k, ahead=0.2 * k, curvature=0.08))
+    assert last.status is SolverStatus.SOLVED
+    for k in range(1, 4):
+        plan = step(controller, situation(left=0.3, ahead=0.4 + 0.2 * k, curvature=0.08).nowhere())
+        assert plan.status is not SolverStatus.SOLVED
+        assert plan.steering == last.steerings[k]
+        assert plan.poses[0].tolist() == last.poses[k].tolist()
+        assert plan.deviation.tolist() == [0.0] * 3
 
 
 def test_after_a_failure_the_nominal_state_is_the_estimate(situation):

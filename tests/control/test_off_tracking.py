@@ -1,16 +1,15 @@
 """What the trailer's steering leaves of its off-tracking, against exact circles and the simulated machine."""
 
 import math
-from ctypes import byref
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from c_signals import given
 
 from drawbar.codegen import Workspace, build
 from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import SharingSettings
-from drawbar.exchange import CEstimate
 from drawbar.machine.settings import CrabProcess, GroundSettings, SensorSettings, SimulatedMachineSettings, SlipProcess
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.signals import Command, Pose
@@ -62,10 +61,9 @@ class SharedError:
         return self._call("remainder_of", estimate, curvature)
 
     def _call(self, function, estimate, curvature):
-        array, seen = self.workspace.array, CEstimate()
+        array = self.workspace.array
         array("samples")[: len(curvature), 3], array("stages")[:] = curvature, len(curvature)
-        seen.write(estimate)
-        self.workspace.function(function, pointers=1)(byref(seen))
+        self.workspace.function(function, pointers=1)(given(estimate))
         return array("result")[: len(curvature)].copy()
 
 
@@ -123,6 +121,7 @@ def steady_error(curvature, tractor_crab, trailer_crab):
     steering = math.atan(VEHICLE.wheelbase * curvature / math.cos(tractor_crab) + math.tan(tractor_crab))
     for _ in range(200):
         machine.write(Command(time=0.0, tractor_steering=steering, trailer_steering=math.radians(20.0), speed=1.0))
+        machine.read()
     truth = machine.truth()
     course = truth.tractor.yaw + tractor_crab
     centre = complex(truth.tractor.x, truth.tractor.y) + 1j * complex(math.cos(course), math.sin(course)) / curvature

@@ -3,8 +3,8 @@ import math
 
 import numpy as np
 import pytest
+from controllers import PurePursuit
 
-from drawbar.control.pure_pursuit import PurePursuit
 from drawbar.control.settings import PurePursuitSettings
 from drawbar.vehicle.parameters import VehicleParameters
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
+from controllers import ArticulatedTractor
 
-from drawbar.control.articulated import ArticulatedTractor
 from drawbar.control.settings import ArticulatedControllerSettings
 from drawbar.signals import BodyReference, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters

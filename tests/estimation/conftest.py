@@ -2,18 +2,20 @@
 
 import math
 from collections.abc import Callable, Iterable
-from ctypes import byref
 from dataclasses import replace
+from itertools import islice
 
 import casadi as ca
 import numpy as np
 import pytest
+from alone import Alone
+from c_signals import given, room, taken
+from estimators import MovingHorizonEstimator
 
-from drawbar.codegen.component import Component
+from drawbar.codegen import Unit
 from drawbar.config import load_configuration
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.description import EstimationModel
-from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.estimation.settings import (
     ArticulatedEstimatorSettings,
     ScreeningSettings,
@@ -22,10 +24,10 @@ from drawbar.estimation.settings import (
     TricycleEstimatorSettings,
 )
 from drawbar.estimation.tricycle import TricycleEstimation
-from drawbar.exchange import CCommand, CEstimate, CMeasurement
 from drawbar.geometry import Floats
 from drawbar.settings import Settings
 from drawbar.signals import Command, Estimate, Measurement
+from drawbar.simulation import Simulation
 from drawbar.vehicle.model import integrate
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
@@ -41,22 +43,22 @@ UNIT = """
 struct component {{ struct estimation_model model; double state[12], y[12], rates[2]; }};
 #define COMPONENT_FIELDS MODEL_FIELDS(component, model.) \\
     FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 12, 0, 0) FIELD(component, rates, 0, 2, 0, 0)
-int first_guess(struct component *component, const struct drawbar_measurement *first)
+int UNIT(first_guess)(struct component *component, const struct drawbar_measurement *first)
 {{
     return model_first_guess(&component->model, first, component->state);
 }}
-int outputs(struct component *component, const struct drawbar_measurement *measurement)
+int UNIT(outputs)(struct component *component, const struct drawbar_measurement *measurement)
 {{
     model_outputs(&component->model, measurement, component->y);
     return 0;
 }}
-int steering_rates(struct component *component, const struct drawbar_command *command)
+int UNIT(steering_rates)(struct component *component, const struct drawbar_command *command)
 {{
     model_steering_rates(&component->model, component->state, command, component->rates);
     return STEERING_RATES;
 }}
-int estimate(struct component *component, const struct drawbar_measurement *measurement,
-             struct drawbar_estimate *estimate)
+int UNIT(estimate)(struct component *component, const struct drawbar_measurement *measurement,
+                   struct drawbar_estimate *estimate)
 {{
     model_estimate(&component->model, component->state, measurement, 0, estimate);
     return 0;
@@ -64,40 +66,35 @@ int estimate(struct component *component, const struct drawbar_measurement *meas
 """
 
 
-class CompiledModel(Component):
+class CompiledModel(Alone):
     """What a model's header offers to the estimators, by itself."""
 
     def __init__(self, model: EstimationModel) -> None:
-        super().__init__(f"{model.name}_model", UNIT.format(name=model.name))
-        for name, value in model.constants.items():
-            self.array(f"model.{name}")[:] = value
-        self.state = self.array("state")
-        self._measurement, self._command, self._estimate = CMeasurement(), CCommand(), CEstimate()
+        constants = {f"model.{name}": value for name, value in model.constants.items()}
+        source = UNIT.format(name=model.name)
+        super().__init__(Unit(name="model", source=source, configure=lambda workspace: workspace.write(constants)))
+        self.state = self.live.array("state")
 
     def first_guess(self, measurement: Measurement) -> Floats | None:
         """Return the state (12,), which is kept; None where there is no guess."""
-        self._measurement.write(measurement)
-        guessed = self.function("first_guess", pointers=1)(byref(self._measurement))
-        return self.state.copy() if guessed else None
+        return self.state.copy() if self.call("first_guess", given(measurement)) else None
 
     def outputs(self, measurement: Measurement) -> Floats:
         """Return the outputs (12,), zero where the model has fewer."""
-        self._measurement.write(measurement)
-        self.function("outputs", pointers=1)(byref(self._measurement))
-        return self.array("y").copy()
+        self.call("outputs", given(measurement))
+        return self.live.array("y").copy()
 
     def steering_rates(self, command: Command) -> list[float]:
         """Return the rates that a command gives in the state that is kept."""
-        self._command.write(command)
-        count = self.function("steering_rates", pointers=1)(byref(self._command))
-        rates: list[float] = self.array("rates")[:count].tolist()
+        count = self.call("steering_rates", given(command))
+        rates: list[float] = self.live.array("rates")[:count].tolist()
         return rates
 
     def estimate(self, measurement: Measurement) -> Estimate:
         """Return the estimate of the state that is kept."""
-        self._measurement.write(measurement)
-        self.function("estimate", pointers=2)(byref(self._measurement), byref(self._estimate))
-        return self._estimate.read()
+        estimate = room(Estimate)
+        self.call("estimate", given(measurement), estimate)
+        return taken(Estimate, estimate)
 
 
 @pytest.fixture(scope="session")
@@ -188,12 +185,8 @@ def follow() -> Callable[..., list[Estimate]]:
 @pytest.fixture(scope="session")
 def recording() -> list[Measurement]:
     """Return 60 s of a real drive: the simulated machine's own noise, slips and rounding on the first curve."""
-    from drawbar.step.build import build_autopilot, build_machine, build_path
-
-    configuration = load_configuration("articulated")
-    path, _ = build_path(configuration)
-    autopilot = build_autopilot(configuration, path, build_machine(configuration, path, seed=5))
-    return [autopilot.step().measurement for _ in range(300)]
+    with Simulation(load_configuration("articulated"), seed=5) as simulation:
+        return [record.measurement for record in islice(simulation.steps(), 300)]
 
 
 def rotated(measurement: Measurement, angle: float, shift: tuple[float, float] = (0.0, 0.0)) -> Measurement:

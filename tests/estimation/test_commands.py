@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from estimators import ExtendedKalmanFilter, MovingHorizonEstimator
 
 from drawbar.estimation.articulated import ArticulatedEstimation
-from drawbar.estimation.extended_kalman import ExtendedKalmanFilter
-from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.estimation.settings import ArticulatedEstimatorSettings
 from drawbar.signals import Command, Measurement
 from drawbar.vehicle.parameters import VehicleParameters

@@ -5,9 +5,10 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
+from estimators import DeadTimePredictor
 from scipy.integrate import solve_ivp
 
-from drawbar.estimation.dead_time import DeadTimePredictor
+from drawbar.estimation.dead_time import dead_time_unit
 from drawbar.signals import Command, Estimate, Pose, SolverStatus
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.parameters import VehicleParameters
@@ -109,11 +110,8 @@ def test_before_any_command_the_wheels_stay_as_they_are() -> None:
     assert (then.tractor_steering, then.trailer_steering) == pytest.approx((0.1, 0.04))
 
 
-def test_without_dead_time_the_estimate_is_passed_on() -> None:
-    ahead, now = predictor(articulated, 0.0), estimate()
-    newest = command(0.2, 0.1)
-    assert ahead.sent(newest) is newest
-    assert ahead.ahead(now) is now
+def test_without_dead_time_there_is_nothing_to_predict() -> None:
+    assert dead_time_unit(vehicle(0.0), articulated(vehicle(0.0)), SAMPLE) is None
 
 
 @pytest.mark.parametrize(("dead_time", "late"), [(0.05, 0), (0.1, 1), (0.2, 1), (0.25, 1), (0.6, 3)])

@@ -6,11 +6,10 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from estimators import ExtendedKalmanFilter, MovingHorizonEstimator
 
-from drawbar.errors import HardwareError, ModelError
+from drawbar.errors import ModelError
 from drawbar.estimation.articulated import ArticulatedEstimation
-from drawbar.estimation.extended_kalman import ExtendedKalmanFilter
-from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.estimation.settings import (
     ArticulatedDrift,
     ArticulatedEstimatorSettings,
@@ -347,11 +346,6 @@ def test_both_antennas_can_start_it_anew(name, recording):
     assert math.hypot(estimate.tractor.x - towed.tractor_x, estimate.tractor.y - towed.tractor_y) < 0.1  # of 4 m
     assert np.abs(estimator.state[list(YAWS[name])] - yaws).max() < 0.5  # the same branch
     assert estimator.deviation[6] == pytest.approx(first_deviation[6], rel=1e-2)  # no slip has shown yet
-
-
-def test_without_a_position_it_does_not_begin(model, recording):
-    with pytest.raises(HardwareError, match="lacks a position"):
-        ExtendedKalmanFilter(model, replace(recording[0], trailer_y=math.nan))
 
 
 def window_deviation(estimator, model, travel) -> Floats:

@@ -1,25 +1,31 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from c_signals import given
+from estimators import Estimator
 
 from drawbar.config import load_configuration
-from drawbar.errors import HardwareError
-from drawbar.estimation.ideal import IdealEstimator
-from drawbar.signals import Command
-from drawbar.step.build import build_machine, build_path
+from drawbar.estimation.ideal import IDEAL_UNIT, ideal_estimate
+from drawbar.signals import Command, SolverStatus
+from drawbar.simulation import build_machine, build_path
 
 
-def test_everything_is_true():
+@pytest.fixture(scope="module")
+def drive():
+    """Return the truth and the measurement after ten seconds on a curve."""
     configuration = load_configuration("articulated-ideal", ["machine.ground.steering_offset=0.01"])
-    path, _ = build_path(configuration)
-    machine = build_machine(configuration, path, seed=3)
-    estimator = IdealEstimator(machine.truth)
+    machine = build_machine(configuration, build_path(configuration)[0], seed=3)
     for k in range(50):
         machine.write(Command(time=0.2 * k, tractor_steering=0.2, trailer_steering=-0.1, speed=1.0))
-    truth, measurement = machine.truth(), machine.read()
-    estimate = estimator.update(measurement)
-    assert estimate.time == truth.time == measurement.time
+        measurement = machine.read()
+    return machine.truth(), measurement
+
+
+def test_everything_is_true(drive):
+    truth, measurement = drive
+    estimate = ideal_estimate(truth)
     same = set(type(truth).__dataclass_fields__) & set(type(estimate).__dataclass_fields__)
     assert all(getattr(estimate, name) == getattr(truth, name) for name in same)
     assert set(type(estimate).__dataclass_fields__) - same >= {"hitch_angle", "trailer_slip", "status"}
@@ -27,24 +33,12 @@ def test_everything_is_true():
     # the sensor, whose noise is 1°, sees the very angle
     assert estimate.hitch_angle == pytest.approx(measurement.hitch_angle, abs=0.07)
     assert abs(estimate.hitch_angle) > 0.1
-    estimator.prepare()
-    assert math.isnan(estimator.times.feedback)
-    assert math.isnan(estimator.times.prepare)
 
 
-def test_a_machine_without_truth_is_refused():
-    with pytest.raises(HardwareError, match="only a simulated machine knows"):
-        IdealEstimator(lambda: None)
-
-
-def test_errors_that_are_asked_for_are_added_across_and_around():
-    configuration = load_configuration("articulated-ideal")
-    machine = build_machine(configuration, build_path(configuration)[0], seed=3)
-    for k in range(50):
-        machine.write(Command(time=0.2 * k, tractor_steering=0.2, trailer_steering=-0.1, speed=1.0))
-    truth = machine.truth()
+def test_errors_that_are_asked_for_are_added_across_and_around(drive):
+    truth, _ = drive
     errors = np.array([0.1, 0.02, 0.03, -0.2, -0.01, 0.04])
-    estimate = IdealEstimator(lambda: truth, lambda: errors).update(machine.read())
+    estimate = ideal_estimate(truth, lambda: errors)
     for body, (left, turn, steering) in zip(("tractor", "trailer"), errors.reshape(2, 3), strict=True):
         believed, true = getattr(estimate, body), getattr(truth, body)
         shift = np.array([believed.x - true.x, believed.y - true.y])
@@ -56,3 +50,12 @@ def test_errors_that_are_asked_for_are_added_across_and_around():
         estimate.tractor.yaw - estimate.trailer.yaw - estimate.trailer_steering, abs=1e-12
     )
     assert estimate.tractor_crab == truth.tractor_crab
+
+
+def test_the_estimator_hands_on_what_it_was_given_at_the_measurements_time(drive):
+    truth, measurement = drive
+    estimator, estimate = Estimator(IDEAL_UNIT, measurement), ideal_estimate(truth)
+    estimator.live.array("given")[:] = given(estimate)
+    assert estimator.begun is SolverStatus.SOLVED
+    assert estimator.update(replace(measurement, time=99.0)) == replace(estimate, time=99.0)
+    assert estimator.prepare() is estimator.skip() is SolverStatus.SOLVED

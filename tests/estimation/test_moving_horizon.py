@@ -3,9 +3,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from estimators import MovingHorizonEstimator
 
 from drawbar.estimation.articulated import ArticulatedEstimation
-from drawbar.estimation.moving_horizon import MovingHorizonEstimator
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, ScreeningSettings, TricycleEstimatorSettings
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.geometry import wrap

@@ -1,36 +1,40 @@
 import numpy as np
 import pytest
+from alone import Alone
 
-from drawbar.codegen.component import Component
+from drawbar.codegen import Unit
 
 UNIT = """
 #include "noise_level.h"
 struct component { struct noise_level noise; double disagreement[2], limit, deviation; int32_t memory; };
 #define COMPONENT_FIELDS FIELD(component, disagreement, 0, 2, 0, 0) FIELD(component, limit, 0, 1, 0, 0) \\
     FIELD(component, deviation, 0, 1, 0, 0) FIELD(component, memory, 1, 1, 0, 0)
-int update(struct component *component)
+int UNIT(update)(struct component *component)
 {
     noise_update(&component->noise, component->disagreement, component->limit, component->memory);
     component->deviation = noise_deviation(&component->noise);
     return 0;
 }
-int interrupt(struct component *component) { noise_interrupt(&component->noise); return 0; }
+int UNIT(interrupt)(struct component *component) { noise_interrupt(&component->noise); return 0; }
 """
 
 
-class NoiseLevel(Component):
+class NoiseLevel(Alone):
     def __init__(self, memory):
-        super().__init__("noise_level", UNIT)
-        self.array("memory")[:] = memory
-        self._update, self.interrupt = self.function("update"), self.function("interrupt")
+        super().__init__(
+            Unit(name="noise", source=UNIT, configure=lambda workspace: workspace.write({"memory": memory}))
+        )
 
     def update(self, disagreement, limit):
-        self.array("disagreement")[:], self.array("limit")[:] = disagreement, limit
-        self._update()
+        self.live.write({"disagreement": disagreement, "limit": limit})
+        self.call("update")
+
+    def interrupt(self):
+        self.call("interrupt")
 
     @property
     def deviation(self):
-        return float(self.array("deviation")[0])
+        return float(self.live.array("deviation")[0])
 
 
 def level(series, limit=10.0):

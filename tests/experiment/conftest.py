@@ -11,7 +11,7 @@ from rich.console import Console
 from drawbar.config import load_configuration
 from drawbar.experiment.cluster import open_cluster
 from drawbar.experiment.experiment import Experiment, load_experiment
-from drawbar.experiment.progress import CampaignProgress
+from drawbar.experiment.progress import RunsProgress
 from drawbar.experiment.task import Result, Task, run_task
 
 SHORT = ("path.radii=[5.0]", "path.straight_length=1.0")
@@ -38,8 +38,8 @@ def cluster() -> Iterator[Client]:
 
 
 @pytest.fixture
-def progress() -> Iterator[CampaignProgress]:
-    with CampaignProgress(Console(quiet=True), "test") as progress:
+def progress() -> Iterator[RunsProgress]:
+    with RunsProgress(Console(quiet=True), "test") as progress:
         yield progress
 
 

@@ -11,12 +11,12 @@ from distributed import Client
 
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.analysis import error_figures, load_analysis, table_of_means
-from drawbar.experiment.campaign import Campaign
 from drawbar.experiment.document import write_report, write_results
 from drawbar.experiment.experiment import Experiment
 from drawbar.experiment.measure import Runs, measure
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Text
-from drawbar.experiment.progress import CampaignProgress
+from drawbar.experiment.progress import RunsProgress
 from drawbar.experiment.task import run_task
 
 Write = Callable[[str], Experiment]
@@ -26,13 +26,13 @@ def files(experiment: Experiment) -> dict[Path, int]:
     return {file: os.stat(file).st_mtime_ns for file in experiment.folder.glob(".runs/*/*.msgpack")}
 
 
-def campaign_of(experiment: Experiment, runs: dict[str, Runs], seeds: int = 3) -> Campaign:
+def measured_of(experiment: Experiment, runs: dict[str, Runs], seeds: int = 3) -> MeasuredExperiment:
     figures = {case: [error_figures(result.metrics) for result in each.results] for case, each in runs.items()}
-    return Campaign(experiment=experiment, seeds=seeds, runs=runs, figures=figures)
+    return MeasuredExperiment(experiment=experiment, seeds=seeds, runs=runs, figures=figures)
 
 
 def test_results_are_those_of_the_same_tasks_here_and_never_measured_twice(
-    cluster: Client, write_experiment: Write, two_cases: str, progress: CampaignProgress
+    cluster: Client, write_experiment: Write, two_cases: str, progress: RunsProgress
 ) -> None:
     experiment = write_experiment(two_cases)
     runs = measure(cluster, experiment, 2, progress)
@@ -50,14 +50,14 @@ def test_results_are_those_of_the_same_tasks_here_and_never_measured_twice(
 
 
 def test_a_run_without_a_result_is_told_and_tried_again(
-    cluster: Client, write_experiment: Write, two_cases: str, progress: CampaignProgress
+    cluster: Client, write_experiment: Write, two_cases: str, progress: RunsProgress
 ) -> None:
     text = two_cases.replace('"error.tractor"', '"error.plough"') + 'expected.slow."trailer all" = { at_most = 5.0 }'
     experiment = write_experiment(text)
     runs = measure(cluster, experiment, 1, progress)
     assert all(not each.results for each in runs.values())
     assert files(experiment) == {}
-    misses = campaign_of(experiment, runs, 1).misses()
+    misses = measured_of(experiment, runs, 1).misses()
     assert len(misses) == 3
     assert misses[0].startswith("articulated: seed 0: AttributeError: ")
     assert misses[2] == "slow: trailer all is –, expected ≤ 5"
@@ -67,7 +67,7 @@ def test_workers_with_other_code_are_refused(
     cluster: Client,
     write_experiment: Write,
     two_cases: str,
-    progress: CampaignProgress,
+    progress: RunsProgress,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("drawbar.experiment.measure.source_digest", lambda: "another")
@@ -76,62 +76,62 @@ def test_workers_with_other_code_are_refused(
 
 
 @pytest.fixture
-def campaign(write_experiment: Write, two_cases: str, short_result) -> Campaign:
+def measured(write_experiment: Write, two_cases: str, short_result) -> MeasuredExperiment:
     expected = 'expected.slow = { "tractor all" = { at_most = 99.0 }, "trailer all" = { at_most = 0.001 } }'
     runs = {case: Runs(results=[short_result], failures=[]) for case in ("articulated", "slow")}
-    return campaign_of(write_experiment(two_cases + expected), runs, seeds=1)
+    return measured_of(write_experiment(two_cases + expected), runs, seeds=1)
 
 
-def test_verdicts_and_misses(campaign: Campaign) -> None:
-    assert [verdict.holds for verdict in campaign.verdicts()] == [True, False]
-    (miss,) = campaign.misses()
+def test_verdicts_and_misses(measured: MeasuredExperiment) -> None:
+    assert [verdict.holds for verdict in measured.verdicts()] == [True, False]
+    (miss,) = measured.misses()
     assert miss.startswith("slow: trailer all is ")
     assert miss.endswith("expected ≤ 0.001")
 
 
-def test_an_expected_case_must_come_to_the_end(campaign: Campaign, short_result) -> None:
+def test_an_expected_case_must_come_to_the_end(measured: MeasuredExperiment, short_result) -> None:
     lost = dataclasses.replace(
         short_result, metrics=dataclasses.replace(short_result.metrics, finished=False, outcome="lost")
     )
     runs = {"articulated": Runs(results=[lost], failures=[]), "slow": Runs(results=[lost], failures=[])}
-    assert dataclasses.replace(campaign, runs=runs).misses()[0] == "slow, seed 1: lost"
-    assert dataclasses.replace(campaign, runs=runs).finished("articulated") == "0/1"
+    assert dataclasses.replace(measured, runs=runs).misses()[0] == "slow, seed 1: lost"
+    assert dataclasses.replace(measured, runs=runs).finished("articulated") == "0/1"
 
 
-def test_statistics_and_names_of_figures(campaign: Campaign, short_result) -> None:
+def test_statistics_and_names_of_figures(measured: MeasuredExperiment, short_result) -> None:
     mean = 100.0 * short_result.metrics.error_m.trailer["all"].mean
-    assert campaign.statistic("slow", "trailer all").mean == pytest.approx(mean)
-    assert campaign.figure_names[:3] == ["tractor straight", "tractor 0.2", "tractor all"]
-    assert campaign.statistic("slow", "no such figure").text() == "–"
-    assert campaign.finished("slow") == "1/1"
+    assert measured.statistic("slow", "trailer all").mean == pytest.approx(mean)
+    assert measured.figure_names[:3] == ["tractor straight", "tractor 0.2", "tractor all"]
+    assert measured.statistic("slow", "no such figure").text() == "–"
+    assert measured.finished("slow") == "1/1"
 
 
-def test_a_seed_without_a_result_leaves_the_others_in_their_place(campaign: Campaign) -> None:
+def test_a_seed_without_a_result_leaves_the_others_in_their_place(measured: MeasuredExperiment) -> None:
     figures = {"slow": [{"x": 1.0}, {}, {"x": 3.0}]}
-    with_gap = dataclasses.replace(campaign, seeds=3, figures=figures)
+    with_gap = dataclasses.replace(measured, seeds=3, figures=figures)
     first, gap, last = with_gap.values("slow", "x")
     assert (first, last) == (1.0, 3.0)
     assert math.isnan(gap)
     assert with_gap.statistic("slow", "x").text() == "–"
 
 
-def test_results_and_report_say_what_was_missed(campaign: Campaign, tmp_path: Path) -> None:
-    parts = [*table_of_means(campaign), Text(text="In words.")]
-    write_results(campaign, parts)
-    results = (campaign.experiment.folder / "results.md").read_text("utf-8")
+def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment, tmp_path: Path) -> None:
+    parts = [*table_of_means(measured), Text(text="In words.")]
+    write_results(measured, parts)
+    results = (measured.experiment.folder / "results.md").read_text("utf-8")
     assert results.startswith("# Two controllers\n")
     assert "2 cases with the seeds 0 to 0: 2 runs, 0 of them given up" in results
     assert "| **missed** |" in results
     assert "([CSV](means.csv))" in results
-    write_report(tmp_path / "REPORT.md", [(campaign, parts)])
+    write_report(tmp_path / "REPORT.md", [(measured, parts)])
     report = (tmp_path / "REPORT.md").read_text("utf-8")
     assert "| small | 2 | 1 | 2 | **1** |" in report
     assert "([CSV](small/means.csv))" in report
     assert "| casadi | " in report
 
 
-def test_own_functions_take_the_place_of_the_defaults(campaign: Campaign, short_result) -> None:
-    folder = campaign.experiment.folder
+def test_own_functions_take_the_place_of_the_defaults(measured: MeasuredExperiment, short_result) -> None:
+    folder = measured.experiment.folder
     assert load_analysis(folder).figures(short_result) == error_figures(short_result.metrics)
     (folder / "analysis.py").write_text("LIMIT = 3.0\ndef figures(result):\n    return {'limit': LIMIT}\n", "utf-8")
     analysis = load_analysis(folder)

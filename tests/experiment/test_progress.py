@@ -5,7 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from drawbar.experiment.progress import CampaignProgress, progress_line
+from drawbar.experiment.progress import RunsProgress, progress_line
 from drawbar.report import live
 
 
@@ -21,7 +21,7 @@ def test_failures_and_the_end_are_always_shown(terminal: bool, monkeypatch: pyte
     monkeypatch.setattr(live, "_PLAIN_REFRESH", 1e9)
     stream = io.StringIO()
     console = Console(file=stream, force_terminal=terminal, width=120)
-    with CampaignProgress(console, "tube") as shown:
+    with RunsProgress(console, "tube") as shown:
         shown.begin("runs", 3, done=1)
         shown.advance("no such column")
         assert "failed: no such column" in stream.getvalue()

@@ -5,15 +5,18 @@ import subprocess
 from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.config import load_configuration
-from drawbar.exchange import CCommand, CMeasurement
+from drawbar.exchange import Layout
 from drawbar.export.export import export_library
 from drawbar.guidance.path import Path as DrivenPath
-from drawbar.signals import Command, Measurement
+from drawbar.signals import Command, Diagnostics, Estimate, Measurement
+
+MEASUREMENT, COMMAND, ESTIMATE, DIAGNOSTICS = map(Layout, (Measurement, Command, Estimate, Diagnostics))
 
 
 class Library:
@@ -26,20 +29,23 @@ class Library:
         self.functions = ctypes.CDLL(str(file))
         self.functions.drawbar_version.restype = self.functions.drawbar_status_text.restype = ctypes.c_char_p
         self.state = (ctypes.c_double * (self.functions.drawbar_state_size() // 8))()
+        self._given, self._taken = MEASUREMENT.buffer(), COMMAND.buffer()
+
+    def call(self, name: str, *arguments: Any) -> int:
+        """Call a function of drawbar.h on the state."""
+        return int(getattr(self.functions, f"drawbar_{name}")(self.state, *arguments))
 
     def begin(self, path: DrivenPath) -> int:
         """Start a run along a path; returns the status."""
         self._nodes = path.nodes  # the library keeps no copy
-        self.functions.drawbar_init(self.state)
-        nodes = self._nodes.ctypes.data_as(ctypes.c_void_p)
-        return int(self.functions.drawbar_set_path(self.state, nodes, len(self._nodes)))
+        self.call("init")
+        return self.call("set_path", self._nodes.ctypes.data_as(ctypes.c_void_p), len(self._nodes))
 
     def step(self, measurement: Measurement) -> tuple[Command, int]:
         """Return the command for a measurement, and the status."""
-        given, taken = CMeasurement(), CCommand()
-        given.write(measurement)
-        status = self.functions.drawbar_step(self.state, ctypes.byref(given), ctypes.byref(taken))
-        return taken.read(), status
+        MEASUREMENT.pack(self._given, measurement)
+        status = self.call("step", self._given, self._taken)
+        return COMMAND.unpack(self._taken), status
 
     def drive(self, path: DrivenPath, measurements: Iterable[Measurement]) -> tuple[list[Command], list[int]]:
         """Return commands and statuses of a whole run."""
@@ -63,7 +69,7 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def compiled() -> Callable[..., Library]:
-    """Return a function that compiles an exported folder for this machine, by default as Python's own solvers are."""
+    """Return a function that compiles an exported folder for this machine, by default as Python's own library is."""
 
     @cache
     def compiled(folder: Path, flags: tuple[str, ...] = FLAGS) -> Path:
@@ -75,3 +81,15 @@ def compiled() -> Callable[..., Library]:
         return file
 
     return lambda *arguments: Library(compiled(*arguments))
+
+
+@pytest.fixture(scope="session")
+def answers() -> Callable[[Callable[..., int]], tuple[bytes, bytes]]:
+    """Return a function that asks a library, by its call(), for estimate and diagnostics: as they lie in memory."""
+
+    def answers(call: Callable[..., int]) -> tuple[bytes, bytes]:
+        estimate, diagnostics = ESTIMATE.buffer(), DIAGNOSTICS.buffer()
+        assert call("get_estimate", estimate) == call("get_diagnostics", diagnostics) == 0
+        return bytes(estimate), bytes(diagnostics)
+
+    return answers

@@ -35,7 +35,8 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
     for name in ("include/drawbar.h", "src/step.c", "example/main.c", "example/path.csv", "CMakeLists.txt"):
         assert (folder / name).is_file()
     assert "speed = 0.8" in (folder / "config.toml").read_text("utf-8")
-    assert "DRAWBAR_SPEED 0.8" in (folder / "src" / "drawbar_components.h").read_text("utf-8")
+    header = (folder / "src" / "drawbar_components.h").read_text("utf-8")
+    assert "DRAWBAR_STEP_SETTINGS {0.2, 0.8, 0.8, 0.5, 1.0, 3.0}" in header
     manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
     assert manifest["configuration"]["name"] == "articulated"
     assert manifest["targets"] == {}
@@ -45,7 +46,7 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
         "tractor": CONTROL_ITERATIONS,
         "trailer": CONTROL_ITERATIONS,
     }
-    assert manifest["state_bytes"] >= sum(manifest["parts_bytes"].values())
+    assert manifest["state_bytes"] >= sum(manifest["components_bytes"].values())
 
 
 REFUSED = {
@@ -53,7 +54,7 @@ REFUSED = {
     "unknown target": (("--out", "library", "--target", "sparc"), "'sparc'"),
     "folder is a file": (("--out", "file"), "file"),
     "folder with other files": (("--out", "taken"), "choose another"),
-    "simulation only": (("--out", "library", "--set", "estimator.model=ideal"), "IdealEstimator"),
+    "simulation only": (("--out", "library", "--set", "estimator.model=ideal"), "The estimator of this configuration"),
 }
 
 
@@ -61,10 +62,10 @@ REFUSED = {
 def test_what_cannot_be_exported_is_refused_in_one_message(drawbar: Drawbar, tmp_path, case: str) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "taken" / "src").mkdir(parents=True)
-    arguments, part = REFUSED[case]
+    arguments, words = REFUSED[case]
     code, said = drawbar("articulated", *arguments)
     assert code == 2
-    assert part in said
+    assert words in said
     assert "Traceback" not in said
     assert not (tmp_path / "library").exists()
     assert (tmp_path / "taken" / "src").is_dir()

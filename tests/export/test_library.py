@@ -1,12 +1,12 @@
-"""The exported library in this process, built as Python's own solvers are: it does what they do."""
+"""The exported library in this process, built as Python's own: it does what that does."""
 
+import ctypes
 from dataclasses import replace
 from itertools import islice
 
 import pytest
 
-from drawbar.export.units import units_of
-from drawbar.simulation import drive
+from drawbar.signals import Flag, Status
 
 
 @pytest.fixture(scope="module")
@@ -15,27 +15,36 @@ def library(exported, compiled):
 
 
 @pytest.fixture(scope="module")
-def records(build):
+def simulation(build):
+    with build("articulated") as simulation:
+        yield simulation
+
+
+@pytest.fixture(scope="module")
+def records(simulation):
     """Return the first eight seconds of a run by the Python product."""
-    return list(islice(drive(build("articulated"), time_limit=100.0), 40))
+    return list(islice(simulation.steps(), 40))
 
 
-def test_commands_are_those_of_the_python_product(library, build, records) -> None:
-    path = build("articulated").guidance.path
-    commands, statuses = library.drive(path, [record.measurement for record in records])
+@pytest.fixture
+def begun(library, simulation, records):
+    """Return the library as it is a second before the last of those."""
+    library.drive(simulation.path, [record.measurement for record in records[:35]])
+    return library
+
+
+def test_commands_are_those_of_the_python_product(library, simulation, records) -> None:
+    commands, statuses = library.drive(simulation.path, [record.measurement for record in records])
     assert set(statuses) == {0}
-    for command, record in zip(commands, records, strict=True):
-        assert command.tractor_steering == pytest.approx(record.command.tractor_steering, rel=0.0, abs=1e-12)
-        assert command.trailer_steering == pytest.approx(record.command.trailer_steering, rel=0.0, abs=1e-12)
+    assert commands == [record.command for record in records]
 
 
-def test_one_state_does_not_know_of_another(library, build, records) -> None:
-    path = build("articulated").guidance.path
+def test_one_state_does_not_know_of_another(library, simulation, records) -> None:
     measurements = [record.measurement for record in records]
-    alone, _ = library.drive(path, measurements)
+    alone, _ = library.drive(simulation.path, measurements)
     other = type(library)(library.file)
-    other.begin(path)
-    library.begin(path)
+    other.begin(simulation.path)
+    library.begin(simulation.path)
     together = []
     for measurement in measurements:
         together.append(library.step(measurement)[0])
@@ -43,15 +52,52 @@ def test_one_state_does_not_know_of_another(library, build, records) -> None:
     assert together == alone
 
 
-def test_a_part_knows_every_setting_after_it_is_initialised(library, build) -> None:
-    for unit in units_of(build("articulated")):
-        settings = {name: array.copy() for name, array in unit.workspace.settings().items()}
-        unit.workspace.memory[:] = 0xFF
-        library.functions[f"drawbar_{unit.name}_initialise"](unit.workspace.memory.ctypes.data_as(library.ADDRESS))
-        for name, array in unit.workspace.settings().items():
-            assert array.tobytes() == settings[name].tobytes(), f"{unit.name}: {name}"
+def test_a_component_knows_every_setting_after_it_is_initialised(library, build) -> None:
+    for component in build("articulated").autopilot.library.components.values():
+        component.live.memory[:] = 0xFF
+        memory = component.live.memory.ctypes.data_as(ctypes.c_void_p)
+        getattr(library.functions, f"drawbar_{component.name}_initialise")(memory)
+        for name, array in component.live.settings().items():
+            assert array.tobytes() == component.settings.array(name).tobytes(), f"{component.name}: {name}"
+
+
+def test_the_step_knows_its_settings_after_it_is_initialised(begun, records) -> None:
+    """Its own numbers are in no component: the speed that may be set, and how fast it is approached."""
+    assert begun.call("set_speed", ctypes.c_double(1.01)) == Status.RANGE
+    assert begun.call("set_speed", ctypes.c_double(0.7)) == Status.OK
+    speeds = [begun.step(record.measurement)[0].speed for record in records[35:]]
+    assert speeds == pytest.approx([0.9, 0.8, 0.7, 0.7, 0.7], rel=1e-12)
+
+
+def test_a_run_goes_on_along_another_path(begun, simulation, records) -> None:
+    nodes = simulation.path.nodes.copy()
+    address, at = nodes.ctypes.data_as(ctypes.c_void_p), ctypes.c_double(records[34].reference.tractor.progress)
+    assert begun.call("change_path", address, len(nodes), ctypes.c_double(20.0)) == Status.START
+    assert begun.call("change_path", address, len(nodes), at) == Status.OK
+    assert [begun.step(record.measurement) for record in records[35:]] == [(each.command, 0) for each in records[35:]]
+
+
+def test_a_run_begins_where_it_is_told_to(library, simulation, records) -> None:
+    library.begin(simulation.path)
+    first = records[20].measurement
+    assert library.step(first)[1] == Status.OK
+    assert library.call("begin_at", ctypes.c_double(1.0)) == Status.ORDER
+    library.begin(simulation.path)
+    assert library.call("begin_at", ctypes.c_double(simulation.path.length)) == Status.RANGE
+    assert library.call("begin_at", ctypes.c_double(20.0)) == Status.OK
+    assert library.step(first)[1] == Status.START
+    assert library.call("begin_at", ctypes.c_double(records[20].reference.tractor.progress)) == Status.OK
+    assert library.step(first)[1] == Status.OK
 
 
 def test_says_what_it_is(library) -> None:
     assert library.functions.drawbar_version().startswith(b"drawbar ")
-    assert library.functions.drawbar_status_text(0) == b"a new command"
+
+
+def test_says_what_each_status_and_each_flag_means(library) -> None:
+    said = library.functions.drawbar_status_text
+    texts = [said(status) for status in Status] + [said(flag) for flag in Flag]
+    assert texts[: len(Status)] == [status.text.encode() for status in Status]
+    assert texts[len(Status) :] == [f"a new command; {flag.text}".encode() for flag in Flag]
+    assert said(Flag.LATE | Flag.SLOWED) not in texts
+    assert said(Status.NO_RUN + 1) == said(-1) not in texts

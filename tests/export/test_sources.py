@@ -1,17 +1,22 @@
 """What is written: C99 without a warning, nothing that is not needed, and the same again the next time."""
 
+import csv
 import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+from drawbar.codegen.compiler import find_compiler
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.export.export import export_library
+from drawbar.export.sources import PUBLIC
+from drawbar.signals import Flag, Status
 
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 ZIG = (sys.executable, "-m", "ziglang", "cc")
@@ -27,6 +32,14 @@ OTHERS = {
 }
 
 
+FRAGMENTS = {
+    *("bounds_work.h", "packs.h", "householder.h", "first_guess.h", "moving_horizon.h", "extended_kalman.h"),
+    *("subsystem_phases.h", "centralised.h", "centralised_phases.h", "explicit.h"),
+}
+"""headers that want more of the one that includes them than the numbers with which a component begins"""
+INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
+
+
 def said(command: tuple[str, ...], folder: Path, *names: str) -> str:
     """Return what a compiler says of the sources."""
     sources = [str(file) for name in names for file in sorted(folder.glob(name))]
@@ -40,27 +53,75 @@ def said(command: tuple[str, ...], folder: Path, *names: str) -> str:
         return "".join(pool.map(compile_one, sources))
 
 
-@pytest.mark.parametrize("compiler", [("gcc", "-O1"), (*ZIG, "-O1"), ("gcc", "-fsyntax-only", "-DLANES=1")])
+def said_of(text: str, folder: Path, *command: str) -> str:
+    """Return what a compiler says of a text."""
+    arguments = [*command, "-fsyntax-only", "-"]
+    return subprocess.run(arguments, cwd=folder, input=text, capture_output=True, text=True, check=False).stderr
+
+
+@pytest.mark.parametrize("compiler", [("gcc", "-O1"), (*ZIG, "-O1")], ids=["gcc", "zig"])
 def test_compiles_without_a_warning(exported, compiler: tuple[str, ...]) -> None:
     if shutil.which(compiler[0]) is None:
-        pytest.skip(f"{compiler[0]} is not here")
+        pytest.skip(f"{compiler[0]} is not installed")
     if "ziglang" in compiler:
         pytest.importorskip("ziglang")
     assert said(compiler, exported("articulated"), "src/*.c", "example/*.c") == ""
 
 
+def test_one_lane_at_a_time_compiles_too(exported) -> None:
+    assert said((*find_compiler(), "-O0", "-DLANES=1"), exported("articulated"), "src/*.c") == ""
+
+
 @pytest.mark.parametrize("case", OTHERS)
 def test_other_configurations_compile_too(exported, case: str) -> None:
-    if shutil.which("gcc") is None:
-        pytest.skip("gcc is not here")
-    assert said(("gcc", "-fsyntax-only"), exported(*OTHERS[case]), "src/*.c") == ""
+    assert said((*find_compiler(), "-O0"), exported(*OTHERS[case]), "src/*.c") == ""
 
 
 def test_every_header_is_included_by_something(exported) -> None:
     folder = exported("articulated")
     files = [*folder.glob("src/*"), *folder.glob("include/*")]
-    included = {name for file in files for name in re.findall(r'#include "([^"]+)"', file.read_text("utf-8"))}
+    included = {name for file in files for name in INCLUDE.findall(file.read_text("utf-8"))}
     assert included == {file.name for file in files if file.suffix == ".h"}
+
+
+@pytest.mark.parametrize("language", [("-x", "c", *WARNINGS), ("-x", "c++", "-std=c++11", "-Wall", "-Wextra")])
+@pytest.mark.parametrize("name", PUBLIC)
+def test_a_public_header_needs_no_other_before_it(exported, name: str, language: tuple[str, ...]) -> None:
+    if said_of("", Path(), *find_compiler(), *language[:2]):
+        pytest.skip(f"{find_compiler()[0]} has no {language[1]}")
+    text = f'#include "{name}"\nint something = 1;\n'
+    assert said_of(text, exported("articulated") / "include", *find_compiler(), *language, "-Werror", "-I.") == ""
+
+
+@pytest.mark.parametrize("case", [("articulated",), *OTHERS.values()], ids=["product", *OTHERS])
+def test_a_private_header_needs_the_numbers_of_its_component_alone(exported, case: tuple[str, ...]) -> None:
+    folder = exported(*case) / "src"
+    texts = {file.name: file.read_text("utf-8") for file in (*folder.glob("*"), *folder.glob("../include/*"))}
+    command = (*find_compiler(), "-x", "c", "-std=c99", "-w", "-Werror=implicit-function-declaration", "-I../include")
+
+    def below(name: str) -> set[str]:
+        names = set(INCLUDE.findall(texts[name]))
+        return names.union(*map(below, names))
+
+    checked = set()
+    for unit in sorted(name for name in texts if name.endswith(".c")):
+        numbers = texts[unit][: texts[unit].index("#include")]
+        headers = sorted(below(unit) - checked - FRAGMENTS.union(PUBLIC))
+        checked.update(headers)
+        for header in headers:
+            assert said_of(f'{numbers}\n#include "{header}"\n', folder, *command, "-I.") == "", f"{header} in {unit}"
+    assert len(checked) > 15
+
+
+def test_nothing_of_pythons_own_library_is_written(exported) -> None:
+    folder = exported("articulated") / "src"
+    assert not {"hosted.h", "hosted_step.h", "clock.h", "fields.h", "ideal.h"} & {
+        file.name for file in folder.iterdir()
+    }
+    for file in folder.iterdir():
+        assert not re.search(r"^\s*#.*(HOSTED|<time\.h>|<windows\.h>)", file.read_text("utf-8"), re.MULTILINE), (
+            file.name
+        )
 
 
 def test_the_same_again_the_next_time(exported, tmp_path: Path) -> None:
@@ -79,23 +140,66 @@ def test_no_path_of_this_machine_is_written(exported) -> None:
 
 
 def test_what_exists_in_simulation_only_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ConfigurationError, match=r"IdealEstimator, exists in simulation only"):
+    with pytest.raises(ConfigurationError, match=r"The estimator of .* exists in simulation only"):
         export_library(load_configuration("articulated-ideal"), tmp_path)
     assert not any(tmp_path.iterdir())
 
 
-def test_the_example_replays_what_goes_with_it(exported, tmp_path: Path) -> None:
-    if shutil.which("gcc") is None:
-        pytest.skip("gcc is not here")
+@pytest.fixture(scope="module")
+def example(exported, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], list[list[str]]]:
+    """Return a function that replays a table of measurements: the rows of what the example prints."""
     folder = exported("articulated")
+    here = tmp_path_factory.mktemp("example")
     sources = [*map(str, folder.glob("src/*.c")), str(folder / "example" / "main.c")]
-    program = tmp_path / "example"
-    subprocess.run(["gcc", "-O0", f"-I{folder / 'include'}", *sources, "-lm", "-o", str(program)], check=True)
-    done = subprocess.run(
-        [str(program), "measurements.csv"], cwd=folder / "example", capture_output=True, text=True, check=True
-    )
-    names, *rows = [line.split(",") for line in done.stdout.splitlines()]
+    command = [*find_compiler(), "-O0", f"-I{folder / 'include'}", *sources, "-lm", "-o", str(here / "example")]
+    subprocess.run(command, check=True)
+
+    def replay(measurements: str) -> list[list[str]]:
+        (here / "measured.csv").write_text(measurements, "utf-8")
+        arguments = [str(here / "example"), str(here / "measured.csv")]
+        done = subprocess.run(arguments, cwd=folder / "example", capture_output=True, text=True, check=True)
+        return list(csv.reader(done.stdout.splitlines()))
+
+    return replay
+
+
+@pytest.fixture
+def measurements(exported) -> str:
+    return (exported("articulated") / "example" / "measurements.csv").read_text("utf-8")
+
+
+def test_the_example_replays_what_goes_with_it(example, measurements: str) -> None:
+    names, *rows = example(measurements)
     assert names == ["time", "tractor_steering", "trailer_steering", "speed", "status", "meaning"]
     assert len(rows) == 150
     assert {row[4] for row in rows} == {"0"}
     assert {float(row[3]) for row in rows} == {1.0}
+
+
+def test_a_table_has_the_members_of_its_structure(exported, measurements: str) -> None:
+    folder = exported("articulated")
+    tables = {"measurement": measurements, "path_node": (folder / "example" / "path.csv").read_text("utf-8")}
+    header = (folder / "include" / "drawbar_signals.h").read_text("utf-8")
+    for name, table in tables.items():
+        (members,) = re.findall(rf"^struct drawbar_{name} {{\n(.*?)^}};", header, re.MULTILINE | re.DOTALL)
+        names, *rows = csv.reader(table.splitlines())
+        assert names == re.findall(r"^    (?:double|int32_t) (\w+);", members, re.MULTILINE)
+        assert {len(row) for row in rows} == {len(names)}
+        assert all(repr(float(value)) == value or repr(int(value)) == value for row in rows for value in row if value)
+
+
+def test_what_the_example_is_not_told_has_its_default(example, measurements: str) -> None:
+    """A machine of before: nothing that tells of the receivers, no attitude, no ages."""
+    lines = list(csv.reader(measurements.splitlines()))
+    assert example("\n".join(",".join(line[:9]) for line in lines)) == example(measurements)
+    assert example("\n".join(",".join([*line[:9], *[""] * 18]) for line in lines)) == example(measurements)
+
+
+def test_what_the_example_is_told_arrives(example, measurements: str) -> None:
+    """Each column: a number beyond what its sensor can mean is told from the others by the step's flag."""
+    names, first, *_ = csv.reader(measurements.splitlines())
+    for i, name in enumerate(names[1:25], 1):
+        told = [*first[:i], "1e9", *first[i + 1 :]]
+        _, (*_, status, _) = example("\n".join(map(",".join, (names, told))))
+        absurd = Status.POSITION if name.endswith(("_x", "_y")) else Flag.MEASUREMENT
+        assert int(status) == (Status.OK if name.endswith("_age") else absurd), name

@@ -3,15 +3,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from guides import Guidance, LookAhead, Preview
 
-from drawbar.errors import PathError
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.guidance.guidance import Guidance
-from drawbar.guidance.look_ahead import LookAhead
 from drawbar.guidance.path import Path
-from drawbar.guidance.preview import Preview
 from drawbar.guidance.settings import GuidanceSettings
-from drawbar.signals import Estimate, Pose, SolverStatus
+from drawbar.signals import Estimate, GuidanceStatus, Pose, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
 SETTINGS = GuidanceSettings()
@@ -127,15 +124,21 @@ def test_the_trailer_is_found_further_behind_than_the_tractor_may_be() -> None:
 @pytest.mark.parametrize("position", [(math.nan, 0.0), (0.0, math.inf)])
 def test_a_missing_trailer_position_is_refused(position: tuple[float, float]) -> None:
     start = {"tractor": (0.0, 0.0), "trailer": position}
-    with pytest.raises(PathError, match=r"the trailer\'s position is missing .*(nan|inf)"):
-        LookAhead(EIGHT, SETTINGS, stages=15, interval=0.2, speed=1.0, **start)
+    guidance = LookAhead(EIGHT, SETTINGS, stages=15, interval=0.2, speed=1.0, **start)
+    assert guidance.begun is GuidanceStatus.POSE_NOT_FINITE
 
 
-def test_a_start_far_from_the_path_is_refused_with_both_positions() -> None:
-    with pytest.raises(PathError, match=r"\(-1000\.00, 0\.00\) m is 1000\.00 m .* \(0\.00, 0\.00\).*5 m is allowed"):
-        preview(x=-1000.0)
-    with pytest.raises(PathError, match=r"the tractor's position is missing \(x = nan m, y = 0\.00 m\)"):
-        preview(x=math.nan)
+@pytest.mark.parametrize(
+    ("x", "begun"),
+    [
+        (-4.99, GuidanceStatus.FINE),
+        (-5.01, GuidanceStatus.FAR_FROM_START),
+        (5.01, GuidanceStatus.FAR_FROM_START),
+        (math.nan, GuidanceStatus.FAR_FROM_START),
+    ],
+)
+def test_a_start_far_from_the_path_is_refused(x: float, begun: GuidanceStatus) -> None:
+    assert preview(x=x).begun is begun
 
 
 @pytest.mark.parametrize("field", ["x", "y", "yaw"])
@@ -144,15 +147,55 @@ def test_a_pose_that_is_not_finite_is_refused_and_leaves_the_progress(field: str
     good = beside(EIGHT, 0.5, 0.0)
     bad = Pose(**{"x": good.x, "y": good.y, "yaw": good.yaw} | {field: math.nan})
     for pair in ((bad, good), (good, bad)):
-        with pytest.raises(PathError, match="not finite"):
-            guidance.reference(estimate(*pair))
+        assert guidance.advance(estimate(*pair)) is GuidanceStatus.POSE_NOT_FINITE
     assert guidance.reference(along(0.6)).tractor.progress == pytest.approx(0.6)
 
 
 def test_a_speed_that_is_not_finite_is_refused() -> None:
     pose = beside(EIGHT, 0.5, 0.0)
-    with pytest.raises(PathError, match="speed over ground is nan"):
-        preview().reference(estimate(pose, pose, speed=math.nan))
+    assert preview().advance(estimate(pose, pose, speed=math.nan)) is GuidanceStatus.SPEED_NOT_FINITE
+
+
+def begun_at(kind: type[Guidance], s: float, left: float = 0.0, *, start: float) -> Guidance:
+    """Return guidance that begins at an arc length of the path with a vehicle that stands beside another."""
+    places = [beside(EIGHT, at, left) for at in (s, s - TRAILER_BEHIND)]
+    where = dict(zip(("tractor", "trailer"), [(pose.x, pose.y) for pose in places], strict=True))
+    own = {"vehicle": VehicleParameters()} if kind is Preview else {"speed": 1.0}
+    return kind(EIGHT, SETTINGS, stages=15, interval=0.2, start=start, **own, **where)
+
+
+KINDS = pytest.mark.parametrize("kind", [Preview, LookAhead])
+
+
+@KINDS
+@pytest.mark.parametrize("start", [0.5, 15.0, 31.4, EIGHT.length - 5.0])
+@pytest.mark.parametrize("away", [-4.5, 0.0, 4.5])
+def test_a_run_may_begin_anywhere_on_the_path(kind: type[Guidance], start: float, away: float) -> None:
+    guidance = begun_at(kind, start + away, 0.3, start=start)
+    assert guidance.begun is GuidanceStatus.FINE
+    assert not guidance.finished
+    for s in start + away + np.arange(0.0, 4.0, 0.2):
+        reference = guidance.reference(along(float(s), 0.3))
+        assert reference.tractor.progress == pytest.approx(s, abs=1e-6)
+        assert reference.trailer.progress == pytest.approx(s - TRAILER_BEHIND, abs=1e-6)
+        assert reference.tractor.lateral_error == pytest.approx(0.3, abs=1e-6)
+
+
+@KINDS
+@pytest.mark.parametrize("s", [0.0, EIGHT.length / 2.0, EIGHT.length - 0.1])
+def test_where_the_path_crosses_itself_a_run_begins_on_the_branch_that_was_said(kind: type[Guidance], s: float) -> None:
+    assert math.hypot(*EIGHT.sample(np.array([s]))[0, :2]) < 0.11
+    reference = begun_at(kind, s, start=s).reference(along(s))
+    assert reference.tractor.progress == pytest.approx(s, abs=1e-6)
+    assert reference.trailer.progress == pytest.approx(s - TRAILER_BEHIND, abs=1e-6)
+
+
+@KINDS
+def test_too_far_from_where_it_is_to_begin_no_run_begins(kind: type[Guidance]) -> None:
+    start = 31.4
+    assert begun_at(kind, start + 5.5, start=start).begun is GuidanceStatus.FAR_FROM_START
+    assert begun_at(kind, 0.0, start=start).begun is GuidanceStatus.FAR_FROM_START
+    assert begun_at(kind, start, 5.1, start=start).begun is GuidanceStatus.FAR_FROM_START
 
 
 def facing(x: float, yaw: float) -> Estimate:
@@ -217,13 +260,92 @@ def test_up_to_sixty_degrees_the_path_itself_is_followed(yaw: float) -> None:
     np.testing.assert_allclose(preview().reference(facing(1.0, yaw)).tractor.samples[:, 1], 0.0, atol=1e-9)
 
 
-def test_without_room_to_turn_it_says_what_would_help() -> None:
+def test_without_room_to_turn_there_is_no_way_until_the_tractor_faces_ahead() -> None:
     settings = GuidanceSettings(turning_room=1.0)
     start = {"tractor": (0.0, 0.0), "trailer": (-TRAILER_BEHIND, 0.0)}
     guidance = Preview(EIGHT, settings, vehicle=VehicleParameters(), stages=15, interval=0.2, **start)
-    message = r"faces -?180° away .* within 1 m .*turning_room or vehicle.curvature_limit"
     for _ in range(2):
-        with pytest.raises(PathError, match=message):
-            guidance.reference(facing(0.0, math.pi))
+        assert guidance.advance(facing(0.0, math.pi)) is GuidanceStatus.NO_WAY
     expected = EIGHT.sample(0.2 + 0.9 * 0.2 * np.arange(16))
     np.testing.assert_allclose(guidance.reference(along(0.2)).tractor.samples, expected, atol=1e-6)
+
+
+def laid(pose: Pose, s: float) -> Path:
+    """Return the eight, laid so that it is at a pose at an arc length (m)."""
+    x, y, yaw, _ = EIGHT.sample(np.array([s]))[0].tolist()
+    turn = complex(math.cos(pose.yaw - yaw), math.sin(pose.yaw - yaw))
+    moved = complex(pose.x, pose.y) + turn * (EIGHT.nodes[:, 1:3] @ [1.0, 1.0j] - complex(x, y))
+    nodes = np.column_stack([EIGHT.nodes[:, 0], moved.real, moved.imag, EIGHT.nodes[:, 3] + pose.yaw - yaw])
+    return replace(EIGHT, nodes=nodes)
+
+
+def under_way(kind: type[Guidance], s: float) -> Guidance:
+    """Return guidance that has come along the path to an arc length."""
+    guidance = begun_at(kind, s - 2.0, start=s - 2.0)
+    for place in np.arange(s - 2.0, s + 0.1, 0.2):
+        guidance.reference(along(float(place)))
+    return guidance
+
+
+@KINDS
+@pytest.mark.parametrize("left", [0.0, -0.95])
+def test_a_path_under_the_vehicle_is_gone_on_along(kind: type[Guidance], left: float) -> None:
+    guidance = under_way(kind, 20.0)
+    other = laid(beside(EIGHT, 20.0, -left), 3.0)  # the vehicle is to its left
+    assert guidance.change(other, 3.5, along(20.0)) is GuidanceStatus.FINE
+    reference = guidance.reference(estimate(beside(other, 3.0, left), beside(other, 3.0 - TRAILER_BEHIND, 0.1)))
+    ahead = 0.0 if kind is Preview else SETTINGS.look_ahead
+    for body, s, error in ((reference.tractor, 3.0, left), (reference.trailer, 3.0 - TRAILER_BEHIND, 0.1)):
+        assert (body.progress, body.lateral_error) == pytest.approx((s, error), abs=1e-6)
+        assert body.samples[0] == pytest.approx(other.sample(np.array([s + ahead]))[0], abs=1e-6)
+    for s in np.arange(3.2, EIGHT.length + 0.2, 0.2):
+        assert not guidance.finished
+        guidance.reference(estimate(beside(other, float(s), 0.0), beside(other, float(s) - TRAILER_BEHIND, 0.0)))
+    assert guidance.finished
+
+
+def test_turns_end_where_a_path_lies_under_the_vehicle() -> None:
+    guidance, away = preview(), facing(0.0, math.pi)
+    assert np.abs(guidance.reference(away).tractor.samples[:, 1]).max() > 0.1
+    back = laid(away.tractor, 5.0)
+    assert guidance.change(back, 5.0, away) is GuidanceStatus.FINE
+    samples = guidance.reference(away).tractor.samples
+    np.testing.assert_allclose(samples[:, :2], back.sample(5.0 + 0.9 * 0.2 * np.arange(16))[:, :2], atol=1e-6)
+
+
+HERE = beside(EIGHT, 20.0, 0.0)
+BEHIND = beside(EIGHT, 20.0 - TRAILER_BEHIND, 0.0)
+FAR, NOWHERE = GuidanceStatus.FAR_FROM_START, GuidanceStatus.POSE_NOT_FINITE
+NO_NUMBER = Pose(x=math.nan, y=0.0, yaw=0.0)
+
+
+@KINDS
+@pytest.mark.parametrize(
+    ("path", "at", "poses", "status"),
+    [
+        (laid(beside(EIGHT, 20.0, 1.05), 3.0), 3.0, (HERE, BEHIND), FAR),
+        (laid(beside(EIGHT, 20.0, -1.05), 3.0), 3.0, (HERE, BEHIND), FAR),
+        (laid(replace(HERE, yaw=HERE.yaw + 1.06), 3.0), 3.0, (HERE, BEHIND), FAR),
+        (laid(replace(HERE, yaw=HERE.yaw - 1.06), 3.0), 3.0, (HERE, BEHIND), FAR),
+        (laid(HERE, 3.0), 8.5, (HERE, BEHIND), FAR),
+        (EIGHT, 70.0, (HERE, BEHIND), FAR),
+        (laid(HERE, 3.0), 3.0, (NO_NUMBER, BEHIND), FAR),
+        (laid(HERE, 3.0), 3.0, (replace(HERE, yaw=math.nan), BEHIND), FAR),
+        (laid(HERE, 3.0), 3.0, (HERE, NO_NUMBER), NOWHERE),
+    ],
+    ids=["right", "left", "facing-left", "facing-right", "behind", "elsewhere", "nowhere", "no-yaw", "no-trailer"],
+)
+def test_a_path_elsewhere_is_refused_and_nothing_changes(
+    kind: type[Guidance], path: Path, at: float, poses: tuple[Pose, Pose], status: GuidanceStatus
+) -> None:
+    guidance = under_way(kind, 20.0)
+    before = guidance.live.memory.tobytes()
+    assert guidance.change(path, at, estimate(*poses)) is status
+    assert guidance.live.memory.tobytes() == before
+    assert guidance.reference(along(20.2)).tractor.progress == pytest.approx(20.2, abs=1e-6)
+
+
+@KINDS
+def test_up_to_a_metre_and_sixty_degrees_a_path_is_under_the_vehicle(kind: type[Guidance]) -> None:
+    for pose in (beside(EIGHT, 20.0, 0.95), *(replace(HERE, yaw=HERE.yaw + turn) for turn in (-1.04, 1.04))):
+        assert under_way(kind, 20.0).change(laid(pose, 3.0), 3.0, along(20.0)) is GuidanceStatus.FINE

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from safeguards import CommandGate
 from scipy.integrate import solve_ivp
 
-from drawbar.safety.gate import PATIENCE, CommandGate
+from drawbar.safety.gate import PATIENCE
 from drawbar.signals import Command, GateVerdict, Measurement
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -60,17 +61,19 @@ def test_what_is_within_the_limits_passes_as_it_is(gate):
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, 1.0000001, -1.0000001])
 def test_what_is_not_is_replaced_by_the_last_that_was(gate, field, wrong):
     gate.check(GOOD)
-    bad = replace(GOOD, time=7.0, **{field: wrong * LIMITS[field]})
-    assert gate.check(bad) == (replace(GOOD, time=7.0), REPEATED)
-    assert gate.check(bad) == (replace(GOOD, time=7.0), REPEATED)
-    better = replace(GOOD, time=8.0, tractor_steering=-0.1)
+    for time in (1.2, 1.4):
+        bad = replace(GOOD, time=time, **{field: wrong * LIMITS[field]})
+        assert gate.check(bad) == (replace(GOOD, time=time), REPEATED)
+    better = replace(GOOD, time=1.6, tractor_steering=-0.1)
     assert gate.check(better) == (better, PASSED)
 
 
 def test_before_any_command_the_machine_is_told_to_stand(gate):
-    stand = Command(time=3.0, tractor_steering=0.05, trailer_steering=-0.15, speed=0.0)  # with its wheels as they are
-    answers = [gate.check(replace(GOOD, time=3.0, speed=math.nan)) for _ in range(REPEATS + 1)]
-    assert answers == [(stand, REPEATED)] * REPEATS + [(stand, STOPPED)]
+    times = [0.5 + SAMPLE * k for k in range(1, REPEATS + 2)]
+    answers = [gate.check(replace(GOOD, time=time, speed=math.nan)) for time in times]
+    stand = Command(time=0.0, tractor_steering=0.05, trailer_steering=-0.15, speed=0.0)  # with its wheels as they are
+    verdicts = [REPEATED] * REPEATS + [STOPPED]
+    assert answers == [(replace(stand, time=time), verdict) for time, verdict in zip(times, verdicts, strict=True)]
 
 
 @pytest.mark.parametrize(
@@ -96,6 +99,56 @@ def test_a_command_is_repeated_for_a_while_then_the_vehicle_stops_with_its_steer
         assert gate.check(GOOD) == (GOOD, PASSED)
 
 
+@pytest.mark.parametrize(("step", "repeats"), [(0.21, 4), (0.3, 3), (0.6, 1), (1.1, 0)])
+def test_repeats_end_by_the_clock_as_well_as_by_their_number(gate, step, repeats):
+    for _ in range(2):  # a command that passes between starts the clock anew
+        gate.check(GOOD)
+        later = [GOOD.time + step * k for k in range(1, 7)]
+        answers = [gate.check(replace(GOOD, time=time, speed=math.nan)) for time in later]
+        assert answers[:repeats] == [(replace(GOOD, time=time), REPEATED) for time in later[:repeats]]
+        assert answers[repeats:] == [(replace(GOOD, time=time, speed=0.0), STOPPED) for time in later[repeats:]]
+
+
+def test_a_sample_without_any_command_is_one_with_a_bad_one(gate):
+    gate.check(GOOD)
+    assert [gate.hold(1.0 + SAMPLE * k)[1] for k in range(1, REPEATS + 2)] == [REPEATED] * REPEATS + [STOPPED]
+    gate.check(GOOD)
+    assert gate.hold(1.6) == (replace(GOOD, time=1.6), REPEATED)
+    assert gate.hold(2.2) == (replace(GOOD, time=2.2, speed=0.0), STOPPED)
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf])
+def test_a_time_that_is_none_repeats_nothing(gate, time):
+    gate.check(GOOD)
+    assert gate.hold(time)[1] is STOPPED
+
+
+def test_a_stop_lasts_until_a_command_passes(gate):
+    gate.check(GOOD)
+    assert gate.stop(1.2) == (replace(GOOD, time=1.2, speed=0.0), STOPPED)
+    assert gate.hold(1.4)[1] is STOPPED
+    assert gate.check(replace(GOOD, time=1.6)) == (replace(GOOD, time=1.6), PASSED)
+
+
+def test_a_wrong_call_is_told_to_stand_and_changes_nothing(gate):
+    gate.check(GOOD)
+    for _ in range(REPEATS + 1):
+        assert gate.stand(1.1) == (replace(GOOD, time=1.1, speed=0.0), STOPPED)
+    assert gate.hold(1.2) == (replace(GOOD, time=1.2), REPEATED)
+
+
+def test_before_a_run_there_is_nothing_to_repeat():
+    gate = CommandGate(VEHICLE, None, speed_limit=2.0, sample_time=SAMPLE)
+    nothing = Command(time=0.1, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
+    assert gate.hold(0.1) == (nothing, STOPPED)
+
+
+def test_in_a_sample_that_was_left_out_the_last_command_acts_and_no_repeat_is_counted(gate):
+    gate.check(GOOD)
+    assert [gate.skip() for _ in range(REPEATS + 1)] == [GOOD] * (REPEATS + 1)
+    assert gate.hold(1.8) == (replace(GOOD, time=1.8), REPEATED)
+
+
 @pytest.mark.parametrize("field", CHANGES)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_command_beyond_what_an_actuator_can_tell_leads_it_no_further_than_that(field, sign):
@@ -115,11 +168,16 @@ def test_a_command_beyond_what_an_actuator_can_tell_leads_it_no_further_than_tha
     assert verdicts == [LIMITED] * (len(seen) - 1) + [PASSED]
 
 
-def test_the_wheels_go_on_while_a_command_is_repeated():
+@pytest.mark.parametrize(
+    "pass_by",
+    [lambda gate: gate.check(replace(GOOD, tractor_steering=math.nan)), CommandGate.skip],
+    ids=["bad", "skip"],
+)
+def test_the_wheels_go_on_while_a_command_is_repeated_or_a_sample_left_out(pass_by):
     gate = standing(-0.5, -0.2)
     gate.check(replace(GOOD, tractor_steering=-0.5))
     first, _ = gate.check(replace(GOOD, tractor_steering=0.5))
-    gate.check(replace(GOOD, tractor_steering=math.nan))
+    pass_by(gate)
     second, verdict = gate.check(replace(GOOD, tractor_steering=0.5))
     wheels = angle_after(angle_after(-0.5, first.tractor_steering), first.tractor_steering)
     assert verdict is LIMITED

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from drawbar.settings import Horizon, NonNegative, Positive, PositiveAngle, Settings, Share
 
@@ -133,6 +133,25 @@ class LqrSettings(Settings):
     approach_angle: PositiveAngle = 0.5
     """steepest angle at which the path is approached from afar, rad"""
     trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
+
+
+def _module_and_class(place: str) -> str:
+    module, separator, name = place.partition(":")
+    if not (separator and name.isidentifier() and all(part.isidentifier() for part in module.split("."))):
+        raise ValueError("is not MODULE:CLASS, for example my_package.control:MyController")
+    return place
+
+
+class ExternalControllerSettings(Settings):
+    """A controller of the user's own; `controller.model = "my_package:MyController"` says the same in short."""
+
+    model: Literal["external"]
+    implementation: Annotated[str, AfterValidator(_module_and_class)]
+    """MODULE:CLASS of a subclass of drawbar.Controller, on Python's path or in the working directory"""
+    horizon: Horizon = 20
+    """samples of the path ahead that the guidance hands over"""
+    gains: Mapping[str, float] = {}
+    """numbers that the controller is given"""
 
 
 class Nominal(StrEnum):

@@ -2,6 +2,7 @@
 
 import ctypes
 
+from drawbar.control.external import External
 from drawbar.errors import PathError
 from drawbar.exchange import Layout
 from drawbar.guidance.path import Path
@@ -18,9 +19,9 @@ class Autopilot:
     Each sample: feedback(), send the command whatever the status, then prepare(); record() tells of the step.
     """
 
-    def __init__(self, library: StepLibrary, horizon: int) -> None:
-        """Take the library and the number of stages in its plans."""
-        self.library = library
+    def __init__(self, library: StepLibrary, horizon: int, external: External | None = None) -> None:
+        """Take the library, the number of stages in its plans and, where there is one, the user's own controller."""
+        self.library, self._external = library, external
         self._given, self._taken = _MEASUREMENT.buffer(), _COMMAND.buffer()
         self._feedback = library.function("feedback", self._given, self._taken)
         self.prepare = library.function("prepare")
@@ -75,9 +76,15 @@ class Autopilot:
             _ESTIMATE.pack(structure.memory, estimate)
 
     def feedback(self, measurement: Measurement) -> tuple[Status, Command]:
-        """Return a status and the command to send; where there is a new one the status is OK, see record().flags."""
+        """Return a status and the command to send; where there is a new one the status is OK, see record().flags.
+
+        Whatever a controller of the user's own raises comes out here.
+        """
         _MEASUREMENT.pack(self._given, measurement)
         status = self._feedback()
+        if self._external is not None and (error := self._external.error) is not None:
+            self._external.error = None
+            raise error
         self._measurement, self._command = measurement, _COMMAND.unpack(self._taken)
         self._number += 1
         return (Status.OK if status < Status.REFUSED else Status(status)), self._command

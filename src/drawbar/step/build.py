@@ -8,10 +8,12 @@ from drawbar.control.ancillary import ancillary_unit
 from drawbar.control.articulated import articulated_tractor_unit, articulated_trailer_unit
 from drawbar.control.centralised_articulated import centralised_articulated_unit
 from drawbar.control.centralised_tricycle import centralised_tricycle_unit
+from drawbar.control.external import ExternalUnit, external_unit
 from drawbar.control.lqr import lqr_unit
 from drawbar.control.pure_pursuit import pure_pursuit_unit
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
+    ExternalControllerSettings,
     LqrSettings,
     PurePursuitSettings,
     TricycleControllerSettings,
@@ -47,10 +49,12 @@ def build_autopilot(configuration: Configuration) -> Autopilot:
 
     Raises:
         TubeError: the declared disturbances leave nothing of a bound.
+        ConfigurationError: there is no such controller.
         CompilerError: the control step could not be compiled.
     """
-    horizon = configuration.controller.horizon
-    return Autopilot(StepLibrary(units_of(configuration), step_settings(configuration), horizon), horizon)
+    horizon, units = configuration.controller.horizon, units_of(configuration)
+    external = next((unit.external for unit in units if isinstance(unit, ExternalUnit)), None)
+    return Autopilot(StepLibrary(units, step_settings(configuration), horizon), horizon, external)
 
 
 def step_settings(configuration: Configuration) -> StepSettings:
@@ -117,6 +121,8 @@ def _controllers(configuration: Configuration, tubes: Tubes | None) -> list[Unit
     vehicle, settings, sample_time = configuration.vehicle, configuration.controller, configuration.sample_time
     if isinstance(settings, PurePursuitSettings):
         return [pure_pursuit_unit(vehicle, settings, sample_time)]
+    if isinstance(settings, ExternalControllerSettings):
+        return [external_unit(vehicle, settings, sample_time)]
     if isinstance(settings, LqrSettings):
         return [lqr_unit(vehicle, settings, sample_time, configuration.speed)]
     assert tubes is not None

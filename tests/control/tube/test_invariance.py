@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from controllers import AncillaryLaw
 
-from drawbar.control.ancillary import AncillaryLaw
 from drawbar.control.settings import BodyTubeSettings, Nominal, TubeWorkRange
 from drawbar.control.tube.sources import declared_sources
 from drawbar.control.tube.tube import closed_loop, tube_of

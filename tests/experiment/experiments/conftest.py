@@ -9,9 +9,9 @@ from types import ModuleType
 
 import pytest
 
-from drawbar.experiment.campaign import Campaign
 from drawbar.experiment.experiment import Experiment, load_experiment
 from drawbar.experiment.measure import Runs
+from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Table
 from drawbar.experiment.task import Result
 from drawbar.geometry import Floats
@@ -49,26 +49,28 @@ def make_result(short_result: Result) -> Callable[..., Result]:
 
 
 @pytest.fixture
-def assemble(analysis: ModuleType, experiment: Experiment) -> Callable[[Mapping[str, Sequence[Result]]], Campaign]:
-    """Return a function that makes a campaign of the results of every case."""
+def assemble(
+    analysis: ModuleType, experiment: Experiment
+) -> Callable[[Mapping[str, Sequence[Result]]], MeasuredExperiment]:
+    """Return a function that makes a measured experiment of the results of every case."""
 
-    def campaign_of(results: Mapping[str, Sequence[Result]]) -> Campaign:
-        return Campaign(
+    def measured_of(results: Mapping[str, Sequence[Result]]) -> MeasuredExperiment:
+        return MeasuredExperiment(
             experiment=experiment,
             seeds=len(next(iter(results.values()))),
             runs={case: Runs(results=each, failures=[]) for case, each in results.items()},
             figures={case: [analysis.figures(result) for result in each] for case, each in results.items()},
         )
 
-    return campaign_of
+    return measured_of
 
 
 @pytest.fixture
-def write_parts(analysis: ModuleType, tmp_path: Path) -> Callable[[Campaign], tuple[str, dict[str, Table]]]:
+def write_parts(analysis: ModuleType, tmp_path: Path) -> Callable[[MeasuredExperiment], tuple[str, dict[str, Table]]]:
     """Return a function that writes all parts of a report, and returns its Markdown and its tables."""
 
-    def write(campaign: Campaign) -> tuple[str, dict[str, Table]]:
-        parts = list(analysis.report(campaign))
+    def write(measured: MeasuredExperiment) -> tuple[str, dict[str, Table]]:
+        parts = list(analysis.report(measured))
         for part in parts:
             part.write(tmp_path)
         text = "\n\n".join(part.markdown("") for part in parts)

@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
-from drawbar.config import load_configuration
+from drawbar.exchange import Layout
+from drawbar.experiment.alteration import InterceptedMachine
 from drawbar.export.targets import find_target
 from drawbar.export.toolchain import Built, build_target
 from drawbar.geometry import Floats
-from drawbar.machine.base import Machine
-from drawbar.signals import Command, Measurement, StepRecord, Truth
-from drawbar.simulation import drive
-from drawbar.step.build import build_autopilot, build_machine, build_path
+from drawbar.signals import Measurement, StepRecord
+from drawbar.simulation import Simulation
 
 HERE = FilePath(__file__).parent
+MEASUREMENT = Layout(Measurement)
 REPLAY = str(HERE / "replay.c")
 FILES = str(HERE / "files.c")
 
@@ -36,61 +36,55 @@ class Recording:
     """(n, 4) of the path"""
     records: list[StepRecord]
 
-    def write(self, file: FilePath) -> None:
-        """Write what replay.c reads."""
-        count = np.float64(len(self.nodes))
-        file.write_bytes(count.tobytes() + self.nodes.tobytes() + self.measurements.tobytes())
-
     @property
-    def measurements(self) -> Floats:
-        """(m, 9) in the order of their fields."""
-        return np.array([astuple(record.measurement) for record in self.records])
+    def measurements(self) -> list[Measurement]:
+        """Return what the sensors reported."""
+        return [record.measurement for record in self.records]
 
     @property
     def commands(self) -> Floats:
         """(m, 4): time (s), both steerings (rad) and speed (m/s) that the product commanded."""
         return np.array([astuple(record.command) for record in self.records])
 
+    @property
+    def statuses(self) -> list[int]:
+        """Return what each step said: a status, or the flags of a new command."""
+        return [each.flags if each.status.is_new_command else each.status for each in self.records]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Replay:
     """What the library made of a recording."""
 
-    statuses: Floats
+    statuses: list[int]
     commands: Floats
     stack: int | None
     """bytes, where it was measured"""
 
 
-class RunawayWheel(Machine):
-    """A machine whose wheel-speed sensor reports 20 m/s for a while, which the estimator comes to believe."""
+def write_input(folder: FilePath, nodes: Floats, measurements: Sequence[Measurement]) -> None:
+    """Write what replay.c reads."""
+    packed = bytearray(MEASUREMENT.size * len(measurements))
+    for i, measurement in enumerate(measurements):
+        MEASUREMENT.pack(packed, measurement, i * MEASUREMENT.size)
+    (folder / "input").write_bytes(np.float64(len(nodes)).tobytes() + nodes.tobytes() + packed)
 
-    def __init__(self, machine: Machine) -> None:
-        self._machine = machine
 
-    def read(self) -> Measurement:
-        measurement = self._machine.read()
-        return replace(measurement, speed=20.0) if 30.0 <= measurement.time < 34.0 else measurement
-
-    def write(self, command: Command) -> None:
-        self._machine.write(command)
-
-    def truth(self) -> Truth | None:
-        return self._machine.truth()
+def runaway_wheel(measured: Measurement) -> Measurement:
+    """Let the wheel-speed sensor report 20 m/s for a while, which the estimator comes to believe."""
+    return replace(measured, speed=20.0) if 30.0 <= measured.time < 34.0 else measured
 
 
 @pytest.fixture(scope="session")
-def record() -> Callable[..., Recording]:
+def record(build: Callable[..., Simulation]) -> Callable[..., Recording]:
     """Return a function that drives a shipped configuration with changes and keeps the run."""
 
     @cache
     def record(name: str, *changes: str, steps: int = 10000, runaway: bool = False) -> Recording:
-        configuration = load_configuration(name, changes)
-        path, _ = build_path(configuration)
-        simulated = build_machine(configuration, path, seed=0)
-        machine = RunawayWheel(simulated) if runaway else simulated
-        run = drive(build_autopilot(configuration, path, machine), time_limit=2000.0)
-        return Recording(nodes=path.nodes, records=list(islice(run, steps)))
+        simulation = build(name, *changes)
+        if runaway:
+            simulation.machine = InterceptedMachine(simulation.machine, runaway_wheel)
+        return Recording(nodes=simulation.path.nodes, records=list(islice(simulation.steps(), steps)))
 
     return record
 
@@ -132,7 +126,7 @@ class Player:
 
     def play(self, recording: Recording, folder: FilePath) -> Replay:
         """Replay the recording in an empty folder."""
-        recording.write(folder / "input")
+        write_input(folder, recording.nodes, recording.measurements)
         done = subprocess.run(
             self.command,
             cwd=folder,
@@ -148,7 +142,7 @@ class Player:
         steps = output[1:].reshape(-1, 5)
         stack = folder / "stack"
         return Replay(
-            statuses=steps[:, 0],
+            statuses=steps[:, 0].astype(int).tolist(),
             commands=steps[:, 1:],
             stack=int.from_bytes(stack.read_bytes(), "little") if stack.exists() else None,
         )

@@ -1,7 +1,8 @@
 /* Steps the exported library through a recording, on any target.
  *
- * Input, all doubles, little-endian: number of nodes; the nodes of the path, 4 each; measurements, 9 each, until the end.
- * Output: the status of drawbar_set_path; then, for each measurement, the status of the step and the command's 4 values.
+ * Input, little-endian: number of nodes, a double; the nodes of the path; measurements, until the end.
+ * Output, all doubles: the status of drawbar_set_path; then, for each measurement, the status of the step and the command's
+ * 4 values.
  */
 #include "drawbar.h"
 #include "host.h"

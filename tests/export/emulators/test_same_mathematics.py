@@ -1,4 +1,7 @@
-"""The exported library gives the commands of the Python product, on every target."""
+"""The exported library gives the commands of the Python product, on every target.
+
+Of more configurations test_same_library.py holds that, bit for bit.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +10,7 @@ import numpy as np
 import pytest
 
 from drawbar.export.targets import TARGETS
-from drawbar.signals import FixStatus
+from drawbar.signals import FixStatus, Flag
 
 LOSSES = (
     "{kind='gps_loss', start=20, duration=6}",
@@ -22,7 +25,6 @@ BUMPS = (
     "{kind='bump', start=100, lateral=-0.5, tractor_yaw=-0.5}",
 )
 RUNS = ("gps_loss", "saturation", "solver_fallback")
-OTHERS = ("articulated-centralised", "articulated-ekf", "paper", "lqr")
 
 
 @pytest.fixture(scope="session")
@@ -41,25 +43,20 @@ def test_the_runs_hold_what_they_are_named_for(runs: dict) -> None:
     assert fixes.count((FixStatus.MISSING, FixStatus.MISSING)) == 30
     assert sum(tractor is FixStatus.STALE for tractor, _ in fixes) > 40
     assert sum(record.tractor_steering.saturated for record in records["saturation"]) > 2
-    assert sum(record.solver_failures for record in records["solver_fallback"]) > 2
+    assert sum(bool(record.flags & Flag.SOLVER) for record in records["solver_fallback"]) > 2
     assert all(len(run) > 1800 for run in records.values()), "the path was not driven to its end"
 
 
 @pytest.mark.parametrize("run", RUNS)
 def test_as_python_compiles_it(run: str, runs: dict, native: Callable, tmp_path: Path) -> None:
     replay = native("articulated").play(runs[run], tmp_path)
-    np.testing.assert_allclose(replay.commands, runs[run].commands, rtol=0.0, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", OTHERS)
-def test_other_configurations(name: str, record: Callable, native: Callable, tmp_path: Path) -> None:
-    run = record(name, steps=300)
-    replay = native(name).play(run, tmp_path)
-    np.testing.assert_allclose(replay.commands, run.commands, rtol=0.0, atol=1e-12)
+    assert replay.statuses == runs[run].statuses
+    np.testing.assert_array_equal(replay.commands, runs[run].commands)
 
 
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize("target", [target.name for target in TARGETS])
 def test_other_targets(target: str, run: str, runs: dict, player: Callable, tmp_path: Path) -> None:
     replay = player(target).play(runs[run], tmp_path)
+    assert replay.statuses == runs[run].statuses
     np.testing.assert_allclose(replay.commands, runs[run].commands, rtol=0.0, atol=1e-9)

@@ -25,6 +25,12 @@ static inline double next_fraction(struct bytes *b)
     return next_byte(b) / 128.0 - 1.0;
 }
 
+/* 0 to `count` - 1. */
+static inline int next_choice(struct bytes *b, int count)
+{
+    return next_byte(b) % count;
+}
+
 /* Any number at all: NaN, infinite, subnormal. */
 static inline double next_double(struct bytes *b)
 {

@@ -1,39 +1,45 @@
-/* libFuzzer's target: a vehicle that the library drives along fuzzed paths, with fuzzed faults of its sensors, clock and
- * caller, and the promises held against every command. Prints at the end how many steps were made, by status. */
+/* libFuzzer's target: a vehicle that the library drives along fuzzed paths, with fuzzed faults of its sensors, solvers,
+ * clock and caller, and the promises held against every command. Prints at the end how many steps were made, by status. */
+#include <stddef.h>
 #include "bytes.h"
 #include "course.h"
 #include "promises.h"
+#include "solvers.h"
 #include "vehicle.h"
 
-#define VALUES 9                           /* of a measurement */
+#define VALUES (offsetof(struct drawbar_measurement, tractor_fix_quality) / sizeof(double))
+#define USUAL 9                            /* values that every machine has */
 #define MOST_STEPS 4096                    /* of one input */
+#define MOST_STATUSES 512
 
 struct fuzz {
     struct bytes bytes;
     struct vehicle vehicle;
     struct course course;
-    struct drawbar_path_node *nodes;       /* of the run, on the heap, where the sanitizer sees their end */
+    struct drawbar_path_node *nodes;       /* of the run, on the heap, where the sanitizer sees their end; or NULL */
     struct drawbar_state *state;           /* likewise */
-    int ended;
-    struct given last;
+    struct run run;
     double added[VALUES], replaced[VALUES];  /* faults of the sensors; replaced: NaN where it is not */
     int is_replaced[VALUES];
+    int32_t qualities[2];
     uint32_t noise;
     double noise_level;
+    double sample_time;                    /* the caller's, s */
     int steps;
 };
 
 static struct fuzz fuzz;
-static long counts[128];
+static struct drawbar_state before;
+static long counts[MOST_STATUSES], changes[3];
 
 static void print_counts(void)
 {
     long steps = 0;
 
-    for (int i = 0; i < 128; ++i)
+    for (int i = 0; i < MOST_STATUSES; ++i)
         steps += counts[i];
     fprintf(stderr, "steps %ld\n", steps);
-    for (int i = 0; i < 128; ++i)
+    for (int i = 0; i < MOST_STATUSES; ++i)
         if (counts[i])
             fprintf(stderr, "status %d: %ld  %s\n", i, counts[i], drawbar_status_text(i));
 }
@@ -55,79 +61,179 @@ static double noise(struct fuzz *f)
     return f->noise / 2147483648.0 - 1.0;
 }
 
-static void measure(struct fuzz *f, struct drawbar_measurement *measurement)
+/* What the sensors report; returns whether a value is infinite. */
+static int measure(struct fuzz *f, struct drawbar_measurement *measurement)
 {
     static const double scale[VALUES] = {0.0, 0.03, 0.03, 0.03, 0.03, 0.02, 0.05, 0.02, 0.02};
     double values[VALUES];
+    int infinite = 0;
 
     *measurement = vehicle_measure(&f->vehicle);
     memcpy(values, measurement, sizeof values);
-    for (int i = 0; i < VALUES; ++i)
+    for (size_t i = 0; i < VALUES; ++i) {
         values[i] = f->is_replaced[i] ? f->replaced[i] : values[i] + f->added[i] + f->noise_level * scale[i] * noise(f);
+        infinite |= i > 0 && isinf(values[i]);
+    }
     memcpy(measurement, values, sizeof values);
+    measurement->tractor_fix_quality = f->qualities[0];
+    measurement->trailer_fix_quality = f->qualities[1];
+    return infinite;
 }
 
-static void check_answers(const struct fuzz *f)
+static void check_answers(const struct fuzz *f, struct drawbar_diagnostics *diagnostics)
 {
     struct drawbar_estimate estimate;
-    struct drawbar_diagnostics diagnostics;
 
     PROMISED(drawbar_get_estimate(f->state, &estimate) == DRAWBAR_OK);
-    PROMISED(drawbar_get_diagnostics(f->state, &diagnostics) == DRAWBAR_OK);
+    PROMISED(drawbar_get_diagnostics(f->state, diagnostics) == DRAWBAR_OK);
     PROMISED(isfinite(estimate.time));
 }
 
-/* One sample: measure, step, obey. */
-static void step(struct fuzz *f)
+/* One sample: measure, ask, obey. */
+static void ask(struct fuzz *f, int (*library)(struct drawbar_state *, const struct drawbar_measurement *,
+                                               struct drawbar_command *))
 {
     struct drawbar_measurement measurement;
-    struct drawbar_command command;
+    struct answer answer = {.absurd = measure(f, &measurement), .time = measurement.time};
 
-    if (++f->steps > MOST_STEPS)
-        return;
-    measure(f, &measurement);
-    const int status = drawbar_step(f->state, &measurement, &command);
-    ++counts[status & 127];
-    promise(&f->last, status, &command);
-    check_answers(f);
-    f->ended = status >= DRAWBAR_FINISHED;
-    vehicle_drive(&f->vehicle, &command, DRAWBAR_SAMPLE_TIME);
+    solver_faults.happened = 0;
+    answer.status = library(f->state, &measurement, &answer.command);
+    answer.unsolved = solver_faults.happened && solver_faults.status != DRAWBAR_SOLVER_SOLVED;
+    ++counts[answer.status % MOST_STATUSES];
+    check_answers(f, &answer.diagnostics);
+    promise(&f->run, &answer);
+    vehicle_drive(&f->vehicle, &answer.command, f->sample_time);
 }
 
-/* Another path; a table that is none leaves the run as it is. */
+static void remember(const struct fuzz *f)
+{
+    before = *f->state;
+}
+
+static void promise_nothing_changed(const struct fuzz *f)
+{
+    PROMISED(memcmp(&before, f->state, sizeof before) == 0);
+}
+
+/* The course's nodes on the heap. */
+static struct drawbar_path_node *nodes_of(const struct course *course)
+{
+    const size_t size = (size_t)course->count * sizeof *course->nodes;
+
+    return memcpy(malloc(size), course->nodes, size);
+}
+
+/* Take other nodes for the library's own, or leave it with those that it has. */
+static void settle(struct fuzz *f, int taken, struct drawbar_path_node *nodes)
+{
+    struct drawbar_path_node *const unused = taken ? f->nodes : nodes;
+
+    if (taken)
+        f->nodes = nodes;
+    else
+        promise_nothing_changed(f);
+    free(unused);
+}
+
+/* Let the run begin elsewhere: where the vehicle is, or anywhere. */
+static void begin_at(struct fuzz *f, double arc_length)
+{
+    remember(f);
+    const int status = drawbar_begin_at(f->state, arc_length);
+    const double length = f->nodes ? f->course.nodes[f->course.count - 1].arc_length : 0.0;
+
+    if (f->nodes == NULL)
+        PROMISED(status == DRAWBAR_NO_PATH);
+    else if (f->run.begun)
+        PROMISED(status == DRAWBAR_ORDER);
+    else
+        PROMISED(status == (arc_length >= 0.0 && arc_length < length ? DRAWBAR_OK : DRAWBAR_RANGE));
+    if (status != DRAWBAR_OK)
+        promise_nothing_changed(f);
+}
+
+/* Another run; a table that is no path leaves the present one as it is. */
 static void set_path(struct fuzz *f)
 {
-    struct drawbar_path_node *nodes;
+    const int choice = next_byte(&f->bytes), behind = choice < 128 ? 0 : choice % 64;
 
-    course_make(&f->course, &f->vehicle, &f->bytes);
-    const size_t size = (size_t)f->course.count * sizeof *nodes;
-    nodes = memcpy(malloc(size), f->course.nodes, size);
-    if (drawbar_set_path(f->state, nodes, f->course.count) != DRAWBAR_OK) {
-        free(nodes);
+    course_make(&f->course, &f->vehicle, behind, 2.0, &f->bytes);
+    struct drawbar_path_node *nodes = nodes_of(&f->course);
+    remember(f);
+    const int status = drawbar_set_path(f->state, nodes, f->course.count);
+    PROMISED(status == DRAWBAR_OK || status == DRAWBAR_PATH);
+    settle(f, status == DRAWBAR_OK, nodes);
+    if (status != DRAWBAR_OK)
         return;
-    }
-    free(f->nodes);
-    f->nodes = nodes;
-    f->ended = f->last.known = 0;
+    announce(&f->run);
+    if (behind)
+        begin_at(f, PIECE * behind);
+    if (choice % 32 == 1)
+        begin_at(f, next_double(&f->bytes));
 }
 
+/* Another path, on which the run goes on. */
+static void change_path(struct fuzz *f)
+{
+    const int choice = next_byte(&f->bytes), behind = choice % 64;
+    const double at = choice < 224 ? PIECE * behind : next_double(&f->bytes);
+
+    course_make(&f->course, &f->vehicle, behind, 0.7, &f->bytes);
+    struct drawbar_path_node *nodes = nodes_of(&f->course);
+    remember(f);
+    const int status = drawbar_change_path(f->state, nodes, f->course.count, at);
+    PROMISED((status == DRAWBAR_NO_RUN) == (!f->run.begun || f->run.ended));
+    PROMISED(status == DRAWBAR_OK || status == DRAWBAR_PATH || status == DRAWBAR_RANGE || status == DRAWBAR_START
+             || status == DRAWBAR_NO_RUN);
+    changes[status == DRAWBAR_OK ? 0 : status == DRAWBAR_START ? 1 : 2] += 1;
+    settle(f, status == DRAWBAR_OK, nodes);
+}
+
+/* Another set speed, m/s. */
+static void set_speed(struct fuzz *f)
+{
+    const int choice = next_byte(&f->bytes);
+    const double speed = choice < 224 ? SPEED_LIMIT * (choice % 16) / 15.0 : next_double(&f->bytes);
+
+    remember(f);
+    const int status = drawbar_set_speed(f->state, speed), allowed = speed >= 0.0 && speed <= SPEED_LIMIT;
+    PROMISED(status == (allowed ? DRAWBAR_OK : DRAWBAR_RANGE));
+    if (allowed)
+        f->run.wanted = speed;
+    else
+        promise_nothing_changed(f);
+}
+
+/* Samples in order; with a new run where the last one has ended. */
 static void drive(struct fuzz *f)
 {
-    if (f->ended)
+    if (f->run.ended || f->nodes == NULL)
         set_path(f);
-    for (int steps = 1 + next_byte(&f->bytes) % 64; steps > 0; --steps)
-        step(f);
+    for (int steps = 1 + next_choice(&f->bytes, 64); steps > 0; --steps)
+        if (++f->steps <= MOST_STEPS)
+            ask(f, drawbar_step);
 }
 
 static void repair(struct fuzz *f)
 {
     memset(f->added, 0, sizeof f->added);
     memset(f->is_replaced, 0, sizeof f->is_replaced);
+    memset(f->qualities, 0, sizeof f->qualities);
+    memset(&solver_faults, 0, sizeof solver_faults);
+    f->sample_time = DRAWBAR_SAMPLE_TIME;
+}
+
+/* One of the measured values, mostly of those that every machine has. */
+static int next_value(struct bytes *b)
+{
+    const int choice = next_byte(b);
+
+    return choice % (choice < 192 ? USUAL : (int)VALUES);
 }
 
 static void add_fault(struct fuzz *f)
 {
-    const int value = next_byte(&f->bytes) % VALUES;
+    const int value = next_value(&f->bytes);
 
     f->added[value] = pow(10.0, 3.0 * next_fraction(&f->bytes)) * next_fraction(&f->bytes);
 }
@@ -135,10 +241,28 @@ static void add_fault(struct fuzz *f)
 /* A sensor stands still: on any number, or on none. */
 static void replace(struct fuzz *f)
 {
-    const int value = next_byte(&f->bytes) % VALUES;
+    const int value = next_value(&f->bytes);
 
     f->is_replaced[value] = 1;
     f->replaced[value] = next_byte(&f->bytes) % 2 ? (double)NAN : next_double(&f->bytes);
+    f->qualities[value % 2] = (int32_t)(next_byte(&f->bytes) - 128) * (value < USUAL ? 1 : 1 << 24);
+}
+
+/* Solvers fail from now on. */
+static void fail(struct fuzz *f)
+{
+    const int choice = next_byte(&f->bytes);
+
+    solver_faults.which = 1 + choice % 7;
+    solver_faults.status = 1 + choice % 5;
+    solver_faults.spoilt = choice >= 192;
+    solver_faults.steering = solver_faults.spoilt ? next_double(&f->bytes) : 0.0;
+}
+
+/* A caller who is always late, or early. */
+static void be_late(struct fuzz *f)
+{
+    f->sample_time = DRAWBAR_SAMPLE_TIME * (1.0 + next_choice(&f->bytes, 64)) / 10.0;
 }
 
 /* A blow, or the driver turns the vehicle by hand. */
@@ -155,46 +279,58 @@ static void let_time_pass(struct fuzz *f)
     f->vehicle.time += 2.0 * next_fraction(&f->bytes);
 }
 
-/* A wrong call says so, changes nothing and stops the vehicle. */
+/* A wrong call says so and stops the vehicle. */
 static void promise_refusal(struct fuzz *f, int status, int expected, const struct drawbar_command *command)
 {
+    struct drawbar_diagnostics diagnostics;
+
     PROMISED(status == expected);
     promise_bounds(command);
     PROMISED(command->speed == 0.0);
-    check_answers(f);
+    check_answers(f, &diagnostics);
 }
 
+/* Wrong calls change nothing. */
 static void call_wrongly(struct fuzz *f)
 {
-    static struct drawbar_state before;
     struct drawbar_measurement measurement = vehicle_measure(&f->vehicle);
     struct drawbar_command command;
 
-    before = *f->state;
+    remember(f);
     PROMISED(drawbar_prepare(f->state) == DRAWBAR_ORDER);
     PROMISED(drawbar_feedback(f->state, &measurement, NULL) == DRAWBAR_NULL);
     PROMISED(drawbar_set_path(f->state, NULL, 3) == DRAWBAR_NULL);
     PROMISED(drawbar_set_path(f->state, f->course.nodes, -next_byte(&f->bytes)) == DRAWBAR_PATH);
+    PROMISED(drawbar_change_path(f->state, NULL, 3, 0.0) == DRAWBAR_NULL);
+    PROMISED(drawbar_set_speed(NULL, 0.0) == DRAWBAR_NULL && drawbar_begin_at(NULL, 0.0) == DRAWBAR_NULL);
     promise_refusal(f, drawbar_feedback(f->state, NULL, &command), DRAWBAR_NULL, &command);
     promise_refusal(f, drawbar_feedback(NULL, &measurement, &command), DRAWBAR_NULL, &command);
-    PROMISED(memcmp(&before, f->state, sizeof before) == 0);
+    promise_nothing_changed(f);
 }
 
-/* Feedback and preparation apart, and feedback twice. */
+/* The caller's other wishes, in any order. */
+static void wish(struct fuzz *f)
+{
+    switch (next_choice(&f->bytes, 4)) {
+    case 0: set_speed(f); break;
+    case 1: begin_at(f, next_double(&f->bytes)); break;
+    default: change_path(f);
+    }
+}
+
+/* Feedback and preparation apart, with something in between; feedback twice is wrong. */
 static void call_apart(struct fuzz *f)
 {
-    struct drawbar_measurement measurement;
-    struct drawbar_command command, again;
+    struct drawbar_measurement measurement = vehicle_measure(&f->vehicle);
+    struct drawbar_command again;
 
-    measure(f, &measurement);
-    const int status = drawbar_feedback(f->state, &measurement, &command);
-    ++counts[status & 127];
-    promise(&f->last, status, &command);
-    if (status < DRAWBAR_NULL) {
-        promise_refusal(f, drawbar_feedback(f->state, &measurement, &again), DRAWBAR_ORDER, &again);
-        PROMISED(drawbar_prepare(f->state) == DRAWBAR_OK);
-    }
-    vehicle_drive(&f->vehicle, &command, DRAWBAR_SAMPLE_TIME);
+    if (f->nodes == NULL)
+        return;
+    ask(f, drawbar_feedback);
+    promise_refusal(f, drawbar_feedback(f->state, &measurement, &again), DRAWBAR_ORDER, &again);
+    if (next_choice(&f->bytes, 4) == 0)
+        wish(f);
+    PROMISED(drawbar_prepare(f->state) == DRAWBAR_OK);
 }
 
 /* As a vehicle is delivered. */
@@ -202,23 +338,29 @@ static void initialise(struct fuzz *f)
 {
     repair(f);
     drawbar_init(f->state);
-    f->ended = f->last.known = 0;
+    free(f->nodes);
+    f->nodes = NULL;
+    f->run = (struct run){.wanted = SPEED_LIMIT};
     set_path(f);
 }
 
 static void act(struct fuzz *f)
 {
-    switch (next_byte(&f->bytes) % 12) {
+    switch (next_choice(&f->bytes, 18)) {
     case 0: add_fault(f); break;
     case 1: replace(f); break;
-    case 2: repair(f); break;
-    case 3: push(f); break;
-    case 4: let_time_pass(f); break;
-    case 5: call_wrongly(f); break;
-    case 6: call_apart(f); break;
-    case 7: set_path(f); break;
-    case 8: initialise(f); break;
-    case 9: f->noise_level = 2.0 + 2.0 * next_fraction(&f->bytes); break;
+    case 2: fail(f); break;
+    case 3: be_late(f); break;
+    case 4: repair(f); break;
+    case 5: push(f); break;
+    case 6: let_time_pass(f); break;
+    case 7: call_wrongly(f); break;
+    case 8: call_apart(f); break;
+    case 9: set_path(f); break;
+    case 10: initialise(f); break;
+    case 11: f->noise_level = 2.0 + 2.0 * next_fraction(&f->bytes); break;
+    case 12: wish(f); break;
+    case 13: change_path(f); break;
     default: drive(f);
     }
 }

@@ -8,9 +8,14 @@
 #include <string.h>
 #include "drawbar.h"
 
-/* TRACTOR_LIMIT, TRAILER_LIMIT (rad), SPEED_LIMIT (m/s), TRACTOR_CHANGE, TRAILER_CHANGE (rad, from command to command)
- * are those of the configuration. */
-#define ROUNDING 1e-12
+/* TRACTOR_LIMIT, TRAILER_LIMIT (rad), SPEED_LIMIT (m/s), TRACTOR_CHANGE, TRAILER_CHANGE (rad, from command to command),
+ * ACCELERATION (m/s^2) are those of the configuration. */
+#define ROUNDING 1e-9
+#define PATIENCE 1.0                       /* for how long a command is repeated, s */
+#define KEPT 0.5                           /* for how long the speed stays where solvers fail or samples come late, s */
+#define ENDURANCE 3.0                      /* after how long of that the vehicle stands, s */
+#define FLAGS                                                                                                \
+    (DRAWBAR_MEASUREMENT | DRAWBAR_LATE | DRAWBAR_LIMITED | DRAWBAR_SOLVER | DRAWBAR_SLOWED)
 
 #define PROMISED(condition)                                                                                  \
     do {                                                                                                     \
@@ -20,10 +25,28 @@
         }                                                                                                    \
     } while (0)
 
-/* The last command of the run; known only once it has begun, from wherever the wheels are. */
-struct given {
+/* What has come of a run so far; of one that has not begun only `wanted` and `last` are known. */
+struct run {
+    int begun;
+    int ended;                             /* enum drawbar_status with which it did, or 0 */
+    struct drawbar_command last;           /* the newest command */
+    int repeats;                           /* samples since a new command */
+    double taken;                          /* time of the newest sample that was taken, s */
+    double renewed;                        /* time of the newest command that was new, s */
+    double solved;                         /* time of the newest sample whose solvers had all solutions, s */
+    double overdue;                        /* by which samples came late, less half of the time in order since, s */
+    double wanted;                         /* set speed, m/s */
+    double speed;                          /* of the newest command that was new, m/s */
+};
+
+/* One sample: what went in, and what came out. */
+struct answer {
+    double time;                           /* of the measurement, s */
+    int absurd;                            /* one of its values was infinite */
+    int unsolved;                          /* a solver was made to fail */
+    int status;
     struct drawbar_command command;
-    int known;
+    struct drawbar_diagnostics diagnostics;
 };
 
 static void promise_bounds(const struct drawbar_command *command)
@@ -34,38 +57,155 @@ static void promise_bounds(const struct drawbar_command *command)
     PROMISED(isfinite(command->time));
 }
 
-static void promise_rates(const struct given *last, const struct drawbar_command *command)
+static void promise_rates(const struct run *run, const struct drawbar_command *command)
 {
-    const double tractor = fabs(command->tractor_steering - last->command.tractor_steering);
-    const double trailer = fabs(command->trailer_steering - last->command.trailer_steering);
+    const double tractor = fabs(command->tractor_steering - run->last.tractor_steering);
+    const double trailer = fabs(command->trailer_steering - run->last.trailer_steering);
 
     PROMISED(tractor <= TRACTOR_CHANGE + ROUNDING && trailer <= TRAILER_CHANGE + ROUNDING);
 }
 
-static void promise_held(const struct given *last, const struct drawbar_command *command)
+static void promise_held(const struct run *run, const struct drawbar_command *command)
 {
-    PROMISED(command->tractor_steering == last->command.tractor_steering);
-    PROMISED(command->trailer_steering == last->command.trailer_steering);
+    PROMISED(command->tractor_steering == run->last.tractor_steering);
+    PROMISED(command->trailer_steering == run->last.trailer_steering);
 }
 
-static int has_begun(int status)
+/* Slower the longer solvers have failed or samples have come late, and never for longer than the endurance. */
+static void promise_pace(const struct run *run, const struct answer *answer)
 {
-    return status != DRAWBAR_TIME && status != DRAWBAR_POSITION && status != DRAWBAR_START && status < DRAWBAR_NULL;
+    const double unsolved = answer->status & DRAWBAR_SOLVER ? answer->time - run->solved : 0.0;
+    const double doubt = fmax(unsolved, run->overdue), share = (ENDURANCE - doubt) / (ENDURANCE - KEPT);
+    const double speed = answer->command.speed, change = ACCELERATION * DRAWBAR_SAMPLE_TIME;
+
+    PROMISED(speed <= fmax(run->wanted, run->speed - change) + ROUNDING);
+    PROMISED(speed <= run->speed + (run->repeats + 1) * change + ROUNDING);
+    PROMISED(doubt < ENDURANCE + ROUNDING);
+    PROMISED(speed <= fmax(share, 0.0) * SPEED_LIMIT + ROUNDING);
+    PROMISED(answer->status & DRAWBAR_SLOWED || doubt <= KEPT + ROUNDING);
+    PROMISED(!(answer->status & DRAWBAR_SLOWED) || doubt >= KEPT - ROUNDING);
 }
 
-/* A command that came with this status, after the last one. */
-static void promise(struct given *last, int status, const struct drawbar_command *command)
+static void promise_new(const struct run *run, const struct answer *answer)
 {
+    const struct drawbar_diagnostics *d = &answer->diagnostics;
+    const int status = answer->status, late = run->begun && answer->time - run->taken > 1.5 * DRAWBAR_SAMPLE_TIME;
+
+    PROMISED((status & ~FLAGS) == 0);
+    PROMISED(answer->command.time == answer->time);
+    PROMISED(!(status & DRAWBAR_LATE) == !late);
+    PROMISED(!(status & DRAWBAR_MEASUREMENT) == !d->missing && (d->missing || !answer->absurd));
+    PROMISED(status & DRAWBAR_SOLVER || !answer->unsolved);
+    PROMISED(d->gate == (status & DRAWBAR_LIMITED ? DRAWBAR_GATE_LIMITED : DRAWBAR_GATE_PASSED));
+    PROMISED(d->flags == status && d->speed == answer->command.speed);
+    promise_pace(run, answer);
+}
+
+/* The last command again, for at most one second by the clock and by count; where no run has begun the vehicle stands. */
+static void promise_repeated(const struct run *run, const struct answer *answer)
+{
+    const struct drawbar_command *command = &answer->command;
+
+    PROMISED(answer->status >= DRAWBAR_REFUSED && answer->status <= DRAWBAR_START);
+    if (!run->begun) {
+        PROMISED(command->speed == 0.0);
+        return;
+    }
+    PROMISED(command->speed == run->last.speed);
+    PROMISED(command->time - run->renewed < PATIENCE);
+    PROMISED((run->repeats + 1) * DRAWBAR_SAMPLE_TIME < PATIENCE);
+    PROMISED(answer->status == DRAWBAR_REFUSED || answer->status == DRAWBAR_TIME);
+}
+
+/* Whether the sample's time stamp is one. */
+static int is_in_time(const struct run *run, double time)
+{
+    return isfinite(time) && (!run->begun || time > run->taken);
+}
+
+/* A time stamp that is none is not taken; a gap that is longer than a command may act ends the run. */
+static void promise_time(const struct run *run, const struct answer *answer)
+{
+    const int in_time = is_in_time(run, answer->time);
+    const double longest = PATIENCE + 0.5 * DRAWBAR_SAMPLE_TIME;
+
+    PROMISED(answer->status != DRAWBAR_TIME || !in_time);
+    PROMISED(in_time || answer->status == DRAWBAR_TIME || answer->status == DRAWBAR_STOPPED);
+    PROMISED((answer->status == DRAWBAR_GAP) == (in_time && run->begun && answer->time - run->taken > longest));
+}
+
+/* Note what a sample means for the run, before its answer. */
+static void note_sample(struct run *run, const struct answer *answer)
+{
+    const double elapsed = answer->time - run->taken;
+
+    if (run->ended || !is_in_time(run, answer->time))
+        return;
+    if (run->begun)
+        run->overdue = elapsed > 1.5 * DRAWBAR_SAMPLE_TIME ? run->overdue + elapsed - DRAWBAR_SAMPLE_TIME
+                                                           : fmax(run->overdue - 0.5 * DRAWBAR_SAMPLE_TIME, 0.0);
+}
+
+/* Note a sample and its answer. */
+static void note_answer(struct run *run, const struct answer *answer)
+{
+    const int status = answer->status;
+    const int begins = status != DRAWBAR_TIME && status != DRAWBAR_POSITION && status != DRAWBAR_START;
+
+    if (!run->begun && begins)
+        run->renewed = answer->time;
+    run->begun |= begins;
+    run->ended = status >= DRAWBAR_FINISHED ? status : 0;
+    run->repeats = status < DRAWBAR_REFUSED ? 0 : run->repeats + 1;
+    if (status != DRAWBAR_TIME)
+        run->taken = answer->time;
+    if (status < DRAWBAR_REFUSED) {
+        run->renewed = answer->time;
+        run->speed = answer->command.speed;
+    }
+    if (!(answer->diagnostics.flags & DRAWBAR_SOLVER) && begins)
+        run->solved = answer->time;
+    run->last = answer->command;
+}
+
+/* Another run is announced. */
+static void announce(struct run *run)
+{
+    *run = (struct run){.wanted = run->wanted, .last = run->last};
+}
+
+/* Hold an answer against all that is promised, and note it. */
+static void promise(struct run *run, const struct answer *answer)
+{
+    const int status = answer->status;
+    const struct drawbar_command *command = &answer->command;
+
     PROMISED(strcmp(drawbar_status_text(status), drawbar_status_text(-1)) != 0);
     promise_bounds(command);
     if (status >= DRAWBAR_FINISHED)
         PROMISED(command->speed == 0.0);
-    if (last->known && status >= DRAWBAR_REFUSED)
-        promise_held(last, command);
-    else if (last->known)
-        promise_rates(last, command);
-    last->known |= has_begun(status);
-    last->command = *command;
+    if (run->begun && status >= DRAWBAR_REFUSED)
+        promise_held(run, command);
+    else if (run->begun)
+        promise_rates(run, command);
+    if (status >= DRAWBAR_NULL)
+        return;
+    PROMISED(answer->diagnostics.status == (status < DRAWBAR_REFUSED ? DRAWBAR_OK : status));
+    if (run->ended) {
+        PROMISED(status == run->ended);
+        return;
+    }
+    if (!run->begun) {
+        run->speed = run->wanted;
+        run->solved = answer->time - DRAWBAR_SAMPLE_TIME;
+    }
+    promise_time(run, answer);
+    note_sample(run, answer);
+    if (status < DRAWBAR_REFUSED)
+        promise_new(run, answer);
+    else if (status < DRAWBAR_FINISHED)
+        promise_repeated(run, answer);
+    note_answer(run, answer);
 }
 
 #endif

@@ -43,6 +43,7 @@ static inline void vehicle_drive(struct vehicle *v, const struct drawbar_command
         vehicle_move(v, command, sample / STEPS);
 }
 
+/* What the cheapest sensors report; it has no others. */
 static inline struct drawbar_measurement vehicle_measure(const struct vehicle *v)
 {
     const double drawbar_yaw = v->trailer_yaw + v->joint;
@@ -57,6 +58,14 @@ static inline struct drawbar_measurement vehicle_measure(const struct vehicle *v
         .speed = v->speed,
         .tractor_steering = v->steering,
         .trailer_steering = v->joint,
+        .tractor_fix_deviation = NAN,
+        .trailer_fix_deviation = NAN,
+        .tractor_roll = NAN,
+        .tractor_pitch = NAN,
+        .tractor_yaw_rate = NAN,
+        .trailer_roll = NAN,
+        .trailer_pitch = NAN,
+        .trailer_yaw_rate = NAN,
     };
 }
 

@@ -99,7 +99,7 @@ static int replay(const char *name)
         const struct drawbar_measurement measurement = read_measurement(line);
         struct drawbar_command command;
         const int status = drawbar_feedback(&state, &measurement, &command);
-        printf("%.17g,%.17g,%.17g,%.17g,%d,%s\n", command.time, command.tractor_steering, command.trailer_steering,
+        printf("%.17g,%.17g,%.17g,%.17g,%d,\"%s\"\n", command.time, command.tractor_steering, command.trailer_steering,
                command.speed, status, drawbar_status_text(status));
         drawbar_prepare(&state);           /* on a vehicle: after the command is out */
     }

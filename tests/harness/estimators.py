@@ -1,0 +1,89 @@
+"""The estimators and the dead-time prediction, each by itself."""
+
+import numpy as np
+from alone import Alone, Solver
+from c_signals import given, room, taken
+
+from drawbar.codegen import Unit
+from drawbar.estimation.dead_time import dead_time_unit
+from drawbar.estimation.description import EstimationModel
+from drawbar.estimation.deviation import newest_deviation
+from drawbar.estimation.extended_kalman import extended_kalman_unit
+from drawbar.estimation.moving_horizon import moving_horizon_unit
+from drawbar.geometry import Floats
+from drawbar.signals import Command, Estimate, Measurement, SolverStatus
+from drawbar.vehicle.model import Model
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+class Estimator(Alone):
+    """What all estimators offer to the control step."""
+
+    def __init__(self, unit: Unit, first: Measurement) -> None:
+        """Start from the first measurement."""
+        super().__init__(unit)
+        self.begun = SolverStatus(self.call("begin", given(first)))
+
+    def update(self, measurement: Measurement) -> Estimate:
+        """Return the estimate at the measurement's time."""
+        estimate = room(Estimate)
+        self.call("update", given(measurement), estimate, self.work)
+        return taken(Estimate, estimate)
+
+    def prepare(self, acting: Command | None = None) -> SolverStatus:
+        """Do what can be done before the next measurement; the command that acts until then is told, or not."""
+        return SolverStatus(self.call("ready", None if acting is None else given(acting)))
+
+    def skip(self, acting: Command | None = None) -> SolverStatus:
+        """Let a sample pass that was left out."""
+        return SolverStatus(self.call("skip", None if acting is None else given(acting)))
+
+
+class MovingHorizonEstimator(Estimator):
+    """The window's estimator."""
+
+    def __init__(self, model: EstimationModel, first: Measurement) -> None:
+        """Start from the first measurement."""
+        super().__init__(moving_horizon_unit(model), first)
+        self.solver = Solver(self.live, model.problem)
+
+    @property
+    def deviation(self) -> Floats:
+        """Standard deviations of states and parameters as they are now."""
+        return newest_deviation(self.live)
+
+
+class ExtendedKalmanFilter(Estimator):
+    """The filter."""
+
+    def __init__(self, model: EstimationModel, first: Measurement) -> None:
+        """Start from the first measurement."""
+        super().__init__(extended_kalman_unit(model), first)
+        self.state: Floats = self.live.array("filter.x")
+        self.root: Floats = self.live.array("filter.R").T
+        """a square root S of the state's covariance S S', lower triangular"""
+
+    @property
+    def deviation(self) -> Floats:
+        """Standard deviations of the state as it is now."""
+        return np.linalg.norm(self.root, axis=1)
+
+
+class DeadTimePredictor(Alone):
+    """Moves estimates through the commands under way."""
+
+    def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float) -> None:
+        """Compile the prediction of a vehicle that has a dead time."""
+        super().__init__(dead_time_unit(vehicle, model, sample_time))
+
+    def ahead(self, estimate: Estimate) -> Estimate:
+        """Return the estimate for the moment at which the next command begins to act."""
+        then = room(Estimate)
+        self.call("ahead", given(estimate), then)
+        return taken(Estimate, then)
+
+    def sent(self, command: Command) -> Command:
+        """Remember the newest command, and return the one that acts until the next."""
+        acting = room(Command)
+        self.call("sent", given(command), acting)
+        return taken(Command, acting)

@@ -1,0 +1,54 @@
+"""When a run is given up: too far from the path, or blind for too long."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from safeguards import Supervisor
+
+from drawbar.safety.supervisor import BLIND, LOST
+from drawbar.signals import BodyReference, Estimate, FixStatus, Pose, SolverStatus, Supervision
+
+SOMEWHERE = Pose(x=0.0, y=0.0, yaw=0.0)
+NUMBERS = ("hitch_angle", "speed", "tractor_steering", "trailer_steering", "longitudinal_slip", "tractor_slip")
+NUMBERS = (*NUMBERS, "trailer_slip", "steering_offset", "tractor_crab", "trailer_crab")
+SEEN = Estimate(
+    time=3.0, tractor=SOMEWHERE, trailer=SOMEWHERE, status=SolverStatus.SOLVED, **dict.fromkeys(NUMBERS, 0.0)
+)
+
+
+def beside(error):
+    return BodyReference(progress=0.0, lateral_error=error, closest=np.zeros(4), samples=np.zeros((2, 4)))
+
+
+@pytest.mark.parametrize("error", [-LOST, -1.0, 0.0, LOST])
+def test_near_the_path_the_run_goes_on(error):
+    assert Supervisor().watch(SEEN, beside(error)) is Supervision.ON_COURSE
+
+
+@pytest.mark.parametrize("error", [-1.001 * LOST, 1.001 * LOST, math.inf, math.nan])
+def test_too_far_from_the_path_or_nowhere_it_is_given_up(error):
+    assert Supervisor().watch(SEEN, beside(error)) is Supervision.OFF_COURSE
+
+
+@pytest.mark.parametrize("lost", [FixStatus.MISSING, FixStatus.STALE, FixStatus.REJECTED])
+def test_without_a_fix_that_is_believed_it_is_given_up_after_a_while(lost):
+    supervisor, blind = Supervisor(), replace(SEEN, tractor_fix=lost, trailer_fix=lost)
+    for begin in (3.0, 30.0):  # one fix starts the time anew
+        supervisor.watch(replace(SEEN, time=begin), beside(0.0))
+        assert supervisor.watch(replace(blind, time=begin + BLIND), beside(0.0)) is Supervision.ON_COURSE
+        assert supervisor.watch(replace(blind, time=begin + BLIND + 0.1), beside(0.0)) is Supervision.BLIND
+
+
+@pytest.mark.parametrize("antenna", ["tractor_fix", "trailer_fix"])
+def test_one_antenna_is_enough(antenna):
+    supervisor, half = Supervisor(), replace(SEEN, **{antenna: FixStatus.MISSING})
+    for time in (0.0, 2.0 * BLIND, 4.0 * BLIND):
+        assert supervisor.watch(replace(half, time=time), beside(0.0)) is Supervision.ON_COURSE
+
+
+def test_a_run_that_begins_blind_is_given_the_same_time():
+    supervisor, blind = Supervisor(), replace(SEEN, tractor_fix=FixStatus.MISSING, trailer_fix=FixStatus.MISSING)
+    assert supervisor.watch(replace(blind, time=100.0), beside(0.0)) is Supervision.ON_COURSE
+    assert supervisor.watch(replace(blind, time=100.1 + BLIND), beside(0.0)) is Supervision.BLIND
