@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from drawbar.control.external import Controller
     from drawbar.machine.base import Machine
     from drawbar.optimal import Bound, ControlProblem, ControlSolver, EstimationProblem, EstimationSolver
+    from drawbar.recompute import replay
     from drawbar.recording.log import RunLog, read_log
     from drawbar.recording.recorder import Recorder
-    from drawbar.replay import replay
     from drawbar.report.folder import write_report
     from drawbar.simulation import RunAborted, Simulation, drive, simulate
     from drawbar.step.autopilot import Autopilot
@@ -49,7 +49,7 @@ _PLACES = {
     "drive": "simulation",
     "load_configuration": "config",
     "read_log": "recording.log",
-    "replay": "replay",
+    "replay": "recompute",
     "simulate": "simulation",
     "variables": "vehicle.model",
     "write_report": "report.folder",

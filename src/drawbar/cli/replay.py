@@ -8,7 +8,7 @@ import typer
 from drawbar.cli.options import console
 
 if TYPE_CHECKING:
-    from drawbar.replay import Replay
+    from drawbar.recompute import Replay
 
 
 def replay(
@@ -23,8 +23,8 @@ def replay(
     With the same build of drawbar on the same machine every number is the recorded one; else, or with --set, the first
     difference is told. Exit code 1: a number differs although no setting was changed.
     """
+    from drawbar.recompute import replay as recompute
     from drawbar.recording.log import read_log
-    from drawbar.replay import replay as recompute
 
     recomputed = recompute(read_log(log), changes or [])
     console.print(f"{log}: {len(recomputed.records)} steps recomputed")

@@ -126,9 +126,9 @@ class Model:
         given = ca.vertcat(self.x, self.u, self.p, self.c)
         if not given.is_valid_input() or len({s.element_hash() for s in ca.symvar(given)}) != given.numel():
             raise ModelError(f"Model {self.name!r}: x, u, p, constants must be symbols, all different, got {given}.")
-        of_symbols = [each.name for each in (*self.states, *self.inputs, *self.parameters)]
-        of_symbols += [each.name for each in self.constants]
-        for names in (of_symbols, [each.name for each in self.outputs]):
+        given_names = [each.name for each in (*self.states, *self.inputs, *self.parameters)]
+        given_names += [each.name for each in self.constants]
+        for names in (given_names, [each.name for each in self.outputs]):
             repeated = sorted({name for name in names if names.count(name) > 1})
             if repeated:
                 raise ModelError(

@@ -9,6 +9,7 @@ from types import ModuleType
 
 import pytest
 
+from drawbar.experiment.analysis import error_figures
 from drawbar.experiment.experiment import Experiment, load_experiment
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.measured import MeasuredExperiment
@@ -54,12 +55,14 @@ def assemble(
 ) -> Callable[[Mapping[str, Sequence[Result]]], MeasuredExperiment]:
     """Return a function that makes a measured experiment of the results of every case."""
 
+    figures = getattr(analysis, "figures", lambda result: error_figures(result.metrics))
+
     def measured_of(results: Mapping[str, Sequence[Result]]) -> MeasuredExperiment:
         return MeasuredExperiment(
             experiment=experiment,
             seeds=len(next(iter(results.values()))),
             runs={case: Runs(results=each, failures=[]) for case, each in results.items()},
-            figures={case: [analysis.figures(result) for result in each] for case, each in results.items()},
+            figures={case: [figures(result) for result in each] for case, each in results.items()},
         )
 
     return measured_of

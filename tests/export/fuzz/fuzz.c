@@ -259,7 +259,7 @@ static void fail(struct fuzz *f)
     solver_faults.which = 1 + choice % 7;
     solver_faults.status = 1 + choice % 5;
     solver_faults.spoilt = choice >= 192;
-    solver_faults.steering = solver_faults.spoilt ? next_double(&f->bytes) : 0.0;
+    solver_faults.steering = choice % 2 ? (double)NAN : next_double(&f->bytes);
 }
 
 /* A caller who is always late, or early. */

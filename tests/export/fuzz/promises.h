@@ -25,15 +25,17 @@
         }                                                                                                    \
     } while (0)
 
-/* What has come of a run so far; of one that has not begun only `wanted` and `last` are known. */
+/* What has come of a run so far. */
 struct run {
     int begun;
     int ended;                             /* enum drawbar_status with which it did, or 0 */
+    int given;                             /* there is a last command, be it of the run before */
     struct drawbar_command last;           /* the newest command */
     int repeats;                           /* samples since a new command */
-    double taken;                          /* time of the newest sample that was taken, s */
     double renewed;                        /* time of the newest command that was new, s */
+    double taken;                          /* time of the newest sample that was taken, s */
     double solved;                         /* time of the newest sample whose solvers had all solutions, s */
+    int unsolved;                          /* samples since */
     double overdue;                        /* by which samples came late, less half of the time in order since, s */
     double wanted;                         /* set speed, m/s */
     double speed;                          /* of the newest command that was new, m/s */
@@ -71,11 +73,19 @@ static void promise_held(const struct run *run, const struct drawbar_command *co
     PROMISED(command->trailer_steering == run->last.trailer_steering);
 }
 
+/* For how long solvers have had no solutions, by the clock and by count, s. */
+static double unsolved_for(const struct run *run, const struct answer *answer)
+{
+    if (!(answer->status & DRAWBAR_SOLVER))
+        return 0.0;
+    return fmax(answer->time - run->solved, (run->unsolved + 1) * DRAWBAR_SAMPLE_TIME);
+}
+
 /* Slower the longer solvers have failed or samples have come late, and never for longer than the endurance. */
 static void promise_pace(const struct run *run, const struct answer *answer)
 {
-    const double unsolved = answer->status & DRAWBAR_SOLVER ? answer->time - run->solved : 0.0;
-    const double doubt = fmax(unsolved, run->overdue), share = (ENDURANCE - doubt) / (ENDURANCE - KEPT);
+    const double doubt = fmax(unsolved_for(run, answer), run->overdue);
+    const double share = (ENDURANCE - doubt) / (ENDURANCE - KEPT);
     const double speed = answer->command.speed, change = ACCELERATION * DRAWBAR_SAMPLE_TIME;
 
     PROMISED(speed <= fmax(run->wanted, run->speed - change) + ROUNDING);
@@ -101,20 +111,25 @@ static void promise_new(const struct run *run, const struct answer *answer)
     promise_pace(run, answer);
 }
 
-/* The last command again, for at most one second by the clock and by count; where no run has begun the vehicle stands. */
+/* The last command again, for at most one second by the clock and by count; where a run cannot begin the vehicle stands. */
 static void promise_repeated(const struct run *run, const struct answer *answer)
 {
     const struct drawbar_command *command = &answer->command;
+    const int status = answer->status;
 
-    PROMISED(answer->status >= DRAWBAR_REFUSED && answer->status <= DRAWBAR_START);
-    if (!run->begun) {
-        PROMISED(command->speed == 0.0);
+    PROMISED(status >= DRAWBAR_REFUSED && status <= (run->begun ? DRAWBAR_TIME : DRAWBAR_START));
+    if (!run->begun && command->speed == 0.0)
         return;
-    }
-    PROMISED(command->speed == run->last.speed);
+    PROMISED(status == DRAWBAR_REFUSED || status == DRAWBAR_TIME);
+    PROMISED(run->given && command->speed == run->last.speed);
     PROMISED(command->time - run->renewed < PATIENCE);
     PROMISED((run->repeats + 1) * DRAWBAR_SAMPLE_TIME < PATIENCE);
-    PROMISED(answer->status == DRAWBAR_REFUSED || answer->status == DRAWBAR_TIME);
+}
+
+/* Whether a sample with this status is one of the run, or begins it. */
+static int is_of_run(int status)
+{
+    return status != DRAWBAR_TIME && status != DRAWBAR_POSITION && status != DRAWBAR_START;
 }
 
 /* Whether the sample's time stamp is one. */
@@ -150,11 +165,13 @@ static void note_sample(struct run *run, const struct answer *answer)
 static void note_answer(struct run *run, const struct answer *answer)
 {
     const int status = answer->status;
-    const int begins = status != DRAWBAR_TIME && status != DRAWBAR_POSITION && status != DRAWBAR_START;
+    const int goes_on = is_of_run(status);
 
-    if (!run->begun && begins)
+    if (!run->begun && goes_on) {
         run->renewed = answer->time;
-    run->begun |= begins;
+        run->repeats = 0;
+    }
+    run->begun |= goes_on;
     run->ended = status >= DRAWBAR_FINISHED ? status : 0;
     run->repeats = status < DRAWBAR_REFUSED ? 0 : run->repeats + 1;
     if (status != DRAWBAR_TIME)
@@ -163,15 +180,19 @@ static void note_answer(struct run *run, const struct answer *answer)
         run->renewed = answer->time;
         run->speed = answer->command.speed;
     }
-    if (!(answer->diagnostics.flags & DRAWBAR_SOLVER) && begins)
-        run->solved = answer->time;
+    if (goes_on) {
+        run->unsolved = answer->diagnostics.flags & DRAWBAR_SOLVER ? run->unsolved + 1 : 0;
+        run->solved = run->unsolved ? run->solved : answer->time;
+    }
     run->last = answer->command;
+    run->given = 1;
 }
 
-/* Another run is announced. */
+/* Another run is announced, which does not begin before the next sample. */
 static void announce(struct run *run)
 {
-    *run = (struct run){.wanted = run->wanted, .last = run->last};
+    run->begun = run->ended = run->unsolved = 0;
+    run->overdue = 0.0;
 }
 
 /* Hold an answer against all that is promised, and note it. */
@@ -184,7 +205,7 @@ static void promise(struct run *run, const struct answer *answer)
     promise_bounds(command);
     if (status >= DRAWBAR_FINISHED)
         PROMISED(command->speed == 0.0);
-    if (run->begun && status >= DRAWBAR_REFUSED)
+    if (status >= DRAWBAR_REFUSED && (run->begun || (run->given && !is_of_run(status))))
         promise_held(run, command);
     else if (run->begun)
         promise_rates(run, command);

@@ -7,9 +7,9 @@ import pytest
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
+from drawbar.recompute import replay
 from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
-from drawbar.replay import replay
 from drawbar.simulation import Simulation
 
 SHORT = ("path.radii=[8.0]", "path.straight_length=4.0")
