@@ -146,7 +146,7 @@ class FixStatus(IntEnum):
     STALE = 2
     """the receiver repeated an old one while the vehicle moved"""
     REJECTED = 3
-    """further from where it was expected than it can be"""
+    """too far from the predicted position, or contradicted by the other antenna"""
 
 
 class GateVerdict(IntEnum):
@@ -178,7 +178,7 @@ class GuidanceStatus(IntEnum):
     FAR_FROM_START = 1
     """the tractor is too far from where the run is to begin, or its position is missing"""
     POSE_NOT_FINITE = 2
-    """a body's position or yaw"""
+    """a body's position or yaw is not finite"""
     SPEED_NOT_FINITE = 3
     NO_WAY = 4
     """the tractor faces away and no turns lead onto the path"""
@@ -270,7 +270,9 @@ class Estimate:
     time: Seconds
     """of the measurement"""
     tractor: Pose
+    """of the tractor's antenna"""
     trailer: Pose
+    """of the trailer's antenna"""
     hitch_angle: Radians
     """beta"""
     speed: MetresPerSecond
@@ -357,7 +359,7 @@ class Command:
     tractor_steering: Radians
     """front wheels"""
     trailer_steering: Radians
-    """actuated joint, in the actuator's own sign"""
+    """actuated joint, in the actuator's own sign: opposite to the joint's where vehicle.joint_sign is -1"""
     speed: MetresPerSecond
     """of the wheels"""
 

@@ -26,10 +26,10 @@ static void course_add(struct course *c, double turn)
         last->arc_length + PIECE, last->x + chord * cos(middle), last->y + chord * sin(middle), last->yaw + turn};
 }
 
-/* Add up to 64 m whose curvature (1/m) goes linearly from that of the segment before to another. */
+/* Add up to 32 m whose curvature (1/m) goes linearly from that of the segment before to another. */
 static double course_extend(struct course *c, double curvature, struct bytes *b)
 {
-    const int pieces = 1 + next_byte(b);
+    const int pieces = 1 + next_byte(b) / 2;
     const double end = TIGHTEST * next_fraction(b);
 
     for (int i = 0; i < pieces && c->count < NODES; ++i)

@@ -207,12 +207,12 @@ static void set_speed(struct fuzz *f)
         promise_nothing_changed(f);
 }
 
-/* Samples in order; with a new run where the last one has ended. */
+/* Samples one after the other, few where the run has ended; then another one begins. */
 static void drive(struct fuzz *f)
 {
     if (f->run.ended || f->nodes == NULL)
         set_path(f);
-    for (int steps = 1 + next_choice(&f->bytes, 64); steps > 0; --steps)
+    for (int steps = 1 + next_choice(&f->bytes, 64); steps > 0; steps -= f->run.ended ? 16 : 1)
         if (++f->steps <= MOST_STEPS)
             ask(f, drawbar_step);
 }
@@ -251,6 +251,15 @@ static void replace(struct fuzz *f)
     f->qualities[value % 2] = (int32_t)(next_byte(&f->bytes) - 128) * (value < USUAL ? 1 : 1 << 24);
 }
 
+/* Both receivers are shaded. */
+static void lose_fixes(struct fuzz *f)
+{
+    for (int i = 1; i <= 4; ++i) {
+        f->is_replaced[i] = 1;
+        f->replaced[i] = (double)NAN;
+    }
+}
+
 /* Solvers fail from now on. */
 static void fail(struct fuzz *f)
 {
@@ -271,8 +280,8 @@ static void be_late(struct fuzz *f)
 /* A blow, or the driver turns the vehicle by hand. */
 static void push(struct fuzz *f)
 {
-    f->vehicle.x += next_fraction(&f->bytes);
-    f->vehicle.y += next_fraction(&f->bytes);
+    f->vehicle.x += 2.0 * next_fraction(&f->bytes);
+    f->vehicle.y += 2.0 * next_fraction(&f->bytes);
     f->vehicle.yaw += next_fraction(&f->bytes);
     f->vehicle.trailer_yaw += next_fraction(&f->bytes);
 }
@@ -349,7 +358,7 @@ static void initialise(struct fuzz *f)
 
 static void act(struct fuzz *f)
 {
-    switch (next_choice(&f->bytes, 18)) {
+    switch (next_choice(&f->bytes, 22)) {
     case 0: add_fault(f); break;
     case 1: replace(f); break;
     case 2: fail(f); break;
@@ -364,6 +373,8 @@ static void act(struct fuzz *f)
     case 11: f->noise_level = 2.0 + 2.0 * next_fraction(&f->bytes); break;
     case 12: wish(f); break;
     case 13: change_path(f); break;
+    case 14: repair(f); break;
+    case 15: lose_fixes(f); break;
     default: drive(f);
     }
 }

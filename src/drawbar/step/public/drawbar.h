@@ -4,14 +4,13 @@
  * Each sample:          drawbar_feedback, then send the command to the actuators, then drawbar_prepare;
  *                       or drawbar_step, which is both, where a millisecond of latency does not matter
  *
- * drawbar_size.h has DRAWBAR_SAMPLE_TIME in seconds. Call at every sample, also where sensors report nothing: a missing
- * value is NaN. All that is remembered is in the state, so any number of vehicles can be steered, each by one thread
- * at a time. No function allocates memory, reads a clock or keeps anything outside the state.
+ * drawbar_size.h has DRAWBAR_SAMPLE_TIME in seconds. Call at every sample, even when the sensors report nothing: a missing
+ * value is NaN. The state holds everything that is remembered: one per vehicle, used by one thread at a time. No function
+ * allocates memory, reads a clock or keeps anything outside the state.
  *
  * Signals, statuses and their units: drawbar_signals.h.
  *
- * What drawbar_feedback and drawbar_step return is a number of enum drawbar_status. The command can be sent to the
- * actuators whatever it is.
+ * drawbar_feedback and drawbar_step return enum drawbar_status; the command may be sent whatever the status.
  *
  *     below DRAWBAR_REFUSED     a new command; the number is a set of enum drawbar_flag, 0 where there is nothing to say
  *     from DRAWBAR_REFUSED on   no new command; the last one is repeated, for at most one second by the time stamps and by
@@ -33,7 +32,7 @@
 #if defined(__GNUC__) && !defined(_WIN32)  /* of a shared library's functions only these are seen from outside */
 #define DRAWBAR_API __attribute__((visibility("default")))
 #else
-#define DRAWBAR_API                        /* drawbar.def tells */
+#define DRAWBAR_API                        /* Windows: drawbar.def lists the exported functions */
 #endif
 
 #ifdef __cplusplus
@@ -51,7 +50,8 @@ DRAWBAR_API int drawbar_init(struct drawbar_state *state);
 /* Begin a run at the start of a path; the next measurement starts it.
  *
  * nodes: count (at least 2) poses with arc lengths that begin at zero and increase by 1 mm to 0.25 m, joined by arcs:
- *     no jumps, no kinks, yaw continuous. The table stays the caller's and must outlive the run unchanged.
+ *     no jumps, no kinks, yaw continuous. The library keeps the pointer, not a copy: keep the table unchanged until the
+ *     run ends or another path is set.
  *
  * When it is refused (DRAWBAR_PATH) nothing changes. While the run cannot begin the vehicle stands, and status and
  * start_distance of the diagnostics tell why. */
@@ -73,11 +73,11 @@ DRAWBAR_API int drawbar_change_path(struct drawbar_state *state, const struct dr
  * commanded speed approaches it by the configuration's acceleration. */
 DRAWBAR_API int drawbar_set_speed(struct drawbar_state *state, double speed);
 
-/* From the newest measurement to a command. */
+/* Compute the command for the newest measurement; send it before anything else. */
 DRAWBAR_API int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measurement *measurement,
                                  struct drawbar_command *command);
 
-/* Do what can be done before the next measurement: most of the arithmetic. */
+/* Prepare the next sample, after the command has been sent; most of the arithmetic. */
 DRAWBAR_API int drawbar_prepare(struct drawbar_state *state);
 
 /* drawbar_feedback and drawbar_prepare. */

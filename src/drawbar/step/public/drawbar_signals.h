@@ -52,7 +52,8 @@ enum drawbar_fix {
     DRAWBAR_FIX_ACCEPTED = 0,
     DRAWBAR_FIX_MISSING = 1,            /* the receiver reported none */
     DRAWBAR_FIX_STALE = 2,              /* the receiver repeated an old one while the vehicle moved */
-    DRAWBAR_FIX_REJECTED = 3,           /* further from where it was expected than it can be */
+    DRAWBAR_FIX_REJECTED = 3,           /* too far from the predicted position, or contradicted by the other
+                                         * antenna */
 };
 
 /* How a receiver found a position. */
@@ -90,7 +91,7 @@ enum drawbar_guidance {
     DRAWBAR_GUIDANCE_FINE = 0,
     DRAWBAR_GUIDANCE_FAR_FROM_START = 1, /* the tractor is too far from where the run is to begin, or its position
                                          * is missing */
-    DRAWBAR_GUIDANCE_POSE_NOT_FINITE = 2, /* a body's position or yaw */
+    DRAWBAR_GUIDANCE_POSE_NOT_FINITE = 2, /* a body's position or yaw is not finite */
     DRAWBAR_GUIDANCE_SPEED_NOT_FINITE = 3,
     DRAWBAR_GUIDANCE_NO_WAY = 4,        /* the tractor faces away and no turns lead onto the path */
 };
@@ -144,8 +145,8 @@ struct drawbar_pose {
 /* What the estimator believes now. */
 struct drawbar_estimate {
     double time;                        /* of the measurement, s */
-    struct drawbar_pose tractor;
-    struct drawbar_pose trailer;
+    struct drawbar_pose tractor;        /* of the tractor's antenna */
+    struct drawbar_pose trailer;        /* of the trailer's antenna */
     double hitch_angle;                 /* beta, rad */
     double speed;                       /* v, of the wheels, m/s */
     double tractor_steering;            /* delta_t, rad */
@@ -168,7 +169,8 @@ struct drawbar_estimate {
 struct drawbar_command {
     double time;                        /* of the measurement that it answers, s */
     double tractor_steering;            /* front wheels, rad */
-    double trailer_steering;            /* actuated joint, in the actuator's own sign, rad */
+    double trailer_steering;            /* actuated joint, in the actuator's own sign: opposite to the joint's
+                                         * where vehicle.joint_sign is -1, rad */
     double speed;                       /* of the wheels, m/s */
 };
 
