@@ -1,5 +1,6 @@
 """How well recorded lines are followed, and how far they had to be moved to be drivable."""
 
+import math
 import tomllib
 from collections.abc import Iterator
 
@@ -29,12 +30,13 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
 
 
 def _row(measured: MeasuredExperiment, case: str) -> list[str]:
+    """Return the line's row; a dash where the line has nothing of a class."""
     configuration = Configuration.model_validate(tomllib.loads(measured.experiment.configurations[case]))
     means = [[measured.statistic(case, f"{body} {label}").mean for body in BODIES] for label in CLASSES]
     largest = [measured.statistic(case, f"{body} largest").largest for body in BODIES]
     return [
         case,
-        *(f"{tractor:.1f} / {trailer:.1f}" for tractor, trailer in means),
+        *("–" if math.isnan(tractor) else f"{tractor:.1f} / {trailer:.1f}" for tractor, trailer in means),
         "{:.0f} / {:.0f}".format(*largest),
         " / ".join(f"{_deviation(configuration, limit):.3f}" for limit in LIMITS),
     ]

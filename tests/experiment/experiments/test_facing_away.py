@@ -66,4 +66,4 @@ def test_starts_are_beside_their_part_of_the_path_and_face_away(experiment, buil
 def test_a_run_may_find_no_way(experiment, analysis) -> None:
     outcomes = [analysis.figures(run_task(task)) for task in experiment.tasks(6)["beside a curve"]]
     assert {each["without a way"] for each in outcomes} == {0.0, 100.0}
-    assert all(math.isnan(each["on the path after"]) == (each["without a way"] > 0.0) for each in outcomes)
+    assert any(each["on the path after"] > 10.0 for each in outcomes)

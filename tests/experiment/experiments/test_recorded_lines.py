@@ -1,6 +1,6 @@
-"""Recorded lines where there are any, and what is said where there are none."""
+"""Recorded lines: those of the repository always, those beside it where they are."""
 
-import dataclasses
+import math
 from pathlib import Path
 
 import pytest
@@ -14,22 +14,26 @@ ROOT = Path(__file__).parents[3]
 
 
 def test_a_row_has_means_and_what_making_the_line_drivable_cost(
-    recorded_field, make_result, assemble, write_parts, monkeypatch: pytest.MonkeyPatch
+    make_result, assemble, write_parts, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
-    experiment = load_experiment(ROOT / "experiments" / NAME)
-    assert experiment.left_out == {}
     classes = {name: ErrorStatistics(mean=0.01, rms=0.01, max=0.1) for name in ("straight", "curve", "kink", "all")}
-    result = make_result({}, error_m=Bodies(tractor=classes, trailer=classes))
-    measured = assemble({case: [result] for case in experiment.configurations})
-    _, tables = write_parts(dataclasses.replace(measured, experiment=experiment))
+    calm = classes | {"kink": ErrorStatistics(mean=math.nan, rms=math.nan, max=math.nan)}
+    results = {
+        name: [make_result({}, error_m=Bodies(tractor=each, trailer=each))] * 2
+        for name, each in (("Cu 14.1°", classes), ("Cu 85.2°", calm))
+    }
+    _, tables = write_parts(assemble(results))
     rows = {row[0]: row[1:] for row in tables["lines"].rows}
-    assert rows["Cu 275.4°"] == [*["1.0 / 1.0"] * 3, "10 / 10", "0.470 / 0.345"]
+    assert rows["Cu 14.1°"][:4] == [*["1.0 / 1.0"] * 3, "10 / 10"]
+    assert rows["Cu 85.2°"][:4] == ["1.0 / 1.0", "1.0 / 1.0", "–", "10 / 10"]
+    loose, tight = map(float, rows["Cu 14.1°"][4].split(" / "))
+    assert 0.1 < tight < loose < 1.0
 
 
-def test_without_the_field_nothing_is_driven(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "somewhere").mkdir()
-    monkeypatch.chdir(tmp_path / "somewhere")
+def test_lines_that_are_not_there_are_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     experiment = load_experiment(ROOT / "experiments" / NAME)
-    assert experiment.configurations == {}
+    assert list(experiment.configurations) == ["Cu 14.1°", "Cu 85.2°"]
     assert experiment.left_out["Cu 49.9°"] == "../shared/data/agopengps-field is not here"
+    assert len(experiment.left_out) == 3
