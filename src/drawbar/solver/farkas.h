@@ -18,10 +18,10 @@
 
 /* No point exists if value > 0. Terms: sum of the sizes of what it is the sum of; doubt: what is left of the costates that
  * were set to zero, relative to what they cancelled from. Slopes that should have cancelled are collected with what they
- * cancelled from, and the largest that any of their kind did. */
+ * cancelled from, and the largest that any of their kind did; sides: how many bounds of states have multipliers. */
 struct farkas {
     double value, terms, doubt, slope[NX + N * NU], size[NX + N * NU], largest[NX + NU];
-    int open, kind[NX + N * NU];
+    int sides, open, kind[NX + N * NU];
     double low[NZ], high[NZ], net[NZ];     /* hard bounds of every variable; lower minus upper multiplier of a state */
 };
 
@@ -78,6 +78,7 @@ static inline void farkas_side(const struct qp *restrict s, struct farkas *restr
 
     if (lambda == 0.0 || s->soft_linear[i] < INFINITY || at < first || at >= (N + 1) * NX)
         return;
+    ++f->sides;
     f->net[at] += lambda;
     farkas_add(f, lambda * bound);
 }
@@ -148,6 +149,8 @@ static double farkas_margin(const struct qp *restrict s, const double *restrict 
         farkas_side(s, &f, i, lower[i] > 0.0 ? lower[i] : 0.0, s->lower[i]);
         farkas_side(s, &f, i, upper[i] > 0.0 ? -upper[i] : 0.0, s->upper[i]);
     }
+    if (f.sides == 0)                      /* no multiplier of a state's hard bound: nothing adds up */
+        return 0.0;
     for (int i = 0; i < NX; ++i)
         pi[i] = -STATE(f.net, N)[i];
     for (int k = N - 1; k >= 0; --k)

@@ -36,6 +36,13 @@ class Recording:
     """(n, 4) of the path"""
     records: list[StepRecord]
 
+    def write(self, folder: FilePath, measurements: Sequence[Measurement]) -> None:
+        """Write what replay.c reads: the path, and measurements."""
+        packed = bytearray(MEASUREMENT.size * len(measurements))
+        for i, measurement in enumerate(measurements):
+            MEASUREMENT.pack(packed, measurement, i * MEASUREMENT.size)
+        (folder / "input").write_bytes(np.float64(len(self.nodes)).tobytes() + self.nodes.tobytes() + packed)
+
     @property
     def measurements(self) -> list[Measurement]:
         """Return what the sensors reported."""
@@ -60,14 +67,6 @@ class Replay:
     commands: Floats
     stack: int | None
     """bytes, where it was measured"""
-
-
-def write_input(folder: FilePath, nodes: Floats, measurements: Sequence[Measurement]) -> None:
-    """Write what replay.c reads."""
-    packed = bytearray(MEASUREMENT.size * len(measurements))
-    for i, measurement in enumerate(measurements):
-        MEASUREMENT.pack(packed, measurement, i * MEASUREMENT.size)
-    (folder / "input").write_bytes(np.float64(len(nodes)).tobytes() + nodes.tobytes() + packed)
 
 
 def runaway_wheel(measured: Measurement) -> Measurement:
@@ -126,7 +125,7 @@ class Player:
 
     def play(self, recording: Recording, folder: FilePath) -> Replay:
         """Replay the recording in an empty folder."""
-        write_input(folder, recording.nodes, recording.measurements)
+        recording.write(folder, recording.measurements)
         done = subprocess.run(
             self.command,
             cwd=folder,
