@@ -168,7 +168,8 @@ def test_plain_numbers_of_a_model_are_in_its_source() -> None:
             outputs=variables(position="m"),
             equations=lambda x, u, p: (gain * u, x),
         )
-        return transcribe(control(model=model, weights=(1.0,), terminal_weights=(1.0,))).source()
+        weights = {"position": 1.0}
+        return transcribe(control(model=model, weights=weights, terminal_weights=weights)).source()
 
     assert cart(1.5) == cart(1.5)
     assert cart(1.5) != cart(2.5)
