@@ -1,4 +1,4 @@
-"""The tutorial's example runs, does what the tutorial says, and is what the tutorial shows; other scripts run."""
+"""The tutorial's examples run, do what the tutorial says, and are what the tutorial shows; other scripts run."""
 
 import importlib.util
 import re
@@ -14,6 +14,8 @@ from drawbar.geometry import Floats
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "own_vehicle.py"
+TOLD = (EXAMPLE, ROOT / "examples" / "pid_controller.py")
+"""the scripts that the tutorial explains, in its order"""
 TUTORIAL = ROOT / "docs" / "tutorial.md"
 SETTLED = slice(100, None)
 """samples after 10 s"""
@@ -60,22 +62,27 @@ def test_finds_out_heading_and_offset(record: Floats) -> None:
     assert np.sqrt(np.mean(offset**2)) < np.radians(0.15)
 
 
-def test_prints_what_the_tutorial_shows() -> None:
-    printed = subprocess.run([sys.executable, EXAMPLE], capture_output=True, text=True, check=True).stdout
-    (shown,) = re.findall(r"```text\n(.*?)```", TUTORIAL.read_text("utf-8"), re.DOTALL)
-    for ours, theirs in zip(printed.split(), shown.split(), strict=True):
+@pytest.mark.parametrize(("place", "script"), list(enumerate(TOLD)), ids=[script.stem for script in TOLD])
+def test_prints_what_the_tutorial_shows(place: int, script: Path) -> None:
+    printed = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True).stdout
+    shown = re.findall(r"```text\n(.*?)```", TUTORIAL.read_text("utf-8"), re.DOTALL)
+    assert len(shown) == len(TOLD)
+    for ours, theirs in zip(printed.split(), shown[place].split(), strict=True):
         try:  # compilers round the last digits differently
-            assert float(ours.strip("[]")) == pytest.approx(float(theirs.strip("[]")), abs=0.02)
+            value, last_digit = float(theirs.strip("[]")), 10.0 ** -len(theirs.strip("[]").partition(".")[2])
+            assert float(ours.strip("[]")) == pytest.approx(value, abs=2.0 * last_digit)
         except ValueError:
             assert ours == theirs
 
 
-def test_the_tutorial_quotes_the_example() -> None:
+def test_the_tutorial_quotes_the_examples() -> None:
     blocks = re.findall(r"```python\n(.*?)```", TUTORIAL.read_text("utf-8"), re.DOTALL)
-    source = EXAMPLE.read_text("utf-8")
+    sources = [script.read_text("utf-8") for script in TOLD]
     assert blocks
     for block in blocks:
-        assert block in source
+        assert any(block in source for source in sources), block
+    for source in sources:
+        assert any(block in source for block in blocks)
 
 
 def test_the_recorded_lines_are_those_that_the_script_drives(tmp_path: Path) -> None:

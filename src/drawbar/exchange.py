@@ -242,7 +242,7 @@ def _limits() -> str:
     limits = []
     for name, hint, _ in _members(Measurement):
         if quantity := _annotation(hint, Quantity):
-            text = repr(quantity.limit) if math.isfinite(quantity.limit) else "INFINITY"
+            text = repr(quantity.limit) if math.isfinite(quantity.limit) else "DBL_MAX"
             limits.append(f"    {text},".ljust(32) + f"/* {name} */")
     return "static const double measurement_limits[] = {\n" + "\n".join(limits) + "\n};\n"
 
@@ -267,6 +267,7 @@ _INNER = f"""\
 #ifndef DRAWBAR_INNER_SIGNALS_H
 #define DRAWBAR_INNER_SIGNALS_H
 
+#include <float.h>
 #include <math.h>
 #include "drawbar_signals.h"
 

@@ -5,6 +5,7 @@
 #ifndef DRAWBAR_INNER_SIGNALS_H
 #define DRAWBAR_INNER_SIGNALS_H
 
+#include <float.h>
 #include <math.h>
 #include "drawbar_signals.h"
 
@@ -49,7 +50,7 @@ struct drawbar_body_steering {
 
 /* Largest magnitudes that sensors can mean, of the measurement's numbers in their order. */
 static const double measurement_limits[] = {
-    INFINITY,                   /* time */
+    DBL_MAX,                    /* time */
     10000000.0,                 /* tractor_x */
     10000000.0,                 /* tractor_y */
     10000000.0,                 /* trailer_x */
@@ -66,14 +67,14 @@ static const double measurement_limits[] = {
     6.283185307179586,          /* trailer_roll */
     6.283185307179586,          /* trailer_pitch */
     50.0,                       /* trailer_yaw_rate */
-    INFINITY,                   /* tractor_fix_age */
-    INFINITY,                   /* trailer_fix_age */
-    INFINITY,                   /* hitch_angle_age */
-    INFINITY,                   /* speed_age */
-    INFINITY,                   /* tractor_steering_age */
-    INFINITY,                   /* trailer_steering_age */
-    INFINITY,                   /* tractor_attitude_age */
-    INFINITY,                   /* trailer_attitude_age */
+    DBL_MAX,                    /* tractor_fix_age */
+    DBL_MAX,                    /* trailer_fix_age */
+    DBL_MAX,                    /* hitch_angle_age */
+    DBL_MAX,                    /* speed_age */
+    DBL_MAX,                    /* tractor_steering_age */
+    DBL_MAX,                    /* trailer_steering_age */
+    DBL_MAX,                    /* tractor_attitude_age */
+    DBL_MAX,                    /* trailer_attitude_age */
 };
 
 #endif

@@ -150,7 +150,6 @@ def test_after_a_sample_left_out_nothing_is_held_against_the_vehicle_and_the_pla
         assert now.steerings == pytest.approx(then.steerings, abs=0.02)
 
 
-@pytest.mark.xfail(strict=True, reason="skip moves the solver's plan on, not the one that is lived on")
 def test_a_plan_that_is_lived_on_is_as_old_as_the_samples_left_out(new, situation):
     controller, parts = new()
     last = solved(controller, situation)

@@ -74,30 +74,21 @@ def test_one_sample_left_out_is_one_in_which_nothing_was_measured(model, drive, 
 
 
 @BOTH
-@pytest.mark.parametrize("model", ["articulated"], indirect=True)
-def test_many_samples_left_out_are_followed_as_well(model, drive, kind):
+def test_many_samples_left_out_are_followed_as_well(model, drive, kind, request):
+    if model.name == "tricycle" and kind is MovingHorizonEstimator:
+        reason = "the window believes nothing of steering angles that were not measured: its inputs are free"
+        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
     _, measurements, commands, truth = drive
     left_out, missing = (
         errors(estimates(kind(model, measurements[0]), measurements, commands, MANY, skip=skip), truth)
         for skip in (True, False)
     )
     assert (left_out < 1.05 * missing).all()
-    assert (left_out < 0.04).all()
+    assert (left_out < 0.05).all()
 
 
+@BOTH
 @pytest.mark.parametrize("model", ["articulated"], indirect=True)
-@pytest.mark.parametrize(
-    "kind",
-    [
-        ExtendedKalmanFilter,
-        pytest.param(
-            MovingHorizonEstimator,
-            marks=pytest.mark.xfail(
-                strict=True, reason="a stage that was left out believes nothing of steering rates that nobody told"
-            ),
-        ),
-    ],
-)
 def test_many_samples_left_out_are_followed_where_nobody_tells_of_commands(model, drive, kind):
     _, measurements, _, truth = drive
     left_out = estimates(kind(model, measurements[0]), measurements, [None] * COUNT, MANY, skip=True)

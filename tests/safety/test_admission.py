@@ -84,7 +84,6 @@ def test_what_is_missing_stays_missing_and_is_not_counted(admitted, name):
     assert count == 0
 
 
-@pytest.mark.xfail(strict=True, reason="admission.h: infinity is not beyond a limit that is infinite")
 @pytest.mark.parametrize("name", AGES)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_age_that_is_infinite_is_missing_and_counted(admitted, name, sign):

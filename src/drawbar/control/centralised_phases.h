@@ -79,6 +79,7 @@ int UNIT(ready)(struct component *component)
 int UNIT(skip)(struct component *component)
 {
     component->centralised.foretells = 0;
+    live_on(&component->centralised);
     return UNIT(ready)(component);
 }
 

@@ -120,6 +120,7 @@ int UNIT(ready)(struct component *component)
 int UNIT(skip)(struct component *component)
 {
     component->subsystem.follows = 0;
+    live_on(&component->subsystem);
     return UNIT(ready)(component);
 }
 

@@ -100,10 +100,13 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
 /* Let a sample pass in which nothing was measured: its stage is what was predicted. */
 int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
-    double *row = component->rti.y[component->window.newest];
+    static const struct drawbar_measurement nothing = {
+        .tractor_x = (double)NAN, .tractor_y = (double)NAN, .trailer_x = (double)NAN, .trailer_y = (double)NAN,
+        .hitch_angle = (double)NAN, .speed = (double)NAN, .tractor_steering = (double)NAN,
+        .trailer_steering = (double)NAN
+    };
 
-    for (int i = 0; i < NY; ++i)
-        row[i] = NAN;
+    model_outputs(&component->model, &nothing, component->rti.y[component->window.newest]);
     return UNIT(ready)(component, acting);
 }
 

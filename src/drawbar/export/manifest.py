@@ -91,14 +91,15 @@ def _calls(build: Built) -> Mapping[str, Any]:
 def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
-    One factorisation and one sweep without bounds; a sweep for each column of the active set, two to publish its answer
-    and one to take it back; then the interior point.
+    One factorisation and one sweep without bounds. Then either a sweep for each column of the active set, two to publish
+    its answer and one to take it back; or two factorisations and a sweep, to damp a cost that leaves something
+    undetermined. Then the interior point: a factorisation and a sweep for its start, and its iterations.
     """
     bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
     bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
-    sweeps = 1 + bounds["active_set_columns"] + 3 + _SWEEPS_OF_ITERATION * iterations
-    return bounds | {"factorisations": 1 + iterations, "sweeps": sweeps}
+    sweeps = 1 + bounds["active_set_columns"] + 3 + 1 + _SWEEPS_OF_ITERATION * iterations
+    return bounds | {"factorisations": 1 + 2 + 1 + iterations, "sweeps": sweeps}
 
 
 def _defined(macro: str, sources: Iterable[str]) -> int:
