@@ -138,7 +138,9 @@ def test_a_fault_ends_as_it_must(rig: Callable[..., Any], name: str) -> None:
     assert run.flags & fault.flags == fault.flags
     distance = run.distance()
     assert distance <= fault.distance
-    stopped = f"{fault.ends.name}, {run.first(fault.ends) - BEGINS:.1f} s" if fault.ends is not Status.OK else "drives on"
+    stopped = (
+        f"{fault.ends.name}, {run.first(fault.ends) - BEGINS:.1f} s" if fault.ends is not Status.OK else "drives on"
+    )
     told = ", ".join(flag.name or "" for flag in run.flags & ~Flag.LIMITED)
     print(f"| {name} | {stopped} | {told} | {100.0 * distance:.0f} |")  # docs/faults.md
 

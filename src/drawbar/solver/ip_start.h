@@ -6,7 +6,7 @@
 
 #include "kkt.h"
 
-#define FAR_OUT 100.0                      /* times the largest bound: no start lies further out than that */
+#define FAR_OUT 1e6                        /* times the largest bound: no start lies further out than that */
 #define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
 
 /* Curvature of the cost to go along bounded variable i, as factorised. */

@@ -1,6 +1,7 @@
 """Random starts that face away, and what becomes of them."""
 
 import math
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -67,3 +68,14 @@ def test_a_run_may_find_no_way(experiment, analysis) -> None:
     outcomes = [analysis.figures(run_task(task)) for task in experiment.tasks(6)["beside a curve"]]
     assert {each["without a way"] for each in outcomes} == {0.0, 100.0}
     assert any(each["on the path after"] > 10.0 for each in outcomes)
+
+
+@pytest.mark.parametrize("seed", [0, 10, 20, 23])
+def test_a_start_whose_plans_are_at_their_bounds_throughout_is_solved(experiment, build, seed: int) -> None:
+    """The trailer's cost alone would have its steering a hundred times further than it goes."""
+    (alteration,) = experiment.alterations["beside a curve"]
+    simulation = build("articulated", seed=seed)
+    alteration.apply(simulation)
+    records = list(islice(simulation.steps(), 100))
+    assert sum(record.solver_failures for record in records) == 0
+    assert max(abs(record.command.trailer_steering) for record in records) > 0.3

@@ -98,7 +98,9 @@ def test_no_promise_is_broken(fuzzer: Path, tmp_path: Path) -> None:
         text=True,
         errors="replace",
     )
-    assert done.returncode == 0, re.sub(r".*?(?=broken promise|runtime error|ERROR)", "", done.stderr, count=1, flags=re.DOTALL)
+    assert done.returncode == 0, re.sub(
+        r".*?(?=broken promise|runtime error|ERROR)", "", done.stderr, count=1, flags=re.DOTALL
+    )
     print(done.stderr[done.stderr.index("\nsteps ") :])
     assert counted(done.stderr, "steps") > 20_000
     assert counted(done.stderr, "changes") > 20
