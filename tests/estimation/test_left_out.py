@@ -74,10 +74,7 @@ def test_one_sample_left_out_is_one_in_which_nothing_was_measured(model, drive, 
 
 
 @BOTH
-def test_many_samples_left_out_are_followed_as_well(model, drive, kind, request):
-    if model.name == "tricycle" and kind is MovingHorizonEstimator:
-        reason = "the window believes nothing of steering angles that were not measured: its inputs are free"
-        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
+def test_many_samples_left_out_are_followed_as_well(model, drive, kind):
     _, measurements, commands, truth = drive
     left_out, missing = (
         errors(estimates(kind(model, measurements[0]), measurements, commands, MANY, skip=skip), truth)

@@ -41,12 +41,16 @@ static inline int model_at_rest(const struct estimation_model *model, const stru
 
 #include "first_guess.h"
 
-/* The measurement. */
+/* The measurement. A steering angle that is missing keeps its newest measured value: the angles are inputs, and a stage
+ * whose inputs nobody holds can be anywhere. */
 static inline void model_outputs(const struct estimation_model *model, const struct drawbar_measurement *measurement,
                                  double *y)
 {
-    (void)model;
     measured(measurement, y);
+    if (!isfinite(measurement->tractor_steering))
+        y[Y_TRACTOR_STEERING] = model->tractor_steering;
+    if (!isfinite(measurement->trailer_steering))
+        y[Y_TRAILER_STEERING] = model->trailer_steering;
 }
 
 /* Where both antennas are: x, y of the tractor's; x, y of the trailer's by yaws and joints, which ties it to the
