@@ -32,7 +32,7 @@ def test_over_a_whole_run(
     assert library.begin(simulation.path) == 0
     for record, answer in zip(records, told, strict=False):  # there is no record of the sample that ends the run
         command, status = library.step(record.measurement)
-        assert status == record.status | record.flags
+        assert status == (record.flags if record.status.is_new_command else record.status)
         assert repr(command) == repr(record.command)  # a zero has a sign
         assert answers(library.call) == answer, f"step {record.step}"
 
@@ -69,7 +69,7 @@ def test_where_callers_and_sensors_fail(
         own_status, own_command = autopilot.feedback(measurement)
         autopilot.prepare()
         command, status = library.step(measurement)
-        assert status == own_status | autopilot.record().flags
+        assert status == (autopilot.record().flags if own_status.is_new_command else own_status)
         assert repr(command) == repr(own_command)
         assert answers(library.call) == answers(autopilot.library.call), f"sample {i}"
         reached.append(status)

@@ -91,8 +91,8 @@ def _calls(build: Built) -> Mapping[str, Any]:
 def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
-    One factorisation and one sweep without bounds. Then either a sweep for each column of the active set, two to publish
-    its answer and one to take it back; or two factorisations and a sweep, to damp a cost that leaves something
+    One factorisation and one sweep without bounds. Then either a sweep for each column of the active set, two to
+    publish its answer and one to take it back; or two factorisations and a sweep, to damp a cost that leaves something
     undetermined. Then the interior point: a factorisation and a sweep for its start, and its iterations.
     """
     bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}

@@ -43,7 +43,7 @@ static void initialise_components(struct autopilot *a)
 #endif
 }
 
-/* Let all start from the first measurement. Until it is complete the gate still knows the last run's command. */
+/* Let all start from the first measurement. Until it is complete the vehicle stands. */
 static int begin_run(struct autopilot *a, const struct drawbar_measurement *first)
 {
     double start[4];
@@ -217,8 +217,10 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
     d->flags |= d->missing ? DRAWBAR_MEASUREMENT : 0;
     if (!a->begun) {
         const int status = begin_run(a, &seen);
-        if (status != DRAWBAR_OK)
-            return do_without(a, status, command);
+        if (status != DRAWBAR_OK) {
+            d->gate = drawbar_gate_stop(COMPONENT(a->gate), a->time, command);
+            return status;
+        }
     } else {
         catch_up(a, pace_left_out(a, elapsed));
     }

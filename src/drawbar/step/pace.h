@@ -1,9 +1,10 @@
 /* The speed that is commanded: the set speed, approached by a ramp, and less of it the longer the vehicle is driven on
  * predictions alone.
  *
- * Two clocks tell for how long that has been: `unsolved`, since estimator and both controllers have last had a solution,
- * and `overdue`, by which samples came late, less half of the time that has passed in order since. For a sixth of the
- * endurance the speed stays; then it falls in proportion, to zero at the endurance, and with it the run ends.
+ * Two clocks tell for how long that has been: `unsolved`, since estimator and both controllers have last had a solution
+ * (a sample counts for as long as it lasted, and for one sample time at least), and `overdue`, by which samples came
+ * late, less half of the time that has passed in order since. For a sixth of the endurance the speed stays; then it falls
+ * in proportion, to zero at the endurance, and with it the run ends.
  */
 #ifndef DRAWBAR_PACE_H
 #define DRAWBAR_PACE_H
@@ -31,6 +32,7 @@ static inline int pace_left_out(struct autopilot *a, double elapsed)
 {
     const double sample = a->settings.sample_time;
 
+    a->unsolved += fmax(elapsed - sample, 0.0);
     if (!(elapsed > 1.5 * sample)) {
         a->overdue = fmax(a->overdue - 0.5 * sample, 0.0);
         return 0;

@@ -34,8 +34,7 @@ struct run {
     int repeats;                           /* samples since a new command */
     double renewed;                        /* time of the newest command that was new, s */
     double taken;                          /* time of the newest sample that was taken, s */
-    double solved;                         /* time of the newest sample whose solvers had all solutions, s */
-    int unsolved;                          /* samples since */
+    double unsolved;                       /* since all solvers had solutions; a sample counts for its length, or more, s */
     double overdue;                        /* by which samples came late, less half of the time in order since, s */
     double wanted;                         /* set speed, m/s */
     double speed;                          /* of the newest command that was new, m/s */
@@ -73,18 +72,10 @@ static void promise_held(const struct run *run, const struct drawbar_command *co
     PROMISED(command->trailer_steering == run->last.trailer_steering);
 }
 
-/* For how long solvers have had no solutions, by the clock and by count, s. */
-static double unsolved_for(const struct run *run, const struct answer *answer)
-{
-    if (!(answer->status & DRAWBAR_SOLVER))
-        return 0.0;
-    return fmax(answer->time - run->solved, (run->unsolved + 1) * DRAWBAR_SAMPLE_TIME);
-}
-
 /* Slower the longer solvers have failed or samples have come late, and never for longer than the endurance. */
 static void promise_pace(const struct run *run, const struct answer *answer)
 {
-    const double doubt = fmax(unsolved_for(run, answer), run->overdue);
+    const double doubt = fmax(answer->status & DRAWBAR_SOLVER ? run->unsolved : 0.0, run->overdue);
     const double share = (ENDURANCE - doubt) / (ENDURANCE - KEPT);
     const double speed = answer->command.speed, change = ACCELERATION * DRAWBAR_SAMPLE_TIME;
 
@@ -156,6 +147,7 @@ static void note_sample(struct run *run, const struct answer *answer)
 
     if (run->ended || !is_in_time(run, answer->time))
         return;
+    run->unsolved += run->begun ? fmax(elapsed, DRAWBAR_SAMPLE_TIME) : DRAWBAR_SAMPLE_TIME;
     if (run->begun)
         run->overdue = elapsed > 1.5 * DRAWBAR_SAMPLE_TIME ? run->overdue + elapsed - DRAWBAR_SAMPLE_TIME
                                                            : fmax(run->overdue - 0.5 * DRAWBAR_SAMPLE_TIME, 0.0);
@@ -180,10 +172,8 @@ static void note_answer(struct run *run, const struct answer *answer)
         run->renewed = answer->time;
         run->speed = answer->command.speed;
     }
-    if (goes_on) {
-        run->unsolved = answer->diagnostics.flags & DRAWBAR_SOLVER ? run->unsolved + 1 : 0;
-        run->solved = run->unsolved ? run->solved : answer->time;
-    }
+    if (goes_on && !(answer->diagnostics.flags & DRAWBAR_SOLVER))
+        run->unsolved = 0.0;
     run->last = answer->command;
     run->given = 1;
 }
@@ -191,8 +181,8 @@ static void note_answer(struct run *run, const struct answer *answer)
 /* Another run is announced, which does not begin before the next sample. */
 static void announce(struct run *run)
 {
-    run->begun = run->ended = run->unsolved = 0;
-    run->overdue = 0.0;
+    run->begun = run->ended = 0;
+    run->unsolved = run->overdue = 0.0;
 }
 
 /* Hold an answer against all that is promised, and note it. */
@@ -218,7 +208,7 @@ static void promise(struct run *run, const struct answer *answer)
     }
     if (!run->begun) {
         run->speed = run->wanted;
-        run->solved = answer->time - DRAWBAR_SAMPLE_TIME;
+        run->unsolved = 0.0;
     }
     promise_time(run, answer);
     note_sample(run, answer);

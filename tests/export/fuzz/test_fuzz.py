@@ -90,7 +90,8 @@ def counted(said: str, what: str) -> int:
 
 def test_no_promise_is_broken(fuzzer: Path, tmp_path: Path) -> None:
     """Reach every flag, all that repeats a command, all that ends a run, and paths that change within one."""
-    length = [f"-max_total_time={SECONDS}"] if SECONDS else ["-runs=200", "-seed=1"]
+    short = ["-runs=200", "-seed=1", f"-artifact_prefix={tmp_path}/"]
+    length = [f"-max_total_time={SECONDS}"] if SECONDS else short
     corpus = seeds(tmp_path / "corpus", 64, None if SECONDS else 1)
     done = subprocess.run(
         [str(fuzzer), *length, "-max_len=512", "-len_control=0", "-report_slow_units=600", str(corpus)],
