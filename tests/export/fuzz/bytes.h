@@ -43,4 +43,10 @@ static inline double next_double(struct bytes *b)
     return value;
 }
 
+/* A number around what is allowed from 0 to `most`, or any at all. */
+static inline double next_number(struct bytes *b, double most)
+{
+    return next_byte(b) % 2 ? next_double(b) : 2.0 * most * next_fraction(b);
+}
+
 #endif

@@ -17,6 +17,7 @@ struct fuzz {
     struct vehicle vehicle;
     struct course course;
     struct drawbar_path_node *nodes;       /* of the run, on the heap, where the sanitizer sees their end; or NULL */
+    int32_t count;                         /* of them */
     double length;                         /* of their path, m */
     struct drawbar_state *state;           /* likewise */
     struct run run;
@@ -136,7 +137,8 @@ static void settle(struct fuzz *f, int taken, struct drawbar_path_node *nodes)
     }
     free(f->nodes);
     f->nodes = nodes;
-    f->length = nodes[f->course.count - 1].arc_length;
+    f->count = f->course.count;
+    f->length = nodes[f->count - 1].arc_length;
 }
 
 /* Let the run begin elsewhere: where the vehicle is, or anywhere. */
@@ -172,14 +174,14 @@ static void set_path(struct fuzz *f)
     if (behind)
         begin_at(f, PIECE * behind);
     if (choice % 32 == 1)
-        begin_at(f, next_double(&f->bytes));
+        begin_at(f, next_number(&f->bytes, f->length));
 }
 
 /* Another path, on which the run goes on. */
 static void change_path(struct fuzz *f)
 {
     const int choice = next_byte(&f->bytes), behind = choice % 64;
-    const double at = choice < 224 ? PIECE * behind : next_double(&f->bytes);
+    const double at = choice < 224 ? PIECE * behind : next_number(&f->bytes, PIECE * NODES);
 
     course_make(&f->course, &f->vehicle, behind, 0.7, &f->bytes);
     struct drawbar_path_node *nodes = nodes_of(&f->course);
@@ -196,7 +198,7 @@ static void change_path(struct fuzz *f)
 static void set_speed(struct fuzz *f)
 {
     const int choice = next_byte(&f->bytes);
-    const double speed = choice < 224 ? SPEED_LIMIT * (choice % 16) / 15.0 : next_double(&f->bytes);
+    const double speed = choice < 192 ? SPEED_LIMIT * (choice % 16) / 15.0 : next_number(&f->bytes, SPEED_LIMIT);
 
     remember(f);
     const int status = drawbar_set_speed(f->state, speed), allowed = speed >= 0.0 && speed <= SPEED_LIMIT;
@@ -302,6 +304,20 @@ static void promise_refusal(struct fuzz *f, int status, int expected, const stru
     check_answers(f, &diagnostics);
 }
 
+/* Numbers that are just beyond what is allowed, or none, are out of range wherever they are looked at. */
+static void promise_ranges(struct fuzz *f)
+{
+    const int runs = f->run.begun && !f->run.ended, begins = f->nodes && !f->run.begun;
+    const double speeds[] = {-1e-9, nextafter(SPEED_LIMIT, INFINITY), (double)NAN};
+    const double places[] = {-1e-9, f->length, (double)NAN};
+
+    for (int i = 0; i < 3; ++i) {
+        PROMISED(drawbar_set_speed(f->state, speeds[i]) == DRAWBAR_RANGE);
+        PROMISED(!begins || drawbar_begin_at(f->state, places[i]) == DRAWBAR_RANGE);
+        PROMISED(!runs || drawbar_change_path(f->state, f->nodes, f->count, places[i]) == DRAWBAR_RANGE);
+    }
+}
+
 /* Wrong calls change nothing. */
 static void call_wrongly(struct fuzz *f)
 {
@@ -314,6 +330,7 @@ static void call_wrongly(struct fuzz *f)
     PROMISED(drawbar_set_path(f->state, NULL, 3) == DRAWBAR_NULL);
     PROMISED(drawbar_set_path(f->state, f->course.nodes, -next_byte(&f->bytes)) == DRAWBAR_PATH);
     PROMISED(drawbar_change_path(f->state, NULL, 3, 0.0) == DRAWBAR_NULL);
+    promise_ranges(f);
     PROMISED(drawbar_set_speed(NULL, 0.0) == DRAWBAR_NULL && drawbar_begin_at(NULL, 0.0) == DRAWBAR_NULL);
     promise_refusal(f, drawbar_feedback(f->state, NULL, &command), DRAWBAR_NULL, &command);
     promise_refusal(f, drawbar_feedback(NULL, &measurement, &command), DRAWBAR_NULL, &command);
@@ -325,7 +342,7 @@ static void wish(struct fuzz *f)
 {
     switch (next_choice(&f->bytes, 4)) {
     case 0: set_speed(f); break;
-    case 1: begin_at(f, next_double(&f->bytes)); break;
+    case 1: begin_at(f, next_number(&f->bytes, f->length)); break;
     default: change_path(f);
     }
 }
