@@ -109,6 +109,7 @@ class Flag(IntFlag):
     LIMITED = 4, "steering clamped where the valve is already fully open; the motion is unchanged"
     SOLVER = 8, "a solver failed; the estimate or the plan is its own prediction"
     SLOWED = 16, "the vehicle is driven slower than the set speed, until estimates and plans are sound again"
+    RELEASED = 32, "not engaged: the command repeats the steering as it is, with speed zero"
 
 
 class FixQuality(IntEnum):

@@ -166,6 +166,48 @@ def test_the_speed_can_be_set_during_a_run(build):
     np.testing.assert_allclose(commanded, [0.9, 0.8, 0.7, 0.6, 0.5, 0.5, 0.5, 0.5])
 
 
+def drive_by_hand(simulation, steps):
+    """Let a driver steer, and return the records."""
+    autopilot, machine = simulation.autopilot, simulation.machine
+    autopilot.set_engaged(False)
+    records = []
+    for step in range(steps):
+        status, command = autopilot.feedback(machine.read())
+        assert status is Status.OK
+        machine.write(replace(command, tractor_steering=0.1 * math.sin(0.3 * step), speed=0.6))
+        autopilot.prepare()
+        records.append(autopilot.record(machine.truth()))
+    return records
+
+
+def test_while_it_is_not_engaged_the_command_is_the_steering_as_it_is(build):
+    records = drive_by_hand(build("articulated"), 60)
+    for record in records:
+        assert record.flags & Flag.RELEASED
+        assert record.command.speed == 0.0
+        assert record.command.tractor_steering == pytest.approx(record.estimate.tractor_steering, abs=1e-12)
+        assert abs(record.command.tractor_steering - record.truth.tractor_steering) < math.radians(
+            2.0
+        )  # rounded to 1°, while the wheels turn
+    estimated, true = records[-1].estimate.trailer, records[-1].truth.trailer
+    assert math.hypot(estimated.x - true.x, estimated.y - true.y) < 0.1
+
+
+def test_an_engagement_begins_with_the_steering_and_the_speed_as_they_are(build):
+    simulation = build("articulated")
+    last = drive_by_hand(simulation, 67)[-1]
+    assert abs(last.reference.tractor.lateral_error) > 0.1
+    simulation.autopilot.set_engaged(True)
+    after = [record for record, _ in zip(simulation.steps(), range(100), strict=False)]
+    first = after[0]
+    assert not first.flags & Flag.RELEASED
+    assert first.command.speed == pytest.approx(0.7, abs=0.1)  # from 0.6 m/s towards the set speed, by its ramp
+    reach = simulation.configuration.machine.actuators.tractor_rate * (0.3 + 0.2)
+    assert abs(first.command.tractor_steering - first.measurement.tractor_steering) < reach + math.radians(1.0)
+    assert max(abs(r.reference.tractor.lateral_error) for r in after[60:]) < 0.08
+    assert max(abs(r.reference.trailer.lateral_error) for r in after[60:]) < 0.08
+
+
 def test_the_path_changes_under_the_vehicle_without_a_restart(build):
     simulation = build("articulated", "path.straight_length=40.0")
     steps = simulation.steps()

@@ -16,7 +16,17 @@ from drawbar.optimal import SolverUnit
 
 ENTRIES = tuple(
     f"drawbar_{name}"
-    for name in ("init", "set_path", "begin_at", "change_path", "set_speed", "feedback", "prepare", "step")
+    for name in (
+        "init",
+        "set_path",
+        "begin_at",
+        "change_path",
+        "set_speed",
+        "set_engaged",
+        "feedback",
+        "prepare",
+        "step",
+    )
 )
 """functions whose stack is stated"""
 _BOUNDS = {

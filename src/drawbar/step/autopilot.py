@@ -69,6 +69,13 @@ class Autopilot:
         """Change the set speed, m/s; return whether it is within what the configuration allows."""
         return self.library.call("set_speed", ctypes.c_double(speed)) == Status.OK
 
+    def set_engaged(self, engaged: bool) -> None:
+        """Tell whether the commands are carried out; at first they are.
+
+        While they are not, the command repeats the steering as it is, and plans go on from what the vehicle does.
+        """
+        self.library.call("set_engaged", ctypes.c_int32(engaged))
+
     def give(self, estimate: Estimate) -> None:
         """Give the next sample's estimate to an autopilot whose estimator is ideal."""
         estimator = self.library.components["estimator"]

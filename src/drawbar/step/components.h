@@ -122,6 +122,7 @@ struct autopilot {
     int32_t ended;                         /* enum drawbar_status with which the run did, or 0 */
     int32_t called;                        /* drawbar_feedback has been, since drawbar_prepare */
     int32_t due;                           /* and the components have something to prepare */
+    int32_t released;                      /* the commands are not carried out: somebody else drives */
     int32_t reached;                       /* how far the newest feedback got */
     double time;                           /* of the newest measurement, s */
     double start;                          /* arc length at which the run is to begin, m */

@@ -25,6 +25,16 @@ static int do_without(struct autopilot *a, int32_t status, struct drawbar_comman
     return a->begun && a->diagnostics.gate == DRAWBAR_GATE_STOPPED ? end_run(a, DRAWBAR_STOPPED, command) : status;
 }
 
+static void initialise_controllers(struct autopilot *a)
+{
+#ifdef DRAWBAR_CENTRALISED
+    drawbar_controller_initialise(COMPONENT(a->controller));
+#else
+    drawbar_tractor_initialise(COMPONENT(a->tractor));
+    drawbar_trailer_initialise(COMPONENT(a->trailer));
+#endif
+}
+
 static void initialise_components(struct autopilot *a)
 {
     drawbar_estimator_initialise(COMPONENT(a->estimator));
@@ -35,12 +45,7 @@ static void initialise_components(struct autopilot *a)
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_initialise(COMPONENT(a->predictor));
 #endif
-#ifdef DRAWBAR_CENTRALISED
-    drawbar_controller_initialise(COMPONENT(a->controller));
-#else
-    drawbar_tractor_initialise(COMPONENT(a->tractor));
-    drawbar_trailer_initialise(COMPONENT(a->trailer));
-#endif
+    initialise_controllers(a);
 }
 
 /* Let all start from the first measurement. Until it is complete the vehicle stands. */
@@ -126,8 +131,8 @@ static int solved(const struct autopilot *a)
         && made->plans[TRAILER_BODY].status == SOLVED;
 }
 
-/* Steer by both plans and both ancillary laws; the gate has the last word. */
-static int steer(struct autopilot *a, struct drawbar_command *command)
+/* Both ancillary laws. */
+static void hold_to_plans(struct autopilot *a)
 {
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct decisions *made = &a->made;
@@ -137,6 +142,14 @@ static int steer(struct autopilot *a, struct drawbar_command *command)
     drawbar_trailer_law_apply(COMPONENT(a->trailer_law), &made->plans[TRAILER_BODY], &steerings[TRAILER_BODY]);
     diagnose(&d->tractor, made, TRACTOR_BODY, made->estimate.tractor_fix);
     diagnose(&d->trailer, made, TRAILER_BODY, made->estimate.trailer_fix);
+}
+
+/* Steer by plans and laws; the gate has the last word. */
+static int steer(struct autopilot *a, struct drawbar_command *command)
+{
+    const struct drawbar_body_steering *steerings = a->made.steerings;
+    struct drawbar_diagnostics *d = &a->diagnostics;
+
     const struct drawbar_command wanted
         = {a->time, steerings[TRACTOR_BODY].command, steerings[TRAILER_BODY].command, a->speed};
     d->gate = drawbar_gate_check(COMPONENT(a->gate), &wanted, command);
@@ -146,6 +159,29 @@ static int steer(struct autopilot *a, struct drawbar_command *command)
         return end_run(a, DRAWBAR_STOPPED, command);
     d->flags |= d->gate == DRAWBAR_GATE_LIMITED ? DRAWBAR_LIMITED : 0;
     return d->gate == DRAWBAR_GATE_REPEATED ? DRAWBAR_REFUSED : d->flags;
+}
+
+/* Somebody else drives. The command is the steering as it is, with speed zero; what is estimated and planned goes on from
+ * what the vehicle does, so that an engagement begins there. */
+static int look_on(struct autopilot *a, struct drawbar_command *command)
+{
+    const struct drawbar_estimate *now = &a->made.estimate;
+    struct drawbar_measurement wheels = {0};
+    struct drawbar_command driven;
+
+    wheels.time = a->time;
+    wheels.tractor_steering = now->tractor_steering;
+    wheels.trailer_steering = now->trailer_steering;
+    drawbar_gate_begin(COMPONENT(a->gate), &wheels);
+    a->diagnostics.gate = drawbar_gate_stand(COMPONENT(a->gate), a->time, command);
+    driven = *command;
+    driven.speed = pace_follow(a, now->speed);
+    send(a, &driven);
+    initialise_controllers(a);
+    a->due = 1;
+    a->diagnostics.speed = command->speed;
+    a->diagnostics.flags |= DRAWBAR_RELEASED;
+    return a->diagnostics.flags;
 }
 
 /* Estimate, plan, command. */
@@ -175,7 +211,10 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
         a->reached = WITH_PLANS;
     }
     const int too_long = pace_step(a, solved(a));
-    return too_long ? end_run(a, too_long, command) : steer(a, command);
+    if (too_long)
+        return end_run(a, too_long, command);
+    hold_to_plans(a);
+    return a->released ? look_on(a, command) : steer(a, command);
 }
 
 /* Let samples that were left out pass: nothing was measured, and the last command went on to act. */

@@ -27,6 +27,14 @@ static inline double pace_planned(const struct autopilot *a)
     return a->wanted_speed > 0.0 ? fmin(a->settings.planned_speed, a->wanted_speed) : a->settings.planned_speed;
 }
 
+/* Let somebody else drive at a speed (m/s): what is commanded later begins with it. Returns the speed that plans may reckon
+ * with, m/s. */
+static inline double pace_follow(struct autopilot *a, double speed)
+{
+    a->speed = clamped(speed, 0.0, a->settings.speed);
+    return a->speed;
+}
+
 /* Note for how long (s) the last sample lasted; return how many samples were left out. */
 static inline int pace_left_out(struct autopilot *a, double elapsed)
 {

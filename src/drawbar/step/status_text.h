@@ -60,6 +60,8 @@ const char *drawbar_status_text(int status)
         return "a new command; a solver failed; the estimate or the plan is its own prediction";
     case DRAWBAR_SLOWED:
         return "a new command; the vehicle is driven slower than the set speed, until estimates and plans are sound again";
+    case DRAWBAR_RELEASED:
+        return "a new command; not engaged: the command repeats the steering as it is, with speed zero";
     default:
         return "no status of this library";
     }

@@ -122,6 +122,18 @@ int drawbar_set_speed(struct drawbar_state *state, double speed)
     return DRAWBAR_OK;
 }
 
+int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged)
+{
+    struct autopilot *a;
+
+    if (state == NULL)
+        return DRAWBAR_NULL;
+    if ((a = autopilot_in(state)) == NULL)
+        return DRAWBAR_NOT_INITIALISED;
+    a->released = !engaged;
+    return DRAWBAR_OK;
+}
+
 int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measurement *measurement,
                      struct drawbar_command *command)
 {

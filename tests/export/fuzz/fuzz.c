@@ -209,6 +209,13 @@ static void set_speed(struct fuzz *f)
         promise_nothing_changed(f);
 }
 
+/* Somebody else drives from now on, or the autopilot again. */
+static void set_engaged(struct fuzz *f)
+{
+    f->run.released = next_choice(&f->bytes, 2);
+    PROMISED(drawbar_set_engaged(f->state, !f->run.released) == DRAWBAR_OK);
+}
+
 /* Samples one after the other, few where the run has ended; then another one begins. */
 static void drive(struct fuzz *f)
 {
@@ -340,9 +347,10 @@ static void call_wrongly(struct fuzz *f)
 /* The caller's other wishes, in any order. */
 static void wish(struct fuzz *f)
 {
-    switch (next_choice(&f->bytes, 4)) {
+    switch (next_choice(&f->bytes, 5)) {
     case 0: set_speed(f); break;
     case 1: begin_at(f, next_number(&f->bytes, f->length)); break;
+    case 2: set_engaged(f); break;
     default: change_path(f);
     }
 }

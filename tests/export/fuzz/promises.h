@@ -15,7 +15,8 @@
 #define KEPT 0.5                           /* for how long the speed stays where solvers fail or samples come late, s */
 #define ENDURANCE 3.0                      /* after how long of that the vehicle stands, s */
 #define FLAGS                                                                                                \
-    (DRAWBAR_MEASUREMENT | DRAWBAR_LATE | DRAWBAR_LIMITED | DRAWBAR_SOLVER | DRAWBAR_SLOWED)
+    (DRAWBAR_MEASUREMENT | DRAWBAR_LATE | DRAWBAR_LIMITED | DRAWBAR_SOLVER | DRAWBAR_SLOWED \
+     | DRAWBAR_RELEASED)
 
 #define PROMISED(condition)                                                                                  \
     do {                                                                                                     \
@@ -37,7 +38,8 @@ struct run {
     double unsolved;                       /* since all solvers had solutions; a sample counts for its length, or more, s */
     double overdue;                        /* by which samples came late, less half of the time in order since, s */
     double wanted;                         /* set speed, m/s */
-    double speed;                          /* of the newest command that was new, m/s */
+    double speed;                          /* of the newest command that was new, m/s; SPEED_LIMIT: somebody else drove */
+    int released;                          /* somebody else drives */
 };
 
 /* One sample: what went in, and what came out. */
@@ -97,7 +99,11 @@ static void promise_new(const struct run *run, const struct answer *answer)
     PROMISED(!(status & DRAWBAR_LATE) == !late);
     PROMISED(!(status & DRAWBAR_MEASUREMENT) == !d->missing && (d->missing || !answer->absurd));
     PROMISED(status & DRAWBAR_SOLVER || !answer->unsolved);
-    PROMISED(d->gate == (status & DRAWBAR_LIMITED ? DRAWBAR_GATE_LIMITED : DRAWBAR_GATE_PASSED));
+    PROMISED(!(status & DRAWBAR_RELEASED) == !run->released);
+    if (run->released)
+        PROMISED(d->gate == DRAWBAR_GATE_STOPPED && answer->command.speed == 0.0 && !(status & DRAWBAR_LIMITED));
+    else
+        PROMISED(d->gate == (status & DRAWBAR_LIMITED ? DRAWBAR_GATE_LIMITED : DRAWBAR_GATE_PASSED));
     PROMISED(d->flags == status && d->speed == answer->command.speed);
     promise_pace(run, answer);
 }
@@ -170,7 +176,7 @@ static void note_answer(struct run *run, const struct answer *answer)
         run->taken = answer->time;
     if (status < DRAWBAR_REFUSED) {
         run->renewed = answer->time;
-        run->speed = answer->command.speed;
+        run->speed = run->released ? SPEED_LIMIT : answer->command.speed;
     }
     if (goes_on && !(answer->diagnostics.flags & DRAWBAR_SOLVER))
         run->unsolved = 0.0;
@@ -197,7 +203,7 @@ static void promise(struct run *run, const struct answer *answer)
         PROMISED(command->speed == 0.0);
     if (status >= DRAWBAR_REFUSED && (run->begun || (run->given && !is_of_run(status))))
         promise_held(run, command);
-    else if (run->begun)
+    else if (run->begun && !(status < DRAWBAR_REFUSED && status & DRAWBAR_RELEASED))
         promise_rates(run, command);
     if (status >= DRAWBAR_NULL)
         return;

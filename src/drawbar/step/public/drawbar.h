@@ -73,6 +73,11 @@ DRAWBAR_API int drawbar_change_path(struct drawbar_state *state, const struct dr
  * commanded speed approaches it by the configuration's acceleration. */
 DRAWBAR_API int drawbar_set_speed(struct drawbar_state *state, double speed);
 
+/* Tell whether the commands are carried out; after drawbar_init they are. While they are not (engaged is 0) somebody else
+ * drives: the command repeats the steering as it is, with speed zero (DRAWBAR_RELEASED), and estimate and plans go on from
+ * what the vehicle does. Once engaged, the command begins there. drawbar_set_path does not change it. */
+DRAWBAR_API int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged);
+
 /* Compute the command for the newest measurement; send it before anything else. */
 DRAWBAR_API int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measurement *measurement,
                                  struct drawbar_command *command);

@@ -45,6 +45,7 @@ enum drawbar_flag {
     DRAWBAR_SOLVER = 8,                 /* a solver failed; the estimate or the plan is its own prediction */
     DRAWBAR_SLOWED = 16,                /* the vehicle is driven slower than the set speed, until estimates and
                                          * plans are sound again */
+    DRAWBAR_RELEASED = 32,              /* not engaged: the command repeats the steering as it is, with speed zero */
 };
 
 /* What an estimator made of one antenna's position fix. */
