@@ -2,18 +2,19 @@
 
 TrackLines.txt holds, after "$TrackLines", for each line: its name, heading (rad, clockwise from north),
 points A and B ("easting,northing"), nudge distance (m), mode, visibility, a count and as many points
-"easting,northing,heading". Coordinates are metres on the plane whose origin Field.txt gives (StartFix).
+"easting,northing,heading". Coordinates are metres on the plane whose origin Field.txt gives (StartFix); that plane is
+AgOpenGPS's own, 96 mm off at 1 km, so lines go by WGS84 to the frame that fixes are on too.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from drawbar.errors import PathError
-from drawbar.geometry import Floats
-from drawbar.guidance.importers.line import RecordedLine, choose
+from drawbar.geometry import Floats, LocalFrame
+from drawbar.guidance.importers.line import RecordedLine, choose, on_frame
 from drawbar.guidance.importers.text import number, read_lines
 
 _ORIGIN, _LINES = "Field.txt", "TrackLines.txt"
@@ -37,7 +38,7 @@ class _Track:
 
 
 def read_agopengps(folder: Path, track: str | None) -> RecordedLine:
-    """Return a line of a field folder, east and north of the field's origin; None takes the only one.
+    """Return a line of a field folder, in the frame at the field's origin and height zero; None takes the only one.
 
     The points of the other lines are not looked at: not even a NaN there is refused. Raises PathError with
     file and line number for anything else that is not as AgOpenGPS writes it.
@@ -47,17 +48,33 @@ def read_agopengps(folder: Path, track: str | None) -> RecordedLine:
             raise PathError(
                 f"{folder}: has no {name}; give the folder of one AgOpenGPS field, which holds {_ORIGIN} and {_LINES}"
             )
-    _require_origin(folder / _ORIGIN)
+    frame = _frame(folder / _ORIGIN)
     file = folder / _LINES
     rows = read_lines(file)
     if rows[0] != _HEADER:
         raise PathError(f"{file}:1: is {rows[0][:40]!r}; an AgOpenGPS file of lines starts with {_HEADER}")
     tracks = _tracks(file, rows)
-    return _line(file, rows, tracks[choose(file, [track.name for track in tracks], track)])
+    line = _line(file, rows, tracks[choose(file, [track.name for track in tracks], track)])
+    points = on_frame(*plane_to_wgs84(line.x, line.y, frame), frame, [f"{file}: line {line.name!r}"] * len(line.x))
+    return replace(line, x=points[:, 0].copy(), y=points[:, 1].copy(), frame=frame)
 
 
-def _require_origin(file: Path) -> None:
-    """Refuse a field without the origin (latitude, longitude in degrees) that its metres count from."""
+def plane_to_wgs84(east: Floats, north: Floats, origin: LocalFrame) -> tuple[Floats, Floats]:
+    """Return latitude and longitude (degrees, (n,)) of points on AgOpenGPS's plane, m.
+
+    The inverse of AgOpenGPS.Core/Models/Base/LocalPlane.cs: a degree of latitude is measured at the origin, a degree of
+    longitude at the point.
+    """
+    phi = np.radians(origin.latitude)
+    degree = 111132.92 - 559.82 * np.cos(2.0 * phi) + 1.175 * np.cos(4.0 * phi) - 0.0023 * np.cos(6.0 * phi)
+    latitude = origin.latitude + north / degree
+    phi = np.radians(latitude)
+    degree = 111412.84 * np.cos(phi) - 93.5 * np.cos(3.0 * phi) + 0.118 * np.cos(5.0 * phi)
+    return latitude, origin.longitude + east / degree
+
+
+def _frame(file: Path) -> LocalFrame:
+    """Return the frame at the field's origin (latitude, longitude in degrees), where its metres count from."""
     rows = read_lines(file)
     if "StartFix" not in rows[:-1]:
         raise PathError(
@@ -68,6 +85,7 @@ def _require_origin(file: Path) -> None:
     latitude, longitude = _numbers(rows[index], 2, f"{file}:{index + 1}")
     if not (abs(latitude) < 90.0 and abs(longitude) <= 180.0):
         raise PathError(f"{file}:{index + 1}: origin {rows[index]!r}; degrees within ±90 and ±180 are allowed")
+    return LocalFrame(latitude=latitude, longitude=longitude)
 
 
 def _tracks(file: Path, rows: list[str]) -> list[_Track]:

@@ -3,14 +3,15 @@
 import json
 import re
 import reprlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drawbar.errors import PathError
-from drawbar.geometry import east_north
-from drawbar.guidance.importers.line import RecordedLine, choose
+from drawbar.geometry import LocalFrame
+from drawbar.guidance.importers.line import RecordedLine, choose, on_frame
 from drawbar.guidance.importers.text import read_text
 
 _WGS84 = re.compile(r".*\bCRS84|.*\bEPSG\b.*\b4326", re.IGNORECASE)
@@ -65,8 +66,11 @@ def _line(name: str, feature: dict[str, Any], place: str) -> RecordedLine:
     degrees = np.array([_position(*pair) for pair in zip(positions, places, strict=True)]).reshape(-1, 2)
     longitude = np.unwrap(degrees[:, 0], period=360.0)  # the line may cross the date line
     latitude = degrees[:, 1]
-    origin = (float(latitude[0]), float(longitude[0])) if positions else (0.0, 0.0)
-    return RecordedLine.checked(name, np.column_stack(east_north(latitude, longitude, origin)), places or [place])
+    if not positions:
+        return RecordedLine.checked(name, degrees, [place])
+    frame = LocalFrame(latitude=float(latitude[0]), longitude=float(longitude[0]))
+    line = RecordedLine.checked(name, on_frame(latitude, longitude, frame, places), places)
+    return replace(line, frame=frame)
 
 
 def _position(position: Any, place: str) -> list[float]:

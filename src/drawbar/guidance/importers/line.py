@@ -9,12 +9,14 @@ from typing import Self
 import numpy as np
 
 from drawbar.errors import PathError
-from drawbar.geometry import Floats
+from drawbar.geometry import Floats, LocalFrame
 
 _LOGGER = logging.getLogger(__name__)
 
 _LARGEST_COORDINATE = 1e7
 """m; room for UTM northings, none for nonsense"""
+_FARTHEST = 1e5
+"""m from the origin of degrees; beyond, the plane dips 800 m below the ground"""
 _LARGEST_GAP = 100.0
 """a longer gap between neighbouring points, m, ..."""
 _JUMP = 50.0
@@ -36,6 +38,8 @@ class RecordedLine:
     """(n,): north, m"""
     repeated: int
     """points of the source that repeated their predecessor and were dropped"""
+    frame: LocalFrame | None = None
+    """what x and y count from, for the fixes that are to be compared with them; None: the source does not say"""
 
     @classmethod
     def checked(cls, name: str, points: Floats, places: list[str]) -> Self:
@@ -72,6 +76,21 @@ class RecordedLine:
         if repeated:
             _LOGGER.warning("line %r: dropped %d repeated point(s)", name, repeated)
         return cls(name=name, x=kept[:, 0].copy(), y=kept[:, 1].copy(), repeated=repeated)
+
+
+def on_frame(latitude: Floats, longitude: Floats, frame: LocalFrame, places: list[str]) -> Floats:
+    """Return WGS84 degrees (n,), found at the given places of a source, as points (n, 2) of the frame, m.
+
+    Raises PathError for a point so far from the origin that no plane holds both.
+    """
+    points = np.column_stack(frame.east_north_up(latitude, longitude, frame.height))
+    for bad in np.flatnonzero(~(np.linalg.norm(points, axis=1) <= _FARTHEST))[:1]:
+        raise PathError(
+            f"{places[bad]}: latitude {latitude[bad]:z.10g}°, longitude {longitude[bad]:z.10g}° is more than "
+            f"{_FARTHEST / 1e3:g} km from latitude {frame.latitude:z.10g}°, longitude {frame.longitude:z.10g}°, where "
+            f"the metres count from: remove the point, or correct the origin"
+        )
+    return points[:, :2]
 
 
 def _pair(point: Floats) -> str:

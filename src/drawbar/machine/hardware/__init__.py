@@ -1,0 +1,1 @@
+"""The machine of iron: drivers that join transports and protocols."""

@@ -1,0 +1,1 @@
+"""Stand-ins of real devices: what they would send, from the simulated machine."""

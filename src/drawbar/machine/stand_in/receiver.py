@@ -1,0 +1,88 @@
+"""Stand-in of a GNSS receiver: what it would send at one instant, in each protocol, from what it is to report."""
+
+import datetime
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from drawbar.errors import HardwareError
+from drawbar.signals import FixQuality
+
+LEAP_SECONDS = 18
+"""GPS time minus UTC, s"""
+_GPS_BEGIN = datetime.datetime(1980, 1, 6, tzinfo=datetime.UTC)
+_WEEK = 7 * 86_400_000
+"""ms"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """What a receiver is to report of one instant; a missing value is NaN."""
+
+    time: datetime.datetime
+    """UTC, sent to the millisecond"""
+    latitude: float
+    """of the antenna, WGS84 degrees"""
+    longitude: float
+    """degrees"""
+    height: float
+    """above the ellipsoid, m"""
+    quality: FixQuality = FixQuality.FIXED
+    sigma_east: float = 0.01
+    """standard deviation, m"""
+    sigma_north: float = 0.01
+    """standard deviation, m"""
+    speed: float = 0.0
+    """over ground, m/s"""
+    course: float = math.nan
+    """yaw of the velocity, rad"""
+    yaw: float = math.nan
+    """of the line between the antennas, rad"""
+    roll: float = math.nan
+    """right side down positive, rad"""
+    pitch: float = math.nan
+    """front down positive, rad"""
+    attitude_sigma: float = 0.005
+    """standard deviation of yaw, roll and pitch, rad"""
+    heading_is_fixed: bool = True
+    baseline: float = 1.0
+    """distance of the antennas, m"""
+    correction_age: float = 1.0
+    """s"""
+    station: int = 0
+    satellites: int = 20
+
+    def __post_init__(self) -> None:
+        finite = (self.latitude, self.longitude, self.height, self.sigma_east, self.sigma_north, self.speed)
+        if self.quality is FixQuality.UNKNOWN or not math.isfinite(sum(finite)):
+            raise HardwareError(
+                f"a receiver's stand-in was to report {self}; position, deviations and speed must be finite numbers "
+                f"and the quality known: use FixQuality.NONE for a lost fix"
+            )
+
+    @property
+    def has_fix(self) -> bool:
+        """Whether there is a position to send."""
+        return self.quality is not FixQuality.NONE
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """East and north of the speed over ground, m/s; zero where there is no course."""
+        if math.isnan(self.course):
+            return 0.0, 0.0
+        return self.speed * math.cos(self.course), self.speed * math.sin(self.course)
+
+    @property
+    def gps(self) -> tuple[int, int]:
+        """GPS week and milliseconds in it."""
+        since = self.time - _GPS_BEGIN + datetime.timedelta(seconds=LEAP_SECONDS)
+        return divmod(since // datetime.timedelta(milliseconds=1), _WEEK)
+
+
+def heading(yaw: float) -> float:
+    """Return a yaw (rad, counter-clockwise from east) in degrees clockwise from north, [0, 360)."""
+    return (90.0 - math.degrees(yaw)) % 360.0
+
+
+Encoder = Callable[[Report], list[bytes]]
+"""frames of one epoch in the order in which they are sent"""

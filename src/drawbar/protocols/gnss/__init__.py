@@ -1,0 +1,1 @@
+"""GNSS receivers: bytes of NMEA, SBF, UBX and RTCM into epochs in SI."""

@@ -1,0 +1,173 @@
+"""Assembly: messages of one receiver into its epochs.
+
+An epoch ends when a message of another time comes, after 20 ms without a byte, or as soon as all kinds of messages are
+there that its predecessors had: 20 ms would be the whole time that a step may take.
+"""
+
+from collections import Counter, deque
+
+from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.gnss.messages import Content, Message, Position
+from drawbar.protocols.gnss.quality import QualityHold
+from drawbar.protocols.gnss.settings import EpochSettings
+from drawbar.protocols.gnss.solution import Solution, sigma, solve
+from drawbar.protocols.gnss.timing import SAME_EPOCH, ReceiverClock, difference
+from drawbar.signals import FixQuality
+
+_REMEMBERED = 10
+"""epochs whose kinds of messages are remembered"""
+_AWAITED = 3
+"""a kind that came in so many of them is waited for"""
+_FIRST = 3
+"""epochs that are ended by time or silence alone, before it is known what to wait for"""
+_NEW_TIME = 5
+"""epochs in a row that go on from each other in the past are a receiver that has set its clock"""
+
+
+class _Draft:
+    """The messages of an epoch that is not closed yet."""
+
+    def __init__(self, received: float) -> None:
+        self.received = received
+        self.utc: float | None = None
+        self.kinds: set[str] = set()
+        self.contents: list[Content] = []
+
+    def takes(self, message: Message) -> bool:
+        """Whether a message belongs here; one without a time always does."""
+        if message.utc is None or self.utc is None:
+            return True
+        return abs(difference(message.utc, self.utc)) < SAME_EPOCH
+
+    def add(self, message: Message) -> None:
+        self.utc = message.utc if self.utc is None else self.utc
+        self.kinds.add(message.kind)
+        self.contents += message.contents
+
+
+class Assembler:
+    """Collects messages into epochs; `dropped` counts by kind what became of none."""
+
+    dropped: Counter[str]
+    frozen: int
+    """epochs in a row that came with the time of the one before"""
+
+    def __init__(self, settings: EpochSettings) -> None:
+        self.dropped = Counter()
+        self.frozen = 0
+        self._settings = settings
+        self._draft: _Draft | None = None
+        self._kinds: deque[set[str]] = deque(maxlen=_REMEMBERED)
+        self._start_over()
+
+    def _start_over(self) -> None:
+        """Forget the epochs so far, but not what the receiver sends."""
+        self._clock = ReceiverClock()
+        self._hold = QualityHold(self._settings.quality_hold)
+        self._behind, self._behind_utc = 0, 0.0
+        self._place, self._repeats = (0.0, 0.0), 0
+
+    @property
+    def is_open(self) -> bool:
+        """Whether an epoch has begun that is not closed."""
+        return self._draft is not None
+
+    def add(self, message: Message, time: float) -> list[Epoch]:
+        """Take a message whose first byte came at a monotonic time (s); return the epochs that it ends."""
+        ended: list[Epoch] = []
+        if self._draft is not None and not self._draft.takes(message):
+            ended += self.close()
+        if self._draft is None:
+            self._draft = _Draft(time)
+        self._draft.add(message)
+        if len(self._kinds) >= _FIRST and self._draft.utc is not None and self._is_complete(self._draft):
+            ended += self.close()
+        return ended
+
+    def _is_complete(self, draft: _Draft) -> bool:
+        counts = Counter(kind for kinds in self._kinds for kind in kinds)
+        return all(kind in draft.kinds for kind, count in counts.items() if count >= _AWAITED)
+
+    def close(self) -> list[Epoch]:
+        """End the open epoch, after a silence; return it, or nothing where it is none."""
+        draft, self._draft = self._draft, None
+        if draft is None:
+            return []
+        if self._is_straggler(draft):
+            self.dropped["message without its epoch"] += 1
+            if self._kinds:
+                self._kinds[-1] |= draft.kinds  # to be waited for
+            return []
+        self._kinds.append(draft.kinds)
+        if draft.utc is None:
+            self.dropped["epoch without time"] += 1
+            return []
+        epoch = self._checked(draft, draft.utc)
+        return [] if epoch is None else [epoch]
+
+    def _is_straggler(self, draft: _Draft) -> bool:
+        """Whether messages belong to the epoch that was closed last, all of them without a position."""
+        if any(isinstance(content, Position) for content in draft.contents):
+            return False
+        return draft.utc is None or abs(self._clock.step(draft.utc)) < SAME_EPOCH
+
+    def _checked(self, draft: _Draft, utc: float) -> Epoch | None:
+        """Return the epoch, if it follows those before and its deviation is one."""
+        step = self._clock.step(utc)
+        if abs(step) < SAME_EPOCH:
+            self.dropped["epoch repeated"] += 1
+            self.frozen += 1
+            return None
+        if step < 0.0 and not self._is_new_time(utc):
+            self.dropped["epoch out of order"] += 1
+            return None
+        self.frozen = self._behind = 0
+        solution = solve(draft.contents, self._settings)
+        if solution.refused:
+            self.dropped[solution.refused] += 1
+        if solution.impossible:
+            self.dropped["epoch with an impossible deviation"] += 1
+            return None
+        return self._epoch(draft, utc, solution)
+
+    def _is_new_time(self, utc: float) -> bool:
+        """Whether epochs from the past have gone on for so long that the receiver's clock has been set back."""
+        follows = self._behind > 0 and difference(utc, self._behind_utc) > SAME_EPOCH
+        self._behind, self._behind_utc = (self._behind + 1 if follows else 1), utc
+        if self._behind < _NEW_TIME:
+            return False
+        self.dropped["receiver's clock set back"] += 1
+        self._start_over()
+        return True
+
+    def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
+        settings, position = self._settings, solution.position
+        time = self._clock.measured(utc, draft.received - solution.latency) - settings.latency
+        quality = self._hold.update(draft.received, solution.quality)
+        place = (position.latitude, position.longitude)
+        self._repeats = self._repeats + 1 if place == self._place else 0
+        self._place = place
+        by_quality = solution.quality if quality is FixQuality.NONE else quality
+        east, north = sigma(solution.sigma, by_quality, settings.sigma_inflation)
+        return Epoch(
+            time=time,
+            received=draft.received,
+            utc=utc,
+            day=solution.day,
+            latitude=position.latitude,
+            longitude=position.longitude,
+            height=position.height,
+            quality=quality,
+            reported=solution.quality,
+            sigma_east=east,
+            sigma_north=north,
+            resolution=position.resolution,
+            repeats=self._repeats,
+            speed=solution.velocity.speed,
+            course=solution.velocity.course,
+            correction_age=position.correction_age,
+            station=position.station,
+            satellites=position.satellites,
+            hdop=position.hdop,
+            **solution.attitude,
+        )

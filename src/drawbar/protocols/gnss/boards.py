@@ -1,0 +1,102 @@
+"""Sentences that no library knows: $PANDA and $PAOGI of AgOpenGPS's boards, $KSXT of Unicore."""
+
+import math
+from collections.abc import Callable
+
+from drawbar.geometry import wrap
+from drawbar.protocols.gnss.messages import Attitude, Content, Date, InertialAttitude, Position, Velocity
+from drawbar.protocols.gnss.sentences import LARGEST_SPEED, QUALITIES, minutes_resolution
+from drawbar.protocols.gnss.values import KMH, KNOT, Values, place
+from drawbar.signals import FixQuality
+
+BOARD_FIELDS = 15
+"""of PANDA and PAOGI; other senders insert units and mean something else by each field"""
+KSXT_FIELDS = 13
+"""at least; more follow with the base vector"""
+_NO_SENSOR = 65535
+_TENTHS = math.radians(0.1)
+_KSXT_QUALITIES = {1: FixQuality.SINGLE, 2: FixQuality.FLOAT, 3: FixQuality.FIXED}
+_KSXT_FIXED = 3
+
+
+def panda(values: Values) -> tuple[Content, ...]:
+    """Return what one antenna and an inertial sensor say, in integers of 0.1°; without sensor the rest is stale."""
+    contents = _board(values)
+    if values.number("12") == _NO_SENSOR:
+        return contents
+    inertial = InertialAttitude(
+        yaw=wrap(math.pi / 2.0 - values.number("12", _TENTHS, low=-1800.0, high=3600.0)),
+        roll=values.angle("13", 0.1),
+        pitch=-values.angle("14", 0.1),
+        yaw_rate=values.number("15"),
+    )
+    return (*contents, inertial)
+
+
+def paogi(values: Values) -> tuple[Content, ...]:
+    """Return what two antennas say, in degrees; the board sends it only while the heading is fixed."""
+    attitude = Attitude(yaw=values.yaw("12"), roll=values.angle("13"), pitch=-values.angle("14"), fixed=True, rank=2)
+    return (*_board(values), attitude)
+
+
+def _board(values: Values) -> tuple[Content, ...]:
+    """Return what both sentences share: position and speed. The altitude stands over the geoid, which is not said."""
+    latitude = _degrees(values, "2", "3", "NS", 90.0)
+    longitude = _degrees(values, "4", "5", "EW", 180.0)
+    latitude, longitude = place(latitude, longitude)
+    code = values.integer("6")
+    position = Position(
+        latitude=latitude,
+        longitude=longitude,
+        altitude=values.number("9", low=-1e4, high=1e5),
+        quality=QUALITIES.get(code or 0, FixQuality.NONE),
+        code=code,
+        satellites=values.integer("7"),
+        hdop=values.number("8", low=0.0),
+        correction_age=values.number("10", low=0.0),
+        resolution=minutes_resolution(values.text("2"), values.text("4")),
+        rank=2,
+    )
+    return position, Velocity(speed=values.number("11", KNOT, low=0.0, high=LARGEST_SPEED / KNOT))
+
+
+def _degrees(values: Values, name: str, hemisphere: str, letters: str, limit: float) -> float:
+    """Return ddmm.mmmm with its letter as degrees, NaN where one is missing or impossible."""
+    number, letter = values.number(name, low=0.0, high=limit * 100.0), values.text(hemisphere)
+    if math.isnan(number):
+        return math.nan
+    whole, minutes = divmod(number, 100.0)
+    degrees = whole + minutes / 60.0
+    if not (minutes < 60.0 and degrees <= limit and letter in tuple(letters)):
+        values.refuse(name)
+        return math.nan
+    return degrees if letter == letters[0] else -degrees
+
+
+def ksxt(values: Values) -> tuple[Content, ...]:
+    """Return position, heading and speed: longitude before latitude, decimal degrees, separate qualities."""
+    latitude, longitude = place(values.number("3", low=-90.0, high=90.0), values.number("2", low=-180.0, high=180.0))
+    code, heading = values.integer("10"), values.integer("11")
+    digits = min(len(values.text(name).partition(".")[2]) for name in "23")
+    position = Position(
+        latitude=latitude,
+        longitude=longitude,
+        height=values.number("4", low=-1e4, high=1e5),
+        quality=_KSXT_QUALITIES.get(code or 0, FixQuality.NONE),
+        code=code,
+        satellites=values.integer("13"),
+        resolution=10.0**-digits,
+        rank=2,
+    )
+    pitch = -values.angle("6")
+    attitude = Attitude(
+        yaw=values.yaw("5"), pitch=pitch, fixed=heading == _KSXT_FIXED, valid=bool(heading), code=heading, rank=2
+    )
+    velocity = Velocity(speed=values.number("8", KMH, low=0.0, high=LARGEST_SPEED / KMH), course=values.yaw("7"))
+    stamp = values.text("1")
+    day = (int(stamp[6:8]), int(stamp[4:6]), int(stamp[:4])) if len(stamp) >= 8 else (None, None, None)
+    date = values.day(*day)
+    return (position, velocity, attitude, *(() if date is None else (Date(day=date),)))
+
+
+BOARDS: dict[str, Callable[[Values], tuple[Content, ...]]] = {"PANDA": panda, "PAOGI": paogi, "KSXT": ksxt}

@@ -1,0 +1,46 @@
+"""Time of a receiver against the monotonic clock, and how its epochs follow each other."""
+
+import math
+from collections import deque
+
+from drawbar.protocols.gnss.messages import DAY
+
+SAME_EPOCH = 0.005
+"""times closer than this are one epoch, s: sentences round to 1 or 10 ms, no receiver measures faster"""
+_WINDOW = 60
+"""s over which the least delay is looked for"""
+
+
+def difference(later: float, earlier: float) -> float:
+    """Return later minus earlier (seconds of the UTC day) in [-43200, 43200) s, across midnight and a leap second."""
+    step = (later - earlier + DAY / 2.0) % DAY - DAY / 2.0
+    return step + 1.0 if earlier >= DAY > later else step
+
+
+class ReceiverClock:
+    """The receiver's time in the monotonic clock: t_measured = t_gnss + min(t_received - t_gnss) over 60 s.
+
+    The minimum takes queues and the scheduler away; the constant part of the delay stays and is configured.
+    """
+
+    def __init__(self) -> None:
+        self._utc = math.nan
+        self._elapsed = 0.0
+        self._least: deque[tuple[int, float]] = deque(maxlen=_WINDOW)  # (second, least offset in it)
+
+    def step(self, utc: float) -> float:
+        """Return the seconds from the last epoch to this time; infinite before the first."""
+        return math.inf if math.isnan(self._utc) else difference(utc, self._utc)
+
+    def measured(self, utc: float, received: float) -> float:
+        """Take an epoch later than all before, received at a monotonic time (s); return when it was measured (s)."""
+        step = self.step(utc)
+        self._elapsed += step if math.isfinite(step) else 0.0
+        self._utc = utc
+        offset, second = received - self._elapsed, math.floor(received)
+        while self._least and self._least[0][0] <= second - _WINDOW:
+            self._least.popleft()
+        if self._least and self._least[-1][0] == second:
+            offset = min(offset, self._least.pop()[1])
+        self._least.append((second, offset))
+        return self._elapsed + min(least for _, least in self._least)

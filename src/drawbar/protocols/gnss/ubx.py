@@ -1,0 +1,100 @@
+"""UBX of u-blox: NAV-PVT, NAV-HPPOSLLH and NAV-RELPOSNED.
+
+NAV-PVT resolves 1.1 cm only; HPPOSLLH, of the same iTOW, has the digits. The library adds the high-precision parts into
+HPPOSLLH's degrees and millimetres, and leaves mm, mm/s and cm.
+"""
+
+import math
+from collections.abc import Callable
+
+from drawbar.protocols.gnss.messages import Accuracy, Attitude, AttitudeAccuracy, Content, Date, Position, Velocity
+from drawbar.protocols.gnss.sentences import LARGEST_SPEED
+from drawbar.protocols.gnss.values import Values, place
+from drawbar.signals import FixQuality
+
+_MM = 1e-3
+_THREE_DIMENSIONAL = 3
+_CARRIER = {1: FixQuality.FLOAT, 2: FixQuality.FIXED}
+_FIXED = 2
+_AGES = (math.nan, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, math.inf)
+"""the oldest that each class of the age of corrections can mean, s"""
+
+
+def pvt(values: Values) -> tuple[Content, ...]:
+    """Return the position to 1.1 cm, velocity, quality, date."""
+    latitude, longitude = place(
+        values.number("lat", low=-90.0, high=90.0), values.number("lon", low=-180.0, high=180.0)
+    )
+    good = (
+        values.integer("fixType") == _THREE_DIMENSIONAL
+        and values.integer("gnssFixOk") == 1
+        and values.integer("invalidLlh") == 0
+    )
+    plain = FixQuality.DIFFERENTIAL if values.integer("diffSoln") == 1 else FixQuality.SINGLE
+    position = Position(
+        latitude=latitude,
+        longitude=longitude,
+        height=values.number("height", _MM),
+        altitude=values.number("hMSL", _MM),
+        quality=_CARRIER.get(values.integer("carrSoln") or 0, plain) if good else FixQuality.NONE,
+        code=values.integer("carrSoln"),
+        satellites=values.integer("numSV"),
+        correction_age=_AGES[min(values.integer("lastCorrectionAge") or 0, len(_AGES) - 1)],
+        resolution=1e-7,
+        rank=1,
+    )
+    full = 1e3 * LARGEST_SPEED
+    north, east = (values.number(name, _MM, low=-full, high=full) for name in ("velN", "velE"))
+    date = values.day(values.integer("day"), values.integer("month"), values.integer("year"))
+    velocity = Velocity(speed=math.hypot(north, east), course=math.atan2(north, east))
+    known = date is not None and values.integer("validDate") == 1
+    return (position, velocity, _accuracy(values, rank=0), *((Date(day=date),) if known and date else ()))
+
+
+def hpposllh(values: Values) -> tuple[Content, ...]:
+    """Return the position to 0.1 mm, without quality."""
+    latitude, longitude = place(
+        values.number("lat", low=-90.0, high=90.0), values.number("lon", low=-180.0, high=180.0)
+    )
+    position = Position(
+        latitude=latitude,
+        longitude=longitude,
+        height=values.number("height", _MM),
+        altitude=values.number("hMSL", _MM),
+        resolution=1e-9,
+        rank=3,
+    )
+    return (position, _accuracy(values, rank=1)) if values.integer("invalidLlh") == 0 else ()
+
+
+def _accuracy(values: Values, *, rank: int) -> Accuracy:
+    """Return the deviation of each axis; hAcc is a radius."""
+    axis = values.deviation("hAcc", _MM) / math.sqrt(2.0)
+    return Accuracy(east=axis, north=axis, up=values.deviation("vAcc", _MM), impossible=axis <= 0.0, rank=rank)
+
+
+def relposned(values: Values) -> tuple[Content, ...]:
+    """Return yaw, inclination and length of the line from the moving base's antenna to the rover's."""
+    length = values.number("relPosLength", 1e-2, low=0.0)
+    down = values.number("relPosD", 1e-2)
+    accuracy = values.number("accHeading", math.pi / 180.0, low=0.0)
+    usable = all(values.integer(name) == 1 for name in ("gnssFixOK", "relPosValid", "relPosHeadingValid", "isMoving"))
+    carrier = values.integer("carrSoln")
+    attitude = Attitude(
+        yaw=values.yaw("relPosHeading"),
+        pitch=math.asin(down / length) if abs(down) < length else math.nan,
+        baseline=length,
+        fixed=carrier == _FIXED,
+        valid=usable,
+        code=carrier,
+        rank=3,
+    )
+    return attitude, AttitudeAccuracy(yaw=accuracy, pitch=accuracy)
+
+
+UBX: dict[tuple[int, int], tuple[str, Callable[[Values], tuple[Content, ...]]]] = {
+    (0x01, 0x07): ("NAV-PVT", pvt),
+    (0x01, 0x14): ("NAV-HPPOSLLH", hpposllh),
+    (0x01, 0x3C): ("NAV-RELPOSNED", relposned),
+}
+"""by class and id"""

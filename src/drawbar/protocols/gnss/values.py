@@ -1,0 +1,90 @@
+"""Values out of frames: what is missing, not finite or impossible becomes NaN or None, and is counted by kind."""
+
+import datetime
+import math
+from collections import Counter
+from typing import Any
+
+from drawbar.geometry import wrap
+
+KNOT = 1852.0 / 3600.0
+"""m/s"""
+KMH = 1.0 / 3.6
+"""m/s"""
+
+
+class Values:
+    """The fields of one decoded frame, by name or index; `refused` counts what a sensor cannot have meant."""
+
+    def __init__(self, fields: dict[str, Any], refused: Counter[str]) -> None:
+        self._fields = fields
+        self._refused = refused
+
+    def number(self, name: str, scale: float = 1.0, *, low: float = -math.inf, high: float = math.inf) -> float:
+        """Return a field times a scale, NaN where it is missing, empty or outside [low, high] before the scaling."""
+        value = self._fields.get(name, "")
+        if value is None or value == "":
+            return math.nan
+        number = float(value)
+        if not (low <= number <= high and math.isfinite(number)):
+            self._refused[f"value of {name}"] += 1
+            return math.nan
+        return number * scale
+
+    def deviation(self, name: str, scale: float = 1.0) -> float:
+        """Return a standard deviation as it stands, missing: NaN, given but not finite: -1."""
+        value = self._fields.get(name, "")
+        if value is None or value == "":
+            return math.nan
+        number = float(value) * scale
+        return number if math.isfinite(number) else -1.0
+
+    def integer(self, name: str, *, low: int = 0, high: int = 65535) -> int | None:
+        """Return a whole number, None where it is missing, or outside [low, high]."""
+        number = self.number(name, low=low, high=high)
+        return int(number) if number == number and number.is_integer() else None
+
+    def text(self, name: str) -> str:
+        """Return a text, empty where it is missing."""
+        return str(self._fields.get(name, ""))
+
+    def yaw(self, name: str) -> float:
+        """Return a heading in degrees clockwise from north as yaw, rad."""
+        return wrap(math.pi / 2.0 - self.number(name, math.pi / 180.0, low=-180.0, high=360.0))
+
+    def angle(self, name: str, scale: float = 1.0) -> float:
+        """Return an inclination in degrees (after the scale), as rad; within a right angle."""
+        return self.number(name, math.radians(scale), low=-90.0 / abs(scale), high=90.0 / abs(scale))
+
+    def clock(self, name: str) -> float | None:
+        """Return a time of day hhmmss.ss in seconds, None where it is missing; second 60 is the leap second."""
+        text = self.text(name)
+        if not text:
+            return None
+        hours, minutes, seconds = text[:2], text[2:4], text[4:]
+        if hours.isdecimal() and minutes.isdecimal() and seconds[:2].isdecimal() and len(seconds[:2]) == 2:
+            total = int(hours) * 3600 + int(minutes) * 60 + float(seconds)
+            is_leap = (int(hours), int(minutes)) == (23, 59)
+            if int(hours) < 24 and int(minutes) < 60 and float(seconds) < (61.0 if is_leap else 60.0):
+                return total
+        self._refused[f"value of {name}"] += 1
+        return None
+
+    def day(self, day: int | None, month: int | None, year: int | None) -> datetime.date | None:
+        """Return a date, None where there is no such day."""
+        if day is None or month is None or year is None:
+            return None
+        try:
+            return datetime.date(year, month, day)
+        except ValueError:
+            self._refused["value of date"] += 1
+            return None
+
+    def refuse(self, kind: str) -> None:
+        """Count a value that was given and cannot be meant."""
+        self._refused[f"value of {kind}"] += 1
+
+
+def place(latitude: float, longitude: float) -> tuple[float, float]:
+    """Return both WGS84 degrees, or NaN twice where one is missing: half a position is none."""
+    return (latitude, longitude) if math.isfinite(latitude + longitude) else (math.nan, math.nan)
