@@ -28,10 +28,14 @@ class Transport(ABC):
     """Bytes in and out. No call waits; a lost connection is opened again by itself; until then `connected` is False."""
 
     connected: bool
+    trouble: str = ""
+    """why it is not connected, or what was last not sent, in words for the operator; empty: nothing to say"""
+    unsent: int = 0
+    """bytes that `write` was given and the device did not take"""
 
     @abstractmethod
     def fileno(self) -> int:
-        """Return the descriptor to wait on, -1 while there is none."""
+        """Return the descriptor to wait on, -1 while there is none; another one after each connection."""
 
     @abstractmethod
     def read(self) -> list[Received]:
@@ -47,9 +51,13 @@ class Transport(ABC):
 
 
 class CanBus(ABC):
-    """Frames in and out of one CAN bus. No call waits."""
+    """Frames in and out of one CAN bus. No call waits; a lost bus is opened again by itself."""
 
     connected: bool
+    trouble: str = ""
+    """why it is not connected, or what was last not sent, in words for the operator; empty: nothing to say"""
+    unsent: int = 0
+    """frames that `write` was given and the bus did not take"""
 
     @abstractmethod
     def fileno(self) -> int:

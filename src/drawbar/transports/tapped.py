@@ -1,0 +1,93 @@
+"""Listening in: every byte that goes in or out of a transport or a CAN bus, with its stamp, for a run's log."""
+
+import time
+from collections.abc import Callable
+from enum import Enum
+
+from drawbar.transports.base import CanBus, CanFrame, Received, Transport
+from drawbar.transports.clock import Clock
+
+
+class Direction(Enum):
+    """Which way bytes went."""
+
+    IN = "in"
+    OUT = "out"
+    UNSENT = "unsent"
+    """given to `write`, which did not take all of it"""
+
+
+class TappedTransport(Transport):
+    """A transport that hands a copy of everything to a callback, which must not wait."""
+
+    def __init__(
+        self, inner: Transport, tap: Callable[[Direction, Received], None], clock: Clock = time.monotonic
+    ) -> None:
+        self._inner, self._tap, self._clock = inner, tap, clock
+        self._follow()
+
+    def fileno(self) -> int:
+        """Return the transport's descriptor."""
+        return self._inner.fileno()
+
+    def read(self) -> list[Received]:
+        """Return what has arrived."""
+        pieces = self._inner.read()
+        self._follow()
+        for piece in pieces:
+            self._tap(Direction.IN, piece)
+        return pieces
+
+    def write(self, data: bytes) -> bool:
+        """Send now, and return whether all of it was taken."""
+        moment = self._clock()
+        taken = self._inner.write(data)
+        self._follow()
+        self._tap(Direction.OUT if taken else Direction.UNSENT, Received(moment, data))
+        return taken
+
+    def close(self) -> None:
+        """Close the transport."""
+        self._inner.close()
+        self._follow()
+
+    def _follow(self) -> None:
+        self.connected, self.trouble, self.unsent = self._inner.connected, self._inner.trouble, self._inner.unsent
+
+
+class TappedCanBus(CanBus):
+    """A CAN bus that hands a copy of every frame to a callback, which must not wait."""
+
+    def __init__(
+        self, inner: CanBus, tap: Callable[[Direction, float, CanFrame], None], clock: Clock = time.monotonic
+    ) -> None:
+        self._inner, self._tap, self._clock = inner, tap, clock
+        self._follow()
+
+    def fileno(self) -> int:
+        """Return the bus's descriptor."""
+        return self._inner.fileno()
+
+    def read(self) -> list[tuple[float, CanFrame]]:
+        """Return the frames that have arrived."""
+        frames = self._inner.read()
+        self._follow()
+        for moment, frame in frames:
+            self._tap(Direction.IN, moment, frame)
+        return frames
+
+    def write(self, frame: CanFrame) -> bool:
+        """Send now, and return whether it was taken."""
+        moment = self._clock()
+        taken = self._inner.write(frame)
+        self._follow()
+        self._tap(Direction.OUT if taken else Direction.UNSENT, moment, frame)
+        return taken
+
+    def close(self) -> None:
+        """Close the bus."""
+        self._inner.close()
+        self._follow()
+
+    def _follow(self) -> None:
+        self.connected, self.trouble, self.unsent = self._inner.connected, self._inner.trouble, self._inner.unsent

@@ -1,0 +1,141 @@
+"""Serial lines on real ptys: bytes both ways, an unplugged device, a line that takes no more; never a wait."""
+
+import os
+import pty
+import tty
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from waiting import FakeClock, until
+
+from drawbar.transports.address import SerialAddress
+from drawbar.transports.open import open_transport
+from drawbar.transports.serial import RETRY, SerialTransport
+
+
+class Line:
+    """A pty under a path of its own, as a USB adapter has one, that can be unplugged and plugged in again."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.plug()
+
+    def plug(self) -> None:
+        self.far, self._near = pty.openpty()
+        tty.setraw(self.far)
+        tty.setraw(self._near)
+        self.path.symlink_to(os.ttyname(self._near))
+
+    def unplug(self) -> None:
+        self.path.unlink()
+        os.close(self._near)
+        os.close(self.far)
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Iterator[Line]:
+    line = Line(tmp_path / "ttyUSB0")
+    yield line
+    line.unplug()
+
+
+def test_bytes_cross_both_ways_unchanged(line: Line) -> None:
+    transport = open_transport(f"serial:{line.path}@460800")
+    assert transport.connected
+    every = bytes(range(256))
+    for start in range(0, 256, 7):
+        os.write(line.far, every[start : start + 7])
+    arrived = bytearray()
+
+    def look() -> bool:
+        arrived.extend(b"".join(piece.data for piece in transport.read()))
+        return len(arrived) >= 256
+
+    until(look)
+    assert bytes(arrived) == every
+    assert transport.write(every)
+    assert until(lambda: os.read(line.far, 1000)) == every
+    assert transport.read() == []
+    transport.close()
+    assert not transport.connected
+    assert transport.fileno() == -1
+
+
+def test_unplugged_device_is_noticed_and_opened_again(line: Line) -> None:
+    clock = FakeClock()
+    transport = SerialTransport(SerialAddress(device=str(line.path), baud=115200), clock)
+    line.unplug()
+    assert transport.read() == []
+    assert not transport.connected
+    assert "is lost" in transport.trouble
+    assert not transport.write(b"gone")
+    assert transport.unsent == 4
+    line.plug()
+    transport.read()
+    assert not transport.connected, "it is not asked again at once"
+    clock.now += RETRY
+    transport.read()
+    assert transport.connected
+    assert transport.trouble == ""
+    os.write(line.far, b"again")
+    (piece,) = until(transport.read)
+    assert (piece.data, piece.time, piece.source) == (b"again", clock.now, "")
+    transport.close()
+
+
+def test_device_that_is_not_there_is_told_and_tried_again(tmp_path: Path) -> None:
+    clock = FakeClock()
+    transport = SerialTransport(SerialAddress(device=str(tmp_path / "none"), baud=115200), clock)
+    assert not transport.connected
+    assert transport.trouble == f"{tmp_path / 'none'} cannot be opened: No such file or directory"
+    assert transport.read() == []
+    assert transport.fileno() == -1
+    line = Line(tmp_path / "none")
+    clock.now += RETRY
+    transport.read()
+    assert transport.connected
+    transport.close()
+    line.unplug()
+
+
+def test_bytes_a_full_line_does_not_take_are_counted_and_dropped(line: Line) -> None:
+    transport = open_transport(f"serial:{line.path}@9600")
+    flood = bytes(1 << 20)
+    assert not transport.write(flood)
+    assert "takes no more bytes" in transport.trouble
+    taken = len(flood) - transport.unsent
+    assert taken > 0
+    os.set_blocking(line.far, False)
+    got = 0
+
+    def drain() -> bool:
+        nonlocal got
+        try:
+            got += len(os.read(line.far, 1 << 20))
+        except BlockingIOError:
+            return True
+        return False
+
+    until(drain)
+    assert got == taken, "nothing was queued"
+    transport.close()
+
+
+def real_adapters() -> list[Path]:
+    folder = Path("/dev/serial/by-id")
+    return sorted(folder.iterdir()) if folder.is_dir() else []
+
+
+def test_real_adapter_is_opened_by_one_program_only() -> None:
+    if not real_adapters():
+        pytest.skip(
+            "no USB serial adapter is plugged in (/dev/serial/by-id is missing); ptys do not refuse a second open"
+        )
+    address = SerialAddress(device=str(real_adapters()[0]), baud=115200)
+    first, second = SerialTransport(address), SerialTransport(address)
+    assert first.connected
+    assert first.low_latency
+    assert not second.connected
+    assert "another program has it open" in second.trouble
+    first.close()
