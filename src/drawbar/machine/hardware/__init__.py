@@ -1,1 +1,1 @@
-"""The machine of iron: drivers that join transports and protocols."""
+"""Real machines: what each device is told in the configuration, and the drivers that join protocols and transports."""

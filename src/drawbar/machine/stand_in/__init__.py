@@ -1,1 +1,1 @@
-"""Stand-ins of real devices: what they would send, from the simulated machine."""
+"""Stand-ins: devices of a machine as programs on this computer, behind their real wires."""

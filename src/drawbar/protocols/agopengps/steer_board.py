@@ -1,0 +1,229 @@
+"""Steer board: an AIO v4 or AiO_26 board as a steering actuator, with the rules that make its firmware safe to use.
+
+A board begins to steer when the status goes from 0 to 1, and has habits that must never meet a status 1 nobody asked
+for: an AIO v4 that starts while it hears status 1 steers by itself, both go on where they were after a silence, and an
+AIO v4 whose operator took over keeps the motor on until the next frame. So status 1 is sent only after an edge of the
+request, to a board that has been heard for a second and was off during three frames with status 0; and whatever is
+wrong, status 0 is sent at once and from then on, until the request has been taken back.
+"""
+
+import math
+from collections.abc import Collection
+
+from drawbar.errors import ConfigurationError
+from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport, SteeringRequest
+from drawbar.protocols.agopengps.frame import COMPUTER, PREFIX, Pgn, Refusal, parse
+from drawbar.protocols.agopengps.heard import LARGEST_ANGLE, HeardBoard
+from drawbar.protocols.agopengps.network import HELLO, HELLO_PERIOD
+from drawbar.protocols.agopengps.steering import SteerCommand, decode_steer_reply
+
+FASTEST = 25.0 / 3.6
+"""speed above which boards let go, m/s"""
+PERIOD = 0.045
+"""least time between two set points, s: 20 Hz from a caller at 20 Hz whose ticks are not exact, 22 Hz at most"""
+EDGE_PERIOD = 0.09
+"""least time between the first set point with status 1 and the next, s: the board must look at it between the two"""
+PATIENCE = 0.5
+"""for the board to say that it steers, from the first frame with status 1, s; it needs two replies"""
+OWN_GAP = 1.0
+"""own silence after which status 0 must be sent, s"""
+OFF_TIME = 1.0
+"""status 0 before any status 1, s"""
+OFF_FRAMES = 3
+"""frames with status 0, with the board off, before any status 1"""
+MASTER_GONE = 2.0
+"""silence of another computer after which it counts as gone, s"""
+
+_SET_POINT = PREFIX + bytes((COMPUTER, Pgn.STEER))
+_EXPECTED = frozenset((Pgn.STEER_HELLO_REPLY, Pgn.SCAN_REPLY, Pgn.SENSOR, Pgn.TEXT))
+
+
+class SteerBoard(SteeringActuator[bytes]):
+    """One board behind one address.
+
+    Set points go out at 10 to 22 Hz, however often `send` is called; a let-go goes out with the next call. While
+    another computer is heard sending set points to the board, drawbar lets go for a second and then keeps silent: its
+    zeros between the other's ones would be edges that make the board steer again after its operator took over.
+    """
+
+    def __init__(self, *, board: str, max_angle: float, inverted: bool = False, own: Collection[str] = ()) -> None:
+        """Make the actuator of the board that answers from `board`, an IPv4 address with or without `:port`.
+
+        Args:
+            board: where replies come from; all else is dropped.
+            max_angle: largest set point either way, rad; larger ones are clamped and counted in `clamped`.
+            inverted: the board's positive angle is to the left, as a joint's sensor may be mounted.
+            own: `address:port` of this computer's own sockets, whose broadcasts it may hear itself.
+
+        Raises:
+            ConfigurationError: `max_angle` is not between 0 and 50°, beyond which boards let go.
+        """
+        if not 0.0 < max_angle < LARGEST_ANGLE:
+            raise ConfigurationError(
+                f"max_angle is {max_angle} rad; boards steer below 0.8727 rad (50°) only; give the machine's own limit"
+            )
+        self.dropped: dict[str, int] = {}
+        self.let_go: dict[str, int] = {}
+        """how often the steering was let go unasked, by cause"""
+        self.clamped = 0
+        """set points beyond `max_angle`"""
+        self._heard = HeardBoard(address=board, inverted=inverted, own=frozenset(own))
+        self._max_angle = max_angle
+        self._sign = -1.0 if inverted else 1.0
+        self._asked = True  # a request that stands from the first call on is no edge
+        self._steering = False
+        self._cause: Readiness | None = None
+        self._speed = 0.0
+        self._sent = -math.inf
+        self._interval = 0.0
+        self._status = False
+        self._edge = math.inf
+        self._released = -math.inf
+        self._off_since = math.inf
+        self._off_frames = 0
+        self._hello = -math.inf
+
+    # What comes in
+
+    def receive(self, time: float, frame: bytes, source: str = "") -> None:
+        """Take in one datagram of any content from `source`, an `address:port`."""
+        if frame[:4] == _SET_POINT:  # whatever follows: AIO v4 obeys broken ones too
+            self._count_unless(self._heard.take_master(time, source), "set point for another network")
+        elif not self._heard.is_board(source):
+            self._count_unless(False, "other sender")
+        else:
+            self._take_reply(time, frame)
+
+    def _take_reply(self, time: float, frame: bytes) -> None:
+        message = parse(frame)
+        if isinstance(message, Refusal):
+            self._count_unless(False, message.value)
+            return
+        reply = decode_steer_reply(message)
+        if reply is None:
+            self._count_unless(message.pgn in _EXPECTED, "unknown message")
+            return
+        was_on = not self._heard.steer_off and self._heard.time >= self._edge
+        plausible = self._heard.take_reply(time, reply)
+        if not reply.steer_off:
+            self._off_frames = 0
+        if self._steering and not plausible:
+            self._release("implausible angle", Readiness.FAULT)
+        elif self._steering and was_on and reply.steer_off:
+            self._release("operator took over", Readiness.OVERRIDDEN)
+
+    def _count_unless(self, taken: bool, kind: str) -> None:
+        if not taken:
+            self.dropped[kind] = self.dropped.get(kind, 0) + 1
+
+    # What is decided
+
+    def _release(self, reason: str, cause: Readiness) -> None:
+        self._steering, self._cause = False, cause
+        self.let_go[reason] = self.let_go.get(reason, 0) + 1
+
+    def _decide(self, time: float, request: SteeringRequest) -> None:
+        """Begin on an edge of a fit request, let go for any fault; a cause stays until the request is taken back."""
+        rising, self._asked = request.steer and not self._asked, request.steer
+        self._speed = request.speed
+        if not request.steer:
+            self._steering, self._cause = False, None
+        elif rising:
+            readiness = self._readiness(time) if math.isfinite(request.angle) else Readiness.NOT_READY
+            self._steering, self._edge = readiness is Readiness.READY, math.inf
+            self._cause = None if self._steering else readiness
+        elif self._steering:
+            fault = self._fault(time, request)
+            if fault is not None:
+                self._release(*fault)
+
+    def _fault(self, time: float, request: SteeringRequest) -> tuple[str, Readiness] | None:
+        """Return why steering cannot go on, or None."""
+        if not (math.isfinite(request.angle) and abs(request.speed) <= FASTEST):
+            return "set point or speed not allowed", Readiness.NOT_READY
+        if self._heard.master_within(time, MASTER_GONE):
+            return "another computer commands", Readiness.OTHER_MASTER
+        if time - self._sent >= OWN_GAP:
+            return "own gap", Readiness.NOT_READY
+        if self._heard.silent(time, self._interval):
+            return "no reply", Readiness.SILENT
+        waited = time - self._edge > PATIENCE
+        if waited and (self._heard.steer_off or self._heard.time < self._edge):
+            return "did not begin", Readiness.NOT_READY
+        return None
+
+    def _readiness(self, time: float) -> Readiness:
+        """Return whether an edge would be followed now."""
+        heard = self._heard
+        if heard.master_within(time, MASTER_GONE):
+            return Readiness.OTHER_MASTER
+        if not heard.fresh(time):
+            return Readiness.SILENT
+        if heard.duration(time) < OFF_TIME:
+            return Readiness.TOO_NEW
+        if not heard.plausible:
+            return Readiness.FAULT
+        if not heard.steer_off:
+            return Readiness.SWITCHED_ON
+        if not abs(self._speed) <= FASTEST:
+            return Readiness.NOT_READY
+        prepared = self._off_frames >= OFF_FRAMES and time - self._off_since >= OFF_TIME
+        return Readiness.READY if prepared and time - self._sent < OWN_GAP else Readiness.TOO_NEW
+
+    # What goes out
+
+    def send(self, time: float, request: SteeringRequest) -> list[bytes]:
+        """Return the datagrams due now: the set point, and every 2 s a hello."""
+        self._decide(time, request)
+        frames = []
+        if self._due(time) and not self._yields(time):
+            frames.append(self._set_point(request).encode())
+            self._note_sent(time)
+        if time - self._hello >= HELLO_PERIOD:
+            frames.append(HELLO)
+            self._hello = time
+        return frames
+
+    def _due(self, time: float) -> bool:
+        if self._status and not self._steering:
+            return True
+        period = EDGE_PERIOD if self._status and self._sent == self._edge else PERIOD
+        return time - self._sent >= period
+
+    def _yields(self, time: float) -> bool:
+        """Whether another computer has the board, and drawbar has told it to let go for long enough, or need not."""
+        letting_go = self._status or time - self._released < OFF_TIME
+        return self._heard.master_within(time, MASTER_GONE) and not self._steering and not letting_go
+
+    def _set_point(self, request: SteeringRequest) -> SteerCommand:
+        speed = request.speed if abs(request.speed) <= 0xFFFF / 36.0 else 0.0
+        if not self._steering:  # where the wheel is: a board that steered all the same would not move it
+            return SteerCommand(steer=False, angle=self._heard.wire_angle, speed=speed)
+        angle = min(max(request.angle, -self._max_angle), self._max_angle)
+        self.clamped += angle != request.angle
+        return SteerCommand(steer=True, angle=self._sign * angle, speed=speed)
+
+    def _note_sent(self, time: float) -> None:
+        gap = time - self._sent
+        if self._steering:
+            self._edge = self._edge if self._status else time
+            self._off_frames = 0
+        else:
+            self._released = time if self._status else self._released
+            if self._status or gap >= OWN_GAP:
+                self._off_since, self._off_frames = time, 0
+            self._off_frames += self._heard.steer_off and self._heard.fresh(time)
+        self._heard.ask(time)
+        self._sent, self._interval, self._status = time, gap, self._steering
+
+    def report(self, time: float) -> SteeringReport:
+        """Return what is known now. `engaged`: asked for, said to the board, and confirmed by it."""
+        heard = self._heard
+        confirmed = not heard.steer_off and heard.time >= self._edge
+        return SteeringReport(
+            angle=heard.angle,
+            angle_time=heard.time,
+            engaged=self._steering and self._status and confirmed,
+            overridden=self._cause is Readiness.OVERRIDDEN,
+            readiness=self._cause or (Readiness.READY if self._steering else self._readiness(time)),
+        )

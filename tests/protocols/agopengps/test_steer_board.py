@@ -1,0 +1,391 @@
+"""The adapter of a steer board, rule by rule, in a closed loop with stand-ins of both firmwares and an injected clock."""
+
+import math
+import struct
+from dataclasses import replace
+
+import pytest
+from steer_bench import BOARDS, HOST, Bench
+
+from drawbar.errors import ConfigurationError
+from drawbar.machine.stand_in.wheel import MotorWheel
+from drawbar.protocols.actuator import Readiness, SteeringRequest
+from drawbar.protocols.agopengps.frame import PREFIX, STEER_BOARD, Pgn, pack, parse
+from drawbar.protocols.agopengps.network import HELLO
+from drawbar.protocols.agopengps.steer_board import SteerBoard
+from drawbar.protocols.agopengps.steering import SteerCommand, decode_steer
+
+RATES = (5.0, 10.0, 20.0, 50.0, 100.0)
+OFF = SteeringRequest(steer=False, angle=0.0, speed=1.0)
+OTHER = SteerCommand(steer=True, angle=-0.2, speed=2.0).encode()
+
+
+@pytest.fixture(params=BOARDS)
+def firmware(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_engages_at_every_rate_of_calls_and_keeps_below_40_hz(firmware: str, rate: float) -> None:
+    bench = Bench(firmware, rate)
+    bench.engage()
+    bench.run(3.0)
+    assert bench.report.engaged
+    first = next(place for place, (_, command) in enumerate(bench.sent) if command.steer)
+    assert not any(command.steer for _, command in bench.sent[:first])
+    assert first >= 3
+    times = [time for time, _ in bench.sent]
+    assert min(after - before for before, after in zip(times, times[1:], strict=False)) >= 0.025
+    assert (len(times) - 1) / (times[-1] - times[0]) >= min(rate, 10.0) * 0.99
+
+
+@pytest.mark.parametrize("phase", range(25))
+def test_no_phase_between_computer_and_board_loses_the_edge(phase: int) -> None:
+    bench = Bench("v4", 100.0)
+    bench.board.restart(bench.start + phase / 1000.0)
+    bench.engage()
+
+
+def test_the_wheel_follows_the_set_point(firmware: str) -> None:
+    bench = Bench(firmware, wheel=MotorWheel())
+    bench.engage()
+    bench.ask(steer=True, angle=-0.15)
+    bench.run(5.0)
+    assert bench.wheel.angle == pytest.approx(-0.15, abs=math.radians(0.3))
+    assert bench.report.angle == pytest.approx(bench.wheel.angle, abs=math.radians(0.1))
+    assert bench.time - bench.report.angle_time <= 0.1
+
+
+def test_letting_go_stops_the_motor_with_the_next_call(firmware: str) -> None:
+    bench = Bench(firmware, 100.0)
+    bench.engage()
+    bench.ask(steer=False)
+    bench.tick()
+    assert not bench.sent[-1][1].steer
+    assert bench.sent[-1][0] == bench.time
+    bench.run(0.03)
+    assert not bench.board.driving
+
+
+def test_a_request_that_stands_from_the_beginning_is_no_edge(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.ask(steer=True)
+    bench.run(6.0)
+    assert bench.ones_after(0.0) == 0
+    bench.ask(steer=False)
+    bench.run(0.1)
+    bench.ask(steer=True)
+    bench.run(1.0)
+    assert bench.report.engaged
+
+
+def test_a_request_before_the_board_is_ready_is_refused_until_it_is_made_again(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.run(0.5)
+    bench.ask(steer=True)
+    bench.run(4.0)
+    assert bench.ones_after(0.0) == 0
+    assert bench.report.readiness is Readiness.TOO_NEW
+
+
+def test_an_operator_who_takes_over_stops_the_motor_within_one_call(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    bench.board.override()
+    bench.run(0.15)  # the board notices, says so with its next reply, and hears status 0
+    taken = bench.time
+    assert not bench.board.driving
+    assert bench.report.overridden
+    assert not bench.report.engaged
+    bench.run(5.0)
+    assert bench.ones_after(taken) == 0
+    assert not any(driving for time, driving in bench.driven if time > taken)
+    assert bench.report.readiness is Readiness.OVERRIDDEN
+    assert bench.adapter.let_go == {"operator took over": 1}
+    bench.ask(steer=False)
+    bench.run(2.0)
+    assert not bench.report.overridden
+    assert bench.report.readiness is Readiness.READY
+
+
+def test_override_is_answered_with_status_0_at_once_whatever_the_pace() -> None:
+    bench = Bench("v4", 100.0)
+    bench.engage()
+    while bench.sent[-1][0] != bench.time:
+        bench.tick()
+    off = pack(STEER_BOARD, Pgn.STEER_REPLY, struct.pack("<hhhBB", 0, 9999, 8888, 7, 60))
+    bench.adapter.receive(bench.time + 0.005, off, HOST)
+    bench.tick()
+    assert bench.sent[-1][0] == bench.time
+    assert not bench.sent[-1][1].steer
+
+
+@pytest.mark.parametrize("rate", RATES[1:])
+def test_missing_replies_let_go_and_stay_let_go(firmware: str, rate: float) -> None:
+    bench = Bench(firmware, rate)
+    bench.engage()
+    bench.replies_pass = False
+    lost = bench.time
+    bench.run(1.0)
+    last = max(time for time, command in bench.sent if command.steer)
+    assert 0.1 <= last - lost <= 0.2 + 2.0 / rate
+    bench.replies_pass = True
+    again = bench.time
+    bench.run(5.0)
+    assert bench.ones_after(again) == 0
+    assert bench.report.readiness is Readiness.SILENT
+
+
+def test_single_lost_replies_are_borne() -> None:
+    bench = Bench("v4", 10.0)
+    bench.engage()
+    for _ in range(20):
+        bench.replies_pass = False
+        bench.tick()
+        bench.replies_pass = True
+        bench.tick()
+    assert bench.report.engaged
+
+
+@pytest.mark.parametrize("outage", [0.0, 0.03, 0.1, 0.3, 1.0, 4.0])
+def test_a_board_that_starts_anew_while_engaged_is_never_driven_again(firmware: str, outage: float) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    bench.board.restart(bench.time, outage)
+    began = bench.time
+    bench.run(8.0)
+    assert bench.ones_after(began + 0.3) == 0
+    assert not any(driving for time, driving in bench.driven if time > began + 0.3)
+    assert bench.adapter.let_go
+
+
+def test_an_implausible_angle_lets_go(firmware: str) -> None:
+    for angle in (math.radians(5.2), math.radians(51.0)):
+        bench = Bench(firmware)
+        bench.engage()
+        bench.wheel.angle = angle
+        bench.run(0.2)
+        assert bench.report.readiness is Readiness.FAULT
+        assert not bench.board.driving
+        assert bench.adapter.let_go == {"implausible angle": 1}
+
+
+def test_a_fast_wheel_is_plausible() -> None:
+    bench = Bench("v4", 10.0)
+    bench.engage()
+    for _ in range(10):
+        bench.wheel.angle += math.radians(4.0)
+        bench.tick()
+    assert bench.report.engaged
+
+
+def test_an_own_gap_lets_go_and_asks_for_a_second_of_zeros(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    bench.ticks += 30
+    bench.board.advance(bench.time + 1.5)  # what it sends meanwhile is lost too
+    bench.run(0.3)
+    assert not bench.report.engaged
+    assert not bench.board.driving
+    bench.ask(steer=False)
+    bench.run(0.5)
+    assert bench.report.readiness in (Readiness.TOO_NEW, Readiness.SWITCHED_ON)
+
+
+def test_after_an_own_gap_the_first_second_is_zeros() -> None:
+    bench = Bench("v26")
+    bench.run(3.0)
+    for _ in range(40):  # replies go on, no set points
+        bench.ticks += 1
+        bench.carry(bench.board.advance(bench.start + bench.ticks / bench.rate))
+    gap_ended = bench.start + bench.ticks / bench.rate
+    for _ in range(100):
+        bench.ask(steer=not bench.request.steer)
+        bench.tick()
+        if bench.sent[-1][1].steer:
+            break
+    assert bench.time >= gap_ended + 1.0
+
+
+def test_another_computer_lets_go_and_then_is_left_alone(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    met = bench.time
+
+    def other_sends() -> None:
+        for _ in range(60):
+            bench.adapter.receive(bench.time, OTHER, "192.168.5.20:9999")
+            bench.tick()
+
+    other_sends()
+    assert bench.ones_after(met) == 0
+    assert bench.report.readiness is Readiness.OTHER_MASTER
+    assert bench.adapter.let_go == {"another computer commands": 1}
+    zeros = [time for time, _ in bench.sent if time > met]
+    assert len(zeros) >= 10
+    assert max(zeros) <= met + 1.2
+    bench.ask(steer=False)
+    bench.run(4.0)  # it has gone
+    assert bench.sent[-1][0] >= bench.time - 0.1
+    bench.run(1.0)
+    assert bench.report.readiness is Readiness.READY
+
+
+@pytest.mark.parametrize(
+    ("source", "readiness"),
+    [
+        ("192.168.5.20:9999", Readiness.OTHER_MASTER),
+        ("192.168.5.10:4000", Readiness.OTHER_MASTER),
+        ("192.168.5.10:9999", Readiness.READY),
+        ("192.168.6.20:9999", Readiness.READY),
+        ("", Readiness.READY),
+    ],
+)
+def test_set_points_of_others_count_in_the_boards_network_only(source: str, readiness: Readiness) -> None:
+    bench = Bench("v4")
+    bench.run(2.5)
+    broken = OTHER[:-1] + b"\0"  # an AIO v4 obeys it all the same
+    bench.adapter.receive(bench.time, broken, source)
+    assert bench.report.readiness is readiness
+
+
+def test_a_board_that_does_not_begin_is_given_up() -> None:
+    bench = Bench("v4")
+    bench.run(2.5)
+    bench.set_points_pass = False  # replies come from elsewhere: the board never hears the edge
+    bench.ask(steer=True)
+    asked = bench.time
+    off = pack(STEER_BOARD, Pgn.STEER_REPLY, struct.pack("<hhhBB", 0, 9999, 8888, 7, 0))
+    for _ in range(40):
+        bench.adapter.receive(bench.time + 0.01, off, HOST)
+        bench.tick()
+    assert 1 <= bench.ones_after(asked) <= 10
+    assert bench.report.readiness is Readiness.NOT_READY
+    assert bench.adapter.let_go == {"did not begin": 1}
+
+
+def test_a_motor_that_is_not_ready_is_given_up() -> None:
+    bench = Bench("v26")
+    bench.board.motor_ready = False  # type: ignore[attr-defined]
+    bench.run(2.5)
+    bench.ask(steer=True)
+    asked = bench.time
+    bench.run(3.0)
+    assert bench.ones_after(asked + 0.6) == 0
+    assert not bench.report.engaged
+
+
+def test_a_board_that_is_switched_on_is_refused(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.run(2.5)
+    on = pack(STEER_BOARD, Pgn.STEER_REPLY, struct.pack("<hhhBB", 0, 9999, 8888, 5, 0))
+    bench.adapter.receive(bench.time, on, HOST)
+    assert bench.report.readiness is Readiness.SWITCHED_ON
+    bench.ask(steer=True)
+    bench.run(3.0)
+    assert bench.ones_after(0.0) == 0
+
+
+@pytest.mark.parametrize(
+    ("angle", "speed"),
+    [(math.nan, 1.0), (math.inf, 1.0), (0.1, math.nan), (0.1, 25.2 / 3.6), (0.1, -math.inf), (0.1, 1e300)],
+)
+def test_what_may_not_be_sent_lets_go(firmware: str, angle: float, speed: float) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    bench.ask(steer=True, angle=angle, speed=speed)
+    asked = bench.time
+    bench.run(1.0)
+    assert bench.ones_after(asked) == 0
+    assert not bench.board.driving
+    bench.ask(steer=False, angle=angle, speed=speed)
+    bench.run(3.0)
+    bench.ask(steer=True, angle=angle, speed=speed)
+    bench.run(1.0)
+    assert bench.ones_after(asked) == 0
+
+
+def test_overspeed_is_refused_before_the_board_does() -> None:
+    bench = Bench("v4")
+    bench.engage()
+    bench.ask(steer=True, speed=25.0 / 3.6)
+    bench.run(0.5)
+    assert bench.report.engaged
+    bench.ask(steer=True, speed=25.01 / 3.6)
+    bench.tick()
+    assert bench.adapter.let_go == {"set point or speed not allowed": 1}
+
+
+def test_set_points_beyond_the_machines_limit_are_clamped_and_counted() -> None:
+    bench = Bench("v4")
+    bench.engage()
+    assert bench.adapter.clamped == 0
+    for angle in (1.0, -1e300):
+        bench.ask(steer=True, angle=angle)
+        bench.run(0.1)
+        assert bench.sent[-1][1].angle == pytest.approx(math.copysign(math.radians(35.0), angle), abs=1e-4)
+    assert bench.adapter.clamped >= 2
+
+
+def test_frames_that_let_go_hold_the_wheel_where_it_is() -> None:
+    bench = Bench("v4")
+    bench.wheel.angle = 0.2
+    bench.run(1.0)
+    assert bench.sent[-1][1] == replace(bench.sent[-1][1], steer=False, speed=1.0)
+    assert bench.sent[-1][1].angle == pytest.approx(0.2, abs=math.radians(0.05))
+
+
+def test_hello_goes_out_every_two_seconds() -> None:
+    adapter = SteerBoard(board="192.168.5.126", max_angle=0.5)
+    times = [t / 50.0 for t in range(500) if HELLO in adapter.send(t / 50.0, OFF)]
+    assert times == [0.0, 2.0, 4.0, 6.0, 8.0]
+
+
+def test_an_inverted_joint_turns_both_ways_of_the_wire() -> None:
+    plain, inverted = (SteerBoard(board="192.168.6.126", max_angle=0.349, inverted=each) for each in (False, True))
+    reply = pack(STEER_BOARD, Pgn.STEER_REPLY, struct.pack("<hhhBB", 200, 9999, 8888, 7, 0))
+    for board in (plain, inverted):
+        board.receive(0.0, reply, "192.168.6.126:8888")
+    assert plain.report(0.0).angle == pytest.approx(-math.radians(2.0))
+    assert inverted.report(0.0).angle == pytest.approx(math.radians(2.0))
+    assert plain.send(0.0, OFF)[0] == inverted.send(0.0, OFF)[0]  # both say: stay at 2 degrees of the wire
+    signs = []
+    for board in (plain, inverted):
+        for step in range(1, 60):
+            time = 0.05 * step
+            board.receive(time, reply, "192.168.6.126:8888")
+            sent = board.send(time, SteeringRequest(steer=step > 50, angle=0.1, speed=1.0))
+        frame = parse(sent[0])
+        command = decode_steer(frame)  # type: ignore[arg-type]
+        assert command is not None
+        assert command[0].steer
+        signs.append(command[0].angle)
+    assert signs == pytest.approx([0.1, -0.1], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("board", "taken"), [("192.168.5.126", True), ("192.168.5.126:8888", True), (HOST[:-1], False)]
+)
+def test_boards_are_told_apart_by_their_senders(board: str, taken: bool) -> None:
+    adapter = SteerBoard(board=board, max_angle=0.5)
+    reply = pack(STEER_BOARD, Pgn.STEER_REPLY, bytes(8))
+    adapter.receive(1.0, reply, HOST)
+    assert (adapter.report(1.0).angle_time == 1.0) is taken
+    adapter.receive(2.0, reply, "192.168.6.126:8888")
+    assert adapter.report(2.0).angle_time < 2.0
+    assert adapter.dropped["other sender"] == (1 if taken else 2)
+
+
+def test_what_is_dropped_is_counted_by_kind() -> None:
+    adapter = SteerBoard(board="192.168.5.126", max_angle=0.5)
+    reply = pack(STEER_BOARD, Pgn.STEER_REPLY, bytes(8))
+    for datagram in (b"", reply[:-1] + b"\0", reply[:-1], b"x" * 20, pack(STEER_BOARD, 17, b""), PREFIX + b"\x7f\xfd"):
+        adapter.receive(1.0, datagram, HOST)
+    assert adapter.report(1.0).angle_time == -math.inf
+    assert sorted(adapter.dropped.values()) == [1, 1, 1, 1, 2]
+
+
+@pytest.mark.parametrize("angle", [0.0, -0.1, math.nan, math.inf, math.radians(50.0)])
+def test_a_limit_beyond_what_boards_steer_is_refused(angle: float) -> None:
+    with pytest.raises(ConfigurationError, match="50°"):
+        SteerBoard(board="192.168.5.126", max_angle=angle)
