@@ -1,0 +1,1 @@
+"""Wheel-angle and speed sensors, calibration: what lies between drawbar and a real machine's devices."""
