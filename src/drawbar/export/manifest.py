@@ -17,15 +17,8 @@ from drawbar.optimal import SolverUnit
 ENTRIES = tuple(
     f"drawbar_{name}"
     for name in (
-        "init",
-        "set_path",
-        "begin_at",
-        "change_path",
-        "set_speed",
-        "set_engaged",
-        "feedback",
-        "prepare",
-        "step",
+        *("init", "set_path", "begin_at", "change_path", "set_speed", "feedback", "prepare", "step"),
+        *("actuate_init", "actuate"),
     )
 )
 """functions whose stack is stated"""
@@ -63,6 +56,7 @@ def manifest(
         "drawbar": version,
         "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
         "state_bytes": 8 * state_doubles(components),
+        "actuate_state_bytes": 8 * _defined("DRAWBAR_ACTUATE_DOUBLES", runtime_sources().values()),
         "components_bytes": {component.name: component.size for component in components}
         | {"work": work_size(components)},
         "bounds": {

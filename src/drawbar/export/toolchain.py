@@ -47,7 +47,7 @@ def build_target(target: Target, library: Path) -> Built:
         units = tuple(read_object(file) for file in objects)
         _zig(["ar", "rcsD", target.static, *map(str, objects)], folder)
         if target.shared:
-            _link(target, objects, folder, exports(library / "include" / "drawbar.h"))
+            _link(target, objects, folder, exports(library / "include"))
     return Built(
         target=target,
         compiler=f"zig cc (ziglang {version('ziglang')})",
@@ -57,9 +57,10 @@ def build_target(target: Target, library: Path) -> Built:
     )
 
 
-def exports(header: Path) -> list[str]:
-    """Return the functions that a header offers."""
-    return re.findall(r"^DRAWBAR_API [^;(]*?(\w+)\(", header.read_text("utf-8"), re.MULTILINE)
+def exports(include: Path) -> list[str]:
+    """Return the functions that the public headers in a folder offer."""
+    texts = [header.read_text("utf-8") for header in sorted(include.glob("*.h"))]
+    return [name for text in texts for name in re.findall(r"^DRAWBAR_API [^;(]*?(\w+)\(", text, re.MULTILINE)]
 
 
 def _compile(target: Target, flags: Sequence[str], library: Path, workshop: Path) -> list[Path]:

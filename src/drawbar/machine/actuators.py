@@ -1,7 +1,8 @@
-"""Steering cylinders and hydrostatic drive as differential equations (paper, experimental set-up)."""
+"""Steering cylinders and hydrostatic drive as differential equations (paper, experimental set-up), and valves."""
 
 import casadi as ca
 
+from drawbar.machine.low_level.settings import ValveSettings
 from drawbar.machine.settings import HydrostatSettings, PidGains
 
 
@@ -26,6 +27,36 @@ def hydrostat_rates(settings: HydrostatSettings, drive: ca.SX, target: ca.SX) ->
         settings.pedal_loop, pedal_target - pedal, pedal_speed, pedal_integral, limit=settings.pedal_rate
     )
     return ca.vertcat(acceleration, pedal_speed, (motor - pedal_speed) / settings.pedal_lag, speed_error, pedal_error)
+
+
+def valve_rates(settings: ValveSettings, motion: ca.SX, drive: ca.SX, *, full_rate: float, stop: float) -> ca.SX:
+    """Return d/dt of motion (2,) = angle (rad), rate (rad/s) of a cylinder behind a proportional valve.
+
+    The drive, -1 to 1, opens the valve beyond its dead band; the oil follows with a lag. Its two sides may have other
+    areas. At the mechanical stop only the way back is open.
+    """
+    angle, rate = motion[0], motion[1]
+    left, right = settings.dead_band_left, settings.dead_band_right
+    opening = ca.fmax(drive - left, 0.0) / (1.0 - left) - settings.slope_right * ca.fmax(-drive - right, 0.0) / (
+        1.0 - right
+    )
+    blocked = ca.logic_and(ca.fabs(angle) >= stop, rate * angle > 0.0)
+    return ca.vertcat(ca.if_else(blocked, 0.0, rate), (full_rate * opening - rate) / settings.lag)
+
+
+def pedal_rates(settings: HydrostatSettings, drive: ca.SX, motor: ca.SX, resistance: ca.SX) -> ca.SX:
+    """Return d/dt of drive (3,) = wheel speed (m/s), pedal, pedal speed (1/s) under the drive of the pedal's motor.
+
+    Resistance is what a hill takes from the speed, m/s.
+    """
+    speed, pedal, pedal_speed = ca.vertsplit(drive)
+    acceleration = (settings.full_speed * pedal - resistance - speed) / settings.speed_lag
+    blocked = ca.logic_or(ca.logic_and(pedal >= 1.0, pedal_speed > 0.0), ca.logic_and(pedal <= 0.0, pedal_speed < 0.0))
+    return ca.vertcat(
+        acceleration,
+        ca.if_else(blocked, 0.0, pedal_speed),
+        (settings.pedal_rate * motor - pedal_speed) / settings.pedal_lag,
+    )
 
 
 def _pid(gains: PidGains, error: ca.SX, rate: ca.SX, integral: ca.SX, *, limit: float) -> tuple[ca.SX, ca.SX]:

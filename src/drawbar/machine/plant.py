@@ -1,14 +1,14 @@
 """The simulated world over one sample period: chain, steering and drive, by RK4 at its own fixed step."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import casadi as ca
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.actuators import hydrostat_rates, steering_rate
+from drawbar.machine.actuators import hydrostat_rates, pedal_rates, steering_rate, valve_rates
 from drawbar.machine.chain import chain_rates
 from drawbar.machine.settings import SimulatedMachineSettings
 from drawbar.settings import Settings
@@ -29,17 +29,20 @@ def plant_constants(vehicle: VehicleParameters, settings: SimulatedMachineSettin
 
 
 @cache
-def plant_step() -> ca.Function:
+def plant_step(kind: Literal["lag", "valve"] = "lag") -> ca.Function:
     """Return one step F(state (11,), inputs (11,), constants (c,)) -> state (11,); inputs = (command, effect), held.
 
-    The constants are those of plant_constants: data, so that the plant is compiled once for all of them.
+    The constants are those of plant_constants: data, so that the plant is compiled once for all of them. Of the kind
+    "valve" a command is the drives of both valves and of the pedal's motor, and the state's last five are wheel speed,
+    pedal, and the rates of both steerings and of the pedal.
     """
     stated = VehicleParameters(), SimulatedMachineSettings()
     state, inputs = ca.SX.sym("x", STATES), ca.SX.sym("i", COMMANDS + EFFECTS)
     constants = ca.SX.sym("c", len(plant_constants(*stated)))
     symbols = iter(ca.vertsplit(constants))
     vehicle, settings = _symbolic(stated[0], symbols), _symbolic(stated[1], symbols)
-    rates, step = _rates(vehicle, settings, constants), settings.step
+    actuation, step = _ACTUATIONS[kind], settings.step
+    rates = _rates(vehicle, settings, constants, actuation)
     held = (inputs[:COMMANDS], inputs[COMMANDS:], constants)
     start = _kicked(state, held[1])
     k1 = rates(start, *held)
@@ -50,18 +53,53 @@ def plant_step() -> ca.Function:
     # the step in which an angle reaches its stop ends on the stop
     for index, stop in ((4, settings.actuators.trailer_stop), (5, settings.actuators.tractor_stop)):
         end[index] = ca.fmin(ca.fmax(end[index], -stop), stop)
+    if kind == "valve":
+        end[7] = ca.fmin(ca.fmax(end[7], 0.0), 1.0)
     return ca.Function("plant", [state, inputs, constants], [ca.cse(end)])
 
 
-def _rates(vehicle: VehicleParameters, settings: SimulatedMachineSettings, constants: ca.SX) -> ca.Function:
-    """Return the right-hand side f(state (11,), command (3,), effect (8,), constants (c,)) -> d state/dt (11,)."""
-    state, command, effect = ca.SX.sym("x", STATES), ca.SX.sym("u", COMMANDS), ca.SX.sym("w", EFFECTS)
+_Actuation = Callable[[VehicleParameters, SimulatedMachineSettings, ca.SX, ca.SX], tuple[ca.SX, ca.SX, ca.SX]]
+"""from vehicle, settings, state and command to the rates of wheels and joint, and of the drive's five states"""
+
+
+def _lag_actuation(
+    vehicle: VehicleParameters, settings: SimulatedMachineSettings, state: ca.SX, command: ca.SX
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Return what closed loops amount to."""
     actuators, lag = settings.actuators, vehicle.steering_lag
     wheels_rate = steering_rate(state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop)
     joint_rate = steering_rate(state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
+    return wheels_rate, joint_rate, hydrostat_rates(settings.hydrostat, state[6:], command[2])
+
+
+def _valve_actuation(
+    _vehicle: VehicleParameters, settings: SimulatedMachineSettings, state: ca.SX, command: ca.SX
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Return the motion of valves and of the pedal's motor under their drives."""
+    actuators, low_level = settings.actuators, settings.low_level
+    motions = ca.vertcat(state[5], state[8]), ca.vertcat(state[4], state[9])
+    front, joint = (
+        valve_rates(valve, motion, drive, full_rate=rate, stop=stop)
+        for valve, motion, drive, rate, stop in (
+            (low_level.front, motions[0], command[0], actuators.tractor_rate, actuators.tractor_stop),
+            (low_level.joint, motions[1], command[1], actuators.trailer_rate, actuators.trailer_stop),
+        )
+    )
+    drive = pedal_rates(settings.hydrostat, ca.vertcat(state[6], state[7], state[10]), command[2], ca.SX(0.0))
+    return front[0], joint[0], ca.vertcat(drive[0], drive[1], front[1], joint[1], drive[2])
+
+
+_ACTUATIONS: dict[str, _Actuation] = {"lag": _lag_actuation, "valve": _valve_actuation}
+
+
+def _rates(
+    vehicle: VehicleParameters, settings: SimulatedMachineSettings, constants: ca.SX, actuation: _Actuation
+) -> ca.Function:
+    """Return the right-hand side f(state (11,), command (3,), effect (8,), constants (c,)) -> d state/dt (11,)."""
+    state, command, effect = ca.SX.sym("x", STATES), ca.SX.sym("u", COMMANDS), ca.SX.sym("w", EFFECTS)
+    wheels_rate, joint_rate, drive = actuation(vehicle, settings, state, command)
     speed, wheel_angle = effect[0] * state[6], effect[1] * state[5] + effect[2]
     chain = chain_rates(vehicle, state[:5], joint_rate, speed, wheel_angle, effect[3:5])
-    drive = hydrostat_rates(settings.hydrostat, state[6:], command[2])
     return ca.Function("rates", [state, command, effect, constants], [ca.vertcat(chain, wheels_rate, drive)])
 
 

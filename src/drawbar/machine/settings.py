@@ -7,6 +7,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
+from drawbar.machine.low_level.settings import LowLevelSettings
 from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
@@ -150,6 +151,7 @@ class SimulatedMachineSettings(Settings):
     lengths: LengthFactors = LengthFactors()
     ground: GroundSettings = GroundSettings()
     sensors: SensorSettings = SensorSettings()
+    low_level: LowLevelSettings = LowLevelSettings()
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
 
     @model_validator(mode="after")
@@ -158,6 +160,12 @@ class SimulatedMachineSettings(Settings):
             raise ValueError(
                 f"actuators.dead_time = {self.actuators.dead_time} s is not a multiple of "
                 f"step = {self.step} s; round it to one"
+            )
+        low_level = self.low_level
+        if low_level.kind == "valve" and whole_steps(low_level.dead_time, self.step) is None:
+            raise ValueError(
+                f"low_level.dead_time = {low_level.dead_time} s is not a multiple of step = {self.step} s; "
+                f"round it to one"
             )
         return self
 

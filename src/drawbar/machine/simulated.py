@@ -5,12 +5,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drawbar.codegen import CompiledRecurrence
 from drawbar.errors import ConfigurationError, HardwareError
 from drawbar.geometry import Floats
 from drawbar.machine.base import Machine
 from drawbar.machine.ground import Ground
-from drawbar.machine.plant import COMMANDS, EFFECTS, plant_constants, plant_step
+from drawbar.machine.motion import LagMotion, Motion, ValveMotion
+from drawbar.machine.plant import COMMANDS, EFFECTS
 from drawbar.machine.sensing import Sensing
 from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
 from drawbar.signals import Command, Measurement, Pose, Truth
@@ -57,9 +57,12 @@ class SimulatedMachine(Machine):
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
-        self._plant = CompiledRecurrence(plant_step(), self._steps)
-        self._plant.constants[:] = plant_constants(self._vehicle, settings)
-        self._state, self._inputs, self._states = self._plant.state, self._plant.inputs, self._plant.states
+        self._motion: Motion = (
+            LagMotion(self._vehicle, settings, self._steps)
+            if settings.low_level.kind == "lag"
+            else ValveMotion(self._vehicle, settings)
+        )
+        self._state = self._motion.state
         self._state[:4] = start.x, start.y, start.yaw, start.yaw
         delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
         self._commands = np.zeros((delay + self._steps, COMMANDS))
@@ -100,12 +103,10 @@ class SimulatedMachine(Machine):
         """Move on by one sample period."""
         self._commands[: -self._steps] = self._commands[self._steps :]
         self._commands[-self._steps :] = self._newest
-        self._inputs[:, :COMMANDS] = self._commands[: self._steps]
-        self._inputs[:, COMMANDS:] = self._effects[self._sample % _BLOCK]
+        effects = self._effects[self._sample % _BLOCK].copy()
         if self._unknown is not None:
-            self._inputs[:, COMMANDS : COMMANDS + 5] += self._unknown()
-        self._plant()
-        self._state[:] = self._states[-1]
+            effects[:, :5] += self._unknown()
+        self._motion.advance(self._commands[: self._steps], effects)
         self._sample += 1
         if self._sample % _BLOCK == 0:
             self._draw()

@@ -1,1 +1,1 @@
-"""Real machines: what each device is told in the configuration, and the drivers that join protocols and transports."""
+"""Wheel-angle and speed sensors, calibration: what lies between drawbar and a real machine's devices."""

@@ -26,14 +26,9 @@
 #define DRAWBAR_H
 
 #include <stdint.h>
+#include "drawbar_api.h"
 #include "drawbar_signals.h"
 #include "drawbar_size.h"
-
-#if defined(__GNUC__) && !defined(_WIN32)  /* of a shared library's functions only these are seen from outside */
-#define DRAWBAR_API __attribute__((visibility("default")))
-#else
-#define DRAWBAR_API                        /* Windows: drawbar.def lists the exported functions */
-#endif
 
 #ifdef __cplusplus
 extern "C" {
