@@ -6,8 +6,8 @@ from drawbar.codegen import Workspace
 from drawbar.geometry import Floats
 
 
-def newest_deviation(estimator: Workspace) -> Floats:
-    """Return standard deviations (nx + np,) of states and parameters at the newest stage of an estimator's window.
+def newest_covariance(estimator: Workspace) -> Floats:
+    """Return the covariance (nx + np, nx + np) of states and parameters at the newest stage of an estimator's window.
 
     The window's Gauss-Newton Hessian is the information of its trajectory, the arrival cost included. Each step takes
     the information on (x_k, u_k) to the covariance of x_{k+1} = A x_k + B u_k, and adds what stage k+1 measured. Bounds
@@ -22,5 +22,11 @@ def newest_deviation(estimator: Workspace) -> Floats:
         joint = np.block([[information, S[k].T], [S[k], R[k]]])
         step = np.vstack([np.hstack([A[k], B[k]]), stays])
         information = np.linalg.inv(step @ np.linalg.solve(joint, step.T)) + Q[k + 1]
-    deviation: Floats = np.sqrt(np.diag(np.linalg.inv(information)))
+    covariance: Floats = np.linalg.inv(information)
+    return covariance
+
+
+def newest_deviation(estimator: Workspace) -> Floats:
+    """Return standard deviations (nx + np,) of states and parameters; see newest_covariance()."""
+    deviation: Floats = np.sqrt(np.diag(newest_covariance(estimator)))
     return deviation

@@ -17,7 +17,7 @@ from drawbar.optimal import SolverUnit
 ENTRIES = tuple(
     f"drawbar_{name}"
     for name in (
-        *("init", "set_path", "begin_at", "change_path", "set_speed", "feedback", "prepare", "step"),
+        *("init", "set_path", "begin_at", "change_path", "set_speed", "set_engaged", "feedback", "prepare", "step"),
         *("actuate_init", "actuate"),
     )
 )

@@ -1,1 +1,1 @@
-"""Wheel-angle and speed sensors, calibration: what lies between drawbar and a real machine's devices."""
+"""Hardware: settings and drivers that join the devices of a real machine to their transports and protocols."""

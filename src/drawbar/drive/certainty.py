@@ -1,0 +1,63 @@
+"""Certainty: how well the estimator knows where both bodies are across the line, and which way they face."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from drawbar.config import Configuration
+from drawbar.estimation.deviation import newest_covariance
+from drawbar.estimation.settings import ArticulatedEstimatorSettings
+from drawbar.geometry import Floats
+from drawbar.signals import Estimate
+from drawbar.step.autopilot import Autopilot
+from drawbar.vehicle.parameters import VehicleParameters
+
+Certainty = Callable[[Estimate], tuple[float, float]]
+"""gives the standard deviations of the position across the body (m) and of the yaw (rad), the larger of both bodies'"""
+
+
+def certainty(autopilot: Autopilot, configuration: Configuration) -> Certainty:
+    """Return what tells how sure the newest estimate is; to be asked between the two phases of a step.
+
+    Both are NaN with an estimator that keeps no covariance of the whole chain.
+    """
+    settings = configuration.estimator
+    if not isinstance(settings, ArticulatedEstimatorSettings):
+        return lambda estimate: (math.nan, math.nan)
+    estimator = autopilot.library.components["estimator"].live
+    if settings.method == "extended_kalman":
+        root = estimator.array("filter.R")  # of the covariance: the transpose of a square root
+        return lambda estimate: across(configuration.vehicle, estimate, root.T @ root)
+    return lambda estimate: across(configuration.vehicle, estimate, newest_covariance(estimator))
+
+
+def across(vehicle: VehicleParameters, estimate: Estimate, covariance: Floats) -> tuple[float, float]:
+    """Return standard deviations across the bodies (m) and of their yaws (rad), the larger of both.
+
+    Args:
+        vehicle: its lengths.
+        estimate: of the chain.
+        covariance: (n, n), whose first states are x, y, yaw of the tractor, yaw of the trailer, both steering angles.
+    """
+    theta, psi = estimate.tractor.yaw, estimate.trailer.yaw
+    phi = psi + estimate.trailer_steering
+    drawbar, back = vehicle.drawbar_length, vehicle.trailer_length - vehicle.trailer_antenna
+
+    def turned(yaw: float, length: float) -> Floats:
+        """How a point that lies `length` behind moves as yaw grows."""
+        return length * np.array([math.sin(yaw), -math.cos(yaw)])
+
+    moves = np.zeros((2, len(covariance)))  # of the trailer's antenna
+    moves[:, :2] = np.eye(2)
+    moves[:, 2] = turned(theta, vehicle.free_joint_offset)
+    moves[:, 3] = turned(phi, drawbar) + turned(psi, back)
+    moves[:, 5] = turned(phi, drawbar)
+    trailer = moves @ covariance @ moves.T
+    lateral = [_sideways(psi, trailer), _sideways(theta, covariance[:2, :2])]
+    return math.sqrt(max(lateral)), math.sqrt(max(covariance[2, 2], covariance[3, 3]))
+
+
+def _sideways(yaw: float, covariance: Floats) -> float:
+    left = np.array([-math.sin(yaw), math.cos(yaw)])
+    return float(left @ covariance @ left)

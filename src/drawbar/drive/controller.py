@@ -1,0 +1,139 @@
+"""Controller: the control step between measurements and messages to the gate. No input, no output, no clock of its own."""
+
+import math
+
+from drawbar.config import Configuration
+from drawbar.drive.certainty import certainty
+from drawbar.geometry import wrap
+from drawbar.guidance.path import Path
+from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
+from drawbar.signals import Command, Measurement, Status, StepRecord
+from drawbar.step.build import build_autopilot
+
+VALIDITY = 200_000_000
+"""for how long a command may act without a new one, ns"""
+LATE = 20_000_000
+"""a step whose command leaves so long after the first byte of its epoch is late, ns"""
+_STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
+
+
+class Controller:
+    """Feeds the autopilot, engaged or not, and says to the gate what it wants and how it is.
+
+    While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
+    """
+
+    def __init__(self, configuration: Configuration, path: Path, fingerprint: int) -> None:
+        """Build the autopilot.
+
+        Args:
+            configuration: of the run.
+            path: to drive along.
+            fingerprint: of the safety settings that the gate has.
+
+        Raises:
+            DrawbarError: the autopilot cannot be built.
+        """
+        self._configuration, self._path, self._fingerprint = configuration, path, fingerprint
+        self._autopilot = build_autopilot(configuration)
+        self._autopilot.begin(path)
+        self._autopilot.set_engaged(False)
+        self._certainty = certainty(self._autopilot, configuration)
+        self._gate: GateState | None = None
+        self._sequence = self._solved = self._overruns = 0
+        self._status = Status.POSITION
+        self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
+
+    @property
+    def engaged(self) -> bool:
+        """Whether the gate lets commands act."""
+        return self._gate is not None and bool(self._gate.steers) and self._gate.state in _STEERED
+
+    def hear(self, state: GateState) -> None:
+        """Take in what the gate does."""
+        before, self._gate = self.engaged, state
+        if self.engaged != before:
+            self._autopilot.set_engaged(self.engaged)
+        wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
+        self._autopilot.set_speed(max(0.0, min(wish, state.speed_limit, self._configuration.speed)))
+
+    def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
+        """Return the command that answers a measurement; call prepare() once it is out."""
+        if not self.engaged and (self._status.has_ended or self._status is Status.START):
+            self._begin_beside(measurement)
+        self._status, self._command = self._autopilot.feedback(measurement)
+        self._measurement = measurement
+        return self.repeat(now)
+
+    def repeat(self, now: int) -> CommandMessage:
+        """Return the newest command again, which acts until the next sample."""
+        self._sequence += 1
+        joint = self._configuration.vehicle.joint_sign * self._command.trailer_steering
+        return CommandMessage(
+            sequence=self._sequence % 2**32,
+            time=now,
+            valid_until=now + VALIDITY,
+            mode=self._mode(),
+            tractor_angle=self._command.tractor_steering,
+            trailer_angle=joint,
+            speed=self._command.speed,
+        )
+
+    def prepare(self, late: bool) -> StepRecord:
+        """Do what can be done before the next measurement; return the record of the step.
+
+        late: the command left too late.
+        """
+        self._autopilot.prepare()
+        record = self._autopilot.record()
+        self._deviations = self._certainty(record.estimate) if self._status.is_new_command else (math.nan, math.nan)
+        self._overruns += late
+        self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
+        self._record = record
+        return record
+
+    def state(self, now: int, fixes_known: tuple[float, float]) -> ControllerState:
+        """Return how the controller is after its newest step.
+
+        fixes_known: age of the older corrections (s) and speed over ground (m/s), NaN where not known.
+        """
+        record, measurement = self._record, self._measurement
+        lateral, heading = self._deviations
+        tractor, trailer = record.reference.tractor, record.reference.trailer
+        return ControllerState(
+            sequence=self._sequence % 2**32,
+            time=now,
+            valid_until=now + 2 * round(self._configuration.sample_time * 1e9),
+            configuration=self._fingerprint,
+            tractor_quality=int(measurement.tractor_fix_quality),
+            trailer_quality=int(measurement.trailer_fix_quality),
+            wiggled=1,
+            status=int(self._status),
+            flags=int(record.flags),
+            solved=self._solved,
+            overruns=self._overruns,
+            correction_age=fixes_known[0],
+            lateral_deviation=lateral,
+            heading_deviation=heading,
+            tractor_lateral_error=tractor.lateral_error,
+            trailer_lateral_error=trailer.lateral_error,
+            tractor_heading_error=wrap(record.estimate.tractor.yaw - tractor.closest[2]),
+            trailer_heading_error=wrap(record.estimate.trailer.yaw - trailer.closest[2]),
+            hitch_angle=record.estimate.hitch_angle,
+            wheel_speed=measurement.speed,
+            receiver_speed=fixes_known[1],
+        )
+
+    def _mode(self) -> Mode:
+        if self._status.has_ended:
+            return Mode.STOP
+        return Mode.DRIVE if self._status.is_new_command else Mode.IDLE
+
+    def _begin_beside(self, measurement: Measurement) -> None:
+        """Let the next sample begin a run where the path is nearest, if the position is known."""
+        x, y = measurement.tractor_x, measurement.tractor_y
+        if not math.isfinite(x + y):
+            return
+        progress, _ = self._path.project(x, y, 0.0, self._path.length)
+        self._autopilot.begin(self._path, at=min(max(progress, 0.0), math.nextafter(self._path.length, 0.0)))
+        self._autopilot.set_engaged(False)

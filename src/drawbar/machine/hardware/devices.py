@@ -1,0 +1,54 @@
+"""Devices of a real machine: one section of the configuration for each, with its transport and its protocol."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.isobus import IsobusSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.steer_board import SteerBoardSettings, refuse_equal_boards
+from drawbar.settings import Settings
+
+
+class OriginSettings(Settings):
+    """Where the east-north frame of a path begins that does not say so itself: figure-eights and CSV files."""
+
+    latitude: Annotated[float, Field(ge=-89.0, le=89.0)] = 50.87
+    """WGS84, degrees"""
+    longitude: Annotated[float, Field(ge=-180.0, le=180.0)] = 4.7
+    """WGS84, degrees"""
+
+    def frame(self) -> LocalFrame:
+        """Return the frame."""
+        return LocalFrame(latitude=self.latitude, longitude=self.longitude)
+
+
+class DeviceSettings(Settings):
+    """All devices of the machine. Each body is steered by a board of AgOpenGPS's kind or by a valve on the ISOBUS."""
+
+    tractor_receiver: ReceiverSettings
+    trailer_receiver: ReceiverSettings
+    tractor_board: SteerBoardSettings | None = None
+    """turns the front wheels"""
+    trailer_board: SteerBoardSettings | None = None
+    """turns the joint between drawbar and trailer"""
+    isobus: IsobusSettings | None = None
+    speed: Literal["driver", "isobus"] = "driver"
+    """who drives: the driver, who is told when to stop, or the tractor by commands on the ISOBUS"""
+    origin: OriginSettings = OriginSettings()
+
+    @model_validator(mode="after")
+    def _one_actuator_for_each_body(self) -> Self:
+        for body in ("tractor", "trailer"):
+            board = getattr(self, f"{body}_board") is not None
+            valve = self.isobus is not None and getattr(self.isobus, f"{body}_valve") is not None
+            if board == valve:
+                given = "both" if board else "none"
+                raise ValueError(
+                    f"the {body} is steered by {body}_board or by isobus.{body}_valve; {given} is given, give one"
+                )
+        refuse_equal_boards([board for board in (self.tractor_board, self.trailer_board) if board is not None])
+        if self.speed == "isobus" and self.isobus is None:
+            raise ValueError('speed = "isobus" needs the section isobus; add it, or set speed = "driver"')
+        return self

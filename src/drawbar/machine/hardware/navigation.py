@@ -1,0 +1,70 @@
+"""Navigation: the receivers of both bodies together; what they say of one instant comes out as one record."""
+
+import math
+
+from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.receiver import Receiver
+from drawbar.messages import Fixes
+from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.gnss.pairing import Body, Pair, Pairing
+from drawbar.signals import FixQuality
+
+_VALID = 1.0
+"""for how long fixes mean something, s"""
+
+
+class Navigation:
+    """Polls both receivers, pairs their epochs and places them in the frame of the path."""
+
+    def __init__(self, tractor: Receiver, trailer: Receiver, frame: LocalFrame) -> None:
+        """Take the receivers and the frame."""
+        self._receivers = {Body.TRACTOR: tractor, Body.TRAILER: trailer}
+        self._pairing, self._frame, self._sequence = Pairing(), frame, 0
+
+    @property
+    def due(self) -> float:
+        """Monotonic time at which to poll even if nothing comes, s."""
+        return min(self._pairing.due, *(receiver.due for receiver in self._receivers.values()))
+
+    def poll(self, time: float) -> list[Fixes]:
+        """Read what has come until this monotonic time (s), and return what is complete."""
+        pairs: list[Pair] = []
+        for body, receiver in self._receivers.items():
+            for epoch in receiver.poll(time):
+                pairs += self._pairing.add(body, epoch, time)
+        pairs += self._pairing.poll(time)
+        return [self._fixes(pair, time) for pair in pairs]
+
+    def _fixes(self, pair: Pair, time: float) -> Fixes:
+        self._sequence = (self._sequence + 1) % 2**32
+        epochs = [epoch for epoch in (pair.tractor, pair.trailer) if epoch is not None]
+        return Fixes(
+            sequence=self._sequence,
+            time=round(time * 1e9),
+            valid_until=round((time + _VALID) * 1e9),
+            epoch=round(min(epoch.time for epoch in epochs) * 1e9),
+            first_byte=round(min(epoch.received for epoch in epochs) * 1e9),
+            hitch_angle=math.nan,
+            hitch_angle_time=0,
+            wheel_speed=math.nan,
+            wheel_speed_time=0,
+            **self._body("tractor", pair.tractor),
+            **self._body("trailer", pair.trailer),
+        )
+
+    def _body(self, name: str, epoch: Epoch | None) -> dict[str, float | int]:
+        """Return the fields of one body."""
+        nan, x, y = math.nan, math.nan, math.nan
+        if epoch is not None and epoch.has_fix:
+            x, y = (float(each) for each in self._frame.east_north(epoch.latitude, epoch.longitude))
+        return {
+            f"{name}_x": x,
+            f"{name}_y": y,
+            f"{name}_deviation": max(epoch.sigma_east, epoch.sigma_north) if epoch else nan,
+            f"{name}_quality": int(epoch.quality if epoch else FixQuality.NONE),
+            f"{name}_speed": epoch.speed if epoch else nan,
+            f"{name}_course": epoch.course if epoch else nan,
+            f"{name}_roll": epoch.roll if epoch else nan,
+            f"{name}_pitch": epoch.pitch if epoch else nan,
+            f"{name}_correction_age": epoch.correction_age if epoch else nan,
+        }

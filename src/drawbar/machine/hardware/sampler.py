@@ -1,0 +1,92 @@
+"""Sampler: joins what receivers and actuators say at their own times into measurements at the samples.
+
+The receivers' clock is the clock: a sample is an epoch, and the next one is due a sample time later. Epochs in between
+(a receiver that is faster than the controller) are not used. Where none comes, the sample is taken without a fix, as
+late as the step can bear it, so that the autopilot goes on by prediction. All instants are monotonic, ns.
+"""
+
+import math
+
+from drawbar.messages import Fixes, GateState
+from drawbar.signals import FixQuality, Measurement
+
+WAIT = 60_000_000
+"""time after which an epoch that is due is given up, ns"""
+_PHASE = 4
+"""an epoch belongs to a sample if it is nearer to it than a fourth of the sample time"""
+
+
+class Sampler:
+    """Makes a measurement of each sample; `dropped` counts the epochs that none was made of."""
+
+    def __init__(self, sample_time: float) -> None:
+        """Take the sample time, s."""
+        self._period = round(sample_time * 1e9)
+        self._start: int | None = None
+        self._last = 0
+        self._gate: GateState | None = None
+        self.dropped = 0
+
+    @property
+    def deadline(self) -> int | None:
+        """When to take the next sample without its epoch, ns; None before the first epoch."""
+        return None if self._start is None else self._last + self._period + WAIT
+
+    def hear(self, state: GateState) -> None:
+        """Take in what the gate knows of the actuators."""
+        self._gate = state
+
+    def take(self, fixes: Fixes) -> Measurement | None:
+        """Return the measurement of an epoch's sample, None if the epoch is of none."""
+        if self._start is None:
+            if not math.isfinite(fixes.tractor_x + fixes.trailer_x):
+                return None  # nothing begins without both antennas
+            self._start = fixes.epoch
+        else:
+            samples, rest = divmod(fixes.epoch - self._last + self._period // 2, self._period)
+            if samples < 1 or abs(rest - self._period // 2) > self._period // _PHASE:
+                self.dropped += 1
+                return None
+        self._last = fixes.epoch
+        return self._measurement(fixes)
+
+    def miss(self) -> Measurement:
+        """Return the measurement of the sample that is due, without a fix."""
+        self._last += self._period
+        return self._measurement(None)
+
+    def _measurement(self, fixes: Fixes | None) -> Measurement:
+        assert self._start is not None
+        steering, nan = self._gate, math.nan
+        return Measurement(
+            time=(self._last - self._start) * 1e-9,
+            tractor_x=fixes.tractor_x if fixes else nan,
+            tractor_y=fixes.tractor_y if fixes else nan,
+            trailer_x=fixes.trailer_x if fixes else nan,
+            trailer_y=fixes.trailer_y if fixes else nan,
+            hitch_angle=fixes.hitch_angle if fixes else nan,
+            speed=_speed(fixes) if fixes else nan,
+            tractor_steering=steering.tractor_angle if steering else nan,
+            trailer_steering=steering.trailer_angle if steering else nan,
+            tractor_fix_deviation=fixes.tractor_deviation if fixes else nan,
+            trailer_fix_deviation=fixes.trailer_deviation if fixes else nan,
+            tractor_roll=fixes.tractor_roll if fixes else nan,
+            tractor_pitch=fixes.tractor_pitch if fixes else nan,
+            trailer_roll=fixes.trailer_roll if fixes else nan,
+            trailer_pitch=fixes.trailer_pitch if fixes else nan,
+            hitch_angle_age=self._age(fixes.hitch_angle_time if fixes else 0),
+            speed_age=self._age(fixes.wheel_speed_time if fixes else 0),
+            tractor_steering_age=self._age(steering.tractor_angle_time if steering else 0),
+            trailer_steering_age=self._age(steering.trailer_angle_time if steering else 0),
+            tractor_fix_quality=FixQuality(fixes.tractor_quality if fixes else FixQuality.NONE),
+            trailer_fix_quality=FixQuality(fixes.trailer_quality if fixes else FixQuality.NONE),
+        )
+
+    def _age(self, time: int) -> float:
+        """Return how old a value of an instant is at the sample, s; what is newer is not old."""
+        return max(self._last - time, 0) * 1e-9 if time else 0.0
+
+
+def _speed(fixes: Fixes) -> float:
+    """Return the speed of the wheels, or over ground where they are not measured, m/s."""
+    return fixes.wheel_speed if math.isfinite(fixes.wheel_speed) else fixes.tractor_speed

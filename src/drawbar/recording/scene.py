@@ -1,0 +1,154 @@
+"""Scene: a run as messages with well-known schemas, so that Foxglove shows map, 3D scene and transforms by itself.
+
+Frames: `field`, east-north-up from the path's origin; `tractor` and `trailer`, forward-left-up at the estimated places of
+their antennas, on the ground. Needs the extra `machine` (foxglove-sdk).
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from foxglove.messages import (
+    Color,
+    CubePrimitive,
+    FrameTransform,
+    FrameTransforms,
+    LinePrimitive,
+    LinePrimitiveLineType,
+    LocationFix,
+    LocationFixPositionCovarianceType,
+    Point3,
+    Pose,
+    Quaternion,
+    SceneEntity,
+    SceneUpdate,
+    Timestamp,
+    Vector3,
+)
+
+from drawbar.geometry import Floats, LocalFrame
+from drawbar.guidance.path import Path
+from drawbar.signals import BodyPlan, StepRecord
+from drawbar.signals import Pose as Place
+from drawbar.vehicle.parameters import VehicleParameters
+
+FIELD, TRACTOR, TRAILER = "field", "tractor", "trailer"
+_PATH, _PLANS = Color(r=0.45, g=0.45, b=0.45, a=1.0), {TRACTOR: (0.12, 0.47, 0.71), TRAILER: (0.85, 0.37, 0.01)}
+_WIDTH, _HEIGHT = 1.2, 0.6
+"""of the boxes that stand for the bodies, m"""
+_DRAWN = 5000
+"""points of the path, at most"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """What is drawn of a run, and where the field lies."""
+
+    path: Path
+    vehicle: VehicleParameters
+    frame: LocalFrame | None = None
+    """of the path; None: not known, and there is no map"""
+
+    def standing(self, time: int) -> Iterator[tuple[str, Any]]:
+        """Yield topic and message of what does not change, at a time in ns: the path and the bodies' shapes."""
+        every = max(1, len(self.path.nodes) // _DRAWN)
+        line = _line(self.path.nodes[::every, 1:3], _PATH, 0.04)
+        path = SceneEntity(timestamp=_stamp(time), frame_id=FIELD, id="path", lines=[line])
+        yield "/path", SceneUpdate(entities=[path])
+        yield "/bodies", SceneUpdate(entities=[self._body(time, TRACTOR), self._body(time, TRAILER)])
+
+    def moving(self, time: int, record: StepRecord) -> Iterator[tuple[str, Any]]:
+        """Yield topic and message of one step, at a time in ns: fixes, places and plans."""
+        estimate, measured = record.estimate, record.measurement
+        if self.frame is not None:
+            yield from self._fix(time, TRACTOR, measured.tractor_x, measured.tractor_y, measured.tractor_fix_deviation)
+            yield from self._fix(time, TRAILER, measured.trailer_x, measured.trailer_y, measured.trailer_fix_deviation)
+        places = ((TRACTOR, estimate.tractor), (TRAILER, estimate.trailer))
+        known = [
+            _transform(time, body, place) for body, place in places if math.isfinite(place.x + place.y + place.yaw)
+        ]
+        yield "/tf", FrameTransforms(transforms=known)
+        yield from _plan(time, TRACTOR, record.plan.tractor)
+        yield from _plan(time, TRAILER, record.plan.trailer)
+
+    def _fix(self, time: int, body: str, x: float, y: float, deviation: float) -> Iterator[tuple[str, Any]]:
+        if self.frame is None or not math.isfinite(x + y):
+            return
+        latitude, longitude = (float(each) for each in self.frame.level(x, y))
+        known = math.isfinite(deviation)
+        variance = deviation**2 if known else 0.0
+        yield (
+            f"/{body}/fix",
+            LocationFix(
+                timestamp=_stamp(time),
+                frame_id=body,
+                latitude=latitude,
+                longitude=longitude,
+                position_covariance=[variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, 4.0 * variance],
+                position_covariance_type=LocationFixPositionCovarianceType.Approximated
+                if known
+                else LocationFixPositionCovarianceType.Unknown,
+            ),
+        )
+
+    def _body(self, time: int, body: str) -> SceneEntity:
+        """Return a body as boxes in its own frame, whose origin is the foot of its antenna."""
+        vehicle, shade = self.vehicle, Color(**dict(zip("rgb", _PLANS[body], strict=True)), a=0.7)
+        if body == TRACTOR:
+            boxes = [
+                _box(-0.4, vehicle.wheelbase + 0.3, _WIDTH, shade),
+                _box(-vehicle.free_joint_offset, 0.0, 0.1, shade),
+            ]
+        else:
+            axle = -vehicle.trailer_antenna
+            boxes = [_box(axle - 1.0, axle + 1.0, _WIDTH, shade), _box(axle, axle + vehicle.trailer_length, 0.1, shade)]
+        return SceneEntity(timestamp=_stamp(time), frame_id=body, id=body, frame_locked=True, cubes=boxes)
+
+
+def _plan(time: int, body: str, plan: BodyPlan) -> Iterator[tuple[str, Any]]:
+    if not math.isfinite(float(plan.poses.sum())):
+        return
+    r, g, b = _PLANS[body]
+    entity = SceneEntity(
+        timestamp=_stamp(time),
+        frame_id=FIELD,
+        id="plan",
+        lines=[_line(plan.poses[:, :2], Color(r=r, g=g, b=b, a=1.0), 0.06)],
+    )
+    yield f"/plan/{body}", SceneUpdate(entities=[entity])
+
+
+def _transform(time: int, body: str, place: Place) -> FrameTransform:
+    return FrameTransform(
+        timestamp=_stamp(time),
+        parent_frame_id=FIELD,
+        child_frame_id=body,
+        translation=Vector3(x=place.x, y=place.y, z=0.0),
+        rotation=Quaternion(x=0.0, y=0.0, z=math.sin(place.yaw / 2.0), w=math.cos(place.yaw / 2.0)),
+    )
+
+
+def _box(back: float, front: float, width: float, color: Color) -> CubePrimitive:
+    """Return a box from `back` to `front` (m, along the body) on the ground."""
+    middle = Vector3(x=(back + front) / 2.0, y=0.0, z=_HEIGHT / 2.0)
+    return CubePrimitive(
+        pose=Pose(position=middle, orientation=Quaternion(w=1.0)),
+        size=Vector3(x=abs(front - back), y=width, z=_HEIGHT),
+        color=color,
+    )
+
+
+def _line(points: Floats, color: Color, width: float) -> LinePrimitive:
+    """Return a line through points (n, 2), m."""
+    return LinePrimitive(
+        type=LinePrimitiveLineType.LineStrip,
+        pose=Pose(position=Vector3(), orientation=Quaternion(w=1.0)),
+        thickness=width,
+        points=[Point3(x=x, y=y, z=0.05) for x, y in points.tolist()],
+        color=color,
+    )
+
+
+def _stamp(time: int) -> Timestamp:
+    return Timestamp(*divmod(time, 1_000_000_000))

@@ -1,0 +1,46 @@
+"""Table: the numbers of a log's steps as a CSV file, a row for each step and a column for each number."""
+
+import csv
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drawbar.recording.log import RunLog
+
+_LONG = ("samples", "poses", "steerings")
+"""what has the length of the horizon has no column"""
+
+
+def write_csv(log: RunLog, file: Path) -> None:
+    """Write all steps, with names as `RunLog.column` takes them; a missing number is an empty cell.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    with file.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        names = list(column_names(log))
+        writer.writerow(["wall_time", *names])
+        columns = [log.wall_time, *(log.column(name) for name in names)]
+        for row in zip(*columns, strict=True):
+            writer.writerow(["" if np.isnan(number) else repr(float(number)) for number in row])
+
+
+def column_names(log: RunLog) -> Iterator[str]:
+    """Yield the names of all numbers of a step, in the order of their declaration."""
+    for record in log.records[:1]:
+        yield from _names(record, "")
+
+
+def _names(value: Any, name: str) -> Iterator[str]:
+    if is_dataclass(value):
+        for field in fields(value):
+            if field.name not in _LONG:
+                yield from _names(getattr(value, field.name), f"{name}.{field.name}" if name else field.name)
+    elif isinstance(value, np.ndarray):
+        yield from (f"{name}.{index}" for index in range(value.size))
+    elif value is not None:
+        yield name
