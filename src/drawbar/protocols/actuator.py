@@ -50,6 +50,9 @@ class SteeringReport:
     """the operator took over since the last request to let go; stays until drawbar has let go"""
     readiness: Readiness = Readiness.SILENT
     """whether it may be engaged, or why not"""
+    switch: bool | None = None
+    """the operator's own engage switch at the actuator is on; None: it has none, or it has not been heard.
+    Turning it on asks to engage, turning it off to let go; never what the actuator itself has switched"""
 
 
 class SteeringActuator(ABC, Generic[Frame]):

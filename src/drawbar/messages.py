@@ -1,0 +1,362 @@
+"""Messages between the processes of `drawbar drive`: records of fixed size with a checksum (docs/messages.md).
+
+Every record is little-endian without padding: the header, the fields of its kind in the order of their declaration, and
+the CRC-32 (zlib) of all bytes before it. `encode` makes one of a message; `decode` returns the message, or the `Flaw`
+for which it is refused. Times are the machine's monotonic clock in ns, the same in all of its processes; angles in rad,
+left positive. Pure, without numpy, so that the gate can use it.
+"""
+
+import math
+import struct
+import zlib
+from dataclasses import dataclass, fields
+from enum import Enum, IntEnum
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+MARK = 0x4244
+"""first two bytes of every record: "DB" """
+VERSION = 1
+"""of the layouts; a record of another version is refused"""
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """How a field lies in a record."""
+
+    code: str
+    """of `struct`, one letter, with a count before it for several numbers"""
+    may_miss: bool = False
+    """NaN says that the value is not known; otherwise a record with NaN is refused, and with infinity always"""
+
+
+Byte = Annotated[int, Cell("B")]
+Count = Annotated[int, Cell("I")]
+Long = Annotated[int, Cell("Q")]
+Time = Annotated[int, Cell("Q")]
+Codes = Annotated[tuple[int, ...], Cell("8H")]
+Number = Annotated[float, Cell("d")]
+"""always finite"""
+Known = Annotated[float, Cell("d", may_miss=True)]
+"""finite, or NaN where it is not known"""
+
+
+class Flaw(Enum):
+    """Why bytes are refused as a record."""
+
+    LENGTH = "it does not have the length of its kind"
+    MARK = "it does not begin with the mark and version of these records"
+    KIND = "its kind is none of those expected here"
+    CHECKSUM = "its checksum is wrong"
+    VALUE = "one of its enumerations has a value that is not declared"
+    NOT_FINITE = "one of its numbers is infinite, or is missing where it must not be"
+
+
+class Kind(IntEnum):
+    """What a record is."""
+
+    COMMAND = 1
+    CONTROLLER_STATE = 2
+    GATE_STATE = 3
+    OPERATOR = 4
+    HEARTBEAT = 5
+
+
+class Mode(IntEnum):
+    """What the controller is about."""
+
+    IDLE = 0
+    """it computes, but no run has begun; its command is what it would begin with"""
+    DRIVE = 1
+    """a run is on"""
+    STOP = 2
+    """the run has ended; the vehicle is to stop along the steering of these commands"""
+
+
+class SupervisorState(IntEnum):
+    """Where the supervisor is (docs/safety.md)."""
+
+    BOOT = 0
+    SELFTEST = 1
+    STANDBY = 2
+    READY = 3
+    ENGAGING = 4
+    ACTIVE = 5
+    DEGRADED = 6
+    STOPPING = 7
+    STOPPED = 8
+    OVERRIDE = 9
+    FAULT = 10
+    ESTOP = 11
+
+
+class Action(IntEnum):
+    """What an operator asks for."""
+
+    PRESENT = 0
+    """nothing: the operator is there, and sees the gate's states; the first one subscribes its sender to them"""
+    ARM = 1
+    """first half of engaging, and takes the lease"""
+    ENGAGE = 2
+    """second half, within a few seconds"""
+    RELEASE = 3
+    """let go of the steering; accepted from everybody"""
+    STOP = 4
+    """stop the vehicle, then let go; accepted from everybody"""
+    EMERGENCY = 5
+    """let go and stop as fast as possible; accepted from everybody"""
+    ACKNOWLEDGE = 6
+    """leave a state that waits for the operator"""
+    NUDGE = 7
+    """move the line by `value`, m, left positive"""
+    SET_SPEED = 8
+    """drive at `value`, m/s"""
+
+
+class Role(IntEnum):
+    """Which process a heartbeat is of."""
+
+    RECEIVERS = 0
+    CONTROLLER = 1
+    RECORDER = 2
+    FRONT_END = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Message:
+    """What every record begins with."""
+
+    sequence: Count = 0
+    """one more than in the sender's last record of this kind, modulo 2³²"""
+    time: Time
+    """of sending, ns"""
+    valid_until: Time
+    """ns; later the record means nothing"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandMessage(Message):
+    """What the controller asks of the actuators; controller to gate, at least at 10 Hz."""
+
+    mode: Annotated[Mode, Cell("B")]
+    tractor_angle: Number
+    """of the front wheels, rad"""
+    trailer_angle: Number
+    """of the joint between drawbar and trailer, rad, in the sign in which it is measured"""
+    speed: Number
+    """of the wheels, m/s"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControllerState(Message):
+    """What the supervisor needs to know of the controller; controller to gate, at every step."""
+
+    configuration: Count
+    """fingerprint of the safety settings that the controller was started with"""
+    tractor_quality: Byte
+    """FixQuality of signals.py, debounced"""
+    trailer_quality: Byte
+    """FixQuality of signals.py, debounced"""
+    wiggled: Byte
+    """1: the wiggle test of sign, gain and delay of the actuators has been passed"""
+    status: Count
+    """Status of signals.py: how the last step ended"""
+    flags: Count
+    """Flag of signals.py: what there is to say of it"""
+    solved: Count
+    """steps in a row up to now of which estimate and plans were solved"""
+    overruns: Count
+    """steps that came late, since the start"""
+    correction_age: Known
+    """of the older of both receivers' corrections, s"""
+    lateral_deviation: Known
+    """standard deviation across the line, the larger of both bodies', m"""
+    heading_deviation: Known
+    """standard deviation of the heading, the larger of both bodies', rad"""
+    tractor_lateral_error: Known
+    """m, left positive"""
+    trailer_lateral_error: Known
+    """m, left positive"""
+    tractor_heading_error: Known
+    """rad"""
+    trailer_heading_error: Known
+    """rad"""
+    hitch_angle: Known
+    """rad"""
+    wheel_speed: Known
+    """m/s, forward positive"""
+    receiver_speed: Known
+    """of the tractor's receiver, m/s, forward positive"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GateState(Message):
+    """What the gate does; gate to controller, recorder and front ends, at each of its ticks."""
+
+    state: Annotated[SupervisorState, Cell("B")]
+    steers: Byte
+    """1: the gate asks the actuators to steer"""
+    engaged: Byte
+    """which actuators say that they do; 1 tractor, 2 trailer, 4 speed"""
+    stop: Byte
+    """1: the vehicle is asked to stop; 2: as fast as possible. Without a speed actuator: the driver is to stop it"""
+    armed: Byte
+    """1: the operator may engage now"""
+    cause: Annotated[int, Cell("H")]
+    """code of what led to this state; 0: nothing"""
+    answer: Annotated[int, Cell("H")]
+    """to the last operator's message: 0 accepted, else the code of why not"""
+    answered: Long
+    """nonce of that message"""
+    lease: Long
+    """who may engage; 0: nobody yet"""
+    since: Time
+    """when this state was entered, ns"""
+    refusals: Codes
+    """codes of what stands against engaging, or worries while driving, the first eight; 0: no more"""
+    remaining: Known
+    """until this state is left by itself, s; NaN: it is not"""
+    tractor_angle: Known
+    """measured, rad"""
+    tractor_angle_time: Time
+    """when it was received, ns; 0: never"""
+    trailer_angle: Known
+    """measured, rad"""
+    trailer_angle_time: Time
+    """when it was received, ns; 0: never"""
+    tractor_set_point: Known
+    """given to the actuator, rad; NaN: none"""
+    trailer_set_point: Known
+    """given to the actuator, rad; NaN: none"""
+    speed_limit: Number
+    """fastest that the gate lets the vehicle drive now, m/s"""
+    set_speed: Known
+    """the operator's wish, m/s; NaN: none"""
+    nudge: Number
+    """the operator's shift of the line, m, left positive"""
+    clips: Count
+    """commands that were limited, since the start"""
+    rejects: Count
+    """commands that were refused, since the start"""
+    dropped: Count
+    """other records and frames that were refused, since the start"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatorMessage(Message):
+    """What an operator wants; front end to gate, one per datagram to the gate's Unix socket."""
+
+    action: Annotated[Action, Cell("B")]
+    lease: Long
+    """random number of this front end's session, not 0"""
+    nonce: Long
+    """larger than in any earlier message of this session"""
+    seen_sequence: Count
+    """of the gate's state that the operator sees"""
+    seen_time: Time
+    """of the gate's state that the operator sees, ns"""
+    value: Number = 0.0
+    """of NUDGE and SET_SPEED"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Heartbeat(Message):
+    """A process is alive; at least at 4 Hz, to the gate's Unix socket."""
+
+    role: Annotated[Role, Cell("B")]
+    healthy: Byte
+    """1: it does all that it is there for; the recorder: what it writes reaches the disk"""
+    state: Annotated[SupervisorState, Cell("B")]
+    """of the gate as this process knows it"""
+
+
+KINDS: dict[Kind, type[Message]] = {
+    Kind.COMMAND: CommandMessage,
+    Kind.CONTROLLER_STATE: ControllerState,
+    Kind.GATE_STATE: GateState,
+    Kind.OPERATOR: OperatorMessage,
+    Kind.HEARTBEAT: Heartbeat,
+}
+_KIND_OF = {cls: kind for kind, cls in KINDS.items()}
+_HEADER, _CHECKSUM = struct.Struct("<HBB"), struct.Struct("<I")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How the messages of one kind lie in their records."""
+
+    body: struct.Struct
+    """all fields, without mark, version, kind and checksum"""
+    cells: tuple[tuple[str, Cell, type[IntEnum] | None], ...]
+    """name, cell and, where it is one, enumeration of each field"""
+
+    @property
+    def size(self) -> int:
+        """Length of a record, bytes."""
+        return _HEADER.size + self.body.size + _CHECKSUM.size
+
+
+def _layout(kind: type[Message]) -> Layout:
+    hints = get_type_hints(kind, include_extras=True)
+    cells = tuple((field.name, *_cell(hints[field.name])) for field in fields(kind))
+    return Layout(struct.Struct("<" + "".join(cell.code for _, cell, _ in cells)), cells)
+
+
+def _cell(hint: Any) -> tuple[Cell, type[IntEnum] | None]:
+    declared, cell = get_args(hint)
+    return cell, None if get_origin(declared) or not issubclass(declared, IntEnum) else declared
+
+
+LAYOUTS = {kind: _layout(cls) for kind, cls in KINDS.items()}
+"""how the messages of each kind lie in their records"""
+
+
+def encode(message: Message) -> bytes:
+    """Return the record of a message. Numbers that are not finite are written as they are; `decode` refuses them.
+
+    Raises:
+        struct.error: a number is beyond the range of its field.
+    """
+    kind = _KIND_OF[type(message)]
+    place = LAYOUTS[kind]
+    values: list[Any] = []
+    for name, cell, _ in place.cells:
+        value = getattr(message, name)
+        values += value if len(cell.code) > 1 else [value]
+    record = _HEADER.pack(MARK, VERSION, kind) + place.body.pack(*values)
+    return record + _CHECKSUM.pack(zlib.crc32(record))
+
+
+def decode(data: bytes, *expected: type[Message]) -> Message | Flaw:
+    """Return the message in a record, if its class is one of those expected, else why it is refused."""
+    if len(data) < _HEADER.size + _CHECKSUM.size:
+        return Flaw.LENGTH
+    mark, version, kind = _HEADER.unpack_from(data)
+    if (mark, version) != (MARK, VERSION):
+        return Flaw.MARK
+    message = next((cls for cls in expected if _KIND_OF[cls] == kind), None)
+    if message is None:
+        return Flaw.KIND
+    place = LAYOUTS[Kind(kind)]
+    if len(data) != place.size:
+        return Flaw.LENGTH
+    if _CHECKSUM.unpack_from(data, len(data) - _CHECKSUM.size)[0] != zlib.crc32(data[: -_CHECKSUM.size]):
+        return Flaw.CHECKSUM
+    return _read(message, place, list(place.body.unpack_from(data, _HEADER.size)))
+
+
+def _read(message: type[Message], place: Layout, numbers: list[Any]) -> Message | Flaw:
+    values: dict[str, Any] = {}
+    for name, cell, enumeration in place.cells:
+        if len(cell.code) > 1:
+            count = int(cell.code[:-1])
+            values[name], numbers = tuple(numbers[:count]), numbers[count:]
+            continue
+        value = numbers.pop(0)
+        if cell.code == "d" and not (math.isfinite(value) or (cell.may_miss and math.isnan(value))):
+            return Flaw.NOT_FINITE
+        if enumeration is not None:
+            if value not in enumeration.__members__.values():
+                return Flaw.VALUE
+            value = enumeration(value)
+        values[name] = value
+    return message(**values)

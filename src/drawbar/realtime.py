@@ -1,0 +1,103 @@
+"""Real-time habits of every process that drives: memory locked, scheduled first, no garbage collector, watchdog fed.
+
+Each of them may be forbidden to a user or missing from a system; then the process runs on, and says so once. Linux;
+elsewhere the collector alone is stopped. Without numpy.
+"""
+
+import ctypes
+import gc
+import os
+import socket
+import sys
+import time
+
+LOCK_ALL = 3
+"""MCL_CURRENT | MCL_FUTURE"""
+
+
+def prepare(priority: int) -> list[str]:
+    """Make this process ready for a loop with deadlines, after it has loaded and built all that it needs.
+
+    Garbage is collected once, what remains is frozen, and the collector is stopped; memory is locked into RAM; the
+    process is scheduled before all others, its children not.
+
+    Args:
+        priority: of SCHED_FIFO, 1 to 99; 0: leave the scheduling as it is.
+
+    Returns:
+        A sentence for each thing that could not be had, with what it costs and what to do.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    return [word for word in (_lock_memory(), _schedule_first(priority)) if word]
+
+
+def _lock_memory() -> str:
+    if not sys.platform.startswith("linux"):
+        return f"memory is not locked: {sys.platform} has no mlockall here; expect pauses when memory is short"
+    library = ctypes.CDLL(None, use_errno=True)
+    if library.mlockall(LOCK_ALL) == 0:
+        return ""
+    reason = os.strerror(ctypes.get_errno())
+    return (
+        f"memory is not locked ({reason}): a page that was swapped out delays a tick; raise the limit of locked memory "
+        f"(LimitMEMLOCK=infinity in systemd, ulimit -l) or drive with memory to spare"
+    )
+
+
+def _schedule_first(priority: int) -> str:
+    if not priority:
+        return ""
+    if not hasattr(os, "SCHED_FIFO"):
+        return f"not scheduled in real time: {sys.platform} has no SCHED_FIFO; expect late ticks under load"
+    try:
+        # children, a compiler for instance, would starve all else
+        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority))
+    except (OSError, ValueError) as error:
+        return (
+            f"not scheduled in real time at priority {priority} ({error}): ticks come late when other programs are "
+            f"busy; allow it (LimitRTPRIO=60 in systemd, CAP_SYS_NICE)"
+        )
+    return ""
+
+
+def suspended_time() -> float:
+    """Return for how long this computer has been suspended since it started, s; 0 where the system does not say."""
+    if not hasattr(time, "CLOCK_BOOTTIME"):
+        return 0.0
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)
+
+
+class Notifier:
+    """Tells the service manager how this process is, by the datagrams of sd_notify(3); silent where there is none."""
+
+    def __init__(self) -> None:
+        """Read NOTIFY_SOCKET and WATCHDOG_USEC."""
+        address = os.environ.get("NOTIFY_SOCKET", "")
+        self._address = "\0" + address[1:] if address.startswith("@") else address
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) if address else None
+        if self._socket is not None:
+            self._socket.setblocking(False)
+        self._period = int(os.environ.get("WATCHDOG_USEC", "0")) * 0.5e-6
+        self._fed = float("-inf")
+
+    def tell(self, *lines: str) -> None:
+        """Send lines such as `READY=1`; a manager that does not listen is not waited for."""
+        if self._socket is None:
+            return
+        try:
+            self._socket.sendto("\n".join(lines).encode(), self._address)
+        except OSError:
+            return
+
+    def feed(self, time: float) -> None:
+        """Feed the manager's watchdog, at twice the rate it asks for; call from the loop that matters, time in s."""
+        if self._period > 0.0 and not (time - self._fed < self._period):
+            self._fed = time
+            self.tell("WATCHDOG=1")
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self._socket is not None:
+            self._socket.close()

@@ -1,0 +1,196 @@
+"""Causes: everything that stands against engaging or ends driving, each with code, sentence and what to do.
+
+Codes are stable: they are what records, logs and operators' displays show. Not to be confused with `Status` of
+signals.py, which says how one control step ended.
+"""
+
+from enum import Enum, IntEnum
+from typing import Self
+
+from drawbar.protocols.actuator import Readiness
+
+
+class Response(IntEnum):
+    """What the supervisor does about a cause while driving, the worst last."""
+
+    NONE = 0
+    DEGRADE = 1
+    """drive slower, for a limited time"""
+    STOP = 2
+    """stop the vehicle along its steering, then let go"""
+    RELEASE = 3
+    """let go of the steering at once, and stop"""
+
+
+class Cause(Enum):
+    """Why driving does not begin, or ends."""
+
+    sentence: str
+    advice: str
+    refuses: bool
+    """it stands against engaging"""
+    response: Response
+    """to it while driving"""
+
+    def __new__(cls, code: int, refuses: bool, response: Response, sentence: str, advice: str) -> Self:
+        """Make a cause of its code and all that belongs to it."""
+        cause = object.__new__(cls)
+        cause._value_ = code
+        cause.refuses, cause.response, cause.sentence, cause.advice = refuses, response, sentence, advice
+        return cause
+
+    # fmt: off
+    CONTROLLER_SILENT = (101, True, Response.RELEASE, "the controller's state is missing or old",
+        "look at the controller's own messages; it may be computing too slowly")
+    COMMAND_EXPIRED = (102, True, Response.RELEASE, "the controller's last command has expired",
+        "look at the controller's own messages; it may be computing too slowly")
+    COMMAND_REFUSED = (103, True, Response.RELEASE, "a record of the controller was refused",
+        "this is a fault of the program: keep the log and report it")
+    COMMAND_LIMITED = (104, False, Response.STOP, "the controller asked for too much again and again",
+        "drive slower, or see whether limits of vehicle and envelope agree")
+    MODE = (105, True, Response.RELEASE, "controller and gate disagree about whether a run is on",
+        "wait until the controller has ended its run; else start it again")
+    CONFIGURATION = (106, True, Response.RELEASE, "controller and gate were started with different safety settings",
+        "start both again with the same configuration")
+    UNPROVED = (107, True, Response.NONE, "estimator and controllers have not solved enough steps in a row",
+        "wait a few seconds; if it stays, see the log")
+    UNSOLVED = (108, False, Response.DEGRADE, "the last step was not solved",
+        "nothing; the vehicle stops if it stays")
+    OVERRUN = (109, True, Response.NONE, "a step came late in the last seconds",
+        "wait; if it stays, end other programs or lower the rate")
+    OVERRUNS = (110, True, Response.DEGRADE, "several steps came late in the last seconds",
+        "end other programs or lower the rate")
+    CONTROLLER_STOPS = (111, True, Response.STOP, "the controller has ended its run",
+        "see its status: the line has ended, or it cannot go on")
+    CONTROLLER_GONE = (112, True, Response.RELEASE, "the controller's process has ended",
+        "see its last messages; start drawbar again")
+
+    FIX_TOO_NEW = (201, True, Response.NONE, "the receivers have not had fixed ambiguities for long enough",
+        "wait under open sky; check the corrections")
+    FIX_LOST = (202, True, Response.DEGRADE, "a receiver has no fixed ambiguities",
+        "wait under open sky; check the corrections")
+    CORRECTIONS_OLD = (203, True, Response.NONE, "the corrections are old, or their age is not known",
+        "check modem, caster and mount point")
+    CORRECTIONS_LOST = (204, True, Response.DEGRADE, "corrections have been missing for long, or have no age",
+        "check modem, caster and mount point")
+    POSITION_UNSURE = (205, True, Response.DEGRADE, "the position across the line is not certain enough",
+        "wait for a better fix")
+    POSITION_LOST = (206, True, Response.STOP, "the position across the line is no longer known well enough",
+        "wait for a better fix")
+    HEADING_UNSURE = (207, True, Response.DEGRADE, "the heading is not certain enough",
+        "drive two or three metres straight ahead")
+    OFF_LINE = (208, True, Response.NONE, "a body is too far from the line, or its distance is not known",
+        "drive closer to the line")
+    LINE_LOST = (209, True, Response.STOP, "a body has left the line",
+        "drive back to the line")
+    ACROSS_LINE = (210, True, Response.NONE, "a body does not point along the line, or its direction is not known",
+        "turn into the line's direction")
+    HITCH_ANGLE = (211, True, Response.NONE, "the hitch angle is too large, or not known",
+        "pull tractor and trailer straighter")
+    HITCH_FOLDED = (212, True, Response.RELEASE, "tractor and trailer are about to jackknife, or the angle is not known",
+        "pull tractor and trailer straight by hand")
+
+    TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
+        "begin to drive, then engage")
+    TOO_FAST = (302, True, Response.STOP, "the vehicle is too fast",
+        "drive slower")
+    SPEED_UNKNOWN = (303, True, Response.DEGRADE, "the speed is missing or old, or wheels and receiver disagree about it",
+        "check the wheel sensor and the receiver")
+    NOT_STANDING = (304, False, Response.NONE, "the vehicle moves, or its speed is not known",
+        "stop the vehicle, then acknowledge")
+    STOP_IGNORED = (305, False, Response.NONE, "the vehicle did not stop in time",
+        "brake; look at the speed actuator before you drive again")
+
+    STEERING_OLD = (402, True, Response.STOP, "a measured steering angle is missing or old",
+        "check the sensor and the actuator's cable")
+    STEERING_LOST = (403, True, Response.RELEASE, "a measured steering angle has been missing for too long",
+        "check the sensor and the actuator's cable")
+    STEERING_APART = (404, True, Response.NONE, "a steering is not where the controller would begin",
+        "turn the wheels towards where the line leads")
+    STEERING_STUCK = (405, False, Response.RELEASE, "a steering does not follow its set point",
+        "check valve, motor and sensor; run drawbar check")
+    STEERING_REVERSED = (406, False, Response.RELEASE, "a steering moves away from its set point",
+        "check the signs of actuator and sensor; run drawbar check")
+    LET_GO = (407, False, Response.RELEASE, "an actuator let go by itself",
+        "see the machine's own display for its reason")
+    NOT_TAKEN = (408, False, Response.RELEASE, "actuators or controller did not take over in time",
+        "see the machine's own display; engage again")
+    SILENT = (411, True, Response.RELEASE, "an actuator has not been heard",
+        "check its power, its cable and its address")
+    TOO_NEW = (412, True, Response.RELEASE, "an actuator has been heard for less than a second",
+        "wait; if it came up again by itself, check its power")
+    SWITCHED_ON = (413, True, Response.NONE, "an actuator already steers, or its switch is on",
+        "turn it off")
+    OVERRIDDEN = (414, True, Response.NONE, "the operator has taken over at an actuator",
+        "engage again when ready")
+    LOCKED_OUT = (415, True, Response.RELEASE, "an actuator is locked out",
+        "see the machine's own display")
+    NOT_READY = (416, True, Response.RELEASE, "an actuator reports that it is not ready",
+        "see the machine's own display")
+    OTHER_MASTER = (417, True, Response.RELEASE, "another program commands an actuator too",
+        "stop that program")
+    ADDRESS_LOST = (418, True, Response.RELEASE, "drawbar has no address on the bus",
+        "see who else claims it")
+    ACTUATOR_FAULT = (419, True, Response.RELEASE, "an actuator reports a fault",
+        "see the machine's own display")
+
+    GATE_LATE = (501, True, Response.RELEASE, "the gate itself came late",
+        "end other programs; allow real-time scheduling")
+    SUSPENDED = (502, True, Response.RELEASE, "the computer was suspended",
+        "forbid it to sleep; start drawbar again")
+    SELFTEST = (503, False, Response.NONE, "the gate's own limits failed their test",
+        "do not drive: reinstall drawbar and report it")
+    NOT_SENT = (504, True, Response.RELEASE, "a frame to an actuator could not be sent",
+        "check adapter, cable and network")
+    ENDED = (505, True, Response.RELEASE, "the gate was told to end",
+        "start drawbar again")
+    DEVICE = (506, True, Response.RELEASE, "the program of an actuator failed",
+        "keep the log and report it")
+
+    NO_OPERATOR = (601, True, Response.STOP, "no operator has been heard",
+        "open the console, or start the keyboard again")
+    NOT_RECORDING = (602, True, Response.NONE, "the recorder is not there, or cannot write",
+        "check the disk's space and the recorder's messages")
+    EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
+        "stand, press the emergency stop, then acknowledge")
+    WIGGLE_UNTRIED = (604, True, Response.NONE, "the actuators' signs and gains have not been tried",
+        "run drawbar check")
+    BUDGET = (605, False, Response.NONE, "it has been driven degraded for as long as allowed",
+        "see what worried it; engage again when it is gone")
+    OPERATOR_STEERS = (606, False, Response.NONE, "the operator took over",
+        "acknowledge, then engage again when ready")
+    OPERATOR_STOPS = (607, False, Response.NONE, "the operator asked for a stop",
+        "acknowledge when standing")
+    OPERATOR_RELEASES = (608, False, Response.NONE, "the operator asked to let go",
+        "engage again when ready")
+    EMERGENCY = (609, False, Response.NONE, "the operator asked for an emergency stop",
+        "acknowledge when standing")
+    LEASE_HELD = (621, False, Response.NONE, "another operator holds the lease",
+        "let that one release it, or fall silent")
+    NOT_ARMED = (622, False, Response.NONE, "the gate is not armed, or no longer",
+        "arm, then engage within a few seconds")
+    STATE_NOT_READY = (623, False, Response.NONE, "the gate is not ready",
+        "see what stands against it")
+    SEEN_OLD = (624, False, Response.NONE, "what the operator saw is too old",
+        "look again, then repeat")
+    REPLAYED = (625, False, Response.NONE, "the message is old or has been received before",
+        "send each message once")
+    OUT_OF_RANGE = (626, False, Response.NONE, "the value is beyond what is allowed",
+        "see docs/safety.md for the limits")
+    NOTHING_TO_ACKNOWLEDGE = (627, False, Response.NONE, "no state waits for the operator",
+        "nothing")
+    # fmt: on
+
+
+BY_READINESS = {
+    Readiness.SILENT: Cause.SILENT,
+    Readiness.TOO_NEW: Cause.TOO_NEW,
+    Readiness.SWITCHED_ON: Cause.SWITCHED_ON,
+    Readiness.OVERRIDDEN: Cause.OVERRIDDEN,
+    Readiness.LOCKED_OUT: Cause.LOCKED_OUT,
+    Readiness.NOT_READY: Cause.NOT_READY,
+    Readiness.OTHER_MASTER: Cause.OTHER_MASTER,
+    Readiness.ADDRESS_LOST: Cause.ADDRESS_LOST,
+    Readiness.FAULT: Cause.ACTUATOR_FAULT,
+}
+"""what an actuator that is not ready says, as a cause"""

@@ -1,0 +1,107 @@
+"""The gate's process: runs the gate at its own pace until it is told to end or the controller is gone.
+
+It alone owns the actuators. Before it ends, for whatever reason but a SIGKILL, they have been told to let go.
+"""
+
+import math
+import select
+import signal
+import sys
+import time as clock
+import traceback
+from collections.abc import Callable
+from types import FrameType
+
+from drawbar.messages import SupervisorState
+from drawbar.protocols.actuator import SteeringRequest
+from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.realtime import Notifier, prepare
+from drawbar.safety.envelope import NANO
+from drawbar.safety.machine_gate import Gate
+from drawbar.safety.settings import SafetySettings
+
+ENDED, GONE, FAILED = 0, 3, 4
+"""exit codes: told to end; the controller's process has ended; the gate's own program failed"""
+ASK_AGAIN = 0.01
+"""between two looks at a device that cannot be waited on, s"""
+
+
+def monotonic() -> float:
+    """Return the machine's monotonic time, s, rounded as times of records are."""
+    return clock.monotonic_ns() * NANO
+
+
+def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = monotonic) -> int:
+    """Run the gate in this process, to which nothing else may be entrusted; return the exit code.
+
+    SIGTERM and SIGINT end it. Before it returns, the actuators have been told for `timing.off` seconds to let go, and
+    the devices are given back. What the system forbids of real time is said on standard error.
+    """
+    for word in prepare(settings.timing.priority):
+        print(f"gate: {word}", file=sys.stderr)
+
+    def end(number: int, frame: FrameType | None) -> None:
+        gate.watch.troubles.ended = True
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, end)
+    notifier = Notifier()
+    try:
+        return _loop(gate, settings, notifier, now)
+    except Exception:
+        traceback.print_exc()
+        _let_go(gate, settings, now)
+        return FAILED
+    finally:
+        notifier.tell("STOPPING=1")
+        notifier.close()
+        gate.wires.close()
+
+
+def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, now: Callable[[], float]) -> int:
+    """Tick at the gate's pace; a tick that was missed is left out, and never caught up in a burst."""
+    period, due, over, told = settings.timing.tick, now(), math.inf, SupervisorState.BOOT
+    while True:
+        time = now()
+        if gate.hear(time) or time >= due:
+            gate.tick(time, max(time - due, 0.0))
+            notifier.feed(time)
+        if time >= due:
+            due += period * (math.floor((time - due) / period) + 1)
+        if gate.engagement.state is not told:
+            told = _announce(notifier, told, gate.engagement.state)
+        if gate.controller.gone or gate.watch.troubles.ended:
+            over = min(over, time + settings.timing.off)
+        if time >= over:
+            return ENDED if gate.watch.troubles.ended else GONE
+        _wait(gate, time, min(due, over))
+
+
+def _announce(notifier: Notifier, told: SupervisorState, state: SupervisorState) -> SupervisorState:
+    """Tell the service manager a new state; the gate is ready once it has passed its first self-test."""
+    if state is SupervisorState.STANDBY and told <= SupervisorState.SELFTEST:
+        notifier.tell("READY=1")
+    notifier.tell(f"STATUS={state.name}")
+    return state
+
+
+def _wait(gate: Gate, now: float, until: float) -> None:
+    """Wait for something to hear, at most until a time, s, or until the last command expires."""
+    descriptors = [*gate.wires.descriptors(), gate.channel.fileno()]
+    if not gate.controller.gone:
+        descriptors.append(gate.controller.fileno())
+    if gate.engagement.steers and gate.watch.command is not None:
+        until = min(until, gate.watch.command.valid_until * NANO + 1e-6)
+    if min(descriptors) < 0:
+        until = min(until, now + ASK_AGAIN)
+    select.select([each for each in descriptors if each >= 0], [], [], max(until - now, 0.0))
+
+
+def _let_go(gate: Gate, settings: SafetySettings, now: Callable[[], float]) -> None:
+    """Tell the actuators to let go, after the gate's own program has failed: nothing of it is asked any more."""
+    off = SteeringRequest(steer=False, angle=0.0, speed=0.0)
+    stop = SpeedRequest(drive=False, speed=0.0, deceleration=settings.drive.emergency_deceleration)
+    end = now() + settings.timing.off
+    while now() < end:
+        gate.wires.send(now(), (off, off), stop)
+        clock.sleep(settings.timing.tick)

@@ -1,0 +1,116 @@
+"""What the gate says of itself: the GateState record of a tick. Pure."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drawbar.messages import GateState, SupervisorState
+from drawbar.protocols.actuator import SteeringReport
+from drawbar.protocols.speed_actuator import SpeedReport
+from drawbar.safety.causes import Cause, Response
+from drawbar.safety.desk import Desk
+from drawbar.safety.engagement import ENGAGING, STOPPING, Engagement
+
+REFUSALS = 8
+COUNTS = 2**32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Actuation:
+    """What was measured at, heard of and given to the actuators at a tick."""
+
+    tractor: SteeringReport | None
+    """None: there is no such actuator"""
+    trailer: SteeringReport | None
+    speed: SpeedReport | None
+
+    @property
+    def reports(self) -> list[SteeringReport | SpeedReport]:
+        """Those of the actuators that there are."""
+        return [report for report in (self.tractor, self.trailer, self.speed) if report is not None]
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Measured angles, rad; 0 where there is no such actuator, NaN where it is not known."""
+        return (_angle(self.tractor), _angle(self.trailer))
+
+    @property
+    def engaged(self) -> int:
+        """Which actuators say that they do as asked, as bits of GateState.engaged."""
+        reports = (self.tractor, self.trailer, self.speed)
+        return sum(1 << bit for bit, report in enumerate(reports) if report is not None and report.engaged)
+
+
+@dataclass(slots=True)
+class Counts:
+    """What the gate counts, since its start."""
+
+    clips: int = 0
+    rejects: int = 0
+    dropped: int = 0
+
+
+def gate_state(
+    now: float,
+    sequence: int,
+    engagement: Engagement,
+    desk: Desk,
+    actuation: Actuation,
+    set_points: tuple[float, float],
+    causes: Sequence[Cause],
+    counts: Counts,
+    *,
+    speed_limit: float,
+    valid: float,
+) -> GateState:
+    """Return the record of a tick at `now`, s, which means something for `valid` s; set points in rad, limit in m/s."""
+    steers, time = engagement.steers, nanoseconds(now)
+    return GateState(
+        sequence=sequence,
+        time=time,
+        valid_until=time + nanoseconds(valid),
+        state=engagement.state,
+        steers=steers,
+        engaged=actuation.engaged,
+        stop=2 if engagement.hurries(now) else int(engagement.state in (STOPPING, SupervisorState.FAULT)),
+        armed=engagement.armed(now),
+        cause=_code(engagement.cause),
+        answer=_code(desk.answer),
+        answered=desk.answered,
+        lease=desk.lease,
+        since=nanoseconds(engagement.since),
+        refusals=_refusals(engagement, causes),
+        remaining=engagement.remaining(now),
+        tractor_angle=math.nan if actuation.tractor is None else actuation.tractor.angle,
+        tractor_angle_time=0 if actuation.tractor is None else nanoseconds(actuation.tractor.angle_time),
+        trailer_angle=math.nan if actuation.trailer is None else actuation.trailer.angle,
+        trailer_angle_time=0 if actuation.trailer is None else nanoseconds(actuation.trailer.angle_time),
+        tractor_set_point=set_points[0] if steers and actuation.tractor is not None else math.nan,
+        trailer_set_point=set_points[1] if steers and actuation.trailer is not None else math.nan,
+        speed_limit=speed_limit,
+        set_speed=desk.set_speed,
+        nudge=desk.nudge,
+        clips=counts.clips % COUNTS,
+        rejects=counts.rejects % COUNTS,
+        dropped=counts.dropped % COUNTS,
+    )
+
+
+def _refusals(engagement: Engagement, causes: Sequence[Cause]) -> tuple[int, ...]:
+    """Return the codes of what stands against engaging, or of what worries while driving."""
+    driving = engagement.steers and engagement.state is not ENGAGING
+    codes = [cause.value for cause in causes if (cause.response is not Response.NONE if driving else cause.refuses)]
+    return (*codes, *[0] * REFUSALS)[:REFUSALS]
+
+
+def _code(cause: Cause | None) -> int:
+    return 0 if cause is None else int(cause.value)
+
+
+def _angle(report: SteeringReport | None) -> float:
+    return 0.0 if report is None else report.angle
+
+
+def nanoseconds(time: float) -> int:
+    """Return a time of s in whole ns; 0 for one before all times."""
+    return round(time * 1e9) if time > 0.0 else 0

@@ -1,0 +1,232 @@
+"""The gate of a real machine: hears everybody, decides, tells the actuators and the world, once a tick.
+
+Whatever goes wrong, the actuators are told on the wire to let go; never silence. It runs in a process of its own
+(gate_process.py). It is not `gate.h`, the last part of the control step, whose commands it takes in like those of a
+stranger. Without numpy.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from drawbar.messages import (
+    Action,
+    CommandMessage,
+    ControllerState,
+    Flaw,
+    Heartbeat,
+    Mode,
+    OperatorMessage,
+    decode,
+    encode,
+)
+from drawbar.protocols.actuator import SteeringRequest
+from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.realtime import suspended_time
+from drawbar.safety.causes import Cause
+from drawbar.safety.channels import ControllerChannel, DeskChannel
+from drawbar.safety.conditions import present
+from drawbar.safety.desk import Desk
+from drawbar.safety.engagement import DEGRADED, STOPPING, Engagement, Situation
+from drawbar.safety.envelope import Bounds, Envelope
+from drawbar.safety.following import Following
+from drawbar.safety.gate_report import COUNTS, Actuation, Counts, gate_state
+from drawbar.safety.selftest import limits_hold
+from drawbar.safety.settings import SafetySettings
+from drawbar.safety.watch import Watch
+from drawbar.safety.wires import Wire, Wires
+
+MOST = 64
+"""operators' datagrams taken at one look"""
+URGENT = frozenset({Action.RELEASE, Action.STOP, Action.EMERGENCY})
+"""actions that do not wait for the next tick"""
+
+
+class Gate:
+    """All of the gate but its process: `hear` and `tick` are called with the monotonic time, s."""
+
+    def __init__(
+        self,
+        settings: SafetySettings,
+        bounds: Bounds,
+        wires: Sequence[Wire],
+        controller: ControllerChannel,
+        desk: DeskChannel,
+    ) -> None:
+        """Begin in BOOT, with nothing heard; the actuators are told at the first tick to let go."""
+        self._settings = settings
+        self.wires, self.controller, self.channel = Wires(wires), controller, desk
+        self.engagement = Engagement(settings, sound=limits_hold(settings, bounds))
+        self.watch = Watch(settings, drives=self.wires.drives)
+        self._desk = Desk(settings, self.engagement)
+        self._envelope = Envelope(settings, bounds)
+        self._followings = (Following(settings.drive), Following(settings.drive))
+        self._taken: set[int] = set()  # actuators that have said that they steer since they were asked to
+        self._speed = self._degraded_speed = 0.0
+        self._counts, self._clips_in_a_row, self._sequence = Counts(), 0, 0
+        self._suspended_before = suspended_time()
+
+    def hear(self, now: float) -> bool:
+        """Take in all that has arrived; return whether to tick before the next tick is due."""
+        self.wires.receive()
+        urgent = self._hear_controller(now) | self._hear_desk(now)
+        return self.engagement.steers and (urgent or not self.watch.command_valid(now))
+
+    def _hear_controller(self, now: float) -> bool:
+        most, refused = self._settings.envelope.flood, 0
+        records = self.controller.receive(most + 1)
+        for record in records[:most]:
+            message = decode(record, CommandMessage, ControllerState)
+            if isinstance(message, CommandMessage) and self._envelope.admit(message, now):
+                self._obey(now, message)
+            elif isinstance(message, ControllerState):
+                self.watch.hear_controller(now, message)
+            else:
+                refused += 1
+        refused += len(records) > most
+        if refused:
+            self.watch.troubles.refused = now
+            self._counts.rejects += refused
+        self.watch.troubles.gone |= self.controller.gone
+        return self.controller.gone or refused > 0
+
+    def _obey(self, now: float, command: CommandMessage) -> None:
+        """Put an admitted command through the envelope; before a run has begun it only says what it would be."""
+        self.watch.command = command
+        if not self.engagement.steers or command.mode is Mode.IDLE:
+            return
+        eased, angles = self.engagement.eases(now), self._actuation(now).angles
+        limited = self._envelope.limit(command, angles, self.watch.speeds.largest(now), eased=eased)
+        self._speed = limited.speed
+        self._counts.clips += limited.clipped
+        # while it is eased a command is limited because that is what easing is
+        self._clips_in_a_row = self._clips_in_a_row + 1 if limited.clipped and not eased else 0
+
+    def _hear_desk(self, now: float) -> bool:
+        urgent = False
+        for record, sender in self.channel.receive(MOST):
+            message = decode(record, OperatorMessage, Heartbeat)
+            if isinstance(message, OperatorMessage):
+                self.channel.subscribe(sender)
+                self._desk.receive(now, message)
+                urgent |= message.action in URGENT
+            elif isinstance(message, Heartbeat):
+                self.watch.hear_heartbeat(now, message)
+            self._counts.dropped += isinstance(message, Flaw)
+        return urgent
+
+    def tick(self, now: float, late: float = 0.0) -> None:
+        """Decide what is to be done now, and say it; `late` by s after it was due."""
+        self._look_at_oneself(now, late)
+        actuation, before = self._actuation(now), self.engagement.state
+        self._ask_switches(actuation)
+        causes = self._causes(now, actuation)
+        if not self.engagement.steers:
+            self._prepare(now, actuation)
+        self.engagement.update(now, self._situation(now, causes, actuation))
+        if self.engagement.state is DEGRADED and before is not DEGRADED:
+            self._degraded_speed = self._settings.drive.degraded_speed * abs(self._speed)
+        self._tell(now, actuation)
+        self._publish(now, actuation, causes)
+
+    def _actuation(self, now: float) -> Actuation:
+        tractor, trailer = self.wires.steering(now)
+        return Actuation(tractor=tractor, trailer=trailer, speed=self.wires.speed(now))
+
+    def _look_at_oneself(self, now: float, late: float) -> None:
+        troubles, timing = self.watch.troubles, self._settings.timing
+        if not (late <= timing.late):
+            troubles.late = now
+        troubles.suspended |= not (suspended_time() - self._suspended_before <= timing.suspended)
+        troubles.device |= self.wires.failed
+
+    def _ask_switches(self, actuation: Actuation) -> None:
+        for actuator, report in enumerate((actuation.tractor, actuation.trailer)):
+            self._desk.switch(actuator, None if report is None else report.switch)
+
+    def _causes(self, now: float, actuation: Actuation) -> tuple[Cause, ...]:
+        reports = actuation.reports
+        lost = any(index in self._taken and not report.engaged for index, report in enumerate(reports))
+        seen = self.watch.observe(
+            now,
+            self.engagement.state,
+            (actuation.tractor, actuation.trailer),
+            tuple(report.readiness for report in reports),
+        )
+        observation = replace(
+            seen,
+            clips=self._clips_in_a_row,
+            stuck=any(each.stuck for each in self._followings),
+            reversed=any(each.reversed for each in self._followings),
+            let_go=lost and not any(report.overridden for report in reports),
+            operator_age=self._desk.age(now),
+            emergency_tried=self.engagement.emergency_tried,
+        )
+        return present(observation, self._settings)
+
+    def _prepare(self, now: float, actuation: Actuation) -> None:
+        """Be ready to steer without a jump: while it does not steer, its set points are where the steering is."""
+        self._envelope.begin(now, actuation.angles)
+        self._taken.clear()
+        self._clips_in_a_row = 0
+        self._speed = self.watch.speeds.last
+
+    def _situation(self, now: float, causes: tuple[Cause, ...], actuation: Actuation) -> Situation:
+        reports = actuation.reports
+        if self.engagement.steers:
+            self._taken |= {index for index, report in enumerate(reports) if report.engaged}
+        return Situation(
+            causes=causes,
+            actions=self._desk.take(),
+            overridden=any(report.overridden for report in reports),
+            taken=all(report.engaged for report in reports) and self.watch.mode is Mode.DRIVE,
+            standing=self.watch.speeds.stands(now, self._settings.drive.standing),
+        )
+
+    @property
+    def speed_limit(self) -> float:
+        """Fastest that the vehicle may drive now, m/s."""
+        if not self.engagement.steers or self.engagement.state is STOPPING:
+            return 0.0
+        return self._degraded_speed if self.engagement.state is DEGRADED else self._settings.envelope.speed
+
+    def _tell(self, now: float, actuation: Actuation) -> None:
+        steers, speed, angles = self.engagement.steers, self.watch.speeds.last, self._envelope.angles
+        tractor = SteeringRequest(steer=steers, angle=angles[0], speed=speed)
+        trailer = SteeringRequest(steer=steers, angle=angles[1], speed=speed)
+        if not self.wires.send(now, (tractor, trailer), self._speed_request(now)):
+            self.watch.troubles.unsent = now
+        for following, report, angle in zip(
+            self._followings, (actuation.tractor, actuation.trailer), angles, strict=True
+        ):
+            # some actuators do not move while the vehicle stands
+            if steers and report is not None and report.engaged and abs(speed) >= self._settings.engage.speed:
+                following.add(now, angle, report.angle)
+            else:
+                following.reset()
+
+    def _speed_request(self, now: float) -> SpeedRequest:
+        drive, limit = self._settings.drive, self.speed_limit
+        deceleration = drive.emergency_deceleration if self.engagement.hurries(now) else drive.deceleration
+        speed = math.copysign(min(abs(self._speed), limit), self._speed)
+        return SpeedRequest(drive=limit > 0.0, speed=speed, deceleration=deceleration)
+
+    def _publish(self, now: float, actuation: Actuation, causes: tuple[Cause, ...]) -> None:
+        counts = replace(self._counts, dropped=self._counts.dropped + self.wires.dropped)
+        state = gate_state(
+            now,
+            self._sequence,
+            self.engagement,
+            self._desk,
+            actuation,
+            self._envelope.angles,
+            causes,
+            counts,
+            speed_limit=self.speed_limit,
+            valid=self._settings.engage.seen,
+        )
+        record = encode(state)
+        self._desk.show(state.sequence, state.time)
+        self.controller.send(record)
+        self.channel.publish(record)
+        self._sequence = (self._sequence + 1) % COUNTS

@@ -1,0 +1,44 @@
+"""Speeds: the speed to be safe with. Pure, without numpy."""
+
+import math
+from collections import deque
+
+from drawbar.safety.settings import SafetySettings
+
+
+class Speeds:
+    """The speed to be safe with: the largest of the last samples of both sources."""
+
+    def __init__(self, settings: SafetySettings) -> None:
+        """Begin without samples."""
+        self._timing, self._fastest = settings.timing, settings.envelope.speed
+        count = settings.timing.speed_samples
+        self._samples = {source: deque[tuple[float, float]](maxlen=count) for source in ("wheels", "receiver")}
+        self.last = 0.0
+        """newest, forward positive, m/s"""
+
+    def add(self, time: float, source: str, speed: float) -> None:
+        """Take in a speed, m/s, of `wheels` or `receiver` at a time, s; NaN is none."""
+        if math.isfinite(speed):
+            self._samples[source].append((time, speed))
+            self.last = speed
+
+    def fresh(self, time: float) -> dict[str, float]:
+        """Return the newest magnitude of each source that has one which is not too old, m/s."""
+        newest = {source: samples[-1] for source, samples in self._samples.items() if samples}
+        return {source: abs(speed) for source, (at, speed) in newest.items() if time - at <= self._timing.speed}
+
+    def known(self, time: float) -> bool:
+        """Return whether there is a fresh speed, and no other that contradicts it."""
+        fresh = list(self.fresh(time).values())
+        return bool(fresh) and max(fresh) - min(fresh) <= self._timing.speed_difference
+
+    def largest(self, time: float) -> float:
+        """Return the largest magnitude of the last samples, m/s; the machine's largest where it is not known."""
+        if not self.known(time):
+            return self._fastest
+        return max(abs(speed) for source in self.fresh(time) for _, speed in self._samples[source])
+
+    def stands(self, time: float, slowest: float) -> bool:
+        """Return whether the vehicle is for certain no faster than a speed, m/s."""
+        return self.known(time) and max(self.fresh(time).values()) <= slowest

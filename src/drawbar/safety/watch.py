@@ -1,0 +1,149 @@
+"""Watch: what was heard of controller, recorder and actuators, and when; it makes the observation. Pure."""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, Role, SupervisorState
+from drawbar.protocols.actuator import Readiness, SteeringReport
+from drawbar.safety.conditions import Observation
+from drawbar.safety.engagement import STEERING
+from drawbar.safety.envelope import NANO
+from drawbar.safety.settings import SafetySettings
+from drawbar.safety.speeds import Speeds
+
+FIXED = 5
+"""FixQuality.FIXED of signals.py, which needs numpy"""
+
+
+@dataclass(slots=True)
+class Troubles:
+    """When something of the gate's own last went wrong, s, or whether it has."""
+
+    refused: float = -math.inf
+    late: float = -math.inf
+    unsent: float = -math.inf
+    gone: bool = False
+    ended: bool = False
+    suspended: bool = False
+    device: bool = False
+
+
+class Watch:
+    """The newest of everything that engaging and driving depend on."""
+
+    def __init__(self, settings: SafetySettings, *, drives: bool) -> None:
+        """Begin with nothing heard; `drives`: there is a speed actuator."""
+        self._settings, self._drives = settings, drives
+        self._fingerprint = settings.fingerprint()
+        self._state: ControllerState | None = None
+        self._state_time = self._recorded = -math.inf
+        self._fixed_since = math.nan
+        self._overruns: deque[tuple[float, int]] = deque(maxlen=1024)
+        self.command: CommandMessage | None = None
+        """the last one that was admitted"""
+        self.speeds = Speeds(settings)
+        self.troubles = Troubles()
+
+    def hear_controller(self, time: float, state: ControllerState) -> None:
+        """Take in a state of the controller that was received at a time, s."""
+        self._state, self._state_time = state, time
+        if min(state.tractor_quality, state.trailer_quality) < FIXED:
+            self._fixed_since = math.nan
+        elif math.isnan(self._fixed_since):
+            self._fixed_since = time
+        self._overruns.append((time, state.overruns))
+        self.speeds.add(time, "wheels", state.wheel_speed)
+        self.speeds.add(time, "receiver", state.receiver_speed)
+
+    def hear_heartbeat(self, time: float, beat: Heartbeat) -> None:
+        """Take in a process's word; a recorder that is not healthy is as good as none."""
+        if beat.role is Role.RECORDER:
+            self._recorded = time if beat.healthy == 1 else -math.inf
+
+    def command_valid(self, time: float) -> bool:
+        """Return whether the last command may still be obeyed."""
+        return self.command is not None and time <= self.command.valid_until * NANO
+
+    @property
+    def mode(self) -> Mode | None:
+        """What the controller is about; None: it has not been heard."""
+        return None if self.command is None else self.command.mode
+
+    def observe(
+        self,
+        time: float,
+        state: SupervisorState,
+        steering: tuple[SteeringReport | None, SteeringReport | None],
+        readiness: tuple[Readiness, ...],
+    ) -> Observation:
+        """Return what is so now, without what operators, envelope and followings know."""
+        troubles, heard = self.troubles, self._of_controller(time)
+        return Observation(
+            controller_age=time - self._state_time,
+            command_valid=self.command_valid(time),
+            refused_ago=time - troubles.refused,
+            agrees=agrees(self.mode, state),
+            run_ended=self.mode is Mode.STOP,
+            controller_gone=troubles.gone,
+            speed=self.speeds.largest(time) if self.speeds.known(time) else math.nan,
+            speed_known=self.speeds.known(time),
+            drives=self._drives,
+            angle_age=max((time - report.angle_time for report in steering if report is not None), default=math.inf),
+            steering_error=self._steering_error(steering),
+            readiness=readiness,
+            late_ago=time - troubles.late,
+            suspended=troubles.suspended,
+            unsent_ago=time - troubles.unsent,
+            device_failed=troubles.device,
+            ended=troubles.ended,
+            recording=time - self._recorded <= self._settings.timing.recorder,
+            **heard,
+        )
+
+    def _of_controller(self, time: float) -> dict[str, Any]:
+        """Return what the controller's last state says, in the observation's fields."""
+        state = self._state
+        if state is None:
+            return {}
+        return {
+            "configured": state.configuration == self._fingerprint,
+            "solved": state.solved,
+            "overruns": self._late_steps(time),
+            "fixed_for": time - self._fixed_since,
+            "correction_age": state.correction_age,
+            "lateral_deviation": state.lateral_deviation,
+            "heading_deviation": state.heading_deviation,
+            "lateral_error": largest(state.tractor_lateral_error, state.trailer_lateral_error),
+            "heading_error": largest(state.tractor_heading_error, state.trailer_heading_error),
+            "hitch_angle": state.hitch_angle,
+            "wiggled": state.wiggled == 1,
+        }
+
+    def _late_steps(self, time: float) -> int:
+        """Return by how many the count of late steps has grown lately; one that fell belongs to another process."""
+        recent = [count for at, count in self._overruns if time - at <= self._settings.engage.quiet]
+        return max(recent[-1] - recent[0], 0) if recent else 0
+
+    def _steering_error(self, steering: tuple[SteeringReport | None, SteeringReport | None]) -> float:
+        if self.command is None:
+            return math.nan
+        wanted = (self.command.tractor_angle, self.command.trailer_angle)
+        pairs = zip(wanted, steering, strict=True)
+        return largest(*(angle - report.angle for angle, report in pairs if report is not None))
+
+
+def agrees(mode: Mode | None, state: SupervisorState) -> bool:
+    """Return whether the controller is about what the gate is about.
+
+    While engaging it has not yet heard of it; while stopping it may have ended its run.
+    """
+    if state in (SupervisorState.ACTIVE, SupervisorState.DEGRADED):
+        return mode is not Mode.IDLE
+    return state in STEERING or mode in (None, Mode.IDLE)
+
+
+def largest(*values: float) -> float:
+    """Return the largest magnitude; NaN if there is none, or any is NaN."""
+    return math.nan if not values or any(math.isnan(value) for value in values) else max(map(abs, values))
