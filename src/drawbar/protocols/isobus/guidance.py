@@ -1,0 +1,209 @@
+"""Guidance valve: one steering valve commanded by curvature over ISOBUS (ISO 11783-7, 0xAD00 and 0xAC00)."""
+
+import math
+from collections import Counter
+from enum import Enum, auto
+
+from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport, SteeringRequest
+from drawbar.protocols.isobus.cadence import Cadence
+from drawbar.protocols.isobus.curvature import CurvatureMap
+from drawbar.protocols.isobus.guidance_messages import (
+    MACHINE_INFO,
+    SYSTEM_COMMAND,
+    ExitReason,
+    Intention,
+    LimitStatus,
+    MachineInfo,
+    SystemCommand,
+    decode_command,
+    decode_machine_info,
+    encodable,
+    encode_command,
+)
+from drawbar.protocols.isobus.identifier import GLOBAL, Message
+from drawbar.protocols.isobus.node import Component, IsobusNode
+from drawbar.transports.base import CanFrame
+
+_GAP = 0.3
+"""silence of the valve after which it is not there, s"""
+_SETTLED = 1.0
+"""the valve must have been heard for so long before it is engaged, s"""
+_OTHER_MASTER_HOLD = 1.0
+"""for how long another sender of commands is remembered, s"""
+_OPERATOR_EXITS = (ExitReason.OPERATOR_OVERRIDE,)
+_FAULT_EXITS = (ExitReason.CONTROL_FAULT, ExitReason.FUNCTION_FAULT, ExitReason.ERROR)
+_NO_EXITS = (ExitReason.NONE, ExitReason.NOT_AVAILABLE)
+_LIMITS_WHILE_STEERING = (LimitStatus.NOT_LIMITED, LimitStatus.LIMITED_HIGH, LimitStatus.LIMITED_LOW)
+"""a valve at its stop still steers as asked as far as it can"""
+
+
+class _Phase(Enum):
+    LATCHED = auto()
+    """does not steer, and must be let go of before it may"""
+    RELEASED = auto()
+    """has been let go of on the wire; the next request to steer is an edge"""
+    STEERING = auto()
+
+
+class GuidanceValve(SteeringActuator[CanFrame], Component):
+    """One valve under a node's address; the frames of the node come out of `send` too.
+
+    "Intended to steer" goes out only at a request that follows a message "not intended" sent without one, and only
+    while every condition holds. Whatever ends it - the request, the valve, silence, the operator, the loss of the
+    address - is followed at once by "not intended", and by that alone until the gate has let go. Commands go every
+    `period`, s, whatever the rate of `send`; only that first "not intended" comes out of turn.
+
+    `address` is the valve's own; None: it is the only one on the bus, and is commanded by messages to all.
+    """
+
+    def __init__(
+        self, node: IsobusNode, curvature: CurvatureMap, *, address: int | None = None, period: float = 0.1
+    ) -> None:
+        self.dropped: dict[str, int] = Counter()
+        self.machine: MachineInfo | None = None
+        """what the valve has said last, its engage switch included"""
+        self._node, self._map, self._address = node, curvature, address
+        self._cadence = Cadence(period)
+        self._phase = _Phase.LATCHED
+        self._cause: Readiness | None = None
+        """what the latch was set by, until it is let go of"""
+        self._overridden = False
+        self._stop_now = False
+        """"not intended" is to be said out of turn"""
+        self._source: int | None = address
+        self._info_time = self._second_valve_time = self._other_master_time = -math.inf
+        self._heard_since = self._steering_since = math.inf
+        self._losses = node.claim.losses
+        node.attach(self)
+
+    def receive(self, time: float, frame: CanFrame, source: str = "") -> None:
+        """Take in one frame of the bus, for the node and for every component of it."""
+        self._node.receive(time, frame, carrier=self)
+
+    def hear(self, time: float, message: Message) -> None:
+        """Take in what the valve says of itself, and who else commands it."""
+        if message.pgn == MACHINE_INFO:
+            self._hear_info(time, message)
+        elif message.pgn == SYSTEM_COMMAND and message.destination in (GLOBAL, self._source):
+            command = decode_command(message.data)
+            if command is None:
+                self.dropped["length"] += 1
+            elif command.intention is Intention.INTENDED:
+                self._other_master_time = time
+                self.dropped["other master"] += 1
+
+    def send(self, time: float, request: SteeringRequest) -> list[CanFrame]:
+        """Return the node's frames and the command that is due."""
+        frames = self._node.send(time)
+        self._follow(time, request)
+        if not self._node.claim.held:
+            return frames
+        if self._stop_now:
+            self._cadence.restart(time)
+        elif not self._cadence.due(time):
+            return frames
+        return [*frames, self._command(time, request)]
+
+    def report(self, time: float) -> SteeringReport:
+        """Return what is known now."""
+        info, conditions = self.machine, self._conditions(time)
+        steering = self._phase is _Phase.STEERING and self._info_time > self._steering_since
+        return SteeringReport(
+            angle=self._map.angle(info.curvature) if info is not None else math.nan,
+            angle_time=self._info_time,
+            engaged=steering and conditions is Readiness.READY,
+            overridden=self._overridden,
+            readiness=self._cause or conditions,
+        )
+
+    def _hear_info(self, time: float, message: Message) -> None:
+        if self._address is None and time - self._info_time > _GAP:
+            self._source = message.source
+        if message.source != self._source:
+            if self._address is None:
+                self.dropped["second valve"] += 1
+                self._second_valve_time = time
+            return
+        info = decode_machine_info(message.data)
+        if info is None:
+            self.dropped["length"] += 1
+            return
+        if time - self._info_time > _GAP:
+            self._heard_since = time
+            if self._phase is _Phase.STEERING:
+                self._leave(Readiness.SILENT)
+        self.machine, self._info_time = info, time
+        # A state that lasts for one message only is seen here, whatever the gate's rate.
+        state = self._state(info)
+        if self._phase is _Phase.STEERING and state is not Readiness.READY:
+            self._leave(state)
+
+    def _follow(self, time: float, request: SteeringRequest) -> None:
+        """Change the phase by the request and the conditions."""
+        if self._losses != self._node.claim.losses:
+            # From a new address "not intended" has not been said yet.
+            self._losses = self._node.claim.losses
+            self._leave(Readiness.ADDRESS_LOST)
+        elif not request.steer:
+            if self._phase is _Phase.STEERING:
+                self._leave(None)
+        elif self._phase is _Phase.LATCHED:
+            self._cause = self._cause or Readiness.SWITCHED_ON
+        elif not self._sayable(request.angle):
+            self.dropped["command out of range"] += 1
+            self._leave(Readiness.FAULT)
+        elif (conditions := self._conditions(time)) is not Readiness.READY:
+            self._leave(conditions)
+
+    def _sayable(self, angle: float) -> bool:
+        return math.isfinite(angle) and encodable(self._map.curvature(angle))
+
+    def _leave(self, cause: Readiness | None) -> None:
+        """Steer no more, or not, until let go of; None: the gate lets go by itself."""
+        self._stop_now = self._stop_now or self._phase is _Phase.STEERING
+        self._phase = _Phase.LATCHED
+        self._cause = self._cause or cause
+        self._overridden = self._overridden or cause is Readiness.OVERRIDDEN
+
+    def _command(self, time: float, request: SteeringRequest) -> CanFrame:
+        """Return the command, and count it as gone."""
+        self._stop_now = False
+        if not request.steer:
+            self._phase, self._cause, self._overridden = _Phase.RELEASED, None, False
+        elif self._phase is _Phase.RELEASED:
+            self._phase, self._steering_since = _Phase.STEERING, time
+        if self._phase is _Phase.STEERING:
+            command = SystemCommand(curvature=self._map.curvature(request.angle), intention=Intention.INTENDED)
+        else:
+            command = SystemCommand(curvature=0.0, intention=Intention.NOT_INTENDED)
+        destination = GLOBAL if self._address is None else self._address
+        return self._node.frame(SYSTEM_COMMAND, encode_command(command), destination)
+
+    def _conditions(self, time: float) -> Readiness:
+        """Return whether the valve may steer now, or the first condition that fails."""
+        if not self._node.usable(time):
+            return Readiness.ADDRESS_LOST
+        if self.machine is None or not (time - self._info_time <= _GAP):
+            return Readiness.SILENT
+        if not (time - self._heard_since >= _SETTLED):
+            return Readiness.TOO_NEW
+        if time - self._other_master_time <= _OTHER_MASTER_HOLD:
+            return Readiness.OTHER_MASTER
+        if time - self._second_valve_time <= _GAP:
+            return Readiness.FAULT
+        return self._state(self.machine)
+
+    def _state(self, info: MachineInfo) -> Readiness:
+        """Return what the valve's own states allow; what it does not say is no."""
+        limits = _LIMITS_WHILE_STEERING if self._phase is _Phase.STEERING else (LimitStatus.NOT_LIMITED,)
+        if info.limit == LimitStatus.OPERATOR or info.exit_reason in _OPERATOR_EXITS:
+            return Readiness.OVERRIDDEN
+        if info.locked_out:
+            return Readiness.LOCKED_OUT
+        if info.limit == LimitStatus.NON_RECOVERABLE or info.exit_reason in _FAULT_EXITS:
+            return Readiness.FAULT
+        if info.exit_reason == ExitReason.OTHER_GUIDANCE:
+            return Readiness.OTHER_MASTER
+        states = (info.locked_out, info.ready, info.in_position, info.reset_required)
+        expected = states == (False, True, True, False) and info.exit_reason in _NO_EXITS and info.limit in limits
+        return Readiness.READY if expected and math.isfinite(info.curvature) else Readiness.NOT_READY
