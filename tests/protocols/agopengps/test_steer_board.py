@@ -1,8 +1,9 @@
-"""The adapter of a steer board, rule by rule, in a closed loop with stand-ins of both firmwares and an injected clock."""
+"""The adapter of a steer board, rule by rule, in a closed loop with stand-ins of both firmwares and their clock."""
 
 import math
 import struct
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from steer_bench import BOARDS, HOST, Bench
@@ -35,7 +36,7 @@ def test_engages_at_every_rate_of_calls_and_keeps_below_40_hz(firmware: str, rat
     assert not any(command.steer for _, command in bench.sent[:first])
     assert first >= 3
     times = [time for time, _ in bench.sent]
-    assert min(after - before for before, after in zip(times, times[1:], strict=False)) >= 0.025
+    assert min(after - before for before, after in pairwise(times)) >= 0.025
     assert (len(times) - 1) / (times[-1] - times[0]) >= min(rate, 10.0) * 0.99
 
 
