@@ -1,6 +1,8 @@
 """AgOpenGPS frames beyond the golden ones: what is refused, and messages the golden file does not hold."""
 
 import math
+import subprocess
+import sys
 from collections.abc import Callable
 
 import pytest
@@ -142,3 +144,13 @@ DECODERS: tuple[Callable[[Frame], object], ...] = (
 def test_no_message_of_any_length_raises(frame: Frame) -> None:
     for decode in DECODERS:
         decode(frame)
+
+
+def test_the_gate_can_import_them_without_numpy_or_pydantic() -> None:
+    modules = "agio, imu_board, machine_board, steer_board"
+    heavy = "{'numpy', 'pydantic', 'casadi', 'scipy'}"
+    code = (
+        f"import sys; from drawbar.protocols.agopengps import {modules}; print({heavy} & sys.modules.keys() or 'none')"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "none"

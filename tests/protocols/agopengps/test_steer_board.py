@@ -9,7 +9,7 @@ import pytest
 from steer_bench import BOARDS, HOST, Bench
 
 from drawbar.errors import ConfigurationError
-from drawbar.machine.stand_in.wheel import MotorWheel
+from drawbar.machine.stand_in.wheel import HeldWheel, MotorWheel
 from drawbar.protocols.actuator import Readiness, SteeringRequest
 from drawbar.protocols.agopengps.frame import PREFIX, STEER_BOARD, Pgn, pack, parse
 from drawbar.protocols.agopengps.network import HELLO
@@ -73,6 +73,7 @@ def test_a_request_that_stands_from_the_beginning_is_no_edge(firmware: str) -> N
     bench.ask(steer=True)
     bench.run(6.0)
     assert bench.ones_after(0.0) == 0
+    assert bench.report.readiness is Readiness.SILENT  # as it was when it was asked
     bench.ask(steer=False)
     bench.run(0.1)
     bench.ask(steer=True)
@@ -121,7 +122,7 @@ def test_override_is_answered_with_status_0_at_once_whatever_the_pace() -> None:
     assert not bench.sent[-1][1].steer
 
 
-@pytest.mark.parametrize("rate", RATES[1:])
+@pytest.mark.parametrize("rate", RATES)
 def test_missing_replies_let_go_and_stay_let_go(firmware: str, rate: float) -> None:
     bench = Bench(firmware, rate)
     bench.engage()
@@ -169,6 +170,15 @@ def test_an_implausible_angle_lets_go(firmware: str) -> None:
         assert bench.report.readiness is Readiness.FAULT
         assert not bench.board.driving
         assert bench.adapter.let_go == {"implausible angle": 1}
+
+
+def test_a_board_that_measures_what_cannot_be_is_refused(firmware: str) -> None:
+    bench = Bench(firmware, wheel=HeldWheel(math.radians(-51.0)))
+    bench.run(3.0)
+    assert bench.report.readiness is Readiness.FAULT
+    bench.ask(steer=True)
+    bench.run(1.0)
+    assert bench.ones_after(0.0) == 0
 
 
 def test_a_fast_wheel_is_plausible() -> None:
