@@ -90,6 +90,46 @@ def test_a_request_before_the_board_is_ready_is_refused_until_it_is_made_again(f
     assert bench.report.readiness is Readiness.TOO_NEW
 
 
+def test_a_board_that_falls_silent_is_no_longer_ready(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.run(2.5)
+    bench.replies_pass = False
+    bench.run(0.4)
+    assert bench.report.readiness is Readiness.READY
+    bench.run(0.2)
+    assert bench.report.readiness is Readiness.SILENT
+    bench.ask(steer=True)
+    bench.run(1.0)
+    assert bench.ones_after(0.0) == 0
+
+
+def test_a_board_must_be_heard_for_a_second_without_a_break(firmware: str) -> None:
+    bench = Bench(firmware)
+    for _ in range(2):
+        bench.replies_pass = False
+        bench.run(2.0)
+        bench.replies_pass = True
+        heard = bench.time
+        while bench.report.readiness is not Readiness.READY:
+            bench.tick()
+            assert bench.time <= heard + 1.3
+        assert bench.time >= heard + 1.0
+
+
+def test_after_letting_go_a_second_of_zeros_comes_first(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    bench.board.override()
+    bench.run(0.2)
+    let_go = bench.time
+    bench.ask(steer=False)
+    bench.run(0.5)
+    bench.ask(steer=True)
+    bench.run(3.0)
+    assert bench.ones_after(let_go) == 0
+    assert bench.report.readiness is Readiness.TOO_NEW
+
+
 def test_an_operator_who_takes_over_stops_the_motor_within_one_call(firmware: str) -> None:
     bench = Bench(firmware)
     bench.engage()

@@ -81,7 +81,7 @@ class BoardServer:
                 continue
 
     def run(self, stop: threading.Event, pace: float = 1.0) -> None:
-        """Poll until `stop` is set, waiting for datagrams between ticks; the clock runs `pace` times as fast as time."""
+        """Poll until `stop` is set, waiting between ticks; the clock runs `pace` times as fast as time."""
         while not stop.is_set():
             wait = max(self.board.next_tick - self._clock(), 0.0)
             select.select([self._socket], [], [], min(wait, self.board.TICK) / pace)
