@@ -90,6 +90,16 @@ def test_a_request_before_the_board_is_ready_is_refused_until_it_is_made_again(f
     assert bench.report.readiness is Readiness.TOO_NEW
 
 
+def test_engages_again_and_again_whenever_it_is_asked(firmware: str) -> None:
+    bench = Bench(firmware, 100.0)
+    for late in range(6):  # set points leave with every fifth call
+        bench.run(0.01 * late)
+        bench.engage()
+        bench.ask(steer=False)
+        bench.run(1.0)
+    assert not bench.adapter.let_go
+
+
 def test_a_board_that_falls_silent_is_no_longer_ready(firmware: str) -> None:
     bench = Bench(firmware)
     bench.run(2.5)
