@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from drawbar.machine.hardware.shared_socket import share
+from drawbar.machine.hardware.shared_socket import own_sources, share
 from drawbar.transports.base import Received
 
 
@@ -67,6 +67,22 @@ def test_each_transport_writes_to_its_own_peer_and_hears_all(computer: UdpSocket
         board.write_to(data, computer.socket.getsockname())
     assert [[each.data for each in transport.read()] for transport in transports] == [[b"one", b"two"]] * 2
     assert [transport.read() for transport in transports] == [[], []]
+
+
+def test_another_socket_is_heard_too_and_closed_with_the_last(computer: UdpSocket, boards: list[UdpSocket]) -> None:
+    ear = UdpSocket()
+    transports = share(computer, [board.socket.getsockname() for board in boards], [ear])  # type: ignore[list-item]
+    boards[0].write_to(b"set point", ear.socket.getsockname())
+    assert [[each.data for each in transport.read()] for transport in transports] == [[b"set point"]] * 2
+    for transport in transports:
+        assert ear.fileno() >= 0
+        transport.close()
+    assert ear.fileno() == -1
+
+
+def test_own_datagrams_are_known_by_their_sender() -> None:
+    peers = [("127.0.0.1", 8888), ("127.255.255.255", 8888), ("256.0.0.1", 8888)]
+    assert own_sources(peers, 9999) == {"127.0.0.1:9999"}
 
 
 def test_what_nobody_reads_is_bounded_and_counted(computer: UdpSocket, boards: list[UdpSocket]) -> None:

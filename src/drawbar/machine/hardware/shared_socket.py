@@ -5,8 +5,10 @@ socket. What one transport writes goes to its own board only; what arrives is he
 told apart by their senders.
 """
 
+import socket
 from collections import deque
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Protocol
 
 from drawbar.transports.base import Received, Transport
@@ -34,29 +36,54 @@ class DatagramSocket(Protocol):
         """Close the socket."""
 
 
-def share(socket: DatagramSocket, peers: Sequence[tuple[str, int]]) -> list[Transport]:
-    """Return a transport to each of `peers`, host and port, over the socket, which closes with the last of them."""
+def share(line: DatagramSocket, peers: Sequence[tuple[str, int]], ears: Sequence[Transport] = ()) -> list[Transport]:
+    """Return a transport to each of `peers`, host and port, over the socket `line`.
+
+    What arrives at `ears` is heard as well; nothing is sent there. One that listens on port 8888 hears another computer
+    that broadcasts set points to the boards. Socket and ears close with the last of the transports.
+    """
     shared: list[_PeerTransport] = []
-    shared += [_PeerTransport(socket, peer, shared) for peer in peers]
+    shared += [_PeerTransport(line, peer, shared, ears) for peer in peers]
     return list(shared)
+
+
+def own_sources(peers: Sequence[tuple[str, int]], port: int) -> frozenset[str]:
+    """Return the `address:port` that datagrams from this computer's `port` to `peers` carry as their sender.
+
+    A peer that cannot be reached now gives none.
+    """
+    sources = set()
+    for peer in peers:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+            with suppress(OSError):
+                probe.connect(peer)  # sends nothing: it only chooses the interface
+                sources.add(f"{probe.getsockname()[0]}:{port}")
+    return frozenset(sources)
 
 
 class _PeerTransport(Transport):
     """One peer's share of a socket."""
 
-    def __init__(self, socket: DatagramSocket, peer: tuple[str, int], shared: list["_PeerTransport"]) -> None:
-        self.connected, self.trouble, self.unsent = socket.connected, "", 0
+    def __init__(
+        self,
+        line: DatagramSocket,
+        peer: tuple[str, int],
+        shared: list["_PeerTransport"],
+        ears: Sequence[Transport],
+    ) -> None:
+        self.connected, self.trouble, self.unsent = line.connected, "", 0
         self.lost = 0
         """datagrams that nobody read in time"""
-        self._socket, self._peer, self._shared = socket, peer, shared
+        self._line, self._peer, self._shared, self._ears = line, peer, shared, ears
         self._waiting: deque[Received] = deque(maxlen=_WAITING)
 
     def fileno(self) -> int:
-        return self._socket.fileno() if self.connected else -1
+        return self._line.fileno() if self.connected else -1
 
     def read(self) -> list[Received]:
         if self.connected:
-            arrived = self._socket.read()
+            arrived = self._line.read() + [each for ear in self._ears for each in ear.read()]
             for each in self._shared:
                 each.hand_over(arrived)
         received = list(self._waiting)
@@ -69,8 +96,8 @@ class _PeerTransport(Transport):
         self._waiting.extend(arrived)
 
     def write(self, data: bytes) -> bool:
-        taken = self.connected and self._socket.write_to(data, self._peer)
-        reason = self._socket.trouble if self.connected else "not sent: the transport is closed"
+        taken = self.connected and self._line.write_to(data, self._peer)
+        reason = self._line.trouble if self.connected else "not sent: the transport is closed"
         self.trouble = "" if taken else reason
         self.unsent += 0 if taken else len(data)
         return taken
@@ -78,4 +105,6 @@ class _PeerTransport(Transport):
     def close(self) -> None:
         self.connected = False
         if not any(each.connected for each in self._shared):
-            self._socket.close()
+            self._line.close()
+            for ear in self._ears:
+                ear.close()
