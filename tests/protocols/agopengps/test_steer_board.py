@@ -172,7 +172,7 @@ def test_override_is_answered_with_status_0_at_once_whatever_the_pace() -> None:
     assert not bench.sent[-1][1].steer
 
 
-@pytest.mark.parametrize("rate", (3.0, *RATES))
+@pytest.mark.parametrize("rate", [3.0, *RATES])
 def test_missing_replies_let_go_and_stay_let_go(firmware: str, rate: float) -> None:
     bench = Bench(firmware, rate)
     bench.engage()
@@ -198,6 +198,15 @@ def test_single_lost_replies_are_borne(rate: float) -> None:
         bench.replies_pass = True
         bench.tick()
     assert bench.report.engaged
+
+
+def test_a_short_own_gap_is_no_silence_of_the_board(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    bench.ticks += 10
+    bench.run(1.0)
+    assert bench.report.engaged
+    assert not bench.adapter.let_go
 
 
 @pytest.mark.parametrize("outage", [0.0, 0.03, 0.1, 0.3, 1.0, 4.0])
