@@ -37,6 +37,7 @@ class AnySequence(RuleBasedStateMachine):
         """end of the last own gap"""
         self.last_sent = -math.inf
         self.bench.run(2.5)
+        self.check_sent()
 
     def check_sent(self) -> None:
         """Look at each frame that was sent since the last look, and at the motor."""
