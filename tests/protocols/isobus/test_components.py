@@ -1,6 +1,8 @@
 """Node, heartbeat, curvature, the tractor's messages, speed command, facilities, cadence."""
 
 import math
+import subprocess
+import sys
 from itertools import pairwise
 
 import pytest
@@ -270,3 +272,9 @@ def _points(frames: list[CanFrame]) -> list[float | None]:
 
 def asked(pgn: int, data: bytes) -> CanFrame:
     return encode(Message(pgn=pgn, source=0x20, destination=0x90, data=data))
+
+
+@pytest.mark.parametrize("module", ["protocols.isobus.guidance", "protocols.nmea2000.gnss", "machine.hardware.isobus"])
+def test_the_gate_can_load_it_without_numpy_and_python_can(module: str) -> None:
+    code = f"import sys, drawbar.{module}; sys.exit(bool({{'numpy', 'can', 'casadi'}} & sys.modules.keys()))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

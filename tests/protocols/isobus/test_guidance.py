@@ -70,7 +70,7 @@ def test_commands_go_at_the_period_whatever_the_rate_of_send(period: float, stee
     assert all(after - before <= period + 0.021 for before, after in pairwise(times))
 
 
-@pytest.mark.parametrize("tick", [0.001, 0.02, 0.033, 0.0999, 0.1, 0.1001])
+@pytest.mark.parametrize("tick", [0.001, 0.02, 0.033, 0.049, 0.0999, 0.1, 0.1001])
 def test_no_gap_between_commands_reaches_the_time_out_of_a_valve(tick: float) -> None:
     bench = Bench()
     times = []
@@ -231,6 +231,17 @@ def test_loss_of_the_address_ends_steering_and_latches() -> None:
     assert commands[0][0] - bench.time + 2.0 == pytest.approx(0.25, abs=0.05)
     assert {message.source for time, message in bench.sent if time > bench.time - 1.9} == {0x80}
     latched_off(bench)
+
+
+@pytest.mark.parametrize("ticks", range(10, 18))
+def test_the_first_command_from_a_new_address_is_not_intended(ticks: int) -> None:
+    bench = Bench()
+    bench.run(2.0)
+    bench.hear(CLAIM, STRONGER.data, OWN)
+    bench.run(ticks * 0.02)
+    bench.run(0.5, steer=True)
+    from_new = [_what(message) for _, message in bench.sent if message.source == 0x80 and message.pgn == SYSTEM_COMMAND]
+    assert from_new[0] is OFF
 
 
 def test_a_device_that_may_not_move_is_silent_after_the_loss() -> None:
