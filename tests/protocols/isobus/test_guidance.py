@@ -154,6 +154,18 @@ def test_a_state_of_the_valve_refuses_to_engage(change: dict[str, object], cause
     latched_off(bench)
 
 
+def test_it_is_engaged_only_once_the_valve_has_answered() -> None:
+    bench = Bench()
+    bench.run(2.0)
+    seen = []
+    for _ in range(20):
+        sent = [_what(message) for message in bench.tick(steer=True)]
+        seen += [(sent, bench.valve.report(bench.time).engaged)] if sent or seen else []
+    begun = next(index for index, (sent, _) in enumerate(seen) if ON in sent)
+    assert not seen[begun][1]
+    assert seen[begun + 5][1]
+
+
 def test_a_valve_that_says_nothing_of_itself_is_refused() -> None:
     bench = Bench()
     bench.info = UNAVAILABLE
@@ -325,7 +337,9 @@ def test_two_valves_share_one_node() -> None:
     assert last[VALVE].curvature == pytest.approx(math.tan(0.1) / WHEELBASE, abs=2e-4)
     assert last[0x27].curvature == pytest.approx(math.tan(-0.2) / 3.0, abs=2e-4)
     assert {command.intention for command in last.values()} == {ON}
-    assert bench.node.dropped == {}
+    for valve in (second, bench.valve):
+        valve.receive(4.0, CanFrame(-1, b""))
+    assert bench.node.dropped == {"not ISO 11783": 1}
 
 
 @pytest.mark.parametrize("data", [b"", bytes(7), bytes(8)[:3]])
