@@ -246,6 +246,20 @@ def test_speed_command_is_latched_after_a_fault(fault: str) -> None:
     assert _points(command.send(9.1, 1.0)) == [1.0]
 
 
+@pytest.mark.parametrize("ticks", range(10, 18))
+def test_the_first_speed_command_from_a_new_address_is_none(ticks: int) -> None:
+    node = held_node()
+    command = SpeedCommand(node, 3.0)
+    command.send(1.0, None)
+    stronger = Name(identity=1, manufacturer=0, function=0).data
+    node.receive(1.02, encode(Message(pgn=CLAIM, source=0x90, data=stronger)))
+    points: list[float | None] = []
+    for tick in range(40):
+        node.send(1.02 + 0.02 * tick)
+        points += _points(command.send(1.02 + 0.02 * tick, None if tick < ticks else 1.0))
+    assert points[0] is None
+
+
 @pytest.mark.parametrize("limit", [0.0, -1.0, 65.0, math.nan])
 def test_speed_limit_that_cannot_be_is_refused(limit: float) -> None:
     with pytest.raises(ConfigurationError, match="speed limit"):
