@@ -1,11 +1,11 @@
-"""Steer bench: the adapter of a steer board and a stand-in of the board, joined by lossy wires, with an injected clock."""
+"""Steer bench: the adapter of a steer board and a stand-in of it, joined by lossy wires, with an injected clock."""
 
 import math
 from dataclasses import dataclass, field
 
 from drawbar.machine.stand_in.aio_26 import Aio26
 from drawbar.machine.stand_in.aio_v4 import AioV4
-from drawbar.machine.stand_in.board import StandInBoard
+from drawbar.machine.stand_in.board import Output, StandInBoard
 from drawbar.machine.stand_in.wheel import HeldWheel, Wheel
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.agopengps.frame import Frame, Pgn, parse
@@ -23,11 +23,11 @@ class Bench:
     firmware: str = "v4"
     rate: float = 20.0
     wheel: Wheel = field(default_factory=HeldWheel)
-    request: SteeringRequest = SteeringRequest(steer=False, angle=0.0, speed=1.0)
     start: float = 100.0
 
     def __post_init__(self) -> None:
         self.time = self.start
+        self.ask(steer=False)
         self.board = BOARDS[self.firmware](self.wheel, start=self.start)
         self.adapter = SteerBoard(board="192.168.5.126", max_angle=math.radians(35.0), own=("192.168.5.10:9999",))
         self.replies_pass = self.set_points_pass = True
@@ -54,7 +54,7 @@ class Bench:
         self.carry(self.board.advance(self.time + min(0.026, 0.9 / self.rate)))
         self.driven.append((self.time, self.board.driving))
 
-    def carry(self, outputs: list) -> None:
+    def carry(self, outputs: list[Output]) -> None:
         for output in outputs:
             if self.replies_pass:
                 self.adapter.receive(output.time + 0.001, output.data, HOST)

@@ -116,7 +116,7 @@ class SteerBoardSettings(Settings):
 
     @property
     def transport(self) -> str:
-        """Address of the socket, as `drawbar.transports` reads it; boards that `listen` at one place share one socket."""
+        """Address of the socket for `drawbar.transports`; boards that `listen` at one place share one socket."""
         host, port = self.destination
         listen = self.listen if ":" in self.listen else f"{self.listen}:{COMPUTER_PORT}"
         return f"udp://{listen}?peer={host}:{port}" + ("&broadcast=1" if host.endswith(".255") else "")

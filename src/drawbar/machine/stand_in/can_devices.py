@@ -22,7 +22,8 @@ class CanDevices:
                 node.receive(received, frame)
         for node in self._nodes:
             for frame in node.send(now):
-                self.dropped["not sent"] += not self._bus.write(frame)
+                if not self._bus.write(frame):
+                    self.dropped["not sent"] += 1
                 for other in self._nodes:
                     if other is not node:
                         other.receive(now, frame)

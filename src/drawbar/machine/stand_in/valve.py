@@ -1,7 +1,7 @@
 """Stand-in valve: an ISOBUS steering valve's control unit, which judges whoever commands it."""
 
 import math
-from collections import Counter
+from collections import Counter, deque
 
 from drawbar.protocols.isobus.cadence import Cadence
 from drawbar.protocols.isobus.guidance_messages import (
@@ -20,6 +20,7 @@ from drawbar.protocols.isobus.node import Component, IsobusNode
 from drawbar.transports.base import CanFrame
 
 _PERIOD = 0.1
+_EXITS = 100
 
 
 class StandInValve(Component):
@@ -50,8 +51,8 @@ class StandInValve(Component):
         """any other reason for which it is not ready"""
         self.silent = False
         """its information is lost on the way"""
-        self.exits: list[tuple[float, ExitReason]] = []
-        """when and why it let go by itself"""
+        self.exits: deque[tuple[float, ExitReason]] = deque(maxlen=_EXITS)
+        """when and why it let go by itself, the last ones"""
         self._node, self._rate, self._reach, self._timeout = node, rate, reach, timeout
         self._cadence = Cadence(_PERIOD)
         self._master: int | None = None

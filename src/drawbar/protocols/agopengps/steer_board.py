@@ -70,7 +70,7 @@ class SteerBoard(SteeringActuator[bytes]):
         self._heard = HeardBoard(address=board, inverted=inverted, own=frozenset(own))
         self._max_angle = max_angle
         self._sign = -1.0 if inverted else 1.0
-        self._asked = True  # a request that stands from the first call on is no edge
+        self._asked = False
         self._steering = False
         self._cause: Readiness | None = None
         self._speed = 0.0

@@ -88,8 +88,8 @@ class Nmea2000Receiver(Component):
         self._open: dict[int, _Open] = {}
         self._finished: list[Nmea2000Epoch] = []
         self._last_sid: int | None = None
-        self._usual: set[type[Joined]] = set()
-        """kinds that came with the last epoch, or too late for it"""
+        self._usual: set[type[Joined]] = {Motion, Heading, Turn, Attitude}
+        """kinds that came with the last epoch, or too late for it; at first any may come"""
 
     def receive(self, time: float, frame: CanFrame) -> None:
         """Take in one frame of any content."""
@@ -109,9 +109,7 @@ class Nmea2000Receiver(Component):
 
     def epochs(self, time: float) -> list[Nmea2000Epoch]:
         """Return the epochs finished since the last call, oldest first."""
-        for sid, epoch in list(self._open.items()):
-            if time >= epoch.complete_by:
-                self._finish(sid)
+        self._finish_due(time)
         finished, self._finished = self._finished, []
         return finished
 
@@ -130,6 +128,7 @@ class Nmea2000Receiver(Component):
         return True
 
     def _hear(self, time: float, message: Message) -> None:
+        self._finish_due(time)
         if message.pgn == GNSS_POSITION:
             packet = self._packets.join(time, message)
             if packet is not None:
@@ -186,6 +185,11 @@ class Nmea2000Receiver(Component):
         epoch = self._open[sid]
         if epoch.position is not None and epoch.joined.keys() >= self._usual:
             self._finish(sid)
+
+    def _finish_due(self, time: float) -> None:
+        for sid, epoch in list(self._open.items()):
+            if time >= epoch.complete_by:
+                self._finish(sid)
 
     def _finish(self, sid: int) -> None:
         epoch = self._open.pop(sid)
