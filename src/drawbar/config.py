@@ -26,7 +26,9 @@ from drawbar.estimation.settings import (
     TricycleEstimatorSettings,
 )
 from drawbar.guidance.settings import GuidanceSettings
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.safety.settings import SafetySettings
 from drawbar.settings import Angle, Settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
@@ -108,6 +110,10 @@ class Configuration(Settings):
     path: PathSettings = PathSettings()
     start: StartSettings = StartSettings()
     machine: SimulatedMachineSettings = SimulatedMachineSettings()
+    devices: DeviceSettings | None = None
+    """of a real machine; none: `drawbar drive` uses stand-ins on this computer"""
+    safety: SafetySettings = SafetySettings()
+    """of a real machine's gate"""
     bounded_errors: BoundedErrors = BoundedErrors()
     tuning: TuningSettings = TuningSettings()
 
@@ -148,7 +154,7 @@ class Configuration(Settings):
 
     def to_toml(self) -> str:
         """Return the complete configuration, defaults included, as TOML."""
-        return tomli_w.dumps(self.model_dump(mode="json"))
+        return tomli_w.dumps(self.model_dump(mode="json", exclude_none=True))
 
 
 def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuration:

@@ -59,6 +59,7 @@ class Kind(IntEnum):
     GATE_STATE = 3
     OPERATOR = 4
     HEARTBEAT = 5
+    FIXES = 6
 
 
 class Mode(IntEnum):
@@ -269,12 +270,70 @@ class Heartbeat(Message):
     """of the gate as this process knows it"""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fixes(Message):
+    """What the receivers of both bodies say of one instant; receivers to controller, one for each epoch.
+
+    Positions are those of the antennas, in the frame of the path. A receiver that says nothing has quality 0, and NaN.
+    """
+
+    epoch: Time
+    """instant of the measurement, ns"""
+    first_byte: Time
+    """when the first byte of this epoch was there, ns"""
+    hitch_angle: Known
+    """tractor yaw minus drawbar yaw, rad"""
+    hitch_angle_time: Time
+    """when it was measured, ns; 0: never"""
+    wheel_speed: Known
+    """m/s, forward positive"""
+    wheel_speed_time: Time
+    """when it was measured, ns; 0: never"""
+    tractor_x: Known
+    """east, m"""
+    tractor_y: Known
+    """north, m"""
+    tractor_deviation: Known
+    """standard deviation of each coordinate, m"""
+    tractor_quality: Byte
+    """FixQuality of signals.py, debounced"""
+    tractor_speed: Known
+    """over ground, m/s, never negative"""
+    tractor_course: Known
+    """yaw of the velocity, rad"""
+    tractor_roll: Known
+    """right side down positive, rad"""
+    tractor_pitch: Known
+    """in the sign of signals.py, rad"""
+    tractor_correction_age: Known
+    """s"""
+    trailer_x: Known
+    """east, m"""
+    trailer_y: Known
+    """north, m"""
+    trailer_deviation: Known
+    """standard deviation of each coordinate, m"""
+    trailer_quality: Byte
+    """FixQuality of signals.py, debounced"""
+    trailer_speed: Known
+    """over ground, m/s, never negative"""
+    trailer_course: Known
+    """yaw of the velocity, rad"""
+    trailer_roll: Known
+    """right side down positive, rad"""
+    trailer_pitch: Known
+    """in the sign of signals.py, rad"""
+    trailer_correction_age: Known
+    """s"""
+
+
 KINDS: dict[Kind, type[Message]] = {
     Kind.COMMAND: CommandMessage,
     Kind.CONTROLLER_STATE: ControllerState,
     Kind.GATE_STATE: GateState,
     Kind.OPERATOR: OperatorMessage,
     Kind.HEARTBEAT: Heartbeat,
+    Kind.FIXES: Fixes,
 }
 _KIND_OF = {cls: kind for kind, cls in KINDS.items()}
 _HEADER, _CHECKSUM = struct.Struct("<HBB"), struct.Struct("<I")

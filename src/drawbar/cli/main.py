@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.cli.bench import bench
+from drawbar.cli.drive import drive
 from drawbar.cli.experiment import experiment
 from drawbar.cli.export import export
 from drawbar.cli.replay import replay
@@ -18,7 +19,7 @@ from drawbar.cli.version import version_text
 from drawbar.errors import DrawbarError
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, replay, tube, export, bench, experiment, tune):
+for command in (run, drive, replay, tube, export, bench, experiment, tune):
     app.command()(command)
 
 

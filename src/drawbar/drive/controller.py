@@ -10,7 +10,7 @@ from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, S
 from drawbar.signals import Command, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
-VALIDITY = 200_000_000
+VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
 LATE = 20_000_000
 """a step whose command leaves so long after the first byte of its epoch is late, ns"""
@@ -86,10 +86,11 @@ class Controller:
         """
         self._autopilot.prepare()
         record = self._autopilot.record()
-        self._deviations = self._certainty(record.estimate) if self._status.is_new_command else (math.nan, math.nan)
         self._overruns += late
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
-        self._record = record
+        if self._status.is_new_command or not self._status.has_ended:  # a run that has ended estimates nothing more
+            self._record = record
+            self._deviations = self._certainty(record.estimate) if self._status.is_new_command else (math.nan, math.nan)
         return record
 
     def state(self, now: int, fixes_known: tuple[float, float]) -> ControllerState:
@@ -126,8 +127,8 @@ class Controller:
 
     def _mode(self) -> Mode:
         if self._status.has_ended:
-            return Mode.STOP
-        return Mode.DRIVE if self._status.is_new_command else Mode.IDLE
+            return Mode.STOP if self.engaged else Mode.IDLE
+        return Mode.DRIVE if self.engaged and self._status < Status.POSITION else Mode.IDLE
 
     def _begin_beside(self, measurement: Measurement) -> None:
         """Let the next sample begin a run where the path is nearest, if the position is known."""

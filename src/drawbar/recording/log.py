@@ -18,7 +18,7 @@ from typing import Any, Self, get_args
 import msgspec
 import numpy as np
 from mcap.exceptions import EndOfFile, McapError
-from mcap.records import Attachment, McapRecord, Message, Metadata
+from mcap.records import Attachment, Channel, McapRecord, Message, Metadata
 from mcap.stream_reader import CRCValidationError, StreamReader
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
@@ -191,7 +191,8 @@ def _missing_to_nan(value: Any) -> Any:
     return np.nan if value is None else value
 
 
-def _decode_step(data: bytes) -> StepRecord:
+def decode_step(data: bytes) -> StepRecord:
+    """Return the record of a step from its JSON, a missing number as NaN."""
     content = msgspec.json.decode(data)
     # At the top level null is an absent section (truth), below it a missing number.
     content = {key: None if value is None else _missing_to_nan(value) for key, value in content.items()}
@@ -226,10 +227,11 @@ def _outcome(records: list[McapRecord]) -> Outcome:
 
 def _assemble(records: list[McapRecord]) -> RunLog:
     header = next(r.data for r in records if isinstance(r, Attachment) and r.name == HEADER_NAME)
-    messages = [record for record in records if isinstance(record, Message)]
+    steps = {record.id for record in records if isinstance(record, Channel) and record.topic == STEP_TOPIC}
+    messages = [record for record in records if isinstance(record, Message) and record.channel_id in steps]
     return RunLog(
         header=msgspec.json.decode(header, type=RunHeader, dec_hook=_decode_special),
-        records=tuple(_decode_step(message.data) for message in messages),
+        records=tuple(decode_step(message.data) for message in messages),
         wall_time=np.array([message.publish_time * 1e-9 for message in messages]),
         outcome=_outcome(records),
     )

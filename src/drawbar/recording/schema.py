@@ -30,9 +30,11 @@ def _schema(hint: Any) -> dict[str, Any]:
     array = next((each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Array)), None)
     if array is not None or get_origin(kind) is np.ndarray:
         return _array(array)
+    if get_origin(kind) is tuple:
+        return {"type": "array", "items": _schema(get_args(kind)[0])}
     if type(None) in get_args(kind):  # an absent section
         return _schema(next(each for each in get_args(kind) if each is not type(None)))
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         return _object(kind)
     if issubclass(kind, IntEnum | IntFlag):
         return {"type": "integer"}

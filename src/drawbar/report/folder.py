@@ -6,7 +6,7 @@ from drawbar.errors import DrawbarError
 from drawbar.recording.log import read_log
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
-from drawbar.report.path_errors import true_path_errors
+from drawbar.report.path_errors import path_errors
 from drawbar.report.picture import render_picture
 
 LOG_NAME = "log.mcap"
@@ -19,7 +19,7 @@ def write_report(folder: Path) -> Metrics:
     be read or a file cannot be written.
     """
     log = read_log(folder / LOG_NAME)
-    errors = true_path_errors(log)
+    errors = path_errors(log)
     metrics = compute_metrics(log, errors)
     try:
         (folder / "metrics.json").write_bytes(metrics.to_json())

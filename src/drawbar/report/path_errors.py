@@ -1,4 +1,7 @@
-"""How far both bodies truly were from the path: their antennas' true positions, projected on it."""
+"""How far both bodies were from the path: their antennas' positions, projected on it.
+
+True positions where the log has them; else, on a real machine, those that were estimated while the autopilot was engaged.
+"""
 
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -9,6 +12,7 @@ from numpy.typing import NDArray
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.recording.log import RunLog
+from drawbar.signals import Flag
 
 T = TypeVar("T")
 
@@ -29,9 +33,9 @@ class PathErrors:
     """Where one body's antenna truly was with respect to the path: n steps."""
 
     progress: Floats
-    """(n,): arc length of the closest point, m; NaN without truth"""
+    """(n,): arc length of the closest point, m; NaN where it is not known"""
     error: Floats
-    """(n,): signed distance, left of the path positive, m; NaN without truth"""
+    """(n,): signed distance, left of the path positive, m; NaN where it is not known"""
     labels: NDArray[np.str_]
     """(n,): class of the path at the closest point"""
 
@@ -47,14 +51,20 @@ def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     return PathErrors(progress=progress, error=error, labels=np.array(labels, dtype=np.str_))
 
 
-def true_path_errors(log: RunLog) -> Bodies[PathErrors]:
-    """Return the true errors of both bodies at every step of a log."""
-    path = log.header.path.path()
+def path_errors(log: RunLog) -> Bodies[PathErrors]:
+    """Return the errors of both bodies at every step of a log."""
+    path, source = log.header.path.path(), "truth" if has_truth(log) else "estimate"
+    released = (log.column("flags").astype(int) & Flag.RELEASED) != 0 if source == "estimate" else np.bool_(False)
 
     def of_body(body: str) -> PathErrors:
         believed = log.column(f"reference.{body}.progress")
-        start = float(believed[0]) if believed.size else 0.0
-        x, y = log.column(f"truth.{body}.x"), log.column(f"truth.{body}.y")
-        return project_track(path, x, y, start)
+        known = believed[np.isfinite(believed)]
+        x, y = (np.where(released, np.nan, log.column(f"{source}.{body}.{axis}")) for axis in "xy")
+        return project_track(path, x, y, float(known[0]) if known.size else 0.0)
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))
+
+
+def has_truth(log: RunLog) -> bool:
+    """Whether the log knows where the bodies truly were, as that of a simulation does."""
+    return any(record.truth is not None for record in log.records)

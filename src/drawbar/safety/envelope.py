@@ -100,7 +100,7 @@ class Envelope:
         ahead = 1 if self._sequence is None else (command.sequence - self._sequence) % SEQUENCES
         if 0 < ahead < SEQUENCES // 2:  # also of one that is refused, so that those that follow it may be obeyed
             self._sequence = command.sequence
-        timely = now - self._timeout <= sent <= now and now <= valid_until <= sent + self._timeout
+        timely = now - self._timeout <= sent <= now + 0.005 and now <= valid_until <= sent + self._timeout
         return 0 < ahead <= LOST and timely
 
     def begin(self, time: float, measured: tuple[float, float]) -> None:

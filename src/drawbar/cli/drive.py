@@ -1,0 +1,98 @@
+"""`drawbar drive`: drive a real machine, or stand-ins of all its devices on this computer."""
+
+import time
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drawbar.cli.options import ConfigurationName, console
+
+if TYPE_CHECKING:
+    from drawbar.config import Configuration
+    from drawbar.drive.crew import Crew
+
+
+def drive(
+    configuration: ConfigurationName = "articulated",
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. speed=0.8"),
+    ] = None,
+    out: Annotated[FilePath | None, typer.Option(help="folder for log and report; default: a new one in runs/")] = None,
+    by_hand: Annotated[
+        bool, typer.Option("--by-hand", help="with stand-ins: engage by the keys, as on a machine")
+    ] = False,
+    seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s; 0: when told to")] = 0.0,
+) -> None:
+    """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
+    from drawbar.config import load_configuration
+    from drawbar.drive.crew import Crew
+    from drawbar.drive.demonstration import with_stand_ins
+    from drawbar.report.console import summary
+    from drawbar.report.folder import write_report
+    from drawbar.step.build import build_autopilot
+
+    config = load_configuration(configuration, changes or [])
+    stand_ins = config.devices is None
+    if stand_ins:
+        config = with_stand_ins(config)
+        console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
+    with console.status("compiling the control step (the first time only) …"):
+        build_autopilot(config)
+    folder = _new_folder(out, config)
+    with console.status("starting the processes …"), Crew(config, folder, stand_ins=stand_ins) as crew:
+        failed = _drive(crew, demonstrates=stand_ins and not by_hand, seconds=seconds)
+    console.print(summary(write_report(folder)))
+    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
+    if failed:
+        raise SystemExit(1)
+
+
+def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
+    """Show the drive until it is over; return whether it failed."""
+    from rich.live import Live
+
+    from drawbar.drive.display import headline, picture
+    from drawbar.drive.front_end import FrontEnd, Keyboard
+    from drawbar.messages import SupervisorState
+
+    front, end = FrontEnd(crew, demonstrates=demonstrates), time.monotonic() + (seconds or float("inf"))
+    live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
+    told: SupervisorState | None = None
+    try:
+        with live or Keyboard(), Keyboard() as keyboard:
+            while time.monotonic() < end and not (demonstrates and front.is_over):
+                front.wait(0.05)
+                key = keyboard.pressed()
+                if key == "q":
+                    break
+                front.press(key)
+                if front.state is not None and front.state.state is not told:
+                    told = front.state.state
+                    console.print(headline(front.state))
+                if live is not None:
+                    live.update(picture(front.state, front.controller), refresh=True)
+                if crew.ended():
+                    console.print(f"[bold red]ended: {', '.join(crew.ended())}[/]: {crew.words()}")
+                    return True
+    except KeyboardInterrupt:
+        console.print("interrupted: the gate lets go of the steering")
+    finally:
+        front.close()
+    return front.state is not None and front.state.state in (SupervisorState.FAULT, SupervisorState.ESTOP)
+
+
+def _new_folder(chosen: FilePath | None, config: "Configuration") -> FilePath:
+    """Return a new folder with config.toml in it."""
+    from drawbar.errors import DrawbarError
+
+    folder = chosen or FilePath("runs") / time.strftime(f"{config.name}-drive-%Y%m%d-%H%M%S")
+    try:
+        folder.mkdir(parents=True)
+        (folder / "config.toml").write_text(config.to_toml(), "utf-8")
+    except FileExistsError as error:
+        raise DrawbarError(f"{folder} is there already; choose another --out folder") from error
+    except OSError as error:
+        raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder") from error
+    return folder

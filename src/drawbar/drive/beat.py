@@ -1,0 +1,34 @@
+"""Beat: a process tells the gate that it is alive, at 4 Hz."""
+
+from drawbar.drive.mail import Mailbox
+from drawbar.messages import Heartbeat, Role, SupervisorState, encode
+
+PERIOD = 250_000_000
+"""ns"""
+
+
+class Beat:
+    """The heartbeat of one process."""
+
+    def __init__(self, role: Role, mailbox: Mailbox, gate: str) -> None:
+        """Take the role, the own mailbox and the path of the gate's socket."""
+        self._role, self._mailbox, self._gate = role, mailbox, gate
+        self._sequence, self.due = 0, 0
+        self.state = SupervisorState.BOOT
+        """of the gate, as this process knows it"""
+
+    def pass_time(self, now: int, *, healthy: bool = True) -> None:
+        """Send what is due at a time, ns."""
+        if now < self.due:
+            return
+        self.due = now + PERIOD
+        self._sequence = (self._sequence + 1) % 2**32
+        beat = Heartbeat(
+            sequence=self._sequence,
+            time=now,
+            valid_until=now + 4 * PERIOD,
+            role=self._role,
+            healthy=int(healthy),
+            state=self.state,
+        )
+        self._mailbox.send(self._gate, encode(beat))

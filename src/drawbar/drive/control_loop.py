@@ -1,0 +1,83 @@
+"""Control loop: from what the receivers and the gate say to commands, in the controller's process or a rehearsal.
+
+Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself neither waits nor reads a
+clock.
+"""
+
+from collections.abc import Callable
+
+from drawbar.drive.controller import Controller
+from drawbar.machine.hardware.sampler import Sampler
+from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.signals import Measurement, StepRecord
+
+LATE = 20_000_000
+"""a command that leaves so long after the first byte of its epoch is late, ns"""
+REPEAT = 100_000_000
+"""between a command and its repetition, ns: what is older than 0.2 s is not obeyed"""
+_NEVER = 2**63
+
+
+class ControlLoop:
+    """Samples, steps, and repeats of commands in between."""
+
+    def __init__(
+        self,
+        controller: Controller,
+        sampler: Sampler,
+        *,
+        send: Callable[[Message], None],
+        record: Callable[[StepRecord], None],
+        clock: Callable[[], int],
+    ) -> None:
+        """Take the parts.
+
+        Args:
+            controller: with the autopilot.
+            sampler: of measurements.
+            send: hands a message to the gate, at once.
+            record: takes the record of each step; called when the command is out.
+            clock: monotonic time, ns.
+        """
+        self._controller, self._sampler = controller, sampler
+        self._send, self._record, self._clock = send, record, clock
+        self._repeat = _NEVER
+        self._known = (float("nan"), float("nan"))
+
+    @property
+    def due(self) -> int:
+        """When `pass_time` is to be called even if nothing comes, ns."""
+        deadline = self._sampler.deadline
+        return self._repeat if deadline is None else min(self._repeat, deadline)
+
+    def hear_gate(self, state: GateState) -> None:
+        """Take in what the gate does."""
+        self._controller.hear(state)
+        self._sampler.hear(state)
+
+    def hear_fixes(self, fixes: Fixes) -> None:
+        """Take in an epoch of the receivers; where it is a sample's, the step is made."""
+        measurement = self._sampler.take(fixes)
+        if measurement is None:
+            return
+        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
+        self._known = (max(ages) if ages[0] == ages[0] and ages[1] == ages[1] else float("nan"), fixes.tractor_speed)
+        self._step(measurement, fixes.first_byte)
+
+    def pass_time(self, now: int) -> None:
+        """Do what is due: repeat the command, or make the step of a sample whose epoch has not come."""
+        deadline = self._sampler.deadline
+        if deadline is not None and now >= deadline:
+            self._step(self._sampler.miss(), None)
+        elif now >= self._repeat:
+            self._repeat = now + REPEAT
+            self._send(self._controller.repeat(now))
+
+    def _step(self, measurement: Measurement, first_byte: int | None) -> None:
+        command: CommandMessage = self._controller.feedback(measurement, self._clock())
+        self._send(command)
+        out = self._clock()
+        record = self._controller.prepare(late=first_byte is not None and out - first_byte > LATE)
+        self._send(self._controller.state(self._clock(), self._known))
+        self._repeat = command.time + REPEAT
+        self._record(record)

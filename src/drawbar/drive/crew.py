@@ -1,0 +1,139 @@
+"""Crew: starts the processes of a drive, the gate first, watches them, and ends them, the gate last."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+from drawbar.config import Configuration
+from drawbar.drive.orders import GateOrders, Orders
+from drawbar.errors import HardwareError
+from drawbar.safety.channels import controller_pair
+
+CONFIGURATION_NAME = "config.toml"
+_ENDING = 5.0
+"""within which a process must end that was told to, s"""
+_STARTING = 30.0
+"""within which a process must have opened its socket, s"""
+
+
+class Crew:
+    """The processes of one drive, as a context."""
+
+    def __init__(self, configuration: Configuration, run: Path, *, stand_ins: bool) -> None:
+        """Take what to drive.
+
+        Args:
+            configuration: complete, with devices.
+            run: folder of the log, which exists.
+            stand_ins: start the stand-in of all devices too.
+        """
+        assert configuration.devices is not None
+        self._configuration, self._run = configuration, run
+        self._stand_ins = stand_ins
+        self.processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._messages: IO[bytes] = (run / "messages.txt").open("wb")
+        self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
+        self.orders = Orders(folder=self._folder.name, run=str(run), configuration=str(run / CONFIGURATION_NAME))
+
+    def __enter__(self) -> Self:
+        """Start all; each is there when this returns.
+
+        Raises:
+            HardwareError: a process has ended at once; says where its words are.
+        """
+        try:
+            self._start_all()
+        except BaseException:
+            self._end_all()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._end_all()
+
+    def ended(self) -> list[str]:
+        """Return the names of processes that are not there any more."""
+        return [name for name, process in self.processes.items() if process.poll() is not None]
+
+    def _start_all(self) -> None:
+        orders = self.orders.model_dump_json()
+        if self._stand_ins:
+            self._start("stand_in", "stand_in_main", orders)
+            self._await("stand_in", "driver")
+        ours, theirs = controller_pair()
+        with ours, theirs:
+            self._start("gate", "gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,))
+            self._start("controller", "controller_main", orders, str(ours.fileno()), ends=(ours,))
+        self._start("recorder", "recorder_main", orders)
+        self._start("receivers", "receivers_main", orders)
+        for name in ("gate", "controller", "recorder", "receivers"):
+            self._await(name, name)
+
+    def _gate_orders(self, descriptor: int) -> GateOrders:
+        vehicle, devices = self._configuration.vehicle, self._configuration.devices
+        assert devices is not None
+        return GateOrders(
+            folder=self._folder.name,
+            safety=self._configuration.safety,
+            wheelbase=vehicle.wheelbase,
+            tractor_limit=vehicle.tractor_steering_limit,
+            trailer_limit=vehicle.trailer_steering_limit,
+            tractor_board=devices.tractor_board,
+            trailer_board=devices.trailer_board,
+            isobus=devices.isobus,
+            controller=descriptor,
+        )
+
+    def _start(
+        self, name: str, module: str, orders: str, *arguments: str, ends: tuple[socket.socket, ...] = ()
+    ) -> None:
+        process = subprocess.Popen(
+            [sys.executable, "-m", f"drawbar.drive.{module}", *arguments],
+            stdin=subprocess.PIPE,
+            stdout=self._messages,
+            stderr=self._messages,
+            pass_fds=[end.fileno() for end in ends],
+            start_new_session=True,  # Ctrl-C is for the front end, which then ends them in order
+            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        )
+        assert process.stdin is not None
+        process.stdin.write(orders.encode())
+        process.stdin.close()
+        self.processes[name] = process
+
+    def _await(self, name: str, path: str) -> None:
+        """Wait until a process has opened its socket."""
+        end = time.monotonic() + _STARTING
+        while not os.path.exists(self.orders.socket(path)):
+            if self.processes[name].poll() is not None or time.monotonic() > end:
+                raise HardwareError(f"the {name} process did not start: {self.words()}")
+            time.sleep(0.01)
+
+    def words(self) -> str:
+        """Return the last lines that the processes have written."""
+        self._messages.flush()
+        lines = (self._run / "messages.txt").read_text("utf-8", "replace").strip().splitlines()
+        return " / ".join(lines[-4:]) or "it said nothing"
+
+    def _end_all(self) -> None:
+        """End the gate first, so that the actuators let go; then all others, the recorder last."""
+        for name in ("gate", "controller", "receivers", "stand_in", "recorder"):
+            process = self.processes.get(name)
+            if process is not None and process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+                try:
+                    process.wait(_ENDING)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
+        self._messages.close()
+        self._folder.cleanup()

@@ -1,0 +1,38 @@
+"""Demonstration: the devices of a configuration that names none, all of them stand-ins on this computer."""
+
+import socket
+
+from drawbar.config import Configuration
+from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+
+
+def with_stand_ins(configuration: Configuration) -> Configuration:
+    """Return the configuration with two receivers on TCP and two boards on UDP, all at free ports of 127.0.0.1."""
+    vehicle = configuration.vehicle
+    receivers = [ReceiverSettings(transport=f"tcp://127.0.0.1:{port}") for port in _free_ports(socket.SOCK_STREAM, 2)]
+    ports = _free_ports(socket.SOCK_DGRAM, 4)
+    limits = (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit)
+    boards = [
+        SteerBoardSettings(address=f"127.0.0.1:{board}", listen=f"127.0.0.1:{listen}", max_angle=limit)
+        for board, listen, limit in zip(ports[:2], ports[2:], limits, strict=True)
+    ]
+    devices = DeviceSettings(
+        tractor_receiver=receivers[0],
+        trailer_receiver=receivers[1],
+        tractor_board=boards[0],
+        trailer_board=boards[1],
+    )
+    return configuration.model_copy(update={"devices": devices})
+
+
+def _free_ports(kind: int, count: int) -> list[int]:
+    """Return ports of 127.0.0.1 that nobody uses now."""
+    sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]
+    for each in sockets:
+        each.bind(("127.0.0.1", 0))
+    ports = [int(each.getsockname()[1]) for each in sockets]
+    for each in sockets:
+        each.close()
+    return ports

@@ -1,0 +1,84 @@
+"""Display: what an operator at a terminal sees of a drive. Pure: states in, text out; fits 60 columns."""
+
+import math
+from collections.abc import Iterator
+
+from rich.text import Text
+
+from drawbar.messages import ControllerState, GateState, SupervisorState
+from drawbar.safety.causes import Cause
+from drawbar.signals import FixQuality
+
+_GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
+_WORRIED = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
+_BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
+_MEANINGS = {
+    SupervisorState.BOOT: "starting",
+    SupervisorState.SELFTEST: "testing itself",
+    SupervisorState.STANDBY: "not ready to engage",
+    SupervisorState.READY: "ready to engage",
+    SupervisorState.ENGAGING: "taking over",
+    SupervisorState.ACTIVE: "steering",
+    SupervisorState.DEGRADED: "steering, slower",
+    SupervisorState.STOPPING: "stopping",
+    SupervisorState.STOPPED: "stopped; acknowledge to go on",
+    SupervisorState.OVERRIDE: "you took over; acknowledge to go on",
+    SupervisorState.FAULT: "let go of the steering; acknowledge to go on",
+    SupervisorState.ESTOP: "emergency stop; acknowledge to go on",
+}
+KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - speed   q quit"
+
+
+def picture(state: GateState | None, controller: ControllerState | None) -> Text:
+    """Return the whole picture: state, errors, what stands against engaging, keys."""
+    lines = [*_state(state), *_numbers(controller), *(_reasons(state) if state else ()), Text(KEYS, style="dim")]
+    return Text("\n").join(lines)
+
+
+def headline(state: GateState) -> Text:
+    """Return the state in one line, with its cause."""
+    style = "green" if state.state in _GOOD else "yellow" if state.state in _WORRIED else "bold red"
+    text = Text(
+        f"{state.state.name}: {_MEANINGS[state.state]}", style=style if state.state in _GOOD + _WORRIED + _BAD else ""
+    )
+    if state.cause:
+        text.append(f" ({Cause(state.cause).sentence})")
+    if math.isfinite(state.remaining):
+        text.append(f", {state.remaining:.0f} s left")
+    return text
+
+
+def _state(state: GateState | None) -> Iterator[Text]:
+    yield headline(state) if state else Text("the gate has not been heard", style="bold red")
+    if state and state.stop:
+        yield Text("STOP THE VEHICLE", style="bold reverse red")
+
+
+def _numbers(controller: ControllerState | None) -> Iterator[Text]:
+    if controller is None:
+        yield Text("the controller has not been heard")
+        return
+    bodies = ("tractor", "trailer")
+    yield Text("   ".join(f"{body} {_side(getattr(controller, f'{body}_lateral_error'))}" for body in bodies))
+    fixes = ", ".join(f"{body} {FixQuality(getattr(controller, f'{body}_quality')).name.lower()}" for body in bodies)
+    age = f", corrections {controller.correction_age:.0f} s" if math.isfinite(controller.correction_age) else ""
+    yield Text(f"{_speed(controller.wheel_speed)}   fix: {fixes}{age}")
+
+
+def _side(error: float) -> str:
+    """Return a distance from the line as people say it."""
+    if not math.isfinite(error):
+        return "not known"
+    centimetres = round(abs(error) * 100.0)
+    return f"{centimetres} cm {'left' if error > 0.0 else 'right'}" if centimetres else "on the line"
+
+
+def _speed(speed: float) -> str:
+    return f"{speed * 3.6:.1f} km/h" if math.isfinite(speed) else "speed not known"
+
+
+def _reasons(state: GateState) -> Iterator[Text]:
+    for code in state.refusals:
+        if code:
+            cause = Cause(code)
+            yield Text(f"- {cause.sentence}: {cause.advice}")

@@ -1,0 +1,114 @@
+"""Front end: an operator's place at a terminal; also the one that drives demonstrations by itself."""
+
+import secrets
+import select
+import sys
+import termios
+import time
+import tty
+from types import TracebackType
+from typing import Self
+
+from drawbar.drive.crew import Crew
+from drawbar.drive.mail import Mailbox
+from drawbar.drive.operator import DemonstrationOperator, Operator
+from drawbar.drive.orders import FRONT_END, GATE
+from drawbar.messages import Action, ControllerState, GateState, SupervisorState, decode, encode
+
+LOOK = 200_000_000
+"""between two words of the operator, ns"""
+_ACTIONS = {
+    " ": Action.STOP,
+    "r": Action.RELEASE,
+    "x": Action.EMERGENCY,
+    "a": Action.ACKNOWLEDGE,
+}
+_SPEED_STEP = 0.1
+"""m/s"""
+
+
+class Keyboard:
+    """Single keys of a terminal, as a context; nothing where standard input is no terminal."""
+
+    def __enter__(self) -> Self:
+        self._terminal = sys.stdin.isatty()
+        if self._terminal:
+            self._before = termios.tcgetattr(sys.stdin)
+            tty.setcbreak(sys.stdin)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._terminal:
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+
+    def pressed(self) -> str:
+        """Return the key that was pressed, empty where there was none."""
+        if not self._terminal or not select.select([sys.stdin], [], [], 0.0)[0]:
+            return ""
+        return sys.stdin.read(1)
+
+
+class FrontEnd:
+    """The operator's side: hears the gate and the controller, sends what the keys ask for."""
+
+    def __init__(self, crew: Crew, *, demonstrates: bool) -> None:
+        """Open its socket; demonstrates: engage by itself, as stand-ins want it."""
+        self._mailbox, gate = Mailbox(crew.orders.socket(FRONT_END)), crew.orders.socket(GATE)
+        self._operator = Operator(secrets.randbits(63) | 1, lambda message: self._mailbox.send(gate, encode(message)))
+        self._demonstration = DemonstrationOperator(self._operator) if demonstrates else None
+        self._look = 0
+        self.state: GateState | None = None
+        self.controller: ControllerState | None = None
+        self.drove = False
+        """it has been engaged"""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether what was engaged has come to rest."""
+        return (
+            self.drove
+            and self.state is not None
+            and self.state.state
+            in (
+                SupervisorState.STOPPED,
+                SupervisorState.OVERRIDE,
+                SupervisorState.FAULT,
+                SupervisorState.ESTOP,
+            )
+        )
+
+    def wait(self, duration: float) -> None:
+        """Take in what comes within a time, s, and say that the operator is there."""
+        select.select([self._mailbox], [], [], duration)
+        for data in self._mailbox.receive():
+            message = decode(data, GateState, ControllerState)
+            if isinstance(message, GateState):
+                self.state = message
+                self._operator.see(message)
+                self.drove |= message.state is SupervisorState.ACTIVE
+            elif isinstance(message, ControllerState):
+                self.controller = message
+        now = time.monotonic_ns()
+        if now >= self._look:
+            self._look = now + LOOK
+            if self._demonstration is not None:
+                self._demonstration.look(now)
+            else:
+                self._operator.ask(Action.PRESENT, now)
+
+    def press(self, key: str) -> None:
+        """Ask for what a key means; other keys mean nothing."""
+        now, seen = time.monotonic_ns(), self.state
+        if key in _ACTIONS:
+            self._operator.ask(_ACTIONS[key], now)
+        elif key == "e" and seen is not None:
+            self._operator.ask(Action.ENGAGE if seen.armed else Action.ARM, now)
+        elif key in "+-" and key and seen is not None:
+            wish = seen.set_speed if seen.set_speed == seen.set_speed else seen.speed_limit
+            self._operator.ask(Action.SET_SPEED, now, wish + (_SPEED_STEP if key == "+" else -_SPEED_STEP))
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._mailbox.close()

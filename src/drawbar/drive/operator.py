@@ -1,0 +1,78 @@
+"""Operator: a front end's side of the gate's socket, which keeps session, lease and what it has seen."""
+
+import math
+from collections.abc import Callable
+
+from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
+
+_VALID = 500_000_000
+"""for how long a message means something, ns"""
+
+
+class Operator:
+    """Makes an operator's messages from the newest state of the gate that the operator sees."""
+
+    def __init__(self, session: int, send: Callable[[OperatorMessage], None]) -> None:
+        """Take a random number of this session, not 0, and what hands a message to the gate."""
+        self._session, self._send = session, send
+        self._nonce = 0
+        self.seen: GateState | None = None
+        """the newest state"""
+
+    def see(self, state: GateState) -> None:
+        """Take in a state of the gate, as it is shown to the operator."""
+        self.seen = state
+
+    def ask(self, action: Action, now: int, value: float = 0.0) -> None:
+        """Ask the gate for something; its answer is in a later state (`answered`, `answer`)."""
+        self._nonce += 1
+        self._send(
+            OperatorMessage(
+                sequence=self._nonce,
+                time=now,
+                valid_until=now + _VALID,
+                action=action,
+                lease=self._session,
+                nonce=self._nonce,
+                seen_sequence=self.seen.sequence if self.seen else 0,
+                seen_time=self.seen.time if self.seen else 0,
+                value=value,
+            )
+        )
+
+
+class DemonstrationOperator:
+    """An operator for stand-ins: tries the emergency stop, engages as soon as that is possible, once, and stays."""
+
+    def __init__(self, operator: Operator) -> None:
+        """Take the operator's side of the socket."""
+        self.operator = operator
+        self._tried = self._engaged = False
+
+    def see(self, state: GateState) -> None:
+        """Take in a state of the gate."""
+        self.operator.see(state)
+
+    def look(self, now: int) -> None:
+        """Do what is to be done now, ns; to be called a few times a second."""
+        seen = self.operator.seen
+        action = Action.PRESENT
+        if seen is None:
+            pass
+        elif not self._tried and seen.state is SupervisorState.STANDBY:
+            self._tried, action = True, Action.EMERGENCY
+        elif seen.state is SupervisorState.ESTOP:
+            action = Action.ACKNOWLEDGE
+        elif seen.state is SupervisorState.READY and not self._engaged:
+            action = Action.ENGAGE if seen.armed else Action.ARM
+        elif seen.state in (SupervisorState.ENGAGING, SupervisorState.ACTIVE):
+            self._engaged = True
+        self.operator.ask(Action.PRESENT, now)
+        if action is not Action.PRESENT:
+            self.operator.ask(action, now)
+
+
+def describe(state: GateState) -> str:
+    """Return one line of what the gate does and what stands against engaging."""
+    remaining = f", {state.remaining:.0f} s left" if math.isfinite(state.remaining) else ""
+    return f"{state.state.name}{remaining}"

@@ -1,0 +1,86 @@
+"""The recorder's process as a program: writes the log of a drive. It may die without consequence for the drive.
+
+`python -m drawbar.drive.recorder_main`, with its orders on standard input.
+"""
+
+import select
+import sys
+import time
+from pathlib import Path
+
+from drawbar.config import Configuration, load_configuration
+from drawbar.drive.beat import Beat
+from drawbar.drive.ending import Ending
+from drawbar.drive.letters import Event, Raw, Step, unpack
+from drawbar.drive.mail import Mailbox
+from drawbar.drive.orders import GATE, RECORDER, Orders
+from drawbar.drive.place import local_frame
+from drawbar.errors import DrawbarError
+from drawbar.messages import KINDS as RECORDS
+from drawbar.messages import Flaw, GateState, Message, Role, decode
+from drawbar.recording.drive_log import DriveLog
+from drawbar.recording.header import run_header
+from drawbar.recording.log import decode_step
+from drawbar.recording.scene import Scene
+from drawbar.simulation import build_path
+from drawbar.transports.tapped import Direction
+
+LOG_NAME = "log.mcap"
+_DIRECTIONS = tuple(Direction)
+
+
+def main() -> int:
+    """Write until told to end."""
+    orders = Orders.model_validate_json(sys.stdin.read())
+    mailbox, ending = Mailbox(orders.socket(RECORDER)), Ending()
+    configuration = load_configuration(orders.configuration)
+    beat = Beat(Role.RECORDER, mailbox, orders.socket(GATE))
+    healthy = True
+    with _log(configuration, Path(orders.run)) as log:
+        while not ending.asked or select.select([mailbox], [], [], 0.2)[0]:
+            healthy &= _take(mailbox, log, beat)
+            beat.pass_time(time.monotonic_ns(), healthy=healthy)
+            select.select([mailbox], [], [], max(beat.due - time.monotonic_ns(), 0) * 1e-9)
+    mailbox.close()
+    return 0
+
+
+def _log(configuration: Configuration, folder: Path) -> DriveLog:
+    path, drivable = build_path(configuration)
+    frame = local_frame(configuration)
+    header = run_header(configuration, path, drivable, seed=0)
+    return DriveLog(folder / LOG_NAME, header, Scene(path=path, vehicle=configuration.vehicle, frame=frame))
+
+
+def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
+    """Write what has arrived; return whether it could be written."""
+    try:
+        for data in mailbox.receive():
+            _write(data, log, beat)
+        log.flush()
+    except (OSError, DrawbarError) as error:
+        print(f"recorder: the log cannot be written any further ({error})", file=sys.stderr)
+        return False
+    return True
+
+
+def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
+    letter = unpack(data)
+    if isinstance(letter, Raw):
+        log.add_raw(letter.time, letter.device.name.lower(), _DIRECTIONS.index(letter.direction), letter.data)
+    elif isinstance(letter, Step):
+        log.add_step(letter.time, letter.data, decode_step(letter.data))
+    elif isinstance(letter, Event):
+        log.add_event(letter.time, letter.level.value, letter.name, letter.text)
+    else:
+        message = decode(data, *RECORDS.values())
+        if isinstance(message, GateState):
+            beat.state = message.state
+        if isinstance(message, Message):
+            log.add_message(message)
+        elif isinstance(message, Flaw):
+            log.add_event(time.monotonic_ns(), "warning", "recorder", f"a record was refused: {message.value}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

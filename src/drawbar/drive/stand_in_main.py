@@ -1,0 +1,193 @@
+"""The stand-in as a program: the simulated machine behind real sockets, in real time.
+
+`python -m drawbar.drive.stand_in_main`, with its orders on standard input. It serves what `devices` of the configuration
+names: a receiver at `tcp://` listens there, one at `udp://` is sent to; a board answers at its address.
+"""
+
+import select
+import socket
+import sys
+import time
+from urllib.parse import urlsplit
+
+from drawbar.config import Configuration, load_configuration
+from drawbar.drive.ending import Ending
+from drawbar.drive.mail import Mailbox
+from drawbar.drive.orders import DRIVER, Orders
+from drawbar.drive.place import local_frame
+from drawbar.drive.stand_ins import stand_in_machine
+from drawbar.errors import HardwareError
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.machine.stand_in.board import Output
+from drawbar.machine.stand_in.machine import StandInMachine
+from drawbar.messages import GateState, SupervisorState, decode
+from drawbar.simulation import build_path
+
+
+class ReceiverLine:
+    """Where a receiver's bytes go: everybody who is connected to its TCP port, or a UDP port."""
+
+    def __init__(self, address: str) -> None:
+        """Open it.
+
+        Raises:
+            HardwareError: the port is taken, or a stand-in cannot be at such an address.
+        """
+        parts = urlsplit(address)
+        if parts.scheme not in ("tcp", "udp") or parts.port is None:
+            raise HardwareError(
+                f"a stand-in cannot be a receiver at {address}; give tcp://HOST:PORT or udp://HOST:PORT"
+            )
+        self._place = (parts.hostname or "127.0.0.1", parts.port)
+        self._peers: list[socket.socket] = []
+        kind = socket.SOCK_STREAM if parts.scheme == "tcp" else socket.SOCK_DGRAM
+        self._socket = socket.socket(socket.AF_INET, kind)
+        self._socket.setblocking(False)
+        self._listens = parts.scheme == "tcp"
+        if self._listens:
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                self._socket.bind(self._place)
+            except OSError as error:
+                self._socket.close()
+                raise HardwareError(
+                    f"{address} cannot be listened on ({error.strerror}); end the program that does"
+                ) from None
+            self._socket.listen()
+
+    def send(self, data: bytes) -> None:
+        """Send to whoever is there."""
+        if not self._listens:
+            self._socket.sendto(data, self._place)
+            return
+        try:
+            self._peers.append(self._socket.accept()[0])
+            self._peers[-1].setblocking(False)
+        except BlockingIOError:
+            pass
+        for peer in list(self._peers):
+            try:
+                peer.send(data)
+            except OSError:
+                peer.close()
+                self._peers.remove(peer)
+
+    def close(self) -> None:
+        """Close all sockets."""
+        for each in (*self._peers, self._socket):
+            each.close()
+
+
+class BoardLine:
+    """The UDP socket of a board."""
+
+    def __init__(self, settings: SteerBoardSettings) -> None:
+        """Listen at the board's address.
+
+        Raises:
+            HardwareError: the port is taken.
+        """
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._computer: tuple[str, int] | None = None
+        try:
+            self._socket.bind(settings.destination)
+        except OSError as error:
+            self._socket.close()
+            raise HardwareError(
+                f"the stand-in board cannot be at {settings.address} ({error.strerror}); end the program that is"
+            ) from None
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on."""
+        return self._socket.fileno()
+
+    def receive(self) -> list[tuple[bytes, int]]:
+        """Return the datagrams that have come, with their senders' ports."""
+        came = []
+        while len(came) < 64:
+            try:
+                data, self._computer = self._socket.recvfrom(2048)
+            except BlockingIOError:
+                break
+            came.append((data, self._computer[1]))
+        return came
+
+    def send(self, output: Output) -> None:
+        """Send to the computer that was heard last."""
+        if self._computer is not None:
+            try:
+                self._socket.sendto(output.data, self._computer)
+            except OSError:
+                return
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+
+class StandIns:
+    """All stand-in devices of a configuration behind their sockets."""
+
+    def __init__(self, configuration: Configuration, machine: StandInMachine) -> None:
+        """Open the sockets.
+
+        Raises:
+            HardwareError: one of them cannot be opened.
+        """
+        devices = configuration.devices
+        assert devices is not None
+        self._machine = machine
+        receivers = {"tractor": devices.tractor_receiver, "trailer": devices.trailer_receiver}
+        boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
+        self._receivers = {body: ReceiverLine(settings.transport) for body, settings in receivers.items()}
+        self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
+
+    def advance(self, now: float) -> None:
+        """Do everything up to a time, s since the start."""
+        for body, line in self.boards.items():
+            for data, port in line.receive():
+                self._send(self._machine.receive(now, body, data, port))
+        heard, sent = self._machine.advance(now)
+        for body, data in heard:
+            self._receivers[body].send(data)
+        self._send(sent)
+
+    def _send(self, outputs: list[tuple[str, Output]]) -> None:
+        for body, output in outputs:
+            self.boards[body].send(output)
+
+    def close(self) -> None:
+        """Close all sockets."""
+        for line in (*self._receivers.values(), *self.boards.values()):
+            line.close()
+
+
+def main() -> int:
+    """Be the machine until told to end."""
+    orders = Orders.model_validate_json(sys.stdin.read())
+    configuration = load_configuration(orders.configuration)
+    path, _ = build_path(configuration)
+    machine = stand_in_machine(configuration, path, local_frame(configuration), seed=0)
+    lamp, ending = Mailbox(orders.socket(DRIVER)), Ending()
+    try:
+        stand_ins = StandIns(configuration, machine)
+    except HardwareError as error:
+        print(f"stand-in: {error}", file=sys.stderr)
+        return 2
+    start = time.monotonic()
+    while not ending.asked:
+        for data in lamp.receive():
+            state = decode(data, GateState)
+            if isinstance(state, GateState):
+                machine.driver.told_to_stop = bool(state.stop) and state.state is not SupervisorState.STANDBY
+        stand_ins.advance(time.monotonic() - start)
+        wait = machine.next_time - (time.monotonic() - start)
+        select.select([lamp, *stand_ins.boards.values()], [], [], min(max(wait, 0.0), 0.05))
+    stand_ins.close()
+    lamp.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+"""Stand-in machine: a simulated tractor and trailer behind the bytes of its receivers and boards.
+
+It moves on by the times it is given; the wires, sockets or memory, are its owner's.
+"""
+
+import datetime
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from drawbar.geometry import LocalFrame
+from drawbar.machine.stand_in.board import Output, StandInBoard
+from drawbar.machine.stand_in.receiver import Encoder, Report
+from drawbar.machine.stand_in.wheel import HeldWheel
+from drawbar.machine.stand_in.world import TICK, World
+from drawbar.signals import FixQuality, Truth
+
+_SAME = 1e-9
+"""times nearer than this are the same, s"""
+_BEGAN = datetime.datetime(2026, 6, 1, 6, 0, tzinfo=datetime.UTC)
+"""when its receivers' clocks begin"""
+BODIES = ("tractor", "trailer")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StandInSettings:
+    """How the devices behave."""
+
+    epochs: float = 0.2
+    """between two epochs of a receiver, s"""
+    latency: float = 0.03
+    """from an epoch to the first byte of its messages, s"""
+    sigma: float = 0.02
+    """standard deviation that receivers report, m"""
+    speed_sigma: float = 0.02
+    """standard deviation of the speed over ground, m/s"""
+    correction_age: float = 1.0
+    """s"""
+
+
+class Driver:
+    """Somebody on the seat: creeps until the boards steer, then drives; stops a moment after they let go."""
+
+    CREEP = 0.3
+    """m/s; estimators need motion to find the heading"""
+    WAIT = 5.0
+    """for which the vehicle stands at first, s"""
+    ACCELERATION, DECELERATION = 0.5, 1.5
+    """m/s²"""
+    REACTION = 0.7
+    """s"""
+
+    def __init__(self, speed: float) -> None:
+        """Take the speed at which to drive, m/s."""
+        self._speed, self._steered, self._let_go = speed, False, math.inf
+        self.speed = 0.0
+        self.told_to_stop = False
+        """by the display"""
+
+    def tick(self, time: float, steered: bool) -> None:
+        """Decide on the speed at a time, s; steered: both boards turn their wheels."""
+        self._steered |= steered
+        if (steered and not self.told_to_stop) or (not self._steered and not self.told_to_stop):
+            self._let_go = math.inf
+        else:
+            self._let_go = min(self._let_go, time)
+        wish = self._speed if steered or self._steered else self.CREEP if time >= self.WAIT else 0.0
+        if self.told_to_stop:
+            self._let_go = min(self._let_go, time)
+        if time - self._let_go >= self.REACTION:
+            wish = 0.0
+        step = TICK * (self.ACCELERATION if wish > self.speed else self.DECELERATION)
+        self.speed += min(max(wish - self.speed, -step), step)
+
+
+class StandInMachine:
+    """The machine: `advance` it to a time, take what its devices have sent, give the boards what was sent to them."""
+
+    def __init__(
+        self,
+        world: World,
+        frame: LocalFrame,
+        boards: dict[str, tuple[StandInBoard, HeldWheel]],
+        encoders: dict[str, Encoder],
+        driver: Driver,
+        settings: StandInSettings,
+        seed: int,
+    ) -> None:
+        """Take the parts.
+
+        Args:
+            world: with the simulated machine.
+            frame: of the path.
+            boards: of tractor and trailer, each with the wheel that it measures.
+            encoders: of tractor's and trailer's receivers.
+            driver: who drives.
+            settings: of the receivers.
+            seed: of the noise of their speeds.
+        """
+        self._rng = np.random.default_rng(seed)
+        self.world, self.boards, self.driver = world, boards, driver
+        self._frame, self._encoders, self._settings = frame, encoders, settings
+        self._ticks = self._epochs = 0
+        self._leaving: deque[tuple[float, str, bytes]] = deque()
+        self.quality = dict.fromkeys(BODIES, FixQuality.FIXED)
+        """what the receivers report"""
+
+    @property
+    def next_time(self) -> float:
+        """When something happens next, s."""
+        times = [self._ticks * TICK, *(board.next_tick for board, _ in self.boards.values())]
+        return min([*times, self._leaving[0][0]] if self._leaving else times)
+
+    def advance(self, time: float) -> tuple[list[tuple[str, bytes]], list[tuple[str, Output]]]:
+        """Let everything happen up to a time, s; return the receivers' bytes and the boards' datagrams."""
+        sent: list[tuple[str, Output]] = []
+        while self._ticks * TICK <= time + _SAME:
+            self._tick(self._ticks * TICK)
+            self._ticks += 1
+        for body, (board, _) in self.boards.items():
+            sent += [(body, output) for output in board.advance(time)]
+        heard: list[tuple[str, bytes]] = []
+        while self._leaving and self._leaving[0][0] <= time + _SAME:
+            _, body, data = self._leaving.popleft()
+            heard.append((body, data))
+        return heard, sent
+
+    def receive(self, time: float, body: str, datagram: bytes, port: int) -> list[tuple[str, Output]]:
+        """Give a board a datagram from a computer's port; return what it answers at once."""
+        board, _ = self.boards[body]
+        return [(body, output) for output in board.receive(time, datagram, port)]
+
+    def _tick(self, time: float) -> None:
+        points = {body: board.set_point for body, (board, _) in self.boards.items()}
+        self.driver.tick(time, all(board.driving for board, _ in self.boards.values()))
+        if self._ticks:
+            self.world.tick(points["tractor"], points["trailer"], self.driver.speed)
+        truth = self.world.truth
+        self.boards["tractor"][1].angle = truth.tractor_steering
+        self.boards["trailer"][1].angle = truth.trailer_steering
+        if time + _SAME >= self._epochs * self._settings.epochs:
+            self._epochs += 1
+            self._report(time, truth)
+
+    def _report(self, time: float, truth: Truth) -> None:
+        """Let both receivers measure now; their bytes leave later."""
+        measured, moved = self.world.measurement, self._settings
+        for body, x, y, yaw in (
+            ("tractor", measured.tractor_x, measured.tractor_y, truth.tractor.yaw + truth.tractor_crab),
+            ("trailer", measured.trailer_x, measured.trailer_y, truth.trailer.yaw + truth.trailer_crab),
+        ):
+            known = math.isfinite(x + y)
+            latitude, longitude = (float(each) for each in self._frame.level(x, y)) if known else (0.0, 0.0)
+            report = Report(
+                time=_BEGAN + datetime.timedelta(seconds=round(time, 3)),
+                latitude=latitude,
+                longitude=longitude,
+                height=0.0,
+                quality=self.quality[body] if known else FixQuality.NONE,
+                sigma_east=moved.sigma,
+                sigma_north=moved.sigma,
+                speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
+                course=yaw,
+                correction_age=moved.correction_age,
+            )
+            data = b"".join(self._encoders[body](report))
+            self._leaving.append((time + moved.latency, body, data))

@@ -1,0 +1,100 @@
+"""Log of a drive: besides every control step the raw bytes, the messages between the processes, and a scene to look at.
+
+| topic | what |
+|---|---|
+| `/step` | every control step, as in any log |
+| `/raw/DEVICE` | bytes as they came or went: `in`, `out` or `unsent` in the first byte (0, 1, 2), then the bytes |
+| `/fixes`, `/command`, `/controller`, `/gate`, `/operator` | records of `messages.py`, as JSON |
+| `/events` | what happened, in words (foxglove.Log) |
+| `/tractor/fix`, `/trailer/fix`, `/tf`, `/path`, `/bodies`, `/plan/...` | map and 3D scene (foxglove.*), see `scene.py` |
+"""
+
+import time
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from foxglove.messages import Log, LogLevel, Timestamp
+
+from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
+from drawbar.recording.log import STEP_TOPIC, RunHeader
+from drawbar.recording.recorder import Recorder
+from drawbar.recording.scene import Scene
+from drawbar.recording.schema import json_schema
+from drawbar.signals import StepRecord
+
+_TOPICS: dict[type[Message], str] = {
+    Fixes: "/fixes",
+    CommandMessage: "/command",
+    ControllerState: "/controller",
+    GateState: "/gate",
+    OperatorMessage: "/operator",
+}
+_LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
+
+
+class DriveLog(Recorder):
+    """The log of a drive as a context; all times are monotonic, ns, and come out as times of the computer's clock."""
+
+    def __init__(self, file: Path, header: RunHeader, scene: Scene) -> None:
+        """Create the file, and draw what does not change.
+
+        Raises:
+            DrawbarError: the file cannot be created.
+        """
+        super().__init__(file, header)
+        self._scene, self._offset = scene, time.time_ns() - time.monotonic_ns()
+        self._channels: dict[str, int] = {}
+        self._schemas: dict[str, int] = {}
+        for topic, message in scene.standing(time.time_ns()):
+            self._add_known(topic, message, time.time_ns())
+
+    def add_step(self, moment: int, data: bytes, record: StepRecord) -> None:
+        """Add a control step, given as JSON and as what that means."""
+        wall = moment + self._offset
+        self._add(STEP_TOPIC, self._channel, data, wall, record.step)
+        for topic, message in self._scene.moving(wall, record):
+            self._add_known(topic, message, wall)
+
+    def add_raw(self, moment: int, device: str, direction: int, data: bytes) -> None:
+        """Add bytes of a device."""
+        topic = f"/raw/{device}"
+        if topic not in self._channels:
+            self._channels[topic] = self._writer.register_channel(topic, "application/octet-stream", 0)
+        self._add(topic, self._channels[topic], bytes((direction,)) + data, moment + self._offset)
+
+    def add_message(self, message: Message) -> None:
+        """Add a record of one of the processes; a kind that has no topic is left out."""
+        topic = _TOPICS.get(type(message))
+        if topic is None:
+            return
+        if topic not in self._channels:
+            name = f"drawbar.{type(message).__name__}"
+            schema = self._writer.register_schema(name, "jsonschema", json_schema(type(message)))
+            self._channels[topic] = self._writer.register_channel(topic, "json", schema)
+        self._add(topic, self._channels[topic], msgspec.json.encode(asdict(message)), message.time + self._offset)
+
+    def add_event(self, moment: int, level: str, name: str, text: str) -> None:
+        """Add something said in words; level is info, warning or error."""
+        wall = moment + self._offset
+        stamp = Timestamp(*divmod(wall, 1_000_000_000))
+        self._add_known("/events", Log(timestamp=stamp, level=_LEVELS[level], message=text, name=name), wall)
+
+    def _add_known(self, topic: str, message: Any, wall: int) -> None:
+        """Add a message with a well-known schema."""
+        if topic not in self._channels:
+            schema = message.get_schema()
+            if schema.name not in self._schemas:
+                self._schemas[schema.name] = self._writer.register_schema(schema.name, schema.encoding, schema.data)
+            self._channels[topic] = self._writer.register_channel(topic, "protobuf", self._schemas[schema.name])
+        self._add(topic, self._channels[topic], message.encode(), wall)
+
+    def _add(self, topic: str, channel: int, data: bytes, wall: int, sequence: int = 0) -> None:
+        self._writer.add_message(
+            channel_id=channel, log_time=wall, data=data, publish_time=wall, sequence=sequence % 2**32
+        )
+
+    def flush(self) -> None:
+        """Hand everything to the operating system."""
+        self._stream.flush()

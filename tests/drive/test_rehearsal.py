@@ -1,0 +1,137 @@
+"""A whole drive on stand-ins, with the real bytes between all parts and a clock of its own."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drawbar.config import load_configuration
+from drawbar.drive.rehearsal import Rehearsal
+from drawbar.messages import Action, SupervisorState
+from drawbar.safety.causes import Cause
+from drawbar.signals import Flag, FixQuality
+from drawbar.simulation import build_path, simulate
+
+SEED = 3
+
+
+def rehearse(*changes):
+    configuration = load_configuration("articulated", ["path.radii=[8.0]", *changes])
+    path, _ = build_path(configuration)
+    return Rehearsal(configuration, path, SEED, configuration.safety), path
+
+
+def errors(steps, path):
+    """Return true distances (n, 2) of both bodies from the path while engaged, m."""
+    found, near = [], [0.0, 0.0]
+    for record, truth in steps:
+        if not record.flags & Flag.RELEASED and record.status.is_new_command:
+            row = []
+            for body, pose in enumerate((truth.tractor, truth.trailer)):
+                near[body], error = path.project(pose.x, pose.y, near[body] - 5.0, near[body] + 5.0)
+                row.append(error)
+            found.append(row)
+    return np.abs(np.array(found))
+
+
+@pytest.fixture(scope="module")
+def whole():
+    rehearsal, path = rehearse()
+    states = []
+    steps = []
+    for step in rehearsal.run(140.0):
+        steps.append(step)
+        states.append((rehearsal.time, rehearsal.gate_state))
+    return steps, states, path
+
+
+def test_it_engages_drives_the_path_to_its_end_and_stops(whole):
+    steps, states, path = whole
+    order = [state.state for _, state in states]
+    engaged = order.index(SupervisorState.ACTIVE)
+    assert SupervisorState.FAULT not in order
+    assert order[engaged:].count(SupervisorState.ACTIVE) > 500
+    assert order[-1] is SupervisorState.STOPPED
+    assert Cause(states[-1][1].cause) in (Cause.CONTROLLER_STOPS, Cause.NOT_STANDING)
+    assert steps[-1][1].speed == pytest.approx(0.0, abs=0.02)
+
+
+def test_its_errors_are_those_of_a_run_in_process(whole):
+    steps, _, path = whole
+    driven = errors(steps, path)[50:]  # from the place where it was engaged onto the line
+    log = simulate(load_configuration("articulated", ["path.radii=[8.0]"]), SEED)
+    alone = errors([(record, record.truth) for record in log.records], path)
+    np.testing.assert_allclose(driven.mean(axis=0), alone.mean(axis=0), atol=0.006)
+    assert driven.max() < alone.max() + 0.03
+
+
+def test_before_it_is_engaged_nothing_is_steered(whole):
+    steps, states, _ = whole
+    for (record, truth), (_, state) in zip(steps, states, strict=True):
+        if not state.steers:
+            assert record.flags & Flag.RELEASED or not record.status.is_new_command
+            assert math.isnan(state.tractor_set_point)
+        if state.state in (SupervisorState.STANDBY, SupervisorState.READY):
+            assert truth.tractor_steering == pytest.approx(0.0, abs=1e-6)
+
+
+def drive_until(rehearsal, state, longest=40.0):
+    for _ in rehearsal.run(longest):
+        if rehearsal.gate_state.state is state:
+            return
+    raise AssertionError(f"{state.name} was not reached; {rehearsal.gate_state}")
+
+
+def released_after(rehearsal, longest):
+    """Return the time until the gate steers no more, s."""
+    begin = rehearsal.time
+    while rehearsal.gate_state.steers and rehearsal.time < begin + longest:
+        rehearsal.advance()
+    assert not rehearsal.gate_state.steers
+    return rehearsal.time - begin
+
+
+def test_receivers_that_fall_silent_end_in_a_stop():
+    rehearsal, _ = rehearse()
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    rehearsal.machine.quality = dict.fromkeys(rehearsal.machine.quality, FixQuality.NONE)
+    drive_until(rehearsal, SupervisorState.DEGRADED, 3.0)
+    for _ in rehearsal.run(25.0):
+        pass
+    assert rehearsal.gate_state.state is SupervisorState.STOPPED
+    assert rehearsal.machine.world.truth.speed == pytest.approx(0.0, abs=0.02)
+
+
+def test_an_operator_at_a_board_takes_over_at_once_and_for_good():
+    rehearsal, _ = rehearse()
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    rehearsal.machine.boards["tractor"][0].override()
+    assert released_after(rehearsal, 1.0) < 0.3
+    for _ in rehearsal.run(8.0):
+        assert not rehearsal.gate_state.steers
+    assert rehearsal.gate_state.state is SupervisorState.OVERRIDE
+
+
+@pytest.mark.parametrize("action", [Action.STOP, Action.RELEASE, Action.EMERGENCY])
+def test_the_operator_ends_it(action):
+    rehearsal, _ = rehearse()
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    rehearsal.ask(action)
+    assert released_after(rehearsal, 12.0) < (12.0 if action is Action.STOP else 0.2)
+
+
+def test_a_board_that_loses_power_is_let_go_of_and_not_engaged_again():
+    rehearsal, _ = rehearse()
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    rehearsal.machine.boards["trailer"][0].restart(rehearsal.time, outage=0.5)
+    assert released_after(rehearsal, 2.0) < 0.5
+    for _ in rehearsal.run(5.0):
+        assert not any(board.driving for board, _ in rehearsal.machine.boards.values())
+
+
+def test_a_rehearsal_is_the_same_each_time():
+    def some():
+        rehearsal, _ = rehearse()
+        return [record.command for record, _ in rehearsal.run(20.0)]
+
+    assert some() == some()
