@@ -94,7 +94,8 @@ class Caster:
         """GGA lines that clients uploaded after their request"""
         self.port = 0
         self._stopped = threading.Event()
-        self._threads: list[threading.Thread] = []
+        self._acceptor: threading.Thread | None = None
+        self._servants: list[threading.Thread] = []
 
     def start(self) -> int:
         """Listen, and return the port."""
@@ -102,15 +103,17 @@ class Caster:
         server.settimeout(0.1)
         self.port = int(server.getsockname()[1])
         self._stopped.clear()
-        self._start_thread(self._accept, server)
+        self._acceptor = threading.Thread(target=self._accept, args=(server,), name="caster", daemon=True)
+        self._acceptor.start()
         return self.port
 
     def stop(self) -> None:
         """Leave all clients."""
         self._stopped.set()
-        for thread in self._threads:
-            thread.join()
-        self._threads.clear()
+        if self._acceptor:
+            self._acceptor.join()
+        for servant in self._servants:
+            servant.join()
 
     def __enter__(self) -> Self:
         self.start()
@@ -121,16 +124,14 @@ class Caster:
     ) -> None:
         self.stop()
 
-    def _start_thread(self, target: Callable[[socket.socket], None], argument: socket.socket) -> None:
-        self._threads = [thread for thread in self._threads if thread.is_alive()]
-        self._threads.append(threading.Thread(target=target, args=(argument,), name="caster", daemon=True))
-        self._threads[-1].start()
-
     def _accept(self, server: socket.socket) -> None:
         with server:
             while not self._stopped.is_set():
                 with suppress(TimeoutError):
-                    self._start_thread(self._serve, server.accept()[0])
+                    client = server.accept()[0]
+                    servant = threading.Thread(target=self._serve, args=(client,), name="caster", daemon=True)
+                    servant.start()
+                    self._servants = [each for each in self._servants if each.is_alive()] + [servant]
 
     def _serve(self, plain: socket.socket) -> None:
         """Answer one client until it or the caster leaves."""
