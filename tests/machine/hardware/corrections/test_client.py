@@ -2,14 +2,12 @@
 
 import logging
 import socket
-import ssl
-import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from random import Random
-from shutil import which
 
 import pytest
+from certificates import certificate
 from waiting import FakeClock, until
 
 from drawbar.errors import ConfigurationError
@@ -273,6 +271,30 @@ def test_stream_that_waits_for_a_position_in_vain_is_given_up_in_the_end(connect
         assert "waiting for a position, and the receiver has no fix" in bench.status.message
 
 
+def test_text_before_the_first_frame_reaches_no_receiver(connect: Callable[..., Bench]) -> None:
+    def corrections(epoch: int) -> bytes:
+        return b"Welcome to this caster!\r\n" * (epoch < 3) + empty_corrections(epoch)[: None if epoch else -1]
+
+    with Caster(login=LOGIN, interval=FAST, corrections=corrections) as caster:
+        bench = connect(caster.port)
+        bench.until(lambda: len(bench.frames) >= 5)
+    assert bench.stream[:1] == b"\xd3"
+
+
+def test_end_of_the_chunks_is_the_end_of_the_stream(connect: Callable[..., Bench]) -> None:
+    frame = empty_corrections(1)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        bench = connect(server.getsockname()[1])
+        bench.until_state(CorrectionsState.ASKING)
+        other, _ = server.accept()
+        with other:
+            head = b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n"
+            other.sendall(head + b"%x\r\n%b\r\n0\r\n\r\n" % (len(frame), frame))
+            bench.until_state(CorrectionsState.WAITING)
+    assert "has ended the stream" in bench.status.message
+    assert bytes(bench.stream) == frame
+
+
 def test_switched_base_is_noticed(connect: Callable[..., Bench]) -> None:
     def corrections(epoch: int) -> bytes:
         return empty_corrections(epoch, station=123 if epoch < 5 else 124)
@@ -283,21 +305,6 @@ def test_switched_base_is_noticed(connect: Callable[..., Bench]) -> None:
         assert bench.status.station_changed == 0.0
         bench.clock.now += 4.0
         assert bench.status.station_changed == 4.0
-
-
-def certificate(folder: Path) -> tuple[ssl.SSLContext, Path]:
-    """Return a server's context and the file that a client checks it with."""
-    openssl = which("openssl")
-    if openssl is None:
-        pytest.skip("openssl, which makes the certificate for this test, is not on this machine")
-    key, file = folder / "key.pem", folder / "caster.pem"
-    command = [openssl, "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
-    command += ["-keyout", str(key), "-out", str(file), "-days", "2", "-subj", "/CN=localhost"]
-    command += ["-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1"]
-    subprocess.run(command, check=True, capture_output=True)
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.load_cert_chain(file, key)
-    return context, file
 
 
 @pytest.mark.parametrize("fault", [CasterFault.NONE, CasterFault.CLOSE, CasterFault.RESET])
