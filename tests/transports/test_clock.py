@@ -30,6 +30,23 @@ def test_set_wall_clock_gives_the_time_of_reading_once(clocks: tuple[FakeClock, 
     assert converter.monotonic(wall.now - 0.01) == pytest.approx(monotonic.now - 0.01)
 
 
+def test_process_stopped_between_two_looks_is_no_set_clock(clocks: tuple[FakeClock, FakeClock]) -> None:
+    monotonic, wall = clocks
+    stops = [0.0, 0.0, 0.03, 0.02, 0.0]
+
+    def stopped_wall_clock() -> float:
+        shown = wall.now
+        stop = stops.pop(0) if stops else 0.0
+        monotonic.now += stop
+        wall.now += stop
+        return shown
+
+    converter = StampConverter(monotonic, stopped_wall_clock)
+    stamp, moment = wall.now, monotonic.now
+    for _ in range(3):
+        assert converter.monotonic(stamp) == pytest.approx(moment)
+
+
 @pytest.mark.parametrize("age", [-0.001, OLDEST + 0.1, float("nan"), float("inf")])
 def test_senseless_stamp_gives_the_time_of_reading(clocks: tuple[FakeClock, FakeClock], age: float) -> None:
     monotonic, wall = clocks

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from waiting import FakeClock
 
@@ -54,6 +54,7 @@ def test_missing_recording_is_refused(tmp_path: Path) -> None:
         FileTransport(FileAddress(path=str(tmp_path / "none")))
 
 
+@settings(derandomize=True, deadline=None)
 @given(st.floats(allow_nan=False, allow_infinity=False), st.binary(min_size=1), st.sampled_from(["", "127.0.0.1:9"]))
 def test_what_is_recorded_is_what_is_played(time: float, data: bytes, source: str) -> None:
     received = Received(time, data, source)

@@ -71,6 +71,8 @@ def test_lost_connection_is_opened_again(server: socket.socket, linger: bool) ->
     with connect(transport, server) as other:
         other.sendall(b"again")
         assert until(transport.read)[0].data == b"again"
+    until(lambda: transport.read() == [] and not transport.connected)
+    assert transport.trouble.endswith("next attempt in 1 s"), "bytes came in between"
     transport.close()
 
 
