@@ -132,11 +132,11 @@ def _root(variance: float) -> float:
     return math.sqrt(variance) if variance >= 0.0 else math.nan
 
 
-SBF: dict[int, tuple[str, Callable[[Values], tuple[Content, ...]]]] = {
-    4007: ("PVTGeodetic", pvt_geodetic),
-    5906: ("PosCovGeodetic", pos_cov_geodetic),
-    5938: ("AttEuler", att_euler),
-    5939: ("AttCovEuler", att_cov_euler),
-    4028: ("BaseVectorGeod", base_vector_geod),
+SBF: dict[int, tuple[str, int, Callable[[Values], tuple[Content, ...]]]] = {
+    4007: ("PVTGeodetic", 96, pvt_geodetic),
+    5906: ("PosCovGeodetic", 56, pos_cov_geodetic),
+    5938: ("AttEuler", 44, att_euler),
+    5939: ("AttCovEuler", 40, att_cov_euler),
+    4028: ("BaseVectorGeod", 16, base_vector_geod),
 }
-"""by block number"""
+"""by block number: name, least length of the block, reader; PVTGeodetic of before revision 2 has no accuracy"""
