@@ -211,21 +211,27 @@ def test_golden_frames(golden: Callable[[str], Any], name: str) -> None:
 @pytest.mark.parametrize(
     ("body", "kind"),
     [
-        ("GNGGA,101530.20,9952.6123456,N,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "value of lat"),
-        ("GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,nan,42.3,M,45.7,M,1.2,0123", "value of HDOP"),
-        ("GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,0.7,inf,M,45.7,M,1.2,0123", "value of alt"),
-        ("GNGGA,256199.20,5052.6123456,N,00442.1234567,E,4,17,0.7,4.1,M,45.7,M,1.2,0123", "value of 1"),
-        ("GNGGA,101560.00,5052.6123456,N,00442.1234567,E,4,17,0.7,4.1,M,45.7,M,1.2,0123", "value of 1"),
-        ("GNVTG,87.345,T,85.100,M,1e9,N,3.600,K,R", "value of sogn"),
-        ("GNZDA,101530.20,31,02,2026,00,00", "value of date"),
-        ("PSSN,HRP,101530.20,221126,723.4,,2.345,0.120,,0.300,14,2,1.5,E", "value of hdg"),
-        ("PANDA,101530.20,5099.6123456,N,00442.1234567,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12,5", "value of 2"),
-        ("PANDA,101530.20,5052.6123456,X,00442.1234567,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12,5", "value of 2"),
+        ("GNGGA,101530.20,9952.6123456,N,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible lat"),
+        ("GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,nan,42.3,M,45.7,M,1.2,0123", "GGA: impossible HDOP"),
+        ("GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,0.7,inf,M,45.7,M,1.2,0123", "GGA: impossible alt"),
+        ("GNGGA,256199.20,5052.6123456,N,00442.1234567,E,4,17,0.7,4.1,M,45.7,M,1.2,0123", "GGA: impossible field 1"),
+        ("GNGGA,101560.00,5052.6123456,N,00442.1234567,E,4,17,0.7,4.1,M,45.7,M,1.2,0123", "GGA: impossible field 1"),
+        ("GNVTG,87.345,T,85.100,M,1e9,N,3.600,K,R", "VTG: impossible sogn"),
+        ("GNZDA,101530.20,31,02,2026,00,00", "ZDA: impossible date"),
+        ("PSSN,HRP,101530.20,221126,723.4,,2.345,0.120,,0.300,14,2,1.5,E", "HRP: impossible hdg"),
+        (
+            "PANDA,101530.20,5099.6123456,N,00442.1234567,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12,5",
+            "PANDA: impossible field 2",
+        ),
+        (
+            "PANDA,101530.20,5052.6123456,X,00442.1234567,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12,5",
+            "PANDA: impossible field 2",
+        ),
         ("PANDA,101530.20,5052.6,N,00442.1,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12", "PANDA with 14 fields"),
         ("PAOGI,101530.20,5052.6,N,00442.1,E,4,17,0.7,42.3,M,1.2,s,1.9,K,12.2,T,1,2,3", "PAOGI with 19 fields"),
         ("KSXT,20261122101530.20,4.7", "KSXT with 2 fields"),
         ("PANDA,101530.20,abc,N,00442.1,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12,5", "NMEA unreadable: ValueError"),
-        ("GNGGA,101530.20", "GGA with 1 fields"),
+        ("GNGGA,101530.20", "GGA cut short"),
         ("GPGSV,1,1,00", "NMEA of no use"),
         ("PUBX,00,1", "NMEA of no use"),
         ("PSSN,TFM,101530.20", "NMEA of no use"),
@@ -269,7 +275,9 @@ def test_deviations_that_are_none_are_told_from_missing_ones(gst: str, impossibl
 
 def test_unknown_messages_and_weeks_that_are_too_long_are_counted() -> None:
     assert dropped(frame(0x0A, 0x04, bytes(40))) == {"UBX of no use": 1}
-    assert dropped(frame(0x01, 0x14, b"\0\0\0\0" + b"\xff" * 4 + bytes(28))) == {"value of time of week": 1}
+    assert dropped(frame(0x01, 0x14, b"\0\0\0\0" + b"\xff" * 4 + bytes(28))) == {
+        "NAV-HPPOSLLH: impossible time of week": 1
+    }
     assert dropped(frame(0x01, 0x07, bytes(84))) == {"NAV-PVT of another version": 1}
     for number, kind in ((4006, "SBF of no use"), (4007, "PVTGeodetic of another version")):
         body = bytes((number & 255, number >> 8, 16, 0)) + bytes(8)
@@ -282,6 +290,18 @@ def test_a_base_that_stands_tells_no_attitude(golden: Callable[[str], Any]) -> N
     block[18] = 4  # fixed, not of a moving base
     block[2:4] = crc_ccitt(block[4:]).to_bytes(2, "little")
     assert decoded(bytes(block)).contents == ()
+
+
+@pytest.mark.parametrize(("revision", "length"), [(0, 84), (1, 88)])
+def test_old_receivers_do_not_say_how_accurate_they_are(
+    golden: Callable[[str], Any], revision: int, length: int
+) -> None:
+    block = bytearray.fromhex(golden("gnss_binary.json")["sbf"][0]["hex"])[4:length]
+    block[1:4] = bytes((block[1] & 0x1F | revision << 5, length, 0))
+    message = decoded(b"$@" + crc_ccitt(block).to_bytes(2, "little") + block)
+    assert found(message, Position, "latitude") == pytest.approx(50.8768724267)
+    assert found(message, Accuracy, "east") is None
+    assert found(message, Accuracy, "impossible") is False
 
 
 def test_leap_seconds_are_a_setting(golden: Callable[[str], Any]) -> None:

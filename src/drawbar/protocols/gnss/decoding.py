@@ -13,7 +13,7 @@ from pyubx2 import UBXReader
 from drawbar.protocols.gnss.boards import BOARDS
 from drawbar.protocols.gnss.framing import Frame, Protocol
 from drawbar.protocols.gnss.messages import Message
-from drawbar.protocols.gnss.sbf import SBF, without_unused
+from drawbar.protocols.gnss.sbf import SBF, given
 from drawbar.protocols.gnss.sentences import SENTENCES
 from drawbar.protocols.gnss.ubx import UBX
 from drawbar.protocols.gnss.values import Values
@@ -60,11 +60,11 @@ class Decoder:
             return None
         sentence = SENTENCES[kind]
         if len(fields) < sentence.fields:
-            self.dropped[f"{kind} with {len(fields)} fields"] += 1
+            self.dropped[f"{kind} cut short"] += 1
             return None
         parsed = NMEAReader.parse(data + b"\r\n")
         raw = {str(number): text for number, text in enumerate(parsed.payload, 1)}
-        values = Values(vars(parsed) | raw, self.dropped)
+        values = Values(kind, vars(parsed) | raw, self.dropped)
         utc = values.clock(sentence.clock) if sentence.clock else None
         return Message(kind=kind, utc=utc, contents=sentence.decode(values))
 
@@ -74,7 +74,7 @@ class Decoder:
             self.dropped[f"{kind} with {len(fields)} fields"] += 1
             return None
         named = {str(number): text for number, text in enumerate(fields, 1)}
-        values = Values(named | {"time": fields[0][board.clock :]}, self.dropped)
+        values = Values(kind, named | {"time": fields[0][board.clock :]}, self.dropped)
         return Message(kind=kind, utc=values.clock("time"), contents=board.decode(values))
 
     def _ubx(self, data: bytes) -> Message | None:
@@ -86,7 +86,9 @@ class Decoder:
             self.dropped[f"{name} of another version"] += 1
             return None
         fields = vars(UBXReader.parse(data))
-        return Message(kind=name, utc=self._day_time(fields["iTOW"]), contents=decode(Values(fields, self.dropped)))
+        return Message(
+            kind=name, utc=self._day_time(name, fields["iTOW"]), contents=decode(Values(name, fields, self.dropped))
+        )
 
     def _sbf(self, data: bytes) -> Message | None:
         name, least, decode = SBF.get(int.from_bytes(data[4:6], "little") & 0x1FFF, ("", 0, None))
@@ -97,13 +99,13 @@ class Decoder:
             self.dropped[f"{name} of another version"] += 1
             return None
         fields = vars(SBFReader.parse(data))
-        values = Values(without_unused(fields), self.dropped)
-        return Message(kind=name, utc=self._day_time(fields["TOW"]), contents=decode(values))
+        values = Values(name, given(fields, len(data)), self.dropped)
+        return Message(kind=name, utc=self._day_time(name, fields["TOW"]), contents=decode(values))
 
-    def _day_time(self, milliseconds: int) -> float | None:
+    def _day_time(self, kind: str, milliseconds: int) -> float | None:
         """Return a GPS time of week (ms) as seconds of the UTC day, None where it is none."""
         if not 0 <= milliseconds < _WEEK:
-            self.dropped["value of time of week"] += 1
+            self.dropped[f"{kind}: impossible time of week"] += 1
             return None
         return (milliseconds - 1000 * self._leap_seconds) % _DAY / 1000.0
 
