@@ -4,6 +4,7 @@ An epoch ends when a message of another time comes, after 20 ms without a byte, 
 there that its predecessors had: 20 ms would be the whole time that a step may take.
 """
 
+import math
 from collections import Counter, deque
 
 from drawbar.protocols.gnss.epoch import Epoch
@@ -143,10 +144,13 @@ class Assembler:
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
         settings, position = self._settings, solution.position
         time = self._clock.measured(utc, draft.received - solution.latency) - settings.latency
-        quality = self._hold.update(draft.received, solution.quality)
+        quality = solution.quality
+        if quality is not FixQuality.UNKNOWN:  # an attitude alone says nothing of the fix
+            quality = self._hold.update(draft.received, quality)
         place = (position.latitude, position.longitude)
-        self._repeats = self._repeats + 1 if place == self._place else 0
-        self._place = place
+        if math.isfinite(sum(place)):
+            self._repeats = self._repeats + 1 if place == self._place else 0
+            self._place = place
         by_quality = solution.quality if quality is FixQuality.NONE else quality
         east, north = sigma(solution.sigma, by_quality, settings.sigma_inflation)
         return Epoch(
