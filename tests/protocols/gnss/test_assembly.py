@@ -62,8 +62,8 @@ def test_a_message_that_came_too_late_is_counted_and_waited_for(report: Maker) -
     for step in range(3, 9):  # the speed is switched on
         begin = 10.0 + 0.1 * step
         speeds += [epoch.speed for epoch in run(stream, [(begin, [nmea.gga(report(0.1 * step)), nmea.vtg(report())])])]
-    assert [math.isnan(speed) for speed in speeds] == 3 * [True] + 3 * [False]
-    assert stream.dropped == {"message without its epoch": 3}
+    assert [math.isnan(speed) for speed in speeds] == 2 * [True] + 4 * [False]
+    assert stream.dropped == {"message without its epoch": 2}
 
 
 def test_a_message_that_no_longer_comes_is_not_waited_for_for_ever(report: Maker) -> None:
@@ -90,6 +90,16 @@ def test_attitude_alone_is_an_epoch(report: Maker) -> None:
     (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [ubx.relposned(report(yaw=1.0))])])
     assert epoch.yaw == pytest.approx(1.0, abs=1e-6)
     assert (epoch.quality, epoch.has_fix) == (FixQuality.UNKNOWN, False)
+
+
+def test_a_position_that_begins_to_come_behind_the_attitude_is_waited_for(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    epochs = run(stream, [(10.0 + 0.1 * step, [nmea.hrp(report(0.1 * step, yaw=1.0))]) for step in range(20)])
+    for step in range(20, 30):
+        frames = [nmea.hrp(report(0.1 * step, yaw=1.0)), nmea.gga(report(0.1 * step))]
+        epochs += run(stream, [(10.0 + 0.1 * step, frames)])
+    assert [epoch.has_fix for epoch in epochs] == [False] * 21 + [True] * 9
+    assert stream.dropped == {"message without its epoch": 1}
 
 
 def test_attitude_between_positions_does_not_disturb_them(report: Maker) -> None:

@@ -17,8 +17,8 @@ from drawbar.signals import FixQuality
 
 _REMEMBERED = 10
 """epochs whose kinds of messages are remembered"""
-_AWAITED = 3
-"""a kind that came in so many of them is waited for"""
+_AWAITED = 0.3
+"""a kind that came in this share of them is waited for, a position in any case"""
 _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _NEW_TIME = 5
@@ -59,6 +59,7 @@ class Assembler:
         self._settings = settings
         self._draft: _Draft | None = None
         self._kinds: deque[set[str]] = deque(maxlen=_REMEMBERED)
+        self._positional: set[str] = set()  # kinds that hold a position
         self._start_over()
 
     def _start_over(self) -> None:
@@ -67,6 +68,7 @@ class Assembler:
         self._hold = QualityHold(self._settings.quality_hold)
         self._behind, self._behind_utc = 0, 0.0
         self._place, self._repeats = (0.0, 0.0), 0
+        self._had_position = False
 
     @property
     def is_open(self) -> bool:
@@ -81,13 +83,17 @@ class Assembler:
         if self._draft is None:
             self._draft = _Draft(time)
         self._draft.add(message)
+        if any(isinstance(content, Position) for content in message.contents):
+            self._positional.add(message.kind)
         if len(self._kinds) >= _FIRST and self._draft.utc is not None and self._is_complete(self._draft):
             ended += self.close()
         return ended
 
     def _is_complete(self, draft: _Draft) -> bool:
         counts = Counter(kind for kinds in self._kinds for kind in kinds)
-        return all(kind in draft.kinds for kind, count in counts.items() if count >= _AWAITED)
+        least = _AWAITED * len(self._kinds)
+        awaited = {kind for kind, count in counts.items() if count >= least or kind in self._positional}
+        return awaited <= draft.kinds
 
     def close(self) -> list[Epoch]:
         """End the open epoch, after a silence; return it, or nothing where it is none."""
@@ -107,8 +113,8 @@ class Assembler:
         return [] if epoch is None else [epoch]
 
     def _is_straggler(self, draft: _Draft) -> bool:
-        """Whether messages belong to the epoch that was closed last, all of them without a position."""
-        if any(isinstance(content, Position) for content in draft.contents):
+        """Whether messages belong to the epoch that was closed last, and are not that epoch once more."""
+        if draft.kinds & self._positional and (self._had_position or draft.utc is None):
             return False
         return draft.utc is None or abs(self._clock.step(draft.utc)) < SAME_EPOCH
 
@@ -123,6 +129,7 @@ class Assembler:
             self.dropped["epoch out of order"] += 1
             return None
         self.frozen = self._behind = 0
+        self._had_position = bool(draft.kinds & self._positional)
         solution = solve(draft.contents, self._settings)
         if solution.refused:
             self.dropped[solution.refused] += 1
