@@ -143,7 +143,7 @@ def broken(data: bytes, chance: random.Random) -> bytes:
 
 
 def fuzz(count: int, seed: int) -> tuple[int, float, Counter[str]]:
-    """Fuzz with at least `count` frames; return how many came out whole, CPU time each of the slowest hundred (s), counts.
+    """Fuzz with at least `count` frames; return how many came out whole, CPU time of each of the slowest 100, counts.
 
     Raises whatever a parser raises, and AssertionError if an intact frame does not come out.
     """

@@ -102,6 +102,20 @@ def test_a_position_that_begins_to_come_behind_the_attitude_is_waited_for(report
     assert stream.dropped == {"message without its epoch": 1}
 
 
+def test_a_second_rarer_position_is_not_waited_for_and_repeats_nothing(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    waits = []
+    for step in range(40):
+        frames = [nmea.gga(report(0.1 * step)), *([nmea.rmc(report(0.1 * step))] if step % 10 == 0 else [])]
+        waits.append(not stream.push(frames[0], 10.0 + 0.1 * step))
+        for frame in frames[1:]:
+            stream.push(frame, 10.001 + 0.1 * step)
+        stream.poll(10.08 + 0.1 * step)
+    assert waits == [True] * 4 + [False] * 36  # until its share is known to be small
+    assert stream.dropped == {"message without its epoch": 3}
+    assert stream.frozen == 0
+
+
 def test_attitude_between_positions_does_not_disturb_them(report: Maker) -> None:
     place = {"yaw": 1.0, "quality": FixQuality.FIXED}
     bursts = [

@@ -119,9 +119,10 @@ def test_a_wrong_length_loses_no_sentence(header: bytes) -> None:
 
 def test_frames_behind_a_false_header_come_with_the_bytes_that_disprove_it() -> None:
     framer = Framer()
-    assert framer.push(b"\xb5\x62\x01\x07\xe8\x03" + GGA, 0.0) == []
+    assert framer.push(b"\xb5\x62\x01\x07\xe8\x03", 0.0) + framer.push(GGA, 1.0) == []
     assert framer.is_waiting
-    assert len(framer.push(12 * GGA, 1.0)) == 13  # the header promised 1000 bytes
+    found = framer.push(12 * GGA, 2.0)  # the header promised 1000 bytes
+    assert [frame.time for frame in found] == [1.0] + 12 * [2.0]
     assert framer.dropped == {"UBX checksum": 1, "noise bytes": 5}
 
 
@@ -147,6 +148,7 @@ def test_frames_come_out_with_their_last_byte_and_carry_the_time_of_their_first(
         (b"\xb5\x62\x01\x07\xf9\x03", {"UBX length": 1, "noise bytes": 5}),
         (b"$@" + b"\x00" * 4 + b"\x10\x00" + b"\x00" * 8, {"SBF checksum": 1, "noise bytes": 15}),
         (b"$@" + b"\x00" * 4 + b"\x0c\x00", {"SBF length": 1, "noise bytes": 7}),
+        (b"$@" + b"\x00" * 4 + b"\x61\x00", {"SBF length": 1, "noise bytes": 7}),
         (b"\xd3\x00\x00\x00\x00\x00", {"RTCM checksum": 1, "noise bytes": 5}),
         (b"\xd3\x04\x00\r\n", {"noise bytes": 3}),
         (b"$GPGGA,1", {"incomplete": 1, "noise bytes": 7}),

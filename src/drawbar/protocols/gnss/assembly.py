@@ -18,7 +18,7 @@ from drawbar.signals import FixQuality
 _REMEMBERED = 10
 """epochs whose kinds of messages are remembered"""
 _AWAITED = 0.3
-"""a kind that came in this share of them is waited for, a position in any case"""
+"""a kind that came in this share of them is waited for, the only position in any case"""
 _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _NEW_TIME = 5
@@ -68,7 +68,7 @@ class Assembler:
         self._hold = QualityHold(self._settings.quality_hold)
         self._behind, self._behind_utc = 0, 0.0
         self._place, self._repeats = (0.0, 0.0), 0
-        self._had_position = False
+        self._last_kinds: set[str] = set()  # of the epoch before
 
     @property
     def is_open(self) -> bool:
@@ -92,7 +92,9 @@ class Assembler:
     def _is_complete(self, draft: _Draft) -> bool:
         counts = Counter(kind for kinds in self._kinds for kind in kinds)
         least = _AWAITED * len(self._kinds)
-        awaited = {kind for kind, count in counts.items() if count >= least or kind in self._positional}
+        awaited = {kind for kind, count in counts.items() if count >= least}
+        if not draft.kinds & self._positional:
+            awaited |= counts.keys() & self._positional
         return awaited <= draft.kinds
 
     def close(self) -> list[Epoch]:
@@ -114,9 +116,10 @@ class Assembler:
 
     def _is_straggler(self, draft: _Draft) -> bool:
         """Whether messages belong to the epoch that was closed last, and are not that epoch once more."""
-        if draft.kinds & self._positional and (self._had_position or draft.utc is None):
-            return False
-        return draft.utc is None or abs(self._clock.step(draft.utc)) < SAME_EPOCH
+        positions = draft.kinds & self._positional
+        if draft.utc is None:
+            return not positions
+        return abs(self._clock.step(draft.utc)) < SAME_EPOCH and not positions & self._last_kinds
 
     def _checked(self, draft: _Draft, utc: float) -> Epoch | None:
         """Return the epoch, if it follows those before and its deviation is one."""
@@ -129,7 +132,7 @@ class Assembler:
             self.dropped["epoch out of order"] += 1
             return None
         self.frozen = self._behind = 0
-        self._had_position = bool(draft.kinds & self._positional)
+        self._last_kinds = draft.kinds
         solution = solve(draft.contents, self._settings)
         if solution.refused:
             self.dropped[solution.refused] += 1
