@@ -232,6 +232,13 @@ def test_the_least_delay_is_forgotten_after_a_minute(report: Maker) -> None:
     assert max(epoch.received - epoch.time for epoch in epochs) == pytest.approx(60 * drift, rel=0.05)
 
 
+def test_the_least_delay_is_forgotten_over_a_pause(report: Maker) -> None:
+    times = [0.0, 1.0, 2.0, 100.0, 101.0]
+    bursts = [(10.0 + time + (0.3 if time >= 100.0 else 0.0), [nmea.gga(report(time))]) for time in times]
+    epochs = run(EpochStream(EpochSettings()), bursts)
+    assert [epoch.received - epoch.time for epoch in epochs] == pytest.approx([0.0] * 5, abs=1e-9)
+
+
 def test_a_latency_that_the_receiver_reports_is_taken_off(
     golden: Callable[[str], dict[str, list[dict[str, str]]]],
 ) -> None:

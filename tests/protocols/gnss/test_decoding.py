@@ -304,6 +304,31 @@ def test_old_receivers_do_not_say_how_accurate_they_are(
     assert found(message, Accuracy, "impossible") is False
 
 
+@pytest.mark.parametrize(
+    ("index", "place", "byte", "field", "expected"),
+    [
+        (0, 15, 1, "quality", FixQuality.NONE),  # an error
+        (0, 14, 0x84, "quality", FixQuality.NONE),  # two dimensions only
+        (0, 14, 10, "quality", FixQuality.NONE),  # precise point positioning
+        (0, 14, 5, "quality", FixQuality.FLOAT),
+        (3, 15, 1, "valid", False),
+        (3, 16, 3, "fixed", False),
+        (2, 15, 1, "east", None),
+        (5, 15, 1, "yaw", None),
+    ],
+)
+def test_blocks_with_an_error_are_not_believed(
+    golden: Callable[[str], Any], index: int, place: int, byte: int, field: str, expected: object
+) -> None:
+    names = ("PVTGeodetic", "PVTGeodetic no fix", "PosCovGeodetic", "AttEuler", "AttEuler no attitude", "AttCovEuler")
+    file = golden("gnss_binary.json")["sbf"][index]
+    assert file["name"] == names[index]
+    block = bytearray.fromhex(file["hex"])
+    block[place] = byte
+    block[2:4] = crc_ccitt(block[4:]).to_bytes(2, "little")
+    assert found(decoded(bytes(block)), None, field) == expected
+
+
 def test_leap_seconds_are_a_setting(golden: Callable[[str], Any]) -> None:
     (found_frame,) = Framer().push(bytes.fromhex(golden("gnss_binary.json")["ubx"][0]["hex"]), 0.0)
     message = Decoder(leap_seconds=19).decode(found_frame)
