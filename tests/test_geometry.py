@@ -1,11 +1,13 @@
+import csv
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drawbar.geometry import east_north, nearest_branch, wrap
+from drawbar.geometry import LocalFrame, lever, nearest_branch, wrap
 
 angles = st.floats(-1e3, 1e3)
 
@@ -32,36 +34,101 @@ def test_nearest_branch_moves_by_whole_turns_to_within_half_a_turn(angle: float,
     assert abs(moved - target) <= math.pi + 1e-9
 
 
-def geocentric(latitude: float, longitude: float) -> np.ndarray:
-    """Return the WGS84 point at height zero in Cartesian coordinates, m."""
-    axis, eccentricity_squared = 6378137.0, 6.69437999014e-3
-    phi, lam = math.radians(latitude), math.radians(longitude)
-    normal = axis / math.sqrt(1.0 - eccentricity_squared * math.sin(phi) ** 2)
-    return normal * np.array(
-        [
-            math.cos(phi) * math.cos(lam),
-            math.cos(phi) * math.sin(lam),
-            (1.0 - eccentricity_squared) * math.sin(phi),
-        ]
+ORIGINS = [(-60.0, 11.2, 0.0), (-20.0, -179.99, 300.0), (0.0, 0.0, 0.0), (50.88, 4.7, 88.0), (67.0, 25.0, 150.0)]
+SHARED = Path(__file__).parents[2] / "shared" / "vectors"
+
+
+def vectors(name: str) -> list[dict[str, float]]:
+    """Return the rows of a golden file, which only some machines have beside the repository."""
+    if not (SHARED / name).exists():
+        pytest.skip(f"the golden file {name} is not on this machine")
+    with (SHARED / name).open(encoding="utf-8") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def test_the_frame_gives_the_golden_coordinates() -> None:
+    for row in vectors("enu.csv"):
+        frame = LocalFrame(
+            latitude=row["origin_latitude_deg"], longitude=row["origin_longitude_deg"], height=row["origin_height_m"]
+        )
+        point = frame.east_north_up(row["latitude_deg"], row["longitude_deg"], row["height_m"])
+        np.testing.assert_allclose(point, (row["east_m"], row["north_m"], row["up_m"]), rtol=0.0, atol=5.1e-5)
+
+
+def around(origin: tuple[float, float, float], distance: float) -> np.ndarray:
+    """Return longitudes, latitudes, heights (n, 3) of points around an origin, up to a distance away, m."""
+    generator = np.random.default_rng(0)
+    bearing, radius = generator.uniform(0.0, 2.0 * math.pi, 200), generator.uniform(0.0, distance, 200)
+    latitude = origin[0] + radius * np.sin(bearing) / 111e3
+    longitude = origin[1] + radius * np.cos(bearing) / 111e3 / math.cos(math.radians(origin[0]))
+    return np.column_stack([longitude, latitude, origin[2] + generator.uniform(-50.0, 50.0, 200)])
+
+
+@pytest.mark.parametrize("origin", ORIGINS)
+def test_the_frame_is_the_topocentric_one_of_proj(origin: tuple[float, float, float]) -> None:
+    pyproj = pytest.importorskip("pyproj")
+    latitude, longitude, height = origin
+    there = pyproj.Transformer.from_pipeline(
+        "+proj=pipeline +step +proj=cart +ellps=WGS84 +step +proj=topocentric +ellps=WGS84 "
+        f"+lat_0={latitude} +lon_0={longitude} +h_0={height}"
     )
+    points = around(origin, 5000.0)
+    theirs = np.array([there.transform(*point) for point in points])
+    frame = LocalFrame(latitude=latitude, longitude=longitude, height=height)
+    ours = np.column_stack(frame.east_north_up(points[:, 1], points[:, 0], points[:, 2]))
+    np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=1e-5)
 
 
-@pytest.mark.parametrize("latitude", [-60.0, -20.0, 0.0, 35.0, 53.4, 65.0])
-def test_tangent_plane_agrees_with_the_ellipsoid_in_space(latitude: float) -> None:
-    longitude = 11.2
-    phi, lam = math.radians(latitude), math.radians(longitude)
-    east = np.array([-math.sin(lam), math.cos(lam), 0.0])
-    north = np.array([-math.sin(phi) * math.cos(lam), -math.sin(phi) * math.sin(lam), math.cos(phi)])
-    for bearing in np.linspace(0.0, 2.0 * math.pi, 9):
-        there = (latitude + 2e-3 * math.sin(bearing), longitude + 2e-3 * math.cos(bearing))  # about 220 m
-        away = geocentric(*there) - geocentric(latitude, longitude)
-        measured = east_north(np.array(there[0]), np.array(there[1]), (latitude, longitude))
-        assert np.allclose(measured, (away @ east, away @ north), rtol=0.0, atol=0.01)
+@pytest.mark.parametrize("origin", ORIGINS)
+def test_the_frame_turns_back_into_degrees(origin: tuple[float, float, float]) -> None:
+    latitude, longitude, height = origin
+    frame = LocalFrame(latitude=latitude, longitude=longitude, height=height)
+    points = around(origin, 5000.0)
+    local = frame.east_north_up(points[:, 1], points[:, 0], points[:, 2])
+    again = frame.east_north_up(*frame.wgs84(*local))
+    np.testing.assert_allclose(again, local, rtol=0.0, atol=1e-8)
+    level = frame.east_north(*frame.level(local[0], local[1]))
+    np.testing.assert_allclose(level, local[:2], rtol=0.0, atol=1e-8)
+
+
+def test_fixes_and_lines_of_one_place_agree_whatever_their_heights() -> None:
+    frame = LocalFrame(latitude=50.88, longitude=4.7)
+    line = frame.east_north(50.92, 4.75)
+    north = frame.east_north_up(50.92, 4.75, 100.0)[1]
+    assert line[1] == pytest.approx(float(north), abs=0.1)
+    assert line[1] != pytest.approx(float(north), abs=0.01)  # why a fix's height is left out
 
 
 def test_east_and_north_are_where_the_words_say() -> None:
-    east, north = east_north(np.array([50.001, 50.0]), np.array([8.0, 8.001]), (50.0, 8.0))
-    assert east[0] == 0.0
+    east, north = LocalFrame(latitude=50.0, longitude=8.0).east_north(np.array([50.001, 50.0]), np.array([8.0, 8.001]))
+    assert east[0] == pytest.approx(0.0, abs=1e-9)
     assert north[0] > 100.0
-    assert north[1] == 0.0
+    assert north[1] == pytest.approx(0.0, abs=1e-3)
     assert east[1] > 60.0
+
+
+def test_the_lever_arm_leads_from_the_antenna_to_the_ground() -> None:
+    for row in vectors("lever_arm.csv"):
+        arm = (row["arm_forward_m"], row["arm_left_m"], row["arm_up_m"])
+        east, north, _ = lever(arm, row["yaw_rad"], row["roll_right_rad"], -row["pitch_up_rad"])
+        ground = (row["antenna_east_m"] - east, row["antenna_north_m"] - north)
+        assert ground == pytest.approx((row["ground_east_m"], row["ground_north_m"]), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("turn", "arm"),
+    [
+        ((0.0, math.pi / 2.0, 0.0), (0.0, 0.0, 1.0)),  # rolled to the right: what was up points right
+        ((0.0, 0.0, math.pi / 2.0), (-1.0, 0.0, 0.0)),  # front down: what was behind points up
+    ],
+)
+def test_roll_is_right_down_and_pitch_front_down(
+    turn: tuple[float, float, float], arm: tuple[float, float, float]
+) -> None:
+    expected = (0.0, -1.0, 0.0) if arm[2] else (0.0, 0.0, 1.0)
+    assert lever(arm, *turn) == pytest.approx(expected, abs=1e-12)
+
+
+@given(st.floats(-4.0, 4.0), st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
+def test_a_lever_keeps_its_length(yaw: float, roll: float, pitch: float) -> None:
+    assert math.hypot(*lever((0.6, -0.2, 2.5), yaw, roll, pitch)) == pytest.approx(math.hypot(0.6, -0.2, 2.5))

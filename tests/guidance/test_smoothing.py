@@ -1,11 +1,12 @@
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drawbar.errors import PathError
-from drawbar.geometry import Floats
+from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance.importers.line import RecordedLine
 from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.smoothing import DrivablePath, make_drivable
@@ -48,6 +49,12 @@ def independent_deviation(result: DrivablePath, x: float, y: float) -> float:
     chords, offsets = np.diff(nodes), complex(x, y) - nodes[:-1]
     share = np.clip((offsets / chords).real, 0.0, 1.0)
     return float(np.abs(offsets - share * chords).min())
+
+
+def test_a_path_keeps_the_frame_of_its_line() -> None:
+    frame = LocalFrame(latitude=50.8, longitude=4.7)
+    assert drivable(replace(corner(0.0), frame=frame)).frame == frame
+    assert drivable(corner(0.0)).frame is None
 
 
 def test_the_recorded_lines_become_drivable(recorded_line: tuple[Path, str]) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drawbar.errors import PathError
-from drawbar.geometry import Floats
+from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance import fairing
 from drawbar.guidance.importers.line import RecordedLine
 from drawbar.guidance.path import PIECE_LENGTH, Complexes, Path
@@ -48,6 +48,8 @@ class DrivablePath:
     """(n, 2): the recorded points, east and north, m"""
     deviations: Floats
     """(n,): distance of each recorded point from the path, m"""
+    frame: LocalFrame | None
+    """what the path's metres count from, for fixes; None: the line's source does not say"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,7 +95,8 @@ def make_drivable(
     deviations = _deviations(path, line_in_steps.recorded, arc_length[line_in_steps.vertices])
     _require_drivable(path, line.name, curvature_limit, curvature_rate_limit)
     _require_close(line, deviations, curvature_limit, tolerance)
-    return DrivablePath(path=path, recorded=np.column_stack([line.x, line.y]), deviations=deviations)
+    recorded = np.column_stack([line.x, line.y])
+    return DrivablePath(path=path, recorded=recorded, deviations=deviations, frame=line.frame)
 
 
 def _resample(recorded: Complexes) -> _Steps:

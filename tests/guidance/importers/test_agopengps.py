@@ -1,3 +1,4 @@
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -33,9 +34,47 @@ def test_the_recorded_lines(recorded_line: tuple[Path, str]) -> None:
     line = load_line(folder, track)
     count, last = ENDS[track]
     assert (line.name, len(line.x), line.repeated) == (track, count, 0)
-    assert (line.x[-1], line.y[-1]) == last
+    assert (line.x[-1], line.y[-1]) == pytest.approx(last, abs=0.01)  # AgOpenGPS's plane is that far off at 300 m
     same = load_line(folder / "TrackLines.txt", track)
     np.testing.assert_array_equal(line.x, same.x)
+
+
+def wgs84(degrees: str, east: float, north: float) -> tuple[float, float]:
+    """Return latitude and longitude of a point on AgOpenGPS's plane, found by its own way from degrees to metres."""
+    latitude_0, longitude_0 = map(float, degrees.split(","))
+
+    def plane(latitude: float, longitude: float) -> tuple[float, float]:
+        phi_0, phi = math.radians(latitude_0), math.radians(latitude)
+        down = 111132.92 - 559.82 * math.cos(2 * phi_0) + 1.175 * math.cos(4 * phi_0) - 0.0023 * math.cos(6 * phi_0)
+        across = 111412.84 * math.cos(phi) - 93.5 * math.cos(3 * phi) + 0.118 * math.cos(5 * phi)
+        return (longitude - longitude_0) * across, (latitude - latitude_0) * down
+
+    latitude, longitude = latitude_0, longitude_0
+    for _ in range(20):
+        x, y = plane(latitude, longitude)
+        latitude += (north - y) / 111e3
+        longitude += (east - x) / 111e3 / math.cos(math.radians(latitude))
+    assert plane(latitude, longitude) == pytest.approx((east, north), abs=1e-6)
+    return latitude, longitude
+
+
+@pytest.mark.parametrize("origin", ["50.8,4.7", "67.1,-25.3", "-33.9,-179.99"])
+def test_a_line_is_where_the_fixes_of_its_points_are(tmp_path: Path, origin: str) -> None:
+    pyproj = pytest.importorskip("pyproj")
+    there = [(90.0 * i, 50.0 * i) for i in range(50)]  # 5 km
+    rows = ["Curve", "1.57", "0,0", "2,0", "0", "4", "True", "50", *(f"{x},{y},1.0" for x, y in there)]
+    folder = field(tmp_path, *rows)
+    (folder / "Field.txt").write_text(FIELD_FILE.replace("50.8,4.7", origin))
+    line = load_line(folder, None)
+    latitude, longitude = origin.split(",")
+    topocentric = pyproj.Transformer.from_pipeline(
+        "+proj=pipeline +step +proj=cart +ellps=WGS84 +step +proj=topocentric +ellps=WGS84 "
+        f"+lat_0={latitude} +lon_0={longitude} +h_0=0"
+    )
+    degrees = [wgs84(origin, *point) for point in there]
+    theirs = np.array([topocentric.transform(longitude, latitude, 0.0) for latitude, longitude in degrees])
+    np.testing.assert_allclose(np.column_stack([line.x, line.y]), theirs[:, :2], rtol=0.0, atol=1e-3)
+    assert np.hypot(line.x - [x for x, _ in there], line.y - [y for _, y in there]).max() > 0.1  # the planes differ
 
 
 @pytest.mark.parametrize("track", [None, "Cu 1°"])
@@ -46,13 +85,13 @@ def test_missing_and_unknown_names_list_the_lines(recorded_field: Any, track: st
 
 def test_windows_line_ends_and_byte_order_mark(tmp_path: Path) -> None:
     line = load_line(field(tmp_path, *CURVE, "", *AB, end="\r\n", mark="\ufeff"), "Curve")
-    np.testing.assert_array_equal(line.y, [0.0, 0.5, 0.0])
+    np.testing.assert_allclose(line.y, [0.0, 0.5, 0.0], atol=1e-4)
 
 
 def test_an_ab_line_is_continued_beyond_b(tmp_path: Path) -> None:
     line = load_line(field(tmp_path, *AB), None)
-    np.testing.assert_allclose(line.x, [1.0, 111.0])
-    np.testing.assert_allclose(line.y, [2.0, 2.0])
+    np.testing.assert_allclose(line.x, [1.0, 111.0], atol=1e-3)
+    np.testing.assert_allclose(line.y, [2.0, 2.0], atol=2e-3)
 
 
 def test_repeated_points_are_dropped_and_counted(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.errors import PathError
+from drawbar.geometry import LocalFrame
 from drawbar.guidance.importers.load import load_line
 
 
@@ -112,6 +113,9 @@ def test_geojson_is_put_on_the_tangent_plane(tmp_path: Path, document: dict[str,
     # WGS84 at 50.8°: 0.001° are 70.5 m of longitude, 111.2 m of latitude
     np.testing.assert_allclose(line.x, [0.0, 70.50, 70.50], atol=0.05)
     np.testing.assert_allclose(line.y, [0.0, 0.0, 111.25], atol=0.05)
+    assert line.frame == LocalFrame(latitude=50.8, longitude=4.7)
+    fixes = line.frame.east_north(np.array([50.8, 50.8, 50.801]), np.array([4.7, 4.701, 4.701]))
+    np.testing.assert_allclose([line.x, line.y], fixes, atol=1e-9)
 
 
 def test_a_feature_is_chosen_by_name(tmp_path: Path) -> None:
@@ -155,9 +159,10 @@ def test_a_feature_is_chosen_by_name(tmp_path: Path) -> None:
         (f'{{"type": "LineString", "coordinates": [[4.7, {"9" * 5000}]]}}', "position 0: longitude 4.7, latitude inf"),
         (
             json.dumps(string([4.7, 50.8], [-130.0, 50.8])),
-            r"position 0: line 'line' is 9\.\d+e\+06 m long; .*in degrees, as GeoJSON",
+            "position 1: latitude 50.8°, longitude -130° is more than 100 km from latitude 50.8°, longitude 4.7°",
         ),
-        (json.dumps(string([4.7, 50.8], [4.7, -85.0])), r"point \(0, -\d+\.?\d*\) m .*within ±1e\+07 m"),
+        (json.dumps(string([4.7, 50.8], [4.7, -50.8])), "position 1: .* more than 100 km .*: remove the point"),
+        (json.dumps(string([4.7, 50.8], [-175.3, -50.8])), "position 1: .* more than 100 km"),  # below the first point
     ],
 )
 def test_malformed_geojson_is_refused(tmp_path: Path, document: str, reason: str) -> None:

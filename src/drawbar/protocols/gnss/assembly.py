@@ -4,6 +4,7 @@ An epoch ends when a message of another time comes, after 20 ms without a byte, 
 there that its predecessors had: 20 ms would be the whole time that a step may take.
 """
 
+import math
 from collections import Counter, deque
 
 from drawbar.protocols.gnss.epoch import Epoch
@@ -16,8 +17,8 @@ from drawbar.signals import FixQuality
 
 _REMEMBERED = 10
 """epochs whose kinds of messages are remembered"""
-_AWAITED = 3
-"""a kind that came in so many of them is waited for"""
+_AWAITED = 0.3
+"""a kind that came in this share of them is waited for, the only position in any case"""
 _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _NEW_TIME = 5
@@ -58,6 +59,7 @@ class Assembler:
         self._settings = settings
         self._draft: _Draft | None = None
         self._kinds: deque[set[str]] = deque(maxlen=_REMEMBERED)
+        self._positional: set[str] = set()  # kinds that hold a position
         self._start_over()
 
     def _start_over(self) -> None:
@@ -66,6 +68,7 @@ class Assembler:
         self._hold = QualityHold(self._settings.quality_hold)
         self._behind, self._behind_utc = 0, 0.0
         self._place, self._repeats = (0.0, 0.0), 0
+        self._last_kinds: set[str] = set()  # of the epoch before
 
     @property
     def is_open(self) -> bool:
@@ -80,13 +83,19 @@ class Assembler:
         if self._draft is None:
             self._draft = _Draft(time)
         self._draft.add(message)
+        if any(isinstance(content, Position) for content in message.contents):
+            self._positional.add(message.kind)
         if len(self._kinds) >= _FIRST and self._draft.utc is not None and self._is_complete(self._draft):
             ended += self.close()
         return ended
 
     def _is_complete(self, draft: _Draft) -> bool:
         counts = Counter(kind for kinds in self._kinds for kind in kinds)
-        return all(kind in draft.kinds for kind, count in counts.items() if count >= _AWAITED)
+        least = _AWAITED * len(self._kinds)
+        awaited = {kind for kind, count in counts.items() if count >= least}
+        if not draft.kinds & self._positional:
+            awaited |= counts.keys() & self._positional
+        return awaited <= draft.kinds
 
     def close(self) -> list[Epoch]:
         """End the open epoch, after a silence; return it, or nothing where it is none."""
@@ -106,10 +115,11 @@ class Assembler:
         return [] if epoch is None else [epoch]
 
     def _is_straggler(self, draft: _Draft) -> bool:
-        """Whether messages belong to the epoch that was closed last, all of them without a position."""
-        if any(isinstance(content, Position) for content in draft.contents):
-            return False
-        return draft.utc is None or abs(self._clock.step(draft.utc)) < SAME_EPOCH
+        """Whether messages belong to the epoch that was closed last, and are not that epoch once more."""
+        positions = draft.kinds & self._positional
+        if draft.utc is None:
+            return not positions
+        return abs(self._clock.step(draft.utc)) < SAME_EPOCH and not positions & self._last_kinds
 
     def _checked(self, draft: _Draft, utc: float) -> Epoch | None:
         """Return the epoch, if it follows those before and its deviation is one."""
@@ -122,6 +132,7 @@ class Assembler:
             self.dropped["epoch out of order"] += 1
             return None
         self.frozen = self._behind = 0
+        self._last_kinds = draft.kinds
         solution = solve(draft.contents, self._settings)
         if solution.refused:
             self.dropped[solution.refused] += 1
@@ -143,10 +154,13 @@ class Assembler:
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
         settings, position = self._settings, solution.position
         time = self._clock.measured(utc, draft.received - solution.latency) - settings.latency
-        quality = self._hold.update(draft.received, solution.quality)
+        quality = solution.quality
+        if quality is not FixQuality.UNKNOWN:  # an attitude alone says nothing of the fix
+            quality = self._hold.update(draft.received, quality)
         place = (position.latitude, position.longitude)
-        self._repeats = self._repeats + 1 if place == self._place else 0
-        self._place = place
+        if math.isfinite(sum(place)):
+            self._repeats = self._repeats + 1 if place == self._place else 0
+            self._place = place
         by_quality = solution.quality if quality is FixQuality.NONE else quality
         east, north = sigma(solution.sigma, by_quality, settings.sigma_inflation)
         return Epoch(

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from drawbar.geometry import wrap
 from drawbar.protocols.gnss.messages import Attitude, Content, Date, InertialAttitude, Position, Velocity
@@ -9,10 +10,6 @@ from drawbar.protocols.gnss.sentences import LARGEST_SPEED, QUALITIES, minutes_r
 from drawbar.protocols.gnss.values import KMH, KNOT, Values, place
 from drawbar.signals import FixQuality
 
-BOARD_FIELDS = 15
-"""of PANDA and PAOGI; other senders insert units and mean something else by each field"""
-KSXT_FIELDS = 13
-"""at least; more follow with the base vector"""
 _NO_SENSOR = 65535
 _TENTHS = math.radians(0.1)
 _KSXT_QUALITIES = {1: FixQuality.SINGLE, 2: FixQuality.FLOAT, 3: FixQuality.FIXED}
@@ -99,4 +96,19 @@ def ksxt(values: Values) -> tuple[Content, ...]:
     return (position, velocity, attitude, *(() if date is None else (Date(day=date),)))
 
 
-BOARDS: dict[str, Callable[[Values], tuple[Content, ...]]] = {"PANDA": panda, "PAOGI": paogi, "KSXT": ksxt}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoardSentence:
+    """How one of these sentences is read."""
+
+    decode: Callable[[Values], tuple[Content, ...]]
+    clock: int = 0
+    """where the time of day begins in the first field"""
+    fields: range
+    """how many there may be; senders that insert units mean something else by each field"""
+
+
+BOARDS = {
+    "PANDA": BoardSentence(decode=panda, fields=range(15, 16)),
+    "PAOGI": BoardSentence(decode=paogi, fields=range(15, 16)),
+    "KSXT": BoardSentence(decode=ksxt, clock=len("yyyymmdd"), fields=range(13, 40)),
+}

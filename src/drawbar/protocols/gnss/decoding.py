@@ -10,10 +10,10 @@ from pynmeagps import NMEAReader
 from pysbf2 import SBFReader
 from pyubx2 import UBXReader
 
-from drawbar.protocols.gnss.boards import BOARD_FIELDS, BOARDS, KSXT_FIELDS
+from drawbar.protocols.gnss.boards import BOARDS
 from drawbar.protocols.gnss.framing import Frame, Protocol
 from drawbar.protocols.gnss.messages import Message
-from drawbar.protocols.gnss.sbf import SBF, without_unused
+from drawbar.protocols.gnss.sbf import SBF, given
 from drawbar.protocols.gnss.sentences import SENTENCES
 from drawbar.protocols.gnss.ubx import UBX
 from drawbar.protocols.gnss.values import Values
@@ -23,7 +23,8 @@ LEAP_SECONDS = 18
 _DAY = 86_400_000
 """ms"""
 _WEEK = 7 * _DAY
-_UBX_CLASS, _UBX_PAYLOAD = 2, 6
+_UBX_FRAME = 8
+"""bytes of a frame around its payload"""
 _PROPRIETARY = {b"PSSN": b"HRP", b"PTNL": b"AVR"}
 """the only sentence of each vendor that is used"""
 
@@ -57,42 +58,54 @@ class Decoder:
         if kind not in SENTENCES:
             self.dropped["NMEA of no use"] += 1
             return None
+        sentence = SENTENCES[kind]
+        if len(fields) < sentence.fields:
+            self.dropped[f"{kind} cut short"] += 1
+            return None
         parsed = NMEAReader.parse(data + b"\r\n")
-        decode, clock = SENTENCES[kind]
         raw = {str(number): text for number, text in enumerate(parsed.payload, 1)}
-        values = Values(vars(parsed) | raw, self.dropped)
-        return Message(kind=kind, utc=values.clock(clock) if clock else None, contents=decode(values))
+        values = Values(kind, vars(parsed) | raw, self.dropped)
+        utc = values.clock(sentence.clock) if sentence.clock else None
+        return Message(kind=kind, utc=utc, contents=sentence.decode(values))
 
     def _board(self, kind: str, fields: list[str]) -> Message | None:
-        count = len(fields)
-        if count < KSXT_FIELDS if kind == "KSXT" else count != BOARD_FIELDS:
-            self.dropped[f"{kind} with {count} fields"] += 1
+        board = BOARDS[kind]
+        if len(fields) not in board.fields:
+            self.dropped[f"{kind} with {len(fields)} fields"] += 1
             return None
         named = {str(number): text for number, text in enumerate(fields, 1)}
-        values = Values(named | {"time": fields[0][8:] if kind == "KSXT" else fields[0]}, self.dropped)
-        return Message(kind=kind, utc=values.clock("time"), contents=BOARDS[kind](values))
+        values = Values(kind, named | {"time": fields[0][board.clock :]}, self.dropped)
+        return Message(kind=kind, utc=values.clock("time"), contents=board.decode(values))
 
     def _ubx(self, data: bytes) -> Message | None:
-        name, decode = UBX.get((data[_UBX_CLASS], data[_UBX_CLASS + 1]), ("", None))
+        name, length, decode = UBX.get((data[2], data[3]), ("", 0, None))
         if decode is None:
             self.dropped["UBX of no use"] += 1
             return None
+        if len(data) != length + _UBX_FRAME:
+            self.dropped[f"{name} of another version"] += 1
+            return None
         fields = vars(UBXReader.parse(data))
-        return Message(kind=name, utc=self._day_time(fields["iTOW"]), contents=decode(Values(fields, self.dropped)))
+        return Message(
+            kind=name, utc=self._day_time(name, fields["iTOW"]), contents=decode(Values(name, fields, self.dropped))
+        )
 
     def _sbf(self, data: bytes) -> Message | None:
-        name, decode = SBF.get(int.from_bytes(data[4:6], "little") & 0x1FFF, ("", None))
+        name, least, decode = SBF.get(int.from_bytes(data[4:6], "little") & 0x1FFF, ("", 0, None))
         if decode is None:
             self.dropped["SBF of no use"] += 1
             return None
+        if len(data) < least:
+            self.dropped[f"{name} of another version"] += 1
+            return None
         fields = vars(SBFReader.parse(data))
-        values = Values(without_unused(fields), self.dropped)
-        return Message(kind=name, utc=self._day_time(fields["TOW"]), contents=decode(values))
+        values = Values(name, given(fields, len(data)), self.dropped)
+        return Message(kind=name, utc=self._day_time(name, fields["TOW"]), contents=decode(values))
 
-    def _day_time(self, milliseconds: int) -> float | None:
+    def _day_time(self, kind: str, milliseconds: int) -> float | None:
         """Return a GPS time of week (ms) as seconds of the UTC day, None where it is none."""
         if not 0 <= milliseconds < _WEEK:
-            self.dropped["value of time of week"] += 1
+            self.dropped[f"{kind}: impossible time of week"] += 1
             return None
         return (milliseconds - 1000 * self._leap_seconds) % _DAY / 1000.0
 

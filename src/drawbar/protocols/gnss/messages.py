@@ -94,6 +94,9 @@ class Attitude:
     """False: the receiver says that there is no attitude"""
     code: int | None = None
     """the quality in the protocol's own number"""
+    satellites: int | None = None
+    correction_age: float = math.nan
+    """of the line's own corrections, s"""
     rank: int = 0
     """of several attitudes of one epoch the highest is taken"""
 

@@ -29,10 +29,15 @@ _ATTITUDE_AXES = ("HeadHead", "RollRoll", "PitchPitch")
 _NO_FLOAT = -2e10
 _NO_INTEGER = {"NrSV": 255, "ReferenceID": 65535, "MeanCorrAge": 655.35, "HAccuracy": 655.35, "Latency": 6.5535}
 
+_ENDS = {"Latency": 90, "HAccuracy": 92}
+"""where fields end that revision 2 of PVTGeodetic brought; the library makes 0 of what older receivers do not send"""
 
-def without_unused(fields: dict[str, Any]) -> dict[str, Any]:
-    """Return the fields of a block that hold a value."""
-    return {name: value for name, value in fields.items() if not _is_unused(name, value)}
+
+def given(fields: dict[str, Any], length: int) -> dict[str, Any]:
+    """Return the fields that hold a value in a block of a length (bytes)."""
+    return {
+        name: value for name, value in fields.items() if length >= _ENDS.get(name, 0) and not _is_unused(name, value)
+    }
 
 
 def _is_unused(name: str, value: Any) -> bool:
@@ -132,11 +137,11 @@ def _root(variance: float) -> float:
     return math.sqrt(variance) if variance >= 0.0 else math.nan
 
 
-SBF: dict[int, tuple[str, Callable[[Values], tuple[Content, ...]]]] = {
-    4007: ("PVTGeodetic", pvt_geodetic),
-    5906: ("PosCovGeodetic", pos_cov_geodetic),
-    5938: ("AttEuler", att_euler),
-    5939: ("AttCovEuler", att_cov_euler),
-    4028: ("BaseVectorGeod", base_vector_geod),
+SBF: dict[int, tuple[str, int, Callable[[Values], tuple[Content, ...]]]] = {
+    4007: ("PVTGeodetic", 84, pvt_geodetic),
+    5906: ("PosCovGeodetic", 56, pos_cov_geodetic),
+    5938: ("AttEuler", 44, att_euler),
+    5939: ("AttCovEuler", 40, att_cov_euler),
+    4028: ("BaseVectorGeod", 16, base_vector_geod),
 }
-"""by block number"""
+"""by block number: name, least length of the block, reader"""

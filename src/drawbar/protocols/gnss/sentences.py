@@ -6,6 +6,7 @@ Traps: HRP is heading, roll, pitch and HPR heading, pitch, roll; with two antenn
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from drawbar.protocols.gnss.messages import Accuracy, Attitude, AttitudeAccuracy, Content, Date, Position, Velocity
 from drawbar.protocols.gnss.values import KMH, KNOT, Values, place
@@ -121,6 +122,7 @@ def hrp(values: Values) -> tuple[Content, ...]:
         fixed=mode in _HRP_FIXED,
         valid=bool(mode),
         code=mode,
+        satellites=values.integer("sip"),
         rank=2,
     )
     yaw, roll, pitch = (values.number(name, math.pi / 180.0, low=0.0) for name in ("hdgstd", "rollstd", "pitchstd"))
@@ -138,6 +140,8 @@ def hpr(values: Values) -> tuple[Content, ...]:
         fixed=code == _HPR_FIXED,
         valid=bool(code),
         code=code,
+        satellites=values.integer("svid"),
+        correction_age=values.number("diffAge", low=0.0),
         rank=2,
     )
     return (attitude,)
@@ -154,6 +158,7 @@ def avr(values: Values) -> tuple[Content, ...]:
         fixed=code == _AVR_FIXED,
         valid=bool(code),
         code=code,
+        satellites=values.integer("sip"),
         rank=2,
     )
     return (attitude,)
@@ -169,16 +174,26 @@ def _date(values: Values, day: int | None, month: int | None, year: int | None) 
     return () if date is None else (Date(day=date),)
 
 
-SENTENCES: dict[str, tuple[Callable[[Values], tuple[Content, ...]], str]] = {
-    "GGA": (gga, "1"),
-    "VTG": (vtg, ""),
-    "RMC": (rmc, "1"),
-    "GST": (gst, "1"),
-    "ZDA": (zda, "1"),
-    "HDT": (hdt, ""),
-    "THS": (ths, ""),
-    "HRP": (hrp, "2"),
-    "HPR": (hpr, "1"),
-    "AVR": (avr, "2"),
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sentence:
+    """How one kind of sentence is read. Fields are counted from 1 behind the address."""
+
+    decode: Callable[[Values], tuple[Content, ...]]
+    clock: str = ""
+    """number of the field that holds the time; empty: it has none"""
+    fields: int
+    """least number of fields; a shorter one was cut before its checksum was made"""
+
+
+SENTENCES = {
+    "GGA": Sentence(decode=gga, clock="1", fields=14),
+    "VTG": Sentence(decode=vtg, fields=8),
+    "RMC": Sentence(decode=rmc, clock="1", fields=11),
+    "GST": Sentence(decode=gst, clock="1", fields=8),
+    "ZDA": Sentence(decode=zda, clock="1", fields=4),
+    "HDT": Sentence(decode=hdt, fields=1),
+    "THS": Sentence(decode=ths, fields=2),
+    "HRP": Sentence(decode=hrp, clock="2", fields=11),
+    "HPR": Sentence(decode=hpr, clock="1", fields=5),
+    "AVR": Sentence(decode=avr, clock="2", fields=10),
 }
-"""each with the number of the field that holds its time, counted from 1 behind the address; empty: it has none"""

@@ -92,9 +92,9 @@ def relposned(values: Values) -> tuple[Content, ...]:
     return attitude, AttitudeAccuracy(yaw=accuracy, pitch=accuracy)
 
 
-UBX: dict[tuple[int, int], tuple[str, Callable[[Values], tuple[Content, ...]]]] = {
-    (0x01, 0x07): ("NAV-PVT", pvt),
-    (0x01, 0x14): ("NAV-HPPOSLLH", hpposllh),
-    (0x01, 0x3C): ("NAV-RELPOSNED", relposned),
+UBX: dict[tuple[int, int], tuple[str, int, Callable[[Values], tuple[Content, ...]]]] = {
+    (0x01, 0x07): ("NAV-PVT", 92, pvt),
+    (0x01, 0x14): ("NAV-HPPOSLLH", 36, hpposllh),
+    (0x01, 0x3C): ("NAV-RELPOSNED", 64, relposned),
 }
-"""by class and id"""
+"""by class and id: name, length of the payload, reader"""

@@ -16,7 +16,8 @@ KMH = 1.0 / 3.6
 class Values:
     """The fields of one decoded frame, by name or index; `refused` counts what a sensor cannot have meant."""
 
-    def __init__(self, fields: dict[str, Any], refused: Counter[str]) -> None:
+    def __init__(self, kind: str, fields: dict[str, Any], refused: Counter[str]) -> None:
+        self._kind = kind
         self._fields = fields
         self._refused = refused
 
@@ -27,7 +28,7 @@ class Values:
             return math.nan
         number = float(value)
         if not (low <= number <= high and math.isfinite(number)):
-            self._refused[f"value of {name}"] += 1
+            self.refuse(name)
             return math.nan
         return number * scale
 
@@ -67,7 +68,7 @@ class Values:
             is_leap = (int(hours), int(minutes)) == (23, 59)
             if int(hours) < 24 and int(minutes) < 60 and float(seconds) < (61.0 if is_leap else 60.0):
                 return total
-        self._refused[f"value of {name}"] += 1
+        self.refuse(name)
         return None
 
     def day(self, day: int | None, month: int | None, year: int | None) -> datetime.date | None:
@@ -77,12 +78,12 @@ class Values:
         try:
             return datetime.date(year, month, day)
         except ValueError:
-            self._refused["value of date"] += 1
+            self.refuse("date")
             return None
 
-    def refuse(self, kind: str) -> None:
+    def refuse(self, name: str) -> None:
         """Count a value that was given and cannot be meant."""
-        self._refused[f"value of {kind}"] += 1
+        self._refused[f"{self._kind}: impossible {f'field {name}' if name.isdecimal() else name}"] += 1
 
 
 def place(latitude: float, longitude: float) -> tuple[float, float]:

@@ -1,0 +1,311 @@
+"""Assembly: when epochs end, what becomes of those that repeat, go back, or come late, and when each was measured."""
+
+import datetime
+import math
+import random
+from collections.abc import Callable
+from itertools import pairwise
+
+import pytest
+
+from drawbar.machine.stand_in import nmea, sbf, ubx
+from drawbar.machine.stand_in.receiver import Report
+from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.gnss.settings import EpochSettings
+from drawbar.protocols.gnss.stream import EpochStream
+from drawbar.signals import FixQuality
+
+Maker = Callable[..., Report]
+
+
+def run(stream: EpochStream, bursts: list[tuple[float, list[bytes]]], gap: float = 0.001) -> list[Epoch]:
+    """Push bursts that begin at given times, their frames some ms after each other; end with a silence."""
+    epochs = []
+    for begin, frames in bursts:
+        for index, frame in enumerate(frames):
+            epochs += stream.push(frame, begin + gap * index)
+    return epochs + stream.poll(1e9)
+
+
+def test_silence_ends_an_epoch(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    assert stream.push(nmea.gga(report()), 10.0) == []
+    assert stream.push(nmea.vtg(report()), 10.004) == []
+    assert stream.due == pytest.approx(10.024)
+    assert stream.poll(10.0239) == []
+    (epoch,) = stream.poll(10.0241)
+    assert (epoch.received, epoch.speed) == (10.0, pytest.approx(1.0, abs=1e-4))
+    assert stream.poll(20.0) == []
+
+
+def test_another_time_ends_an_epoch_at_once(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    assert stream.push(nmea.gga(report(0.0)) + nmea.vtg(report(0.0)), 10.0) == []
+    (epoch,) = stream.push(nmea.gga(report(0.1)), 10.01)
+    assert epoch.utc == pytest.approx(43200.0)
+
+
+def test_an_epoch_ends_with_the_last_kind_of_message_that_usually_comes(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    for step in range(3):
+        run(stream, [(10.0 + 0.1 * step, nmea.sentences(report(0.1 * step)))])
+    gga, vtg, gst = nmea.sentences(report(0.3))
+    assert stream.push(gga + vtg, 10.3) == []
+    (epoch,) = stream.push(gst, 10.301)
+    assert (epoch.utc, epoch.speed, epoch.sigma_east) == pytest.approx((43200.3, 1.0, 0.015), abs=1e-4)
+
+
+def test_a_message_that_came_too_late_is_counted_and_waited_for(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    run(stream, [(10.0 + 0.1 * step, [nmea.gga(report(0.1 * step))]) for step in range(3)])
+    speeds = []
+    for step in range(3, 9):  # the speed is switched on
+        begin = 10.0 + 0.1 * step
+        speeds += [epoch.speed for epoch in run(stream, [(begin, [nmea.gga(report(0.1 * step)), nmea.vtg(report())])])]
+    assert [math.isnan(speed) for speed in speeds] == 2 * [True] + 4 * [False]
+    assert stream.dropped == {"message without its epoch": 2}
+
+
+def test_a_message_that_no_longer_comes_is_not_waited_for_for_ever(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    run(stream, [(10.0 + 0.1 * step, nmea.sentences(report(0.1 * step))) for step in range(10)])
+    ended = [len(stream.push(nmea.gga(report(1.0 + 0.1 * step)), 11.0 + 0.1 * step)) for step in range(10)]
+    assert ended[0] == 0
+    assert ended[-1] == 1
+
+
+def test_a_speed_before_its_position_belongs_to_it(report: Maker) -> None:
+    bursts = [(10.0 + step, [nmea.vtg(report(speed=1.0 + step)), nmea.gga(report(step))]) for step in range(5)]
+    speeds = [epoch.speed for epoch in run(EpochStream(EpochSettings()), bursts)]
+    assert speeds == pytest.approx([1.0, 2.0, 3.0, 4.0, 5.0], abs=1e-3)
+
+
+def test_an_epoch_without_time_is_none(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    assert run(stream, [(10.0, [nmea.sentence("GNGGA,,,,,,0,,,,,,,,"), nmea.vtg(report())])]) == []
+    assert stream.dropped == {"epoch without time": 1}
+
+
+def test_attitude_alone_is_an_epoch(report: Maker) -> None:
+    (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [ubx.relposned(report(yaw=1.0))])])
+    assert epoch.yaw == pytest.approx(1.0, abs=1e-6)
+    assert (epoch.quality, epoch.has_fix) == (FixQuality.UNKNOWN, False)
+
+
+def test_a_position_that_begins_to_come_behind_the_attitude_is_waited_for(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    epochs = run(stream, [(10.0 + 0.1 * step, [nmea.hrp(report(0.1 * step, yaw=1.0))]) for step in range(20)])
+    for step in range(20, 30):
+        frames = [nmea.hrp(report(0.1 * step, yaw=1.0)), nmea.gga(report(0.1 * step))]
+        epochs += run(stream, [(10.0 + 0.1 * step, frames)])
+    assert [epoch.has_fix for epoch in epochs] == [False] * 21 + [True] * 9
+    assert stream.dropped == {"message without its epoch": 1}
+
+
+def test_a_second_rarer_position_is_not_waited_for_and_repeats_nothing(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    waits = []
+    for step in range(40):
+        frames = [nmea.gga(report(0.1 * step)), *([nmea.rmc(report(0.1 * step))] if step % 10 == 0 else [])]
+        waits.append(not stream.push(frames[0], 10.0 + 0.1 * step))
+        for frame in frames[1:]:
+            stream.push(frame, 10.001 + 0.1 * step)
+        stream.poll(10.08 + 0.1 * step)
+    assert waits == [True] * 4 + [False] * 36  # until its share is known to be small
+    assert stream.dropped == {"message without its epoch": 3}
+    assert stream.frozen == 0
+
+
+def test_attitude_between_positions_does_not_disturb_them(report: Maker) -> None:
+    place = {"yaw": 1.0, "quality": FixQuality.FIXED}
+    bursts = [
+        (10.0 + 0.1 * step, [nmea.hrp(report(0.1 * step, **place)), *([nmea.gga(report(0.1 * step))] * (step % 2))])
+        for step in range(10)
+    ]
+    epochs = run(EpochStream(EpochSettings()), bursts)
+    assert [epoch.quality for epoch in epochs] == [FixQuality.UNKNOWN, FixQuality.FIXED] * 5
+    assert [epoch.repeats for epoch in epochs if epoch.has_fix] == [0, 1, 2, 3, 4]
+    assert all(math.isfinite(epoch.yaw) for epoch in epochs)
+
+
+def leap_second(seconds: float) -> str:
+    """Return a time of day from 23:59:59 on, with a leap second."""
+    if seconds < 1.0:
+        return f"2359{59.0 + seconds:05.2f}"
+    return f"2359{59.0 + seconds:05.2f}" if seconds < 2.0 else f"0000{seconds - 2.0:05.2f}"
+
+
+def gga_at(clock: str) -> bytes:
+    return nmea.sentence(f"GNGGA,{clock},5052.6123456,N,00442.1234567,E,4,17,0.7,42.3,M,45.7,M,1.2,0")
+
+
+def check_even(epochs: list[Epoch], count: int, interval: float) -> None:
+    assert len(epochs) == count
+    assert [later.time - earlier.time for earlier, later in pairwise(epochs)] == pytest.approx(
+        [interval] * (count - 1), abs=1e-6
+    )
+
+
+def test_epochs_go_on_through_a_leap_second_and_midnight() -> None:
+    stream = EpochStream(EpochSettings())
+    epochs = run(stream, [(10.0 + 0.2 * step, [gga_at(leap_second(0.2 * step))]) for step in range(20)])
+    check_even(epochs, 20, 0.2)
+    assert epochs[5].utc == pytest.approx(86400.0)
+    assert epochs[10].utc == pytest.approx(0.0)
+    assert stream.dropped == {}
+
+
+@pytest.mark.parametrize("encode", [nmea.sentences, ubx.frames, sbf.blocks])
+@pytest.mark.parametrize("begin", ["2026-11-21T23:59:59+00:00", "2026-11-21T23:59:41+00:00"])
+def test_epochs_go_on_through_the_ends_of_day_and_week(
+    report: Maker, encode: Callable[[Report], list[bytes]], begin: str
+) -> None:
+    start = datetime.datetime.fromisoformat(begin)  # a Saturday; the GPS week ends 18 s before the day
+    stream = EpochStream(EpochSettings())
+    bursts = [(10.0 + 0.2 * step, encode(report(0.2 * step, begin=start, yaw=1.0))) for step in range(10)]
+    check_even(run(stream, bursts), 10, 0.2)
+    assert stream.dropped == {}
+
+
+def test_a_repeated_epoch_changes_nothing(report: Maker) -> None:
+    stream, plain = EpochStream(EpochSettings()), EpochStream(EpochSettings())
+    times = [10.0 + 0.1 * step for step in range(8)]
+    once = run(plain, [(time, nmea.sentences(report(0.1 * step))) for step, time in enumerate(times)])
+    twice = [
+        (time + late, nmea.sentences(report(0.1 * step))) for step, time in enumerate(times) for late in (0.0, 0.03)
+    ]
+    assert run(stream, twice) == once
+    assert stream.dropped == {"epoch repeated": 8}
+
+
+def test_a_frozen_receiver_is_seen(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    epochs = run(stream, [(10.0 + 0.1 * step, nmea.sentences(report(0.0))) for step in range(5)])
+    assert (len(epochs), stream.frozen) == (1, 4)
+    run(stream, [(11.0, nmea.sentences(report(1.0)))])
+    assert stream.frozen == 0
+
+
+def test_a_position_that_never_changes_is_counted_in_its_epochs(report: Maker) -> None:
+    changes = [50.0, 50.0, 50.0, 50.1, 50.1]
+    bursts = [(10.0 + step, nmea.sentences(report(step, latitude=each))) for step, each in enumerate(changes)]
+    assert [epoch.repeats for epoch in run(EpochStream(EpochSettings()), bursts)] == [0, 1, 2, 0, 1]
+
+
+def test_an_epoch_out_of_order_is_dropped(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    epochs = run(stream, [(10.0 + step, nmea.sentences(report(each))) for step, each in enumerate([0, 1, 3, 2, 4, 5])])
+    assert [epoch.utc - 43200.0 for epoch in epochs] == pytest.approx([0, 1, 3, 4, 5])
+    assert stream.dropped == {"epoch out of order": 1}
+
+
+def test_a_receiver_that_sets_its_clock_back_is_followed_after_five_epochs(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    seconds = [1000, 1001, 1002, *range(20)]
+    epochs = run(stream, [(10.0 + step, nmea.sentences(report(each))) for step, each in enumerate(seconds)])
+    assert [epoch.utc - 43200.0 for epoch in epochs[3:]] == pytest.approx(list(range(4, 20)))
+    assert [epoch.time for epoch in epochs[3:]] == pytest.approx([17.0 + step for step in range(16)])
+    assert stream.dropped == {"epoch out of order": 4, "receiver's clock set back": 1}
+
+
+def test_the_time_of_measurement_does_not_jitter_with_its_arrival(report: Maker) -> None:
+    chance = random.Random(0)
+    stream = EpochStream(EpochSettings(latency=0.05))
+    delays = [0.0, *(chance.expovariate(50.0) for _ in range(199))]
+    bursts = [(10.0 + 0.2 * step + delay, [nmea.gga(report(0.2 * step))]) for step, delay in enumerate(delays)]
+    epochs = run(stream, bursts)
+    assert [epoch.time for epoch in epochs] == pytest.approx([9.95 + 0.2 * step for step in range(200)])
+    assert [epoch.received - epoch.time for epoch in epochs] == pytest.approx([0.05 + delay for delay in delays])
+
+
+def test_data_held_up_is_old(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    times = [10.0 + 0.1 * step + (0.7 if step >= 20 else 0.0) for step in range(30)]
+    epochs = run(stream, [(time, [nmea.gga(report(0.1 * step))]) for step, time in enumerate(times)])
+    assert [epoch.received - epoch.time for epoch in epochs[20:]] == pytest.approx([0.7] * 10)
+
+
+def test_the_least_delay_is_forgotten_after_a_minute(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    drift = 1e-4  # the receiver's second against the monotonic one: far more than any clock's
+    epochs = run(stream, [(10.0 + (1.0 + drift) * step, [nmea.gga(report(step))]) for step in range(300)])
+    assert max(epoch.received - epoch.time for epoch in epochs) == pytest.approx(60 * drift, rel=0.05)
+
+
+def test_the_least_delay_is_forgotten_over_a_pause(report: Maker) -> None:
+    times = [0.0, 1.0, 2.0, 100.0, 101.0]
+    bursts = [(10.0 + time + (0.3 if time >= 100.0 else 0.0), [nmea.gga(report(time))]) for time in times]
+    epochs = run(EpochStream(EpochSettings()), bursts)
+    assert [epoch.received - epoch.time for epoch in epochs] == pytest.approx([0.0] * 5, abs=1e-9)
+
+
+def test_a_latency_that_the_receiver_reports_is_taken_off(
+    golden: Callable[[str], dict[str, list[dict[str, str]]]],
+) -> None:
+    data = bytes.fromhex(golden("gnss_binary.json")["sbf"][0]["hex"])
+    (epoch,) = run(EpochStream(EpochSettings(latency=0.01)), [(10.0, [data])])
+    assert epoch.time == pytest.approx(10.0 - 0.01 - 0.0085)
+
+
+@pytest.mark.parametrize(
+    ("gst", "expected"),
+    [
+        ("1.0,,,,0.100,0.200,0.3", (0.3, 0.15)),
+        ("1.0,,,,0.001,0.002,0.3", (0.01, 0.01)),
+        ("1.0,,,,,,", (0.02, 0.02)),
+        ("1.0,0.2,0.1,90.0,,,", (0.3, 0.15)),
+        ("1.0,,,,0.100,0.0,0.3", None),
+        ("1.0,,,,-0.100,0.2,0.3", None),
+        ("1.0,,,,nan,0.2,0.3", None),
+        ("1.0,,,,inf,0.2,0.3", None),
+    ],
+)
+def test_deviation_of_each_axis(report: Maker, gst: str, expected: tuple[float, float] | None) -> None:
+    stream = EpochStream(EpochSettings())
+    epochs = run(stream, [(10.0, [nmea.gga(report()), nmea.sentence(f"GNGST,120000.000,{gst}")])])
+    assert len(epochs) == (expected is not None)
+    if expected is None:
+        assert stream.dropped == {"epoch with an impossible deviation": 1}
+    else:
+        assert (epochs[0].sigma_east, epochs[0].sigma_north) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("quality", "sigma"),
+    [
+        (FixQuality.FIXED, 0.02),
+        (FixQuality.FLOAT, 0.4),
+        (FixQuality.DIFFERENTIAL, 0.8),
+        (FixQuality.SINGLE, 2.5),
+    ],
+)
+def test_deviation_by_quality_where_none_is_reported(report: Maker, quality: FixQuality, sigma: float) -> None:
+    (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [nmea.gga(report(quality=quality))])])
+    assert (epoch.quality, epoch.sigma_east, epoch.sigma_north) == (quality, sigma, sigma)
+
+
+def test_the_finer_of_two_positions_is_taken_with_the_quality_of_the_other(report: Maker) -> None:
+    for frames in ([ubx.pvt, ubx.hpposllh], [ubx.hpposllh, ubx.pvt]):
+        (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [encode(report()) for encode in frames])])
+        assert epoch.latitude == pytest.approx(50.8768724267, abs=1e-9)
+        assert (epoch.quality, epoch.resolution, epoch.satellites) == (FixQuality.FIXED, 1e-9, 20)
+    (alone,) = run(EpochStream(EpochSettings()), [(10.0, [ubx.pvt(report())])])
+    assert alone.resolution == 1e-7
+    (unknown,) = run(EpochStream(EpochSettings()), [(10.0, [ubx.hpposllh(report())])])
+    assert (unknown.quality, unknown.has_fix) == (FixQuality.UNKNOWN, True)
+
+
+def test_no_direction_below_walking_pace(report: Maker) -> None:
+    for speed, is_known in ((0.29, False), (0.31, True)):
+        (epoch,) = run(EpochStream(EpochSettings()), [(10.0, nmea.sentences(report(speed=speed)))])
+        assert math.isfinite(epoch.course) is is_known
+
+
+def test_quality_falls_at_once_and_rises_after_it_has_held(report: Maker) -> None:
+    fixed, floating = FixQuality.FIXED, FixQuality.FLOAT
+    reported = [fixed] * 3 + [floating, fixed] * 5 + [fixed] * 12
+    bursts = [(10.0 + 0.1 * step, [nmea.gga(report(0.1 * step, quality=each))]) for step, each in enumerate(reported)]
+    epochs = run(EpochStream(EpochSettings(quality_hold=1.0)), bursts)
+    assert [epoch.reported for epoch in epochs] == reported
+    assert [epoch.quality for epoch in epochs] == [fixed] * 3 + [floating] * 19 + [fixed] * 3
+    assert {epoch.sigma_east for epoch in epochs[3:22]} == {0.4}

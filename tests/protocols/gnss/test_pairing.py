@@ -1,0 +1,120 @@
+"""Pairing: epochs of two receivers by their own times, whatever the order and the delay in which they come."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from drawbar.machine.stand_in import nmea, sbf
+from drawbar.protocols.gnss.checks import resolution
+from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.gnss.pairing import Body, Pair, Pairing
+from drawbar.protocols.gnss.settings import EpochSettings
+from drawbar.protocols.gnss.stream import EpochStream
+
+TRACTOR, TRAILER = Body.TRACTOR, Body.TRAILER
+
+
+def epoch(utc: float) -> Epoch:
+    return Epoch(time=utc, received=utc, utc=utc % 86400.0, latitude=50.0, longitude=4.0)
+
+
+def times(pairs: list[Pair]) -> list[tuple[float | None, float | None]]:
+    return [tuple(None if each is None else each.utc for each in (pair.tractor, pair.trailer)) for pair in pairs]
+
+
+def run(arrivals: list[tuple[float, Body, float]]) -> tuple[list[tuple[float | None, float | None]], dict[str, int]]:
+    """Add epochs (arrival, body, utc) and wait at the end."""
+    pairing, pairs = Pairing(), []
+    for arrival, body, utc in arrivals:
+        pairs += pairing.add(body, epoch(utc), arrival)
+    pairs += pairing.poll(1e9)
+    assert pairing.due == math.inf
+    return times(pairs), pairing.dropped
+
+
+@pytest.mark.parametrize("first", [TRACTOR, TRAILER])
+def test_the_same_instant_is_a_pair_as_soon_as_both_are_there(first: Body) -> None:
+    pairing = Pairing()
+    second = TRAILER if first is TRACTOR else TRACTOR
+    assert pairing.add(first, epoch(100.0), 5.0) == []
+    assert pairing.due == pytest.approx(5.06)
+    assert times(pairing.add(second, epoch(100.001), 5.03)) == [
+        tuple(100.0 if first is body else 100.001 for body in Body)
+    ]
+    assert pairing.dropped == {}
+
+
+def test_the_second_is_waited_for_60_ms_and_then_goes_alone() -> None:
+    pairing = Pairing()
+    pairing.add(TRACTOR, epoch(100.0), 5.0)
+    assert pairing.poll(5.059) == []
+    assert times(pairing.poll(5.061)) == [(100.0, None)]
+    assert times(pairing.add(TRAILER, epoch(100.0), 5.1) + pairing.poll(5.2)) == [(None, 100.0)]
+    assert pairing.dropped == {"tractor alone": 1, "trailer alone": 1}
+
+
+def test_one_receiver_alone_gives_every_epoch() -> None:
+    pairs, dropped = run([(0.1 * step, TRACTOR, 0.1 * step) for step in range(5)])
+    assert pairs == [(pytest.approx(0.1 * step), None) for step in range(5)]
+    assert dropped == {"tractor alone": 5}
+
+
+@pytest.mark.parametrize(("offset", "count"), [(0.04, 10), (-0.04, 10), (0.06, 20)])
+def test_half_an_interval_is_the_same_instant(offset: float, count: int) -> None:
+    arrivals = [(0.1 * step, TRACTOR, 0.1 * step) for step in range(10)]
+    arrivals += [(0.1 * step + 0.01, TRAILER, 0.1 * step + offset) for step in range(10)]
+    pairs, _ = run(sorted(arrivals, key=lambda each: each[0]))
+    alone = sum(None in pair for pair in pairs)
+    assert len(pairs) in (count, count - 1)
+    assert alone == (0 if count == 10 else pytest.approx(18, abs=2))
+
+
+def test_receivers_of_two_rates_pair_where_they_meet() -> None:
+    arrivals = [(0.1 * step, TRACTOR, 0.1 * step) for step in range(20)]
+    arrivals += [(0.2 * step + 0.03, TRAILER, 0.2 * step) for step in range(10)]
+    pairs, _ = run(sorted(arrivals, key=lambda each: each[0]))
+    assert len(pairs) == 20
+    assert sum(None not in pair for pair in pairs) == 10
+
+
+def test_pairs_go_on_through_midnight() -> None:
+    arrivals = [
+        (0.2 * step + late, body, 86399.0 + 0.2 * step) for step in range(10) for late, body in enumerate_bodies()
+    ]
+    pairs, dropped = run(arrivals)
+    assert len(pairs) == 10
+    assert dropped == {}
+
+
+def enumerate_bodies() -> list[tuple[float, Body]]:
+    return [(0.0, TRACTOR), (0.02, TRAILER)]
+
+
+def test_a_late_older_one_does_not_disturb_the_pair_that_is_coming() -> None:
+    pairs, _ = run([(5.00, TRACTOR, 100.2), (5.01, TRAILER, 100.0), (5.02, TRAILER, 100.2)])
+    assert pairs == [(None, 100.0), (100.2, 100.2)]
+
+
+def test_sentences_pair_with_blocks_of_gps_time(report: object) -> None:
+    pairing, pairs = Pairing(), []
+    for body, encode in ((TRACTOR, nmea.sentences), (TRAILER, sbf.blocks)):
+        stream = EpochStream(EpochSettings())
+        stream.push(b"".join(encode(report())), 5.0)  # type: ignore[operator]
+        for each in stream.poll(5.02):
+            pairs += pairing.add(body, each, 5.02)
+    assert len(pairs) == 1
+    assert pairing.dropped == {}
+
+
+@pytest.mark.parametrize(
+    ("degrees", "is_enough"), [(1e-9, True), (1e-6 / 60.0, True), (1e-5 / 60.0, False), (1e-7, False), (1e-2, False)]
+)
+def test_positions_with_too_few_digits_are_said_to_have_them(degrees: float, is_enough: bool) -> None:
+    said = resolution(replace(epoch(0.0), resolution=degrees))
+    assert (said == "") is is_enough
+    assert is_enough or ("at most 2 mm are allowed" in said and "at least 6 decimals of minutes" in said)
+
+
+def test_an_epoch_without_position_has_no_digits_to_miss() -> None:
+    assert resolution(Epoch(time=0.0, received=0.0, utc=0.0, resolution=1.0)) == ""
