@@ -2,20 +2,19 @@
 
 It is told what a sensor reports and answers what to drive; it reads no clock and owns no device. Whatever looks like a
 runaway ends it: motion to the wrong side, faster or further than expected, none at all, or without a drive, or seen in
-the vehicle's yaw rate but not by the sensor; and so does a vehicle that stands or drives too fast, a sensor that fails or
-falls silent, and the operator.
+the vehicle's yaw rate but not by the sensor; and so does a vehicle that stands or drives too fast, a sensor that fails
+or falls silent, and the operator.
 """
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
-from drawbar.machine.hardware.valve_calibration import MOVED, RUNS, PushRecord
-
+from drawbar.machine.hardware.calibration_plans import NoMotion, Plan, Push
+from drawbar.machine.hardware.valve_calibration import MOVED, PushRecord
 
 _FIRST_PAUSE = 0.8
 """s, in which nothing may move before the first push"""
@@ -38,7 +37,7 @@ class Sensed:
     permitted: bool
     """the operator holds the switch that permits motion"""
     by_yaw: float = math.nan
-    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, and then a stuck sensor is seen late"""
+    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, then a stuck sensor is seen late"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,18 +66,6 @@ class CalibrationLimits:
     """of the whole calibration, s"""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Push:
-    """A drive from rest."""
-
-    drive: float
-    """-1 to 1"""
-    duration: float
-    """s"""
-    pause: float
-    """without a drive behind it, in which the motion dies out, s"""
-
-
 class State(Enum):
     """Where a calibration is."""
 
@@ -86,25 +73,6 @@ class State(Enum):
     PAUSING = "pausing"
     DONE = "done"
     ABORTED = "aborted"
-
-
-class Plan(ABC):
-    """Which pushes a calibration makes."""
-
-    @abstractmethod
-    def next_push(self, last: PushRecord | None) -> Push | None:
-        """Return the next push, or None when there is nothing more to do.
-
-        Args:
-            last: what the last one did; None before the first.
-
-        Raises:
-            NoMotion: it has pushed as far as it may, and nothing moved.
-        """
-
-
-class NoMotion(Exception):  # noqa: N818 -- what was seen, not a mistake
-    """The largest drive that is allowed moved nothing."""
 
 
 class Calibration:
@@ -249,10 +217,11 @@ class Calibration:
         mean = sum(each for _, each in self._curved) / len(self._curved)
         if math.isnan(self._apart):
             self._apart = mean
-        if abs(mean - self._apart) > self._limits.unseen:
+        apart = mean - self._apart
+        if abs(apart) > self._limits.unseen:
             return (
-                f"runaway: by its yaw rate the vehicle is steered {math.degrees(mean - self._apart):+.1f}° further than the "
-                f"sensor says; the sensor is stuck or its lever is loose"
+                f"runaway: by its yaw rate the vehicle is steered {math.degrees(apart):+.1f}° further than "
+                f"the sensor says; the sensor is stuck or its lever is loose"
             )
         return ""
 
@@ -262,70 +231,6 @@ class Calibration:
         if earlier is None:
             return 0.0
         return (sensed.angle - earlier[1]) / (sensed.time - earlier[0])
-
-
-class DeadBandPlan(Plan):
-    """Raise the drive by 1 % from push to push until it has moved well, to one side and then back, three times."""
-
-    def __init__(
-        self, *, largest: float = 0.4, duration: float = 0.5, enough: float = math.radians(1.2), runs: int = RUNS
-    ) -> None:
-        """Take the numbers.
-
-        Args:
-            largest: drive; when nothing has moved at it, there is no feedback.
-            duration: of one push, s.
-            enough: motion that ends a run to one side, rad.
-            runs: to each side.
-        """
-        self.runs: dict[int, list[list[PushRecord]]] = {1: [], -1: []}
-        """pushes of each run, by the drive's sign"""
-        self._largest, self._duration, self._enough, self._count = largest, duration, enough, runs
-        self._pushes = self._sequence()
-        self._last: PushRecord | None = None
-
-    def next_push(self, last: PushRecord | None) -> Push | None:
-        """Return the next push."""
-        self._last = last
-        return next(self._pushes, None)
-
-    def _sequence(self) -> Iterator[Push]:
-        for i in range(2 * self._count):
-            sign = 1 if i % 2 == 0 else -1
-            run: list[PushRecord] = []
-            self.runs[sign].append(run)
-            for percent in range(1, round(100.0 * self._largest) + 1):
-                yield Push(drive=sign * percent / 100.0, duration=self._duration, pause=0.5)
-                assert self._last is not None
-                run.append(self._last)
-                if abs(self._last.moved) >= self._enough:
-                    break
-            else:
-                raise NoMotion(
-                    f"no feedback: at a drive of {self._largest:.0%} it moved less than "
-                    f"{math.degrees(self._enough):.1f}°; check the valve's power and the sensor's lever"
-                )
-
-
-class RatePlan(Plan):
-    """Large pushes, alternately to both sides, for full rate, lag and dead time."""
-
-    def __init__(self, *, drive: float = 0.45, duration: float = 0.7, pushes: int = 5) -> None:
-        """Take the numbers; `pushes` are those to each side."""
-        self.records: dict[int, list[PushRecord]] = {1: [], -1: []}
-        """by the drive's sign"""
-        self._drive, self._duration, self._count = drive, duration, pushes
-        self._made = 0
-
-    def next_push(self, last: PushRecord | None) -> Push | None:
-        """Return the next push."""
-        if last is not None:
-            self.records[1 if last.drive > 0.0 else -1].append(last)
-        if self._made == 2 * self._count:
-            return None
-        sign = 1.0 if self._made % 2 == 0 else -1.0
-        self._made += 1
-        return Push(drive=sign * self._drive, duration=self._duration, pause=0.8)
 
 
 class CalibratedMachine(ABC):
