@@ -98,7 +98,7 @@ class Calibration:
         self._still = self._apart = math.nan
         self._curved: list[tuple[float, float]] = []
         self._started = self._origin = math.nan
-        self._begun = self._from = 0.0
+        self._begun = self._from = self._held = 0.0
         self._last: Sensed | None = None
         self._seen: list[tuple[float, float]] = []
 
@@ -120,11 +120,13 @@ class Calibration:
             self._seen.append((sensed.time, sensed.angle))
         self._last = sensed
         passed = sensed.time - self._begun
-        if math.isnan(self._still) and passed >= self._push.duration + _DIES_OUT * self._push.pause:
+        resting = self.state is State.PAUSING and passed >= self._held + _DIES_OUT * self._push.pause
+        if resting and math.isnan(self._still):
             self._still = sensed.angle
-        if self.state is State.PUSHING and passed >= self._push.duration:
-            self.state = State.PAUSING
-        elif self.state is State.PAUSING and passed >= self._push.duration + self._push.pause:
+        if self.state is State.PUSHING:
+            if passed >= self._push.duration or abs(sensed.angle - self._from) >= self._push.enough:
+                self.state, self._held = State.PAUSING, passed
+        elif passed >= self._held + self._push.pause:
             self._go_on(sensed)
         return self._push.drive if self.state is State.PUSHING else 0.0
 
@@ -140,7 +142,7 @@ class Calibration:
 
     def _go_on(self, sensed: Sensed) -> None:
         """Keep the record of the push that is over, and begin the next one."""
-        record = self._record() if self._push.duration > 0.0 else None
+        record = self._record() if self._held > 0.0 else None
         if record is not None:
             self.records.append(record)
             if self.direction == 0 and abs(record.moved) > MOVED:
@@ -162,7 +164,7 @@ class Calibration:
     def _record(self) -> PushRecord:
         times, angles = (np.array(column) for column in zip(*self._seen, strict=True))
         return PushRecord(
-            drive=self._push.drive, duration=self._push.duration, times=times - self._begun, angles=angles - self._from
+            drive=self._push.drive, duration=self._held, times=times - self._begun, angles=angles - self._from
         )
 
     def _wrong(self, sensed: Sensed) -> str:
