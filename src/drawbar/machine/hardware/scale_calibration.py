@@ -112,11 +112,6 @@ def _slope(offset: Floats, angles: Floats, refusals: list[str]) -> Calibrated:
         return _nothing("counts per degree", "rad", refusals)
     fit = linear_fit(offset[whole, None], angles[whole])
     slope = float(fit.parameters[0])
-    if not fit.residual <= LARGEST_RESIDUAL * 3.0:
-        refusals = [
-            *refusals,
-            f"a line leaves {math.degrees(fit.residual):.1f}°; was the steering held in each circle?",
-        ]
     if slope == 0.0:
         return _nothing("counts per degree", "rad", [*refusals, "the counts do not follow the angle; check the sensor"])
     value = math.radians(1.0) / slope

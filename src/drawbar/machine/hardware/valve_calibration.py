@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -219,7 +219,7 @@ class Wiggle:
     gain: float
     """measured per commanded; negative: reversed"""
     delay: float
-    """s, lag included"""
+    """dead time and lag, s"""
     explained: float
     """share of the measured motion's variance that command, gain and delay explain"""
     refusals: tuple[str, ...]
@@ -246,7 +246,9 @@ def wiggle_test(
 ) -> Wiggle:
     """Judge a wiggle test: sign, gain from 0.7 to 1.3, delay of 0.5 s at most.
 
-    measured(t) = gain commanded(t - delay) + constant, by least squares; the delay with the best fit up to 0.8 s.
+    measured = gain * lagged(commanded) + constant by least squares, lagged by the dead time and the first-order lag,
+    0.8 s together at most, that fit best: a loop that has only just arrived when it is turned back has not too small a
+    gain.
 
     Args:
         times: (n,) s, in order, half a second before the wiggle and a second after it included.
@@ -259,18 +261,30 @@ def wiggle_test(
             f"{len(time)} samples in order, commands over {np.ptp(command) if len(command) else 0.0} rad; repeat it"
         )
         return Wiggle(gain=math.nan, delay=math.nan, explained=0.0, refusals=(reason,))
-    best = (-1.0, math.nan, math.nan)
     variation = float(((angle - angle.mean()) ** 2).sum())
-    for delay in np.arange(0.0, _LONGEST_DELAY, 0.01):
-        index = np.searchsorted(time, time - delay, side="right") - 1
-        shifted = np.where(index >= 0, command[np.maximum(index, 0)], command[0])
-        fit = linear_fit(np.column_stack([shifted, np.ones(len(time))]), angle)
-        left = fit.residual**2 * (len(time) - 2)
-        explained = 1.0 - left / variation if variation > 0.0 else 0.0
-        if explained > best[0]:
-            best = (explained, float(fit.parameters[0]), float(delay))
-    explained, gain, delay = best
-    return Wiggle(gain=gain, delay=delay, explained=explained, refusals=_wiggle_refusals(explained, gain, delay))
+    best = Wiggle(gain=0.0, delay=math.nan, explained=0.0, refusals=())
+    for lag in np.arange(0.0, _LONGEST_DELAY, 0.05).tolist():
+        smooth = _lagged(time, command, lag)
+        for dead_time in np.arange(0.0, _LONGEST_DELAY - lag, 0.02).tolist():
+            shifted = np.interp(time - dead_time, time, smooth)
+            fit = linear_fit(np.column_stack([shifted, np.ones(len(time))]), angle)
+            left = fit.residual**2 * (len(time) - 2)
+            explained = 1.0 - left / variation if variation > 0.0 else 0.0
+            if explained > best.explained:
+                gain = float(fit.parameters[0])
+                best = Wiggle(gain=gain, delay=lag + dead_time, explained=explained, refusals=())
+    return replace(best, refusals=_wiggle_refusals(best.explained, best.gain, best.delay))
+
+
+def _lagged(times: Floats, values: Floats, lag: float) -> Floats:
+    """Return what a first-order lag makes of values that are held from sample to sample."""
+    if lag == 0.0:
+        return values
+    shares = -np.expm1(-np.diff(times) / lag)
+    made = values.copy()
+    for i, share in enumerate(shares.tolist(), 1):
+        made[i] = made[i - 1] + share * (values[i - 1] - made[i - 1])
+    return made
 
 
 def _wiggle_refusals(explained: float, gain: float, delay: float) -> tuple[str, ...]:
