@@ -1,8 +1,8 @@
 """What the low level makes of a valve and of a hydrostat, in closed loop: `python -m drawbar.benchmark.actuation`.
 
 The simulated valve has a dead band of ± 15 %, 25 °/s at full drive, a lag of 0.1 s and a dead time of 40 ms; its loop
-runs at 50 Hz. The hydrostat's pedal needs 1.25 s for its stroke, the vehicle follows with 0.8 s to 3 m/s at full pedal, the
-encoder resolves 2 cm/s, the loop runs at 20 Hz; after 8 s a hill takes 0.4 m/s. The loops are drawbar_actuate.
+runs at 50 Hz. The hydrostat's pedal needs 1.25 s for its stroke, the vehicle follows with 0.8 s to 3 m/s at full pedal,
+the encoder resolves 2 cm/s, the loop runs at 20 Hz; after 8 s a hill takes 0.4 m/s. The loops are drawbar_actuate.
 """
 
 import math

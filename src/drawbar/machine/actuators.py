@@ -29,7 +29,9 @@ def hydrostat_rates(settings: HydrostatSettings, drive: ca.SX, target: ca.SX) ->
     return ca.vertcat(acceleration, pedal_speed, (motor - pedal_speed) / settings.pedal_lag, speed_error, pedal_error)
 
 
-def valve_rates(settings: ValveSettings, motion: ca.SX, drive: ca.SX, *, full_rate: float, stop: float) -> ca.SX:
+def valve_rates(
+    settings: ValveSettings, motion: ca.SX, drive: ca.SX, *, full_rate: float | ca.SX, stop: float | ca.SX
+) -> ca.SX:
     """Return d/dt of motion (2,) = angle (rad), rate (rad/s) of a cylinder behind a proportional valve.
 
     The drive, -1 to 1, opens the valve beyond its dead band; the oil follows with a lag. Its two sides may have other

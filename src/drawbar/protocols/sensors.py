@@ -182,17 +182,19 @@ class WheelSpeed:
     """The speed of one wheel from an encoder's reports: counter and the sensor's own time stamp.
 
     With three pulses or more since the last report it is their number by the time between the two stamps. With fewer it
-    is their number by the time since the last report that had any, so that a slow wheel does not flicker between 0 and
-    one pulse a report; and as long as none comes the speed cannot be more than one pulse in that time. After half a
-    second without a pulse the wheel stands.
+    is reckoned back to the report three pulses ago, but no further than half a second, so that a slow wheel does not
+    flicker between 0 and one pulse a report; and as long as none comes the speed cannot be more than one pulse in that
+    time. After half a second without a pulse the wheel stands.
     """
 
     def __init__(self, encoder: Encoder) -> None:
         """Take the encoder's constants; the first report only begins."""
         self._encoder = encoder
         self._counter = 0
-        self._pulsed = self._newest = -math.inf
+        self._newest = -math.inf
         self._speed = 0.0
+        self._moved: list[tuple[float, int]] = []
+        """(stamp, pulses in all) of the last reports with pulses, over three pulses or half a second"""
 
     def read(self, stamp: float, counter: int) -> Reading:
         """Return the speed, m/s, forwards positive; NaN with the first report.
@@ -207,28 +209,32 @@ class WheelSpeed:
             return _failed(SensorFault.TIME)
         before, self._newest = self._newest, stamp
         pulses = self._difference(counter)
+        self._counter = counter
         if before == -math.inf:
-            self._begin(stamp, counter)
+            self._moved = [(stamp, 0)]
             return Reading(value=math.nan)
         most = abs(self._encoder.pulses_per_metre) * self._encoder.largest_speed * (stamp - before) + 1.0
         if not abs(pulses) <= most:
-            self._begin(stamp, counter)
+            self._moved, self._speed = [(stamp, 0)], 0.0
             return _failed(SensorFault.IMPOSSIBLE)
-        if pulses:
-            few = abs(pulses) < COUNTED_PULSES and stamp - self._pulsed <= STILL_AFTER
-            self._speed = pulses / self._encoder.pulses_per_metre / (stamp - (self._pulsed if few else before))
-            self._pulsed, self._counter = stamp, counter
-        else:
-            self._speed = self._at_most(stamp - self._pulsed)
+        self._speed = self._over(before, stamp, pulses) if pulses else self._at_most(stamp - self._moved[-1][0])
         return Reading(value=self._speed)
 
-    def _begin(self, stamp: float, counter: int) -> None:
-        self._pulsed, self._counter, self._speed = stamp, counter, 0.0
-
     def _difference(self, counter: int) -> int:
-        """Return the pulses since the last report that had any, across a wrap, in either direction."""
+        """Return the pulses since the last report, across a wrap, in either direction."""
         half = 1 << (self._encoder.bits - 1)
         return (counter - self._counter + half) % (2 * half) - half
+
+    def _over(self, before: float, stamp: float, pulses: int) -> float:
+        """Return the speed when pulses have come since the report before."""
+        total = self._moved[-1][1] + pulses
+        self._moved.append((stamp, total))
+        while len(self._moved) > 2 and abs(total - self._moved[1][1]) >= COUNTED_PULSES:
+            del self._moved[0]
+        while len(self._moved) > 1 and stamp - self._moved[0][0] > STILL_AFTER:
+            del self._moved[0]
+        since, counted = self._moved[0] if len(self._moved) > 1 else (before, total - pulses)
+        return (total - counted) / self._encoder.pulses_per_metre / (stamp - since)
 
     def _at_most(self, silence: float) -> float:
         """Return the speed after so many seconds without a pulse."""
