@@ -9,7 +9,7 @@ from drawbar.config import load_configuration
 from drawbar.drive.rehearsal import Rehearsal
 from drawbar.messages import Action, SupervisorState
 from drawbar.safety.causes import Cause
-from drawbar.signals import Flag, FixQuality
+from drawbar.signals import FixQuality, Flag
 from drawbar.simulation import build_path, simulate
 
 SEED = 3
@@ -125,6 +125,8 @@ def test_a_board_that_loses_power_is_let_go_of_and_not_engaged_again():
     drive_until(rehearsal, SupervisorState.ACTIVE)
     rehearsal.machine.boards["trailer"][0].restart(rehearsal.time, outage=0.5)
     assert released_after(rehearsal, 2.0) < 0.5
+    for _ in rehearsal.run(0.3):  # the other board's motor stops at its next tick
+        pass
     for _ in rehearsal.run(5.0):
         assert not any(board.driving for board, _ in rehearsal.machine.boards.values())
 

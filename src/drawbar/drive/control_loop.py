@@ -1,7 +1,6 @@
 """Control loop: from what the receivers and the gate say to commands, in the controller's process or a rehearsal.
 
-Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself neither waits nor reads a
-clock.
+Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself never waits.
 """
 
 from collections.abc import Callable

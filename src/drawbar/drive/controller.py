@@ -1,4 +1,4 @@
-"""Controller: the control step between measurements and messages to the gate. No input, no output, no clock of its own."""
+"""Controller: the control step between measurements and messages to the gate; time is given to it."""
 
 import math
 

@@ -1,6 +1,6 @@
 """The controller's process as a program: fixes and the gate's states in, commands out.
 
-`python -m drawbar.drive.controller_main DESCRIPTOR`, the end of the pair with the gate, with its orders on standard input.
+`python -m drawbar.drive.controller_main DESCRIPTOR`, its end of the pair with the gate; its orders on standard input.
 """
 
 import select
@@ -70,7 +70,7 @@ def main() -> int:
             loop.pass_time(now)
         beat.pass_time(now)
         until = min(loop.due, beat.due, time.monotonic_ns() + _LONGEST_WAIT)
-        select.select([gate, mailbox], [], [], max(until - time.monotonic_ns(), 0) * 1e-9)
+        select.select([gate.fileno(), mailbox.fileno()], [], [], max(until - time.monotonic_ns(), 0) * 1e-9)
     mailbox.close()
     return 0
 

@@ -51,14 +51,14 @@ class Crew:
         try:
             self._start_all()
         except BaseException:
-            self._end_all()
+            self.close()
             raise
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._end_all()
+        self.close()
 
     def ended(self) -> list[str]:
         """Return the names of processes that are not there any more."""
@@ -124,8 +124,10 @@ class Crew:
         lines = (self._run / "messages.txt").read_text("utf-8", "replace").strip().splitlines()
         return " / ".join(lines[-4:]) or "it said nothing"
 
-    def _end_all(self) -> None:
+    def close(self) -> None:
         """End the gate first, so that the actuators let go; then all others, the recorder last."""
+        if self._messages.closed:
+            return
         for name in ("gate", "controller", "receivers", "stand_in", "recorder"):
             process = self.processes.get(name)
             if process is not None and process.poll() is None:

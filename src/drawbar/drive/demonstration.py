@@ -5,13 +5,16 @@ import socket
 from drawbar.config import Configuration
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS, PULSES
 
 
 def with_stand_ins(configuration: Configuration) -> Configuration:
     """Return the configuration with two receivers on TCP and two boards on UDP, all at free ports of 127.0.0.1."""
     vehicle = configuration.vehicle
-    receivers = [ReceiverSettings(transport=f"tcp://127.0.0.1:{port}") for port in _free_ports(socket.SOCK_STREAM, 2)]
+    streams = _free_ports(socket.SOCK_STREAM, 3)
+    receivers = [ReceiverSettings(transport=f"tcp://127.0.0.1:{port}") for port in streams[:2]]
     ports = _free_ports(socket.SOCK_DGRAM, 4)
     limits = (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit)
     boards = [
@@ -23,6 +26,12 @@ def with_stand_ins(configuration: Configuration) -> Configuration:
         trailer_receiver=receivers[1],
         tractor_board=boards[0],
         trailer_board=boards[1],
+        sensors=SensorBoardSettings(
+            transport=f"tcp://127.0.0.1:{streams[2]}",
+            hitch_counts=HITCH_COUNTS,
+            hitch_angles=HITCH_ANGLES,
+            pulses_per_metre=PULSES,
+        ),
     )
     return configuration.model_copy(update={"devices": devices})
 

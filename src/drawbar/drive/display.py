@@ -9,6 +9,8 @@ from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality
 
+_CAUSES = {cause.value: cause for cause in Cause}
+
 _GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
 _WORRIED = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
 _BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
@@ -42,7 +44,7 @@ def headline(state: GateState) -> Text:
         f"{state.state.name}: {_MEANINGS[state.state]}", style=style if state.state in _GOOD + _WORRIED + _BAD else ""
     )
     if state.cause:
-        text.append(f" ({Cause(state.cause).sentence})")
+        text.append(f" ({_CAUSES[state.cause].sentence})")
     if math.isfinite(state.remaining):
         text.append(f", {state.remaining:.0f} s left")
     return text
@@ -80,5 +82,5 @@ def _speed(speed: float) -> str:
 def _reasons(state: GateState) -> Iterator[Text]:
     for code in state.refusals:
         if code:
-            cause = Cause(code)
+            cause = _CAUSES[code]
             yield Text(f"- {cause.sentence}: {cause.advice}")

@@ -5,12 +5,15 @@ import sys
 from pathlib import Path
 
 from drawbar.drive.orders import DRIVER, GATE, RECORDER, GateOrders
+from drawbar.machine.hardware.shared_socket import own_sources, share
+from drawbar.protocols.agopengps.network import COMPUTER_PORT
 from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
 from drawbar.safety.envelope import Bounds
 from drawbar.safety.gate_process import run
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.wires import Wire
 from drawbar.transports.open import open_transport
+from drawbar.transports.udp import UdpTransport
 
 
 def main() -> int:
@@ -29,14 +32,23 @@ def main() -> int:
 
 
 def wires(orders: GateOrders) -> list[Wire]:
-    """Open the transports of all actuators."""
+    """Open the transports of all actuators; boards that listen at one place share one socket.
+
+    Raises:
+        HardwareError: a port is taken.
+    """
+    boards = {"tractor": orders.tractor_board, "trailer": orders.trailer_board}
     opened: list[Wire] = []
-    if orders.tractor_board is not None:
-        board = orders.tractor_board
-        opened.append(Wire(transport=open_transport(board.transport), tractor=board.actuator()))
-    if orders.trailer_board is not None:
-        board = orders.trailer_board
-        opened.append(Wire(transport=open_transport(board.transport), trailer=board.actuator()))
+    for listen in sorted({board.listen for board in boards.values() if board is not None}):
+        here = {body: board for body, board in boards.items() if board is not None and board.listen == listen}
+        line = open_transport(next(iter(here.values())).transport)
+        assert isinstance(line, UdpTransport)
+        peers = [board.destination for board in here.values()]
+        own = own_sources(peers, COMPUTER_PORT)
+        for (body, board), transport in zip(here.items(), share(line, peers), strict=True):
+            actuator = board.actuator(own)
+            tractor, trailer = (actuator, None) if body == "tractor" else (None, actuator)
+            opened.append(Wire(transport=transport, tractor=tractor, trailer=trailer))
     return opened
 
 

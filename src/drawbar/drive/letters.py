@@ -22,6 +22,7 @@ class Device(IntEnum):
     TRACTOR_RECEIVER = 0
     TRAILER_RECEIVER = 1
     CORRECTIONS = 2
+    SENSORS = 3
 
 
 class Level(Enum):

@@ -3,6 +3,7 @@
 `python -m drawbar.drive.receivers_main`, with its orders on standard input.
 """
 
+import math
 import select
 import sys
 import time
@@ -14,15 +15,23 @@ from drawbar.drive.letters import Device, Raw, pack
 from drawbar.drive.mail import Mailbox
 from drawbar.drive.orders import CONTROLLER, GATE, RECORDER, Orders
 from drawbar.drive.place import local_frame
+from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
+from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import Role, encode
+from drawbar.protocols.ntrip import gga_sentence
 from drawbar.realtime import prepare
+from drawbar.signals import FixQuality
 from drawbar.transports.base import Received
 from drawbar.transports.open import open_transport
 from drawbar.transports.tapped import Direction, TappedTransport
 
+_GGA = {FixQuality.DIFFERENTIAL: 2, FixQuality.FIXED: 4, FixQuality.FLOAT: 5}
+"""quality in a GGA sentence"""
+_CORRECTIONS = 0.02
+"""between two looks at the caster, s"""
 _ASK_AGAIN = 0.05
 """between two looks at transports that have no descriptor, s"""
 
@@ -35,8 +44,10 @@ def main() -> int:
     assert devices is not None
     mailbox = Mailbox(orders.socket("receivers"))
     tractor, trailer = (_receiver(settings, device, mailbox, orders) for settings, device in _receivers(devices))
-    navigation = Navigation(tractor, trailer, local_frame(configuration))
+    sensors = _sensors(devices, mailbox, orders)
+    navigation = Navigation(tractor, trailer, local_frame(configuration), sensors)
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
+    corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
     for word in prepare(0):
         print(f"receivers: {word}", file=sys.stderr)
     while not ending.asked:
@@ -46,13 +57,38 @@ def main() -> int:
             mailbox.send(orders.socket(CONTROLLER), record)
             mailbox.send(orders.socket(RECORDER), record)
         beat.pass_time(now)
-        descriptors = [each for each in (tractor.transport.fileno(), trailer.transport.fileno()) if each >= 0]
-        wait = min(navigation.due - time.monotonic(), beat.due * 1e-9 - time.monotonic(), _ASK_AGAIN)
+        if corrections is not None:
+            _correct(corrections, tractor, trailer)
+        lines = [tractor.transport, trailer.transport, *([sensors.transport] if sensors else [])]
+        descriptors = [each for each in (line.fileno() for line in lines) if each >= 0]
+        most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
+        wait = min(navigation.due - time.monotonic(), beat.due * 1e-9 - time.monotonic(), most)
         select.select(descriptors, [], [], max(wait, 0.0))
-    tractor.close()
-    trailer.close()
-    mailbox.close()
+    for each in (tractor, trailer, corrections, sensors, mailbox):
+        if each is not None:
+            each.close()
     return 0
+
+
+def _correct(corrections: Corrections, tractor: Receiver, trailer: Receiver) -> None:
+    """Give the caster the tractor's position, and both receivers what it sends."""
+    epoch = tractor.last
+    if epoch is not None and epoch.has_fix:
+        sentence = gga_sentence(
+            time_of_day=epoch.utc % 86400.0,
+            latitude=math.radians(epoch.latitude),
+            longitude=math.radians(epoch.longitude),
+            quality=_GGA.get(epoch.reported, 1),
+            satellites=epoch.satellites or 12,
+            dilution=epoch.hdop if math.isfinite(epoch.hdop) else 1.0,
+            height=epoch.height if math.isfinite(epoch.height) else 0.0,
+            separation=0.0,
+        )
+        corrections.position(sentence)
+    data = corrections.advance(time.monotonic())
+    if data:
+        tractor.transport.write(data)
+        trailer.transport.write(data)
 
 
 def _receivers(devices: DeviceSettings) -> tuple[tuple[ReceiverSettings, Device], tuple[ReceiverSettings, Device]]:
@@ -60,13 +96,23 @@ def _receivers(devices: DeviceSettings) -> tuple[tuple[ReceiverSettings, Device]
 
 
 def _receiver(settings: ReceiverSettings, device: Device, mailbox: Mailbox, orders: Orders) -> Receiver:
-    """Open a receiver, every byte of which goes to the recorder too."""
+    return Receiver(_tapped(settings.transport, device, mailbox, orders), settings)
+
+
+def _sensors(devices: DeviceSettings, mailbox: Mailbox, orders: Orders) -> SensorLine | None:
+    if devices.sensors is None:
+        return None
+    return SensorLine(_tapped(devices.sensors.transport, Device.SENSORS, mailbox, orders), devices.sensors)
+
+
+def _tapped(address: str, device: Device, mailbox: Mailbox, orders: Orders) -> TappedTransport:
+    """Open a transport, every byte of which goes to the recorder too."""
 
     def tap(direction: Direction, received: Received) -> None:
         raw = Raw(time=round(received.time * 1e9), device=device, direction=direction, data=received.data)
         mailbox.send(orders.socket(RECORDER), pack(raw))
 
-    return Receiver(TappedTransport(open_transport(settings.transport), tap), settings)
+    return TappedTransport(open_transport(address), tap)
 
 
 if __name__ == "__main__":

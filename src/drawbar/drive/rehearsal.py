@@ -1,7 +1,7 @@
 """Rehearsal: everything of a drive in one process, with the real bytes between its parts and a clock of its own.
 
-What runs on a machine runs here: receivers' bytes, navigation, control loop, gate, boards. Only the wires are memory and
-time is a number, so that a drive takes seconds and is the same each time.
+What runs on a machine runs here: receivers' bytes, navigation, control loop, gate, boards. Only the wires are memory,
+and time is a number, so that a drive takes seconds and is the same each time.
 """
 
 import math
@@ -17,7 +17,8 @@ from drawbar.guidance.path import Path
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.machine.stand_in.machine import BODIES
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
+from drawbar.machine.stand_in.machine import BODIES, HITCH_ANGLES, HITCH_COUNTS, PULSES, SENSORS
 from drawbar.messages import Action, GateState, Heartbeat, Message, Role, SupervisorState, decode, encode
 from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.safety.envelope import NANO, Bounds
@@ -118,7 +119,12 @@ class Rehearsal:
         self.machine = stand_in_machine(configuration, path, frame, seed)
         self._lines = {body: MemoryTransport() for body in BODIES}
         receivers = (Receiver(self._lines[body], ReceiverSettings(transport="memory")) for body in BODIES)
-        self._navigation = Navigation(*receivers, frame)
+        self._lines[SENSORS] = MemoryTransport()
+        board = SensorBoardSettings(
+            transport="memory", hitch_counts=HITCH_COUNTS, hitch_angles=HITCH_ANGLES, pulses_per_metre=PULSES
+        )
+        sensors = SensorLine(self._lines[SENSORS], board)
+        self._navigation = Navigation(next(receivers), next(receivers), frame, sensors)
         self._wires = {body: MemoryTransport() for body in BODIES}
         boards = {
             body: SteerBoard(board=f"192.168.{5 + index}.126", max_angle=math.radians(45.0))

@@ -1,7 +1,7 @@
 """The stand-in as a program: the simulated machine behind real sockets, in real time.
 
-`python -m drawbar.drive.stand_in_main`, with its orders on standard input. It serves what `devices` of the configuration
-names: a receiver at `tcp://` listens there, one at `udp://` is sent to; a board answers at its address.
+`python -m drawbar.drive.stand_in_main`, with its orders on standard input. It serves what the configuration's `devices`
+name: a receiver at `tcp://` listens there, one at `udp://` is sent to; a board answers at its address.
 """
 
 import select
@@ -19,13 +19,13 @@ from drawbar.drive.stand_ins import stand_in_machine
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
-from drawbar.machine.stand_in.machine import StandInMachine
+from drawbar.machine.stand_in.machine import SENSORS, StandInMachine
 from drawbar.messages import GateState, SupervisorState, decode
 from drawbar.simulation import build_path
 
 
-class ReceiverLine:
-    """Where a receiver's bytes go: everybody who is connected to its TCP port, or a UDP port."""
+class DataLine:
+    """Where the bytes of a receiver or a sensor board go: everybody who is connected to its TCP port, or a UDP port."""
 
     def __init__(self, address: str) -> None:
         """Open it.
@@ -35,9 +35,7 @@ class ReceiverLine:
         """
         parts = urlsplit(address)
         if parts.scheme not in ("tcp", "udp") or parts.port is None:
-            raise HardwareError(
-                f"a stand-in cannot be a receiver at {address}; give tcp://HOST:PORT or udp://HOST:PORT"
-            )
+            raise HardwareError(f"a stand-in cannot be at {address}; give tcp://HOST:PORT or udp://HOST:PORT")
         self._place = (parts.hostname or "127.0.0.1", parts.port)
         self._peers: list[socket.socket] = []
         kind = socket.SOCK_STREAM if parts.scheme == "tcp" else socket.SOCK_DGRAM
@@ -104,7 +102,7 @@ class BoardLine:
 
     def receive(self) -> list[tuple[bytes, int]]:
         """Return the datagrams that have come, with their senders' ports."""
-        came = []
+        came: list[tuple[bytes, int]] = []
         while len(came) < 64:
             try:
                 data, self._computer = self._socket.recvfrom(2048)
@@ -138,9 +136,10 @@ class StandIns:
         devices = configuration.devices
         assert devices is not None
         self._machine = machine
-        receivers = {"tractor": devices.tractor_receiver, "trailer": devices.trailer_receiver}
+        lines = {"tractor": devices.tractor_receiver.transport, "trailer": devices.trailer_receiver.transport}
+        lines |= {SENSORS: devices.sensors.transport} if devices.sensors else {}
         boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
-        self._receivers = {body: ReceiverLine(settings.transport) for body, settings in receivers.items()}
+        self._lines = {name: DataLine(address) for name, address in lines.items()}
         self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
 
     def advance(self, now: float) -> None:
@@ -149,8 +148,9 @@ class StandIns:
             for data, port in line.receive():
                 self._send(self._machine.receive(now, body, data, port))
         heard, sent = self._machine.advance(now)
-        for body, data in heard:
-            self._receivers[body].send(data)
+        for name, data in heard:
+            if name in self._lines:
+                self._lines[name].send(data)
         self._send(sent)
 
     def _send(self, outputs: list[tuple[str, Output]]) -> None:
@@ -159,8 +159,10 @@ class StandIns:
 
     def close(self) -> None:
         """Close all sockets."""
-        for line in (*self._receivers.values(), *self.boards.values()):
+        for line in self._lines.values():
             line.close()
+        for board in self.boards.values():
+            board.close()
 
 
 def main() -> int:
@@ -183,7 +185,9 @@ def main() -> int:
                 machine.driver.told_to_stop = bool(state.stop) and state.state is not SupervisorState.STANDBY
         stand_ins.advance(time.monotonic() - start)
         wait = machine.next_time - (time.monotonic() - start)
-        select.select([lamp, *stand_ins.boards.values()], [], [], min(max(wait, 0.0), 0.05))
+        select.select(
+            [lamp.fileno(), *(line.fileno() for line in stand_ins.boards.values())], [], [], min(max(wait, 0.0), 0.05)
+        )
     stand_ins.close()
     lamp.close()
     return 0

@@ -4,6 +4,7 @@ from drawbar.config import Configuration
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.machine.stand_in.aio_v4 import AioV4
+from drawbar.machine.stand_in.board import StandInBoard
 from drawbar.machine.stand_in.machine import BODIES, Driver, StandInMachine, StandInSettings
 from drawbar.machine.stand_in.nmea import gga, gst, vtg
 from drawbar.machine.stand_in.receiver import Report
@@ -22,7 +23,7 @@ def stand_in_machine(configuration: Configuration, path: Path, frame: LocalFrame
         seed: of everything random.
     """
     ticking = configuration.model_copy(update={"sample_time": TICK})
-    boards = {}
+    boards: dict[str, tuple[StandInBoard, HeldWheel]] = {}
     for index, body in enumerate(BODIES):
         wheel = HeldWheel()
         boards[body] = (AioV4(wheel, subnet=f"192.168.{5 + index}"), wheel)

@@ -6,7 +6,7 @@
 | `/raw/DEVICE` | bytes as they came or went: `in`, `out` or `unsent` in the first byte (0, 1, 2), then the bytes |
 | `/fixes`, `/command`, `/controller`, `/gate`, `/operator` | records of `messages.py`, as JSON |
 | `/events` | what happened, in words (foxglove.Log) |
-| `/tractor/fix`, `/trailer/fix`, `/tf`, `/path`, `/bodies`, `/plan/...` | map and 3D scene (foxglove.*), see `scene.py` |
+| `/tractor/fix`, `/trailer/fix`, `/tf`, `/path`, `/bodies`, `/plan/...` | map and scene (foxglove.*): `scene.py` |
 """
 
 import time

@@ -47,7 +47,7 @@ def write_ros2(log: RunLog, file: Path) -> None:
             for topic, value in _numbers(record).items():
                 if math.isfinite(value):
                     _write(writer, topic, number, {"data": value}, time)
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]  # mcap_ros2 left its annotation out
 
 
 def _write(writer: Any, topic: str, schema: Any, message: dict[str, Any], time: int) -> None:

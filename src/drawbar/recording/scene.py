@@ -1,7 +1,7 @@
 """Scene: a run as messages with well-known schemas, so that Foxglove shows map, 3D scene and transforms by itself.
 
-Frames: `field`, east-north-up from the path's origin; `tractor` and `trailer`, forward-left-up at the estimated places of
-their antennas, on the ground. Needs the extra `machine` (foxglove-sdk).
+Frames: `field`, east-north-up from the path's origin; `tractor` and `trailer`, forward-left-up at the estimated places
+of their antennas, on the ground. Needs the extra `machine` (foxglove-sdk).
 """
 
 import math

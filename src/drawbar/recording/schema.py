@@ -1,4 +1,4 @@
-"""Schemas of logged dataclasses as JSON Schema, in the part of it that viewers of logs read: no references, one type each."""
+"""Schemas of logged dataclasses as JSON Schema, as far as viewers of logs read it: no references, one type each."""
 
 from dataclasses import fields, is_dataclass
 from enum import IntEnum, IntFlag
@@ -15,7 +15,7 @@ _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 def json_schema(kind: type) -> bytes:
     """Return the JSON Schema of a dataclass of numbers, enumerations, arrays and dataclasses.
 
-    A missing number is written as null; viewers take that for a gap, and their parsers of schemas know no nullable type.
+    A missing number is written as null: viewers take that for a gap, but their parsers know no nullable type.
     """
     return msgspec.json.encode({"title": kind.__name__, **_object(kind)})
 

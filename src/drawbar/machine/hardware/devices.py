@@ -5,8 +5,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings, refuse_equal_boards
 from drawbar.settings import Settings
 
@@ -34,6 +36,10 @@ class DeviceSettings(Settings):
     trailer_board: SteerBoardSettings | None = None
     """turns the joint between drawbar and trailer"""
     isobus: IsobusSettings | None = None
+    sensors: SensorBoardSettings | None = None
+    """measures hitch angle, wheel speed, or both; without it the estimator does without them"""
+    corrections: CorrectionsSettings | None = None
+    """from a caster; what comes is written to both receivers too. Without it, the receivers have their own"""
     speed: Literal["driver", "isobus"] = "driver"
     """who drives: the driver, who is told when to stop, or the tractor by commands on the ISOBUS"""
     origin: OriginSettings = OriginSettings()

@@ -1,14 +1,18 @@
 """Navigation: the receivers of both bodies together; what they say of one instant comes out as one record."""
 
 import math
+from typing import Any
 
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.receiver import Receiver
+from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import Fixes
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.pairing import Body, Pair, Pairing
 from drawbar.signals import FixQuality
 
+_FRESH = 0.5
+"""oldest report of the sensor board, s"""
 _VALID = 1.0
 """for how long fixes mean something, s"""
 
@@ -16,8 +20,11 @@ _VALID = 1.0
 class Navigation:
     """Polls both receivers, pairs their epochs and places them in the frame of the path."""
 
-    def __init__(self, tractor: Receiver, trailer: Receiver, frame: LocalFrame) -> None:
-        """Take the receivers and the frame."""
+    def __init__(
+        self, tractor: Receiver, trailer: Receiver, frame: LocalFrame, sensors: SensorLine | None = None
+    ) -> None:
+        """Take the receivers, the frame and, where there is one, the sensor board."""
+        self._sensors = sensors
         self._receivers = {Body.TRACTOR: tractor, Body.TRAILER: trailer}
         self._pairing, self._frame, self._sequence = Pairing(), frame, 0
 
@@ -28,6 +35,8 @@ class Navigation:
 
     def poll(self, time: float) -> list[Fixes]:
         """Read what has come until this monotonic time (s), and return what is complete."""
+        if self._sensors is not None:
+            self._sensors.poll()
         pairs: list[Pair] = []
         for body, receiver in self._receivers.items():
             for epoch in receiver.poll(time):
@@ -38,21 +47,30 @@ class Navigation:
     def _fixes(self, pair: Pair, time: float) -> Fixes:
         self._sequence = (self._sequence + 1) % 2**32
         epochs = [epoch for epoch in (pair.tractor, pair.trailer) if epoch is not None]
+        values: dict[str, Any] = self._body("tractor", pair.tractor) | self._body("trailer", pair.trailer)
         return Fixes(
             sequence=self._sequence,
             time=round(time * 1e9),
             valid_until=round((time + _VALID) * 1e9),
             epoch=round(min(epoch.time for epoch in epochs) * 1e9),
             first_byte=round(min(epoch.received for epoch in epochs) * 1e9),
-            hitch_angle=math.nan,
-            hitch_angle_time=0,
-            wheel_speed=math.nan,
-            wheel_speed_time=0,
-            **self._body("tractor", pair.tractor),
-            **self._body("trailer", pair.trailer),
+            **self._sensed(time),
+            **values,
         )
 
-    def _body(self, name: str, epoch: Epoch | None) -> dict[str, float | int]:
+    def _sensed(self, time: float) -> dict[str, Any]:
+        """Return what the sensor board said last, unless that is old."""
+        report = self._sensors.last if self._sensors is not None else None
+        fresh = report is not None and time - report.time <= _FRESH
+        stamp = round(report.time * 1e9) if report is not None and fresh else 0
+        return {
+            "hitch_angle": report.hitch_angle if report is not None and fresh else math.nan,
+            "hitch_angle_time": stamp,
+            "wheel_speed": report.wheel_speed if report is not None and fresh else math.nan,
+            "wheel_speed_time": stamp,
+        }
+
+    def _body(self, name: str, epoch: Epoch | None) -> dict[str, Any]:
         """Return the fields of one body."""
         nan, x, y = math.nan, math.nan, math.nan
         if epoch is not None and epoch.has_fix:

@@ -15,10 +15,21 @@ from drawbar.machine.stand_in.board import Output, StandInBoard
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
+from drawbar.protocols.sensor_board import sentence
 from drawbar.signals import FixQuality, Truth
 
 _SAME = 1e-9
 """times nearer than this are the same, s"""
+SENSORS = "sensors"
+"""name of the sensor board's line"""
+HITCH_COUNTS = (0.0, 1024.0, 2048.0, 3072.0, 4096.0)
+"""of its converter"""
+HITCH_ANGLES = tuple((counts - 2048.0) / 1600.0 for counts in HITCH_COUNTS)
+"""rad"""
+PULSES = 100.0
+"""of its encoder, per metre"""
+_REPORTS = 0.04
+"""between two sentences of the sensor board, s"""
 _BEGAN = datetime.datetime(2026, 6, 1, 6, 0, tzinfo=datetime.UTC)
 """when its receivers' clocks begin"""
 BODIES = ("tractor", "trailer")
@@ -102,7 +113,8 @@ class StandInMachine:
         self._rng = np.random.default_rng(seed)
         self.world, self.boards, self.driver = world, boards, driver
         self._frame, self._encoders, self._settings = frame, encoders, settings
-        self._ticks = self._epochs = 0
+        self._ticks = self._epochs = self._reports = 0
+        self._way = 0.0
         self._leaving: deque[tuple[float, str, bytes]] = deque()
         self.quality = dict.fromkeys(BODIES, FixQuality.FIXED)
         """what the receivers report"""
@@ -111,7 +123,7 @@ class StandInMachine:
     def next_time(self) -> float:
         """When something happens next, s."""
         times = [self._ticks * TICK, *(board.next_tick for board, _ in self.boards.values())]
-        return min([*times, self._leaving[0][0]] if self._leaving else times)
+        return min([*times, *(leaves for leaves, _, _ in self._leaving)])
 
     def advance(self, time: float) -> tuple[list[tuple[str, bytes]], list[tuple[str, Output]]]:
         """Let everything happen up to a time, s; return the receivers' bytes and the boards' datagrams."""
@@ -122,9 +134,9 @@ class StandInMachine:
         for body, (board, _) in self.boards.items():
             sent += [(body, output) for output in board.advance(time)]
         heard: list[tuple[str, bytes]] = []
-        while self._leaving and self._leaving[0][0] <= time + _SAME:
-            _, body, data = self._leaving.popleft()
-            heard.append((body, data))
+        due = [each for each in self._leaving if each[0] <= time + _SAME]
+        self._leaving = deque(each for each in self._leaving if each[0] > time + _SAME)
+        heard += [(line, data) for _, line, data in due]
         return heard, sent
 
     def receive(self, time: float, body: str, datagram: bytes, port: int) -> list[tuple[str, Output]]:
@@ -140,9 +152,18 @@ class StandInMachine:
         truth = self.world.truth
         self.boards["tractor"][1].angle = truth.tractor_steering
         self.boards["trailer"][1].angle = truth.trailer_steering
+        self._way += TICK * truth.speed
+        if time + _SAME >= self._reports * _REPORTS:
+            self._reports += 1
+            self._sense(time)
         if time + _SAME >= self._epochs * self._settings.epochs:
             self._epochs += 1
             self._report(time, truth)
+
+    def _sense(self, time: float) -> None:
+        """Let the sensor board speak."""
+        counts = round(2048.0 + 1600.0 * self.world.measurement.hitch_angle)
+        self._leaving.append((time, SENSORS, sentence(round(time * 1e3), counts, int(self._way * PULSES))))
 
     def _report(self, time: float, truth: Truth) -> None:
         """Let both receivers measure now; their bytes leave later."""
