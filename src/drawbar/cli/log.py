@@ -1,0 +1,55 @@
+"""`drawbar log export`: a log for other programs."""
+
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+from drawbar.cli.options import console
+from drawbar.errors import DrawbarError
+
+log = typer.Typer(help="Logs for other programs.", no_args_is_help=True)
+
+
+@log.callback()
+def group() -> None:
+    """Logs for other programs."""
+
+
+@log.command()
+def export(
+    file: Annotated[FilePath, typer.Argument(help="log.mcap of a run or a drive")],
+    csv: Annotated[FilePath | None, typer.Option(help="table of all numbers of all steps")] = None,
+    ros2: Annotated[FilePath | None, typer.Option(help="MCAP with standard ROS 2 messages")] = None,
+    geojson: Annotated[FilePath | None, typer.Option(help="path and tracks in WGS84")] = None,
+) -> None:
+    """Write a log's content in other formats."""
+    from drawbar.recording.log import read_log
+
+    chosen = {"csv": csv, "ros2": ros2, "geojson": geojson}
+    if not any(chosen.values()):
+        raise typer.BadParameter("give at least one of --csv FILE, --ros2 FILE, --geojson FILE")
+    content = read_log(file)
+    for kind, target in chosen.items():
+        if target is None:
+            continue
+        try:
+            _writer(kind)(content, target)
+        except OSError as error:
+            raise DrawbarError(f"{target}: cannot be written ({error.strerror}); choose another file") from error
+        console.print(str(target), soft_wrap=True)
+
+
+def _writer(kind: str):  # type: ignore[no-untyped-def]  # three functions of one form
+    if kind == "csv":
+        from drawbar.recording.table import write_csv
+
+        return write_csv
+    if kind == "geojson":
+        from drawbar.recording.tracks import write_geojson
+
+        return write_geojson
+    from drawbar.errors import missing_extra
+    from drawbar.recording.ros2 import write_ros2
+
+    return write_ros2

@@ -1,0 +1,148 @@
+"""Check: listens to every device of a configuration for a few seconds, and says what was heard and what is missing.
+
+Nothing is moved: boards are only told that nobody steers, which is what makes them answer.
+"""
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.corrections.corrections import open_corrections
+from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.protocols.actuator import SteeringRequest
+from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.signals import FixQuality
+from drawbar.transports.base import Transport
+from drawbar.transports.open import open_transport
+
+_LOOK = 0.02
+"""between two looks at a device, s"""
+_TICK = 0.1
+"""between two words to a board, s"""
+_OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
+
+
+@dataclass(slots=True, kw_only=True)
+class Finding:
+    """What was found out about one device."""
+
+    device: str
+    heard: bool = False
+    facts: list[str] = field(default_factory=list)
+    """what it said"""
+    problems: list[str] = field(default_factory=list)
+    """what is missing, each with what to do"""
+
+
+def check(devices: DeviceSettings, frame: LocalFrame, seconds: float) -> Iterator[Finding]:
+    """Yield what was found out about each device, listening to each for a time, s.
+
+    Raises:
+        DrawbarError: a transport cannot be opened.
+    """
+    yield _receiver("tractor receiver", devices.tractor_receiver, frame, seconds)
+    yield _receiver("trailer receiver", devices.trailer_receiver, frame, seconds)
+    for name, board in (("tractor board", devices.tractor_board), ("trailer board", devices.trailer_board)):
+        if board is not None:
+            yield _board(name, board, seconds)
+    if devices.sensors is not None:
+        yield _sensors(devices.sensors, seconds)
+    if devices.corrections is not None:
+        corrections = open_corrections(devices.corrections)
+        for now in _looks(seconds):
+            corrections.advance(now)
+        status = corrections.status(time.monotonic())
+        corrections.close()
+        problems = [status.message] if status.message else []
+        facts = [f"RTCM {', '.join(map(str, sorted(status.types)))}"] if status.types else []
+        yield Finding(device="corrections", heard=bool(status.types), facts=facts, problems=problems)
+
+
+def _looks(seconds: float) -> Iterator[float]:
+    """Yield monotonic times, s, for so long."""
+    end = time.monotonic() + seconds
+    while (now := time.monotonic()) < end:
+        yield now
+        time.sleep(_LOOK)
+
+
+def _silent(finding: Finding, transport: Transport) -> None:
+    why = f" ({transport.trouble})" if transport.trouble else ""
+    finding.problems.append(f"nothing was heard{why}: check its power, its cable and its transport")
+
+
+def _receiver(name: str, settings: ReceiverSettings, frame: LocalFrame, seconds: float) -> Finding:
+    finding, epochs = Finding(device=name), list[Epoch]()
+    receiver = Receiver(open_transport(settings.transport), settings)
+    for now in _looks(seconds):
+        epochs += receiver.poll(now)
+    finding.heard = bool(epochs)
+    if not epochs:
+        _silent(finding, receiver.transport)
+    else:
+        _describe(finding, epochs, frame, receiver)
+    receiver.close()
+    return finding
+
+
+def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver: Receiver) -> None:
+    last = epochs[-1]
+    span = last.time - epochs[0].time
+    rate = f"{(len(epochs) - 1) / span:.1f} Hz, " if span > 0.0 else ""
+    finding.facts.append(f"{rate}{', '.join(sorted(receiver.kinds))}")
+    finding.facts.append(f"fix {last.quality.name.lower()}, deviation {max(last.sigma_east, last.sigma_north):.3f} m")
+    if last.has_fix:
+        east, north = (float(each) for each in frame.east_north(last.latitude, last.longitude))
+        finding.facts.append(f"{math.hypot(east, north):.1f} m from the origin of the path's frame")
+    if receiver.dropped:
+        finding.facts.append("dropped: " + ", ".join(f"{count} {kind}" for kind, count in receiver.dropped.items()))
+    if last.quality is not FixQuality.FIXED:
+        finding.problems.append("no fixed ambiguities: wait under open sky, check the corrections")
+    if not math.isfinite(last.speed):
+        finding.problems.append("it reports no speed: let it send VTG or RMC (NMEA), PVT (UBX, SBF)")
+    if not math.isfinite(last.correction_age):
+        finding.problems.append("it reports no age of its corrections: engaging needs it")
+
+
+def _board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
+    finding, board = Finding(device=name), settings.actuator()
+    transport, tick = open_transport(settings.transport), 0.0
+    for now in _looks(seconds):
+        for received in transport.read():
+            board.receive(received.time, received.data, received.source)
+        if now >= tick:
+            tick = now + _TICK
+            for frame in board.send(now, _OFF):
+                transport.write(frame)
+    report = board.report(time.monotonic())
+    finding.heard = math.isfinite(report.angle_time)
+    if finding.heard:
+        finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
+    else:
+        _silent(finding, transport)
+    if finding.heard and report.readiness.name != "READY":
+        finding.problems.append(report.readiness.value)
+    transport.close()
+    return finding
+
+
+def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
+    finding, line = Finding(device="sensor board"), SensorLine(open_transport(settings.transport), settings)
+    for _ in _looks(seconds):
+        line.poll()
+    report = line.last
+    finding.heard = math.isfinite(report.time)
+    if not finding.heard:
+        _silent(finding, line.transport)
+    if math.isfinite(report.hitch_angle):
+        finding.facts.append(f"hitch angle {math.degrees(report.hitch_angle):.1f}°")
+    if math.isfinite(report.wheel_speed):
+        finding.facts.append(f"wheels {report.wheel_speed:.2f} m/s")
+    finding.problems += [f"{count} readings: {fault}" for fault, count in line.board.faults.items()]
+    line.close()
+    return finding
