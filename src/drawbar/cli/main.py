@@ -16,6 +16,7 @@ from drawbar.cli.tube import tube
 from drawbar.cli.tune import tune
 from drawbar.cli.version import version_text
 from drawbar.errors import DrawbarError
+from drawbar.terminal import degrade_output
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 for command in (run, replay, tube, export, bench, experiment, tune):
@@ -41,10 +42,15 @@ def program(
 
 
 def main() -> None:
-    """Run the command line; every expected error is one message and exit code 2."""
+    """Run the command line; every expected error is one message and exit code 2, an interrupt one line and 130."""
+    degrade_output()
     try:
         app()
     except DrawbarError as error:
         message = Text.assemble(("error:", "bold red"), f" {error}")
         Console(stderr=True, highlight=False).print(message, soft_wrap=True)
         sys.exit(2)
+    except SystemExit as end:
+        if isinstance(end.__context__, typer.Exit) and isinstance(end.__context__.__cause__, KeyboardInterrupt):
+            typer.echo("interrupted", err=True)
+        raise

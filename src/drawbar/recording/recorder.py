@@ -1,6 +1,7 @@
 """Writes every control step to a log that survives a crash: unchunked MCAP, flushed after each step."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -8,7 +9,7 @@ from typing import Any, Self
 import msgspec
 from mcap.writer import Writer
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import StorageError
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
 from drawbar.signals import StepRecord
 
@@ -33,12 +34,20 @@ class Recorder:
     def __init__(self, file: Path, header: RunHeader) -> None:
         """Create the file and write what is known before the first step.
 
-        Raises DrawbarError when the file cannot be created.
+        Raises StorageError when the file cannot be created.
         """
+        self._file, self._steps = file, 0
         try:
             self._stream = file.open("wb")
+            try:
+                self._begin(header)
+            except OSError:
+                self._give_up()
+                raise
         except OSError as error:
-            raise DrawbarError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
+            raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
+
+    def _begin(self, header: RunHeader) -> None:
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
         self._writer = Writer(self._stream, use_chunking=False, enable_data_crcs=True)
         self._writer.start(profile="drawbar")
@@ -54,15 +63,25 @@ class Recorder:
         self._stream.flush()
 
     def write(self, record: StepRecord) -> None:
-        """Append one step; its time is that of its measurement."""
-        self._writer.add_message(
-            channel_id=self._channel,
-            log_time=round(record.measurement.time * 1e9),
-            data=self._encoder.encode(record),
-            publish_time=time.time_ns(),
-            sequence=record.step,
-        )
-        self._stream.flush()
+        """Append one step; its time is that of its measurement.
+
+        Raises StorageError when it cannot be written; the steps before it are.
+        """
+        try:
+            self._writer.add_message(
+                channel_id=self._channel,
+                log_time=round(record.measurement.time * 1e9),
+                data=self._encoder.encode(record),
+                publish_time=time.time_ns(),
+                sequence=record.step,
+            )
+            self._stream.flush()
+        except OSError as error:
+            raise StorageError(
+                f"{self._file}: the log cannot be written any further ({error.strerror}); its first {self._steps} "
+                f"steps are kept: free space, then `drawbar report {self._file.parent}`"
+            ) from error
+        self._steps += 1
 
     def __enter__(self) -> Self:
         return self
@@ -70,7 +89,15 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._finish(Outcome.of(error))
+        if isinstance(error, StorageError):
+            self._give_up()
+        else:
+            self._finish(Outcome.of(error))
+
+    def _give_up(self) -> None:
+        """Close the file; what is left in the buffer has no place on the disk."""
+        with suppress(OSError):
+            self._stream.close()
 
     def _finish(self, outcome: Outcome) -> None:
         with self._stream:
