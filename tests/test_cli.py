@@ -120,6 +120,8 @@ REFUSED = {
     "no such path": (("--path", "none.csv"), "none.csv"),
     "unknown kind of path": (("--path", "line.shp"), "line.shp"),
     "quotes in a path": (("--path", 'a"\n\\b.csv'), 'a"\n\\b.csv'),
+    "steering too far": (("--set", "vehicle.tractor_steering_limit=0.02"), "vehicle.tractor_steering_limit = 0.02"),
+    "steering too fast": (("--set", "vehicle.tractor_steering_rate=0.001"), "vehicle.tractor_steering_rate = 0.001"),
     "track without a path": (("--track", "Cu 275.4°"), "Cu 275.4°"),
     "a start 1 km away": (("--set", "start.ahead=1000.0"), "1000.0"),
     "radius too tight": (("--set", "path.radii=[1.0]"), "path.radii holds 1.0 m"),
@@ -177,8 +179,8 @@ def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
 
 
 def test_a_lost_run_ends_with_code_1_and_a_report(drawbar: Drawbar, tmp_path: Path) -> None:
-    # beside the path and turned away from it, with hardly any steering to come back
-    changes = ("start.left=-3.0", "start.yaw=-0.9", "vehicle.tractor_steering_limit=0.03")
+    # beside the path and turned away from it, on ground that hardly lets it steer back
+    changes = ("start.left=-3.0", "start.yaw=-0.9", "machine.ground.tractor_slip.mean=0.3")
     code, said = drawbar("run", *SHORT, *(f"--set={change}" for change in changes), "--out", "out")
     assert code == 1
     assert "m from the path (limit 5.0 m)" in " ".join(said.split())

@@ -31,9 +31,34 @@ def _radians(value: float) -> float:
     return value
 
 
+_LONGEST, _FASTEST = 30.0, 20.0
+"""m of a vehicle's part, m/s: more than any tractor and trailer has"""
+
+
+def _metres(value: float) -> float:
+    if abs(value) > _LONGEST:
+        raise ValueError(
+            f"{value} is not a length in metres up to {_LONGEST:g} m; millimetres? {value:g} mm = {value / 1000:g} m"
+        )
+    return value
+
+
+def _metres_per_second(value: float) -> float:
+    if abs(value) > _FASTEST:
+        raise ValueError(
+            f"{value} is not a speed in m/s up to {_FASTEST:g} m/s; km/h? {value:g} km/h = {value / 3.6:.3g} m/s"
+        )
+    return value
+
+
 Positive = Annotated[float, Field(gt=0.0)]
 NonNegative = Annotated[float, Field(ge=0.0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Length = Annotated[float, Field(gt=0.0), AfterValidator(_metres)]
+"""A length of a vehicle's part or a distance near it, m; one above 30 m is taken for millimetres and refused."""
+NonNegativeLength = Annotated[float, Field(ge=0.0), AfterValidator(_metres)]
+Speed = Annotated[float, Field(gt=0.0), AfterValidator(_metres_per_second)]
+"""A speed, m/s; one above 20 m/s is taken for km/h and refused."""
 Angle = Annotated[float, AfterValidator(_radians)]
 """An angle or angular rate in rad or rad/s; a magnitude above π is taken for degrees and refused."""
 PositiveAngle = Annotated[float, Field(gt=0.0), AfterValidator(_radians)]

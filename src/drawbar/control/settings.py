@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from drawbar.settings import Horizon, NonNegative, Positive, PositiveAngle, Settings, Share
+from drawbar.settings import Horizon, Length, NonNegative, NonNegativeLength, Positive, PositiveAngle, Settings, Share
 
 
 class Coupling(StrEnum):
@@ -73,7 +73,7 @@ class SharingSettings(Settings):
 
     share: Share = 0.7
     """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
-    accepted_error: NonNegative = 0.04
+    accepted_error: NonNegativeLength = 0.04
     """steady error that stays with the trailer, m"""
     widening: NonNegative = 0.046
     """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m"""
@@ -111,7 +111,7 @@ class PurePursuitSettings(Settings):
     model: Literal["pure_pursuit"]
     horizon: Horizon = 20
     """samples of the path ahead that the guidance hands over; beyond them it goes on in an arc"""
-    look_ahead: Positive = 1.3
+    look_ahead: Length = 1.3
     """distance of the pursued point along the path, m"""
     trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
 

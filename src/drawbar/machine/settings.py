@@ -7,7 +7,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
-from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings
+from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Speed
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -43,7 +43,7 @@ class PidGains(Settings):
 class HydrostatSettings(Settings):
     """Hydrostatic drive: a motor moves the pedal, the pedal sets the wheel speed; a cascade of two PIDs."""
 
-    full_speed: Positive = 3.0
+    full_speed: Speed = 3.0
     """wheel speed at full pedal, and the largest that may be commanded, m/s"""
     speed_lag: Positive = 0.5
     """wheel speed behind pedal, s"""
