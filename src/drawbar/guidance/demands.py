@@ -29,7 +29,7 @@ def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tol
         PathError: a curve is too tight, or begins or ends too suddenly; says what of the vehicle does not suffice.
     """
     count = math.ceil(path.length / _STEP)
-    curvature = path.sample((np.arange(count) + 0.5) * (path.length / count))[:, 3]
+    curvature = path.sample((np.arange(count, dtype=np.float64) + 0.5) * (path.length / count))[:, 3]
     wheels = np.arctan(curvature * vehicle.wheelbase)
     tightest, angle = float(np.abs(curvature).max()), float(np.abs(wheels).max())
     if not angle <= vehicle.tractor_steering_limit:
