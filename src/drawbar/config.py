@@ -44,6 +44,9 @@ class PathSettings(Settings):
     """AgOpenGPS field folder, CSV or GeoJSON file; empty: the figure-eights"""
     track: str = ""
     """name of the line, where the file holds several"""
+    extension: Annotated[float, Field(ge=0.0, le=10_000.0)] = 0.0
+    """how far an A-B line of AgOpenGPS, which has no end, goes beyond its points, m; 0: to the field's boundary, or
+    100 m where the field has none"""
     radii: Annotated[tuple[TrackLength, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
     """of the figure-eights, one after the other, m"""
     straight_length: TrackLength = 20.0

@@ -190,7 +190,7 @@ def _shaped_path(configuration: Configuration) -> tuple[Path, DrivablePath | Non
                     f"by vehicle.curvature_limit = {limit} 1/m"
                 )
         return figure_eights(settings.radii, settings.straight_length), None
-    line = load_line(FilePath(settings.file), settings.track or None)
+    line = load_line(FilePath(settings.file), settings.track or None, settings.extension)
     drivable = make_drivable(
         line,
         curvature_limit=limit,
