@@ -399,3 +399,22 @@ def test_output_that_is_not_utf_8_degrades(tmp_path: Path, encoding: str, comman
     assert done.returncode == 0, done.stderr
     text = done.stdout.decode(encoding)
     assert ("solver, us" if command == "run" else "K: ") in text
+
+
+def test_a_report_is_made_again_from_a_log_whole_or_cut(drawbar: Drawbar, tmp_path: Path) -> None:
+    assert drawbar("run", *SHORT, "--out", "out")[0] == 0
+    first = (tmp_path / "out" / "metrics.json").read_bytes()
+    (tmp_path / "out" / "report.html").unlink()
+    code, said = drawbar("report", "out")
+    assert code == 0
+    assert "finished" in said
+    assert (tmp_path / "out" / "report.html").exists()
+    assert (tmp_path / "out" / "metrics.json").read_bytes() == first
+    cut = tmp_path / "cut.mcap"
+    whole = (tmp_path / "out" / "log.mcap").read_bytes()
+    cut.write_bytes(whole[: len(whole) // 2])
+    code, said = drawbar("report", "cut.mcap", "--out", "again")
+    assert code == 0
+    assert "stopped: the log just stops" in " ".join(said.split())
+    assert {file.name for file in (tmp_path / "again").iterdir()} == {"metrics.json", "report.html", "map.svg"}
+    assert drawbar("report", "nowhere")[0] == 2

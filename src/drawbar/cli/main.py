@@ -8,9 +8,11 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.cli.bench import bench
+from drawbar.cli.config import config, events
 from drawbar.cli.experiment import experiment
 from drawbar.cli.export import export
 from drawbar.cli.replay import replay
+from drawbar.cli.report import report
 from drawbar.cli.run import run
 from drawbar.cli.tube import tube
 from drawbar.cli.tune import tune
@@ -18,8 +20,8 @@ from drawbar.cli.version import version_text
 from drawbar.errors import DrawbarError
 from drawbar.terminal import degrade_output
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, replay, tube, export, bench, experiment, tune):
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+for command in (run, report, replay, config, events, tube, export, bench, experiment, tune):
     app.command()(command)
 
 
@@ -45,7 +47,7 @@ def main() -> None:
     """Run the command line; every expected error is one message and exit code 2, an interrupt one line and 130."""
     degrade_output()
     try:
-        app()
+        app(prog_name="drawbar")
     except DrawbarError as error:
         message = Text.assemble(("error:", "bold red"), f" {error}")
         Console(stderr=True, highlight=False).print(message, soft_wrap=True)

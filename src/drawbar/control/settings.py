@@ -33,9 +33,11 @@ class TricycleControllerSettings(Settings):
 
     model: Literal["tricycle"]
     structure: Structure = "decentralised"
+    """a problem for each body, or one for both, which does not need coupling and sharing"""
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.NEGLECTED
+    """what the trailer's controller knows of the tractor's motion"""
     position_weight: NonNegative = 1.0
     """Q, 1/m²"""
     steering_weight: Positive = 10.0
@@ -84,9 +86,11 @@ class ArticulatedControllerSettings(Settings):
 
     model: Literal["articulated"]
     structure: Structure = "decentralised"
+    """a problem for each body, or one for both, which does not need coupling and sharing"""
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
+    """what the trailer's controller knows of the tractor's motion"""
     yaw_rate_lag: Positive = 0.9
     """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon: held noise
     would send the trailer's preview astray, s"""
@@ -211,6 +215,7 @@ class TubeSettings(Settings):
     """The ancillary laws u = ū + K (x - x̄), and what the invariant sets are computed from."""
 
     nominal: Annotated[Nominal, Field(strict=False)] = Nominal.PREDICTED
+    """what the ancillary law holds the vehicle to"""
     tighten: bool = True
     """let the nominal problems keep to what the sets leave of their bounds; false: to see what that is worth"""
     tractor: BodyTubeSettings = BodyTubeSettings()

@@ -61,6 +61,7 @@ class SlipProcess(Settings):
     """A slip factor wandering as an Ornstein-Uhlenbeck process, reflected at 0 and 1: wheels only lose."""
 
     mean: SlipFactor
+    """about which it wanders; 1: no slip"""
     deviation: Annotated[float, Field(ge=0.0, le=0.2)]
     """stationary standard deviation, before the reflection"""
     time_constant: Positive = 20.0
@@ -151,6 +152,7 @@ class SimulatedMachineSettings(Settings):
     ground: GroundSettings = GroundSettings()
     sensors: SensorSettings = SensorSettings()
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
+    """what happens to the machine during a run, by kind"""
 
     @model_validator(mode="after")
     def _dead_time_on_grid(self) -> Self:

@@ -14,8 +14,8 @@ LOG_NAME = "log.mcap"
 REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
 
 
-def write_report(folder: Path) -> Metrics:
-    """Read the log in a run's folder, write metrics.json, report.html and map.svg beside it.
+def write_report(folder: Path, log_file: Path | None = None) -> Metrics:
+    """Read the log in a run's folder, or another, and write metrics.json, report.html and map.svg into the folder.
 
     Returns the metrics. Works for a run that crashed or was killed.
 
@@ -23,7 +23,7 @@ def write_report(folder: Path) -> Metrics:
         DrawbarError: the log cannot be read.
         StorageError: a file cannot be written; what was there before is still there.
     """
-    log = read_log(folder / LOG_NAME)
+    log = read_log(log_file or folder / LOG_NAME)
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors)
     contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), render_picture(log, errors).encode())
