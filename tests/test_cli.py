@@ -21,6 +21,7 @@ from drawbar.cli import main as cli
 from drawbar.config import load_configuration
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.recording.log import read_log
+from drawbar.report import folder as report_folder
 from drawbar.signals import Command
 
 ROOT = Path(__file__).parents[1]
@@ -119,6 +120,8 @@ REFUSED = {
     "no such path": (("--path", "none.csv"), "none.csv"),
     "unknown kind of path": (("--path", "line.shp"), "line.shp"),
     "quotes in a path": (("--path", 'a"\n\\b.csv'), 'a"\n\\b.csv'),
+    "steering too far": (("--set", "vehicle.tractor_steering_limit=0.02"), "vehicle.tractor_steering_limit = 0.02"),
+    "steering too fast": (("--set", "vehicle.tractor_steering_rate=0.001"), "vehicle.tractor_steering_rate = 0.001"),
     "track without a path": (("--track", "Cu 275.4°"), "Cu 275.4°"),
     "a start 1 km away": (("--set", "start.ahead=1000.0"), "1000.0"),
     "radius too tight": (("--set", "path.radii=[1.0]"), "path.radii holds 1.0 m"),
@@ -172,12 +175,12 @@ def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
     )
     assert ended.returncode == 2
     assert "Traceback" not in ended.stderr
-    assert ("CC='/nonexistent/cc'" if chosen else 'pip install "drawbar[zig]"') in ended.stderr
+    assert ("CC='/nonexistent/cc'" if chosen else "-m pip install 'ziglang>=0.13'") in ended.stderr
 
 
 def test_a_lost_run_ends_with_code_1_and_a_report(drawbar: Drawbar, tmp_path: Path) -> None:
-    # beside the path and turned away from it, with hardly any steering to come back
-    changes = ("start.left=-3.0", "start.yaw=-0.9", "vehicle.tractor_steering_limit=0.03")
+    # beside the path and turned away from it, on ground that hardly lets it steer back
+    changes = ("start.left=-3.0", "start.yaw=-0.9", "machine.ground.tractor_slip.mean=0.3")
     code, said = drawbar("run", *SHORT, *(f"--set={change}" for change in changes), "--out", "out")
     assert code == 1
     assert "m from the path (limit 5.0 m)" in " ".join(said.split())
@@ -214,6 +217,121 @@ def test_ctrl_c_ends_a_run_with_its_report(
     assert code == 130
     assert {file.name for file in (tmp_path / "out").iterdir()} == FILES
     assert len(read_log(tmp_path / "out" / "log.mcap").records) == steps
+
+
+@pytest.fixture
+def at_step(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, Callable[[], None]], None]:
+    """Return a function that lets something happen when the machine is given its n-th command."""
+
+    def at_step(step: int, happens: Callable[[], None]) -> None:
+        whole, count = SimulatedMachine.write, iter(range(10**6))
+
+        def write(machine: SimulatedMachine, command: Command) -> None:
+            if next(count) == step:
+                happens()
+            whole(machine, command)
+
+        monkeypatch.setattr(SimulatedMachine, "write", write)
+
+    return at_step
+
+
+def hammer() -> None:
+    """Hit Ctrl-C many times."""
+    for _ in range(5):
+        os.kill(os.getpid(), signal.SIGINT)
+        sleep(0.001)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_many_interrupts_end_a_run_after_its_step_with_its_report(
+    drawbar: Drawbar, tmp_path: Path, at_step: Callable[..., None]
+) -> None:
+    at_step(40, hammer)
+    code, said = drawbar("run", *SHORT, "--out", "out")
+    assert code == 130
+    assert "interrupted at the keyboard" in said
+    assert {file.name for file in (tmp_path / "out").iterdir()} == FILES
+    assert len(read_log(tmp_path / "out" / "log.mcap").records) == 41
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_interrupts_while_the_report_is_made_lose_nothing(
+    drawbar: Drawbar, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = report_folder.render_page
+    monkeypatch.setattr(report_folder, "render_page", lambda *given: (hammer(), whole(*given))[1])
+    code, said = drawbar("run", *SHORT, "--out", "out")
+    assert code == 0
+    assert "report.html" in said
+    assert {file.name for file in (tmp_path / "out").iterdir()} == FILES
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+@pytest.mark.parametrize("seconds", [0.0, 0.2, 0.8])
+def test_an_interrupt_while_the_program_loads_is_one_line(tmp_path: Path, seconds: float) -> None:
+    program = "import drawbar.__main__ as program; print('loaded', flush=True); program.main()"
+    command = [sys.executable, "-c", program, "run", "--set=speed=0.05", "--out=out"]
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    environment = {**os.environ, "DRAWBAR_CACHE": str(tmp_path / "cache")}  # it has to compile: the run has not begun
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, preexec_fn=heed, **pipes) as process:
+        assert process.stdout is not None
+        process.stdout.readline()  # before, it is Python's own start
+        sleep(seconds)
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=60)
+    assert process.returncode in (130, -signal.SIGINT)  # a shell shows 130 for both
+    assert "Traceback" not in said
+    assert [line for line in said.splitlines() if "interrupted" in line]
+    assert len(said.splitlines()) <= 2, said
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX limits")
+def test_a_full_disk_is_one_message_and_the_log_is_kept(
+    drawbar: Drawbar, tmp_path: Path, at_step: Callable[..., None]
+) -> None:
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    log = tmp_path / "out" / "log.mcap"
+    # no file may grow beyond what the log is now: what a full disk does, with another text
+    at_step(40, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (log.stat().st_size, hard)))
+    try:
+        code, said = drawbar("run", *SHORT, "--out", "out")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert code == 2
+    message = " ".join(said.split("error:")[1].split())
+    assert "the log cannot be written any further (File too large); its first 40 steps are kept" in message
+    assert "drawbar report" in message
+    assert "Traceback" not in said
+    assert len(read_log(log).records) == 40
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+def test_a_disk_that_is_full_from_the_start_is_one_message(drawbar: Drawbar, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "log.mcap").symlink_to("/dev/full")
+    code, said = drawbar("run", *SHORT, "--out", "out", "--force")
+    assert code == 2
+    assert "log.mcap: cannot be written (No space left on device)" in " ".join(said.split())
+
+
+def test_a_folder_with_a_run_in_it_is_not_overwritten(drawbar: Drawbar, tmp_path: Path) -> None:
+    assert drawbar("run", *SHORT, "--out", "out")[0] == 0
+    edited = tmp_path / "out" / "config.toml"
+    edited.write_text(edited.read_text("utf-8") + "# mine\n", "utf-8")
+    before = {file.name: file.read_bytes() for file in edited.parent.iterdir()}
+    code, said = drawbar("run", "out/config.toml", "--out", "out")
+    assert code == 2
+    assert "out: holds a run already (config.toml, log.mcap," in said
+    assert "--force" in said
+    assert {file.name: file.read_bytes() for file in edited.parent.iterdir()} == before
+    assert drawbar("run", *SHORT, "--seed", "1", "--out", "out", "--force")[0] == 0
+    assert "# mine" not in edited.read_text("utf-8")
 
 
 def test_a_crash_leaves_a_log_up_to_the_last_step(
@@ -255,3 +373,48 @@ def test_a_process_that_is_stopped_leaves_a_readable_log(tmp_path: Path, sent: s
     assert process.returncode == code
     assert len(read_log(log).records) > 10
     assert (tmp_path / "out" / "report.html").exists() == (sent != signal.SIGKILL)
+
+
+@pytest.mark.parametrize("width", [40, 60, 79])
+def test_a_narrow_terminal_shows_every_figure(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    code, said = drawbar("run", *SHORT, "--out", "out")
+    assert code == 0
+    assert "…" not in said
+    assert max(len(line) for line in said.splitlines() if "report.html" not in line) <= width
+    errors = said.split("error, cm")[1:]
+    assert sum(part.split("\n", 1)[0].split().count("rms") for part in errors) == 2
+
+
+@pytest.mark.parametrize(("encoding", "command"), [("cp1252", "tube"), ("ascii", "run")])
+def test_output_that_is_not_utf_8_degrades(tmp_path: Path, encoding: str, command: str) -> None:
+    changes = SHORT if command == "run" else ()
+    done = subprocess.run(
+        [sys.executable, "-m", "drawbar", command, *changes],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONIOENCODING": encoding},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    text = done.stdout.decode(encoding)
+    assert ("solver, us" if command == "run" else "K: ") in text
+
+
+def test_a_report_is_made_again_from_a_log_whole_or_cut(drawbar: Drawbar, tmp_path: Path) -> None:
+    assert drawbar("run", *SHORT, "--out", "out")[0] == 0
+    first = (tmp_path / "out" / "metrics.json").read_bytes()
+    (tmp_path / "out" / "report.html").unlink()
+    code, said = drawbar("report", "out")
+    assert code == 0
+    assert "finished" in said
+    assert (tmp_path / "out" / "report.html").exists()
+    assert (tmp_path / "out" / "metrics.json").read_bytes() == first
+    cut = tmp_path / "cut.mcap"
+    whole = (tmp_path / "out" / "log.mcap").read_bytes()
+    cut.write_bytes(whole[: len(whole) // 2])
+    code, said = drawbar("report", "cut.mcap", "--out", "again")
+    assert code == 0
+    assert "stopped: the log just stops" in " ".join(said.split())
+    assert {file.name for file in (tmp_path / "again").iterdir()} == {"metrics.json", "report.html", "map.svg"}
+    assert drawbar("report", "nowhere")[0] == 2

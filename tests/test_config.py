@@ -85,7 +85,7 @@ WRONG_VALUES = {
     "speed=1e-6": ("speed = 1e-06", "greater than or equal to 0.05"),
     "machine.step=1e-9": ("machine.step = 1e-09", "greater than or equal to 0.0001"),
     "path.straight_length=1e6": ("path.straight_length", "less than or equal to 1000"),
-    "vehicle.trailer_antenna=50.0": ("vehicle: trailer_antenna = 50.0 m", "trailer_length = 1.3 m"),
+    "vehicle.trailer_antenna=20.0": ("vehicle: trailer_antenna = 20.0 m", "trailer_length = 1.3 m"),
     "vehicle.drawbar_length=5.0": ("vehicle: drawbar_length = 5.0 m", "below hitch_length + wheelbase = 2.5 m"),
     "vehicle.trailer_steering_limit=1.0": ("trailer_steering_limit = 1.0 rad", "trailer_stop = 0.55"),
     "vehicle.tractor_steering_limit=1.5": ("vehicle.tractor_steering_limit = 1.5", "less than 1.39"),
@@ -113,7 +113,15 @@ WRONG_VALUES = {
     'machine.events=[{kind="meteor"}]': ("machine.events.0: 'kind' = 'meteor'", "'bump'"),
     'machine.events=[{kind="bump", start=-1.0}]': ("machine.events.0.start = -1.0", "greater than or equal to 0"),
     "speed=10.0": ("speed = 10.0 m/s", "machine.hydrostat.full_speed = 3.0 m/s"),
-    "sensors.position=0.0": ("sensors.position = 0.0", "greater than 0"),
+    "sensors.position=0.0": ("sensors.position = 0.0", "greater than or equal to 0.001"),
+    "sensors.position=1e-9": ("sensors.position = 1e-09", "greater than or equal to 0.001"),
+    "sensors.hitch_angle=1e-9": ("sensors.hitch_angle = 1e-09", "greater than or equal to 0.00001"),
+    "vehicle.wheelbase=1400": ("vehicle.wheelbase = 1400", "millimetres? 1400 mm = 1.4 m"),
+    "vehicle.trailer_antenna=250.0": ("vehicle.trailer_antenna = 250", "millimetres? 250 mm = 0.25 m"),
+    "guidance.path_tolerance=500.0": ("guidance.path_tolerance = 500", "millimetres? 500 mm = 0.5 m"),
+    "machine.hydrostat.full_speed=25.0": ("machine.hydrostat.full_speed = 25", "km/h? 25 km/h = 6.94 m/s"),
+    "controller.tractor.steering_rate=1e12": ("controller.tractor.steering_rate = 1e+12", "at most 2 s"),
+    "controller.tractor.steering_rate=1e4": ("controller.tractor.steering_rate = 10000", "lower it"),
 }
 
 
@@ -226,7 +234,7 @@ def test_another_model_brings_its_own_defaults() -> None:
 @given(st.floats(allow_nan=True, allow_infinity=True, width=32), st.sampled_from(["wheelbase", "steering_lag"]))
 def test_no_number_passes_but_positive_finite_ones(value: float, key: str) -> None:
     changes = [f"vehicle.{key}={value!r}"]
-    if 0.0 < value < math.inf:
+    if 0.0 < value <= {"wheelbase": 30.0, "steering_lag": math.inf}[key] and value < math.inf:
         assert getattr(load_configuration("articulated", changes).vehicle, key) == value
     else:
         assert f"vehicle.{key}" in refusal("articulated", *changes)
@@ -258,7 +266,11 @@ def test_an_empty_section_takes_back_what_the_extended_file_says(write: Write) -
     assert mine.tube.tractor == load_configuration("articulated").tube.tractor
 
 
-@pytest.mark.parametrize("base", ['"nowhere"', "3", '"mine.toml"'])
+def test_steering_that_weighs_too_much_against_the_papers_position_is_refused() -> None:
+    assert "controller.steering_weight = 100000 is too large" in refusal("paper", "controller.steering_weight=1e5")
+
+
+@pytest.mark.parametrize("base", ['"nowhere"', "3", '"mine.toml"', f'"{"a" * 5000}"', '"a\\u0000b"'])
 def test_a_base_that_is_none_is_refused(write: Write, base: str) -> None:
     assert ", ".join(shipped_names()) in refusal(write(f'extends = {base}\nname = "mine"\n'))
 

@@ -11,10 +11,10 @@ What a program of one's own needs is offered here by name:
 """
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
     from drawbar.config import Configuration, load_configuration
     from drawbar.control.external import Controller
     from drawbar.machine.base import Machine
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from drawbar.step.autopilot import Autopilot
     from drawbar.step.build import build_autopilot
     from drawbar.vehicle.model import Model, variables
-
-__version__ = version("drawbar")
 
 _PLACES = {
     "Autopilot": "step.autopilot",
@@ -83,9 +81,14 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _PLACES:
+    if name == "__version__":
+        from importlib.metadata import version  # takes longer than all of this module
+
+        value: Any = version("drawbar")
+    elif name in _PLACES:
+        value = getattr(import_module(f"drawbar.{_PLACES[name]}"), name)
+    else:
         raise AttributeError(f"module 'drawbar' has no attribute {name!r}; it offers {', '.join(__all__)}")
-    value = getattr(import_module(f"drawbar.{_PLACES[name]}"), name)
     globals()[name] = value
     return value
 

@@ -57,6 +57,7 @@ class BoundedErrors(Settings):
     """Errors within bounds, held over each sample, beside the random ones of the machine."""
 
     draw: Annotated[Draw, Field(strict=False)] = Draw.RANDOM
+    """how errors are drawn from their bounds"""
     scale: NonNegative = 1.0
     """on all bounds: beyond 1 they are more than was declared"""
     ground: GroundErrors = GroundErrors()

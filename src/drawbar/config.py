@@ -1,5 +1,6 @@
 """One TOML file describes a whole run; this is the only place that reads it."""
 
+import os
 import reprlib
 import tomllib
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from drawbar.bounded import BoundedErrors
 from drawbar.configurations import shipped_names, shipped_text
+from drawbar.control.plausibility import demand_weights_that_steer
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     ExternalControllerSettings,
@@ -29,7 +31,7 @@ from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.settings import SimulatedMachineSettings
 from drawbar.safety.settings import SafetySettings
-from drawbar.settings import Angle, Settings
+from drawbar.settings import Angle, Settings, Speed
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -44,6 +46,9 @@ class PathSettings(Settings):
     """AgOpenGPS field folder, CSV or GeoJSON file; empty: the figure-eights"""
     track: str = ""
     """name of the line, where the file holds several"""
+    extension: Annotated[float, Field(ge=0.0, le=10_000.0)] = 0.0
+    """how far an A-B line of AgOpenGPS, which has no end, goes beyond its points, m; 0: to the field's boundary, or
+    100 m where the field has none"""
     radii: Annotated[tuple[TrackLength, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
     """of the figure-eights, one after the other, m"""
     straight_length: TrackLength = 20.0
@@ -86,7 +91,7 @@ class Configuration(Settings):
     """how reports and the folder of a run call it"""
     sample_time: Annotated[float, Field(gt=0.0, le=1.0)] = 0.2
     """s; RTK GNSS at 5 Hz"""
-    speed: Annotated[float, Field(ge=0.05)] = 1.0
+    speed: Annotated[Speed, Field(ge=0.05)] = 1.0
     """set wheel speed, m/s"""
     acceleration: Annotated[float, Field(gt=0.0)] = 0.5
     """fastest change of the commanded speed during a run, m/s²; a run begins with the set speed"""
@@ -141,6 +146,14 @@ class Configuration(Settings):
                     f"vehicle.{body}_steering_limit = {limit} rad is beyond the machine's mechanical stop, "
                     f"machine.actuators.{body}_stop = {stop} rad; lower it"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _weights_that_steer(self) -> Self:
+        if isinstance(self.controller, ArticulatedControllerSettings | TricycleControllerSettings):
+            demand_weights_that_steer(
+                self.controller, wheelbase=self.vehicle.wheelbase, speed=self.speed, sample_time=self.sample_time
+            )
         return self
 
     @model_validator(mode="after")
@@ -214,7 +227,7 @@ def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], 
             f"({', '.join(shipped_names())}) or of a file in the same folder, but none that extends this one."
         )
     beside = str(Path(source).parent / base)
-    basis, _ = _resolved(beside if Path(beside).is_file() else base, (source, *extending))
+    basis, _ = _resolved(beside if os.path.isfile(beside) else base, (source, *extending))
     return _merged(basis, data), origin
 
 

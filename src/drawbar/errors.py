@@ -29,5 +29,9 @@ class CompilerError(DrawbarError):
     """No C compiler was found, or it refused the generated code."""
 
 
+class StorageError(DrawbarError):
+    """A log or report cannot be written, or not any further: the disk is full or gone."""
+
+
 class HardwareError(DrawbarError):
     """A machine did not answer as its interface promises."""

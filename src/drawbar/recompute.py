@@ -12,6 +12,7 @@ from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.machine.base import EndOfMeasurements
 from drawbar.machine.replayed import ReplayedMachine
 from drawbar.recording.log import RunLog
+from drawbar.recording.precision import as_recorded
 from drawbar.signals import StepRecord
 from drawbar.step.build import build_autopilot
 
@@ -50,7 +51,8 @@ class Replay:
 def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
     """Recompute a run from its recorded measurements.
 
-    With the same build of drawbar on the same machine every number is the recorded one, bit for bit.
+    With the same build of drawbar on the same machine every number is the recorded one, bit for bit; predictions as far
+    as they are recorded (recording/precision.py).
 
     Args:
         log: of the run.
@@ -79,7 +81,7 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
     first: dict[str, Difference] = {}
     largest: dict[str, float] = {}
     for recorded, recomputed in zip(log.records, records, strict=True):
-        for difference in _differences(recorded, recomputed):
+        for difference in _differences(recorded, as_recorded(recomputed)):
             first.setdefault(difference.signal, difference)
             largest[difference.signal] = np.fmax(largest.get(difference.signal, 0.0), difference.size)
     return Replay(records=tuple(records), differences=tuple(first.values()), largest=largest)

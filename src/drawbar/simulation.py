@@ -16,6 +16,7 @@ from drawbar.errors import ConfigurationError, DrawbarError, HardwareError, Path
 from drawbar.estimation.ideal import ideal_estimate
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.geometry import Floats, wrap
+from drawbar.guidance.demands import demand_steering
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.path import Path
@@ -172,6 +173,14 @@ def build_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]
     Raises:
         PathError: the line cannot be read or driven.
     """
+    path, drivable = _shaped_path(configuration)
+    demand_steering(
+        path, configuration.vehicle, speed=configuration.speed, tolerance=configuration.guidance.path_tolerance
+    )
+    return path, drivable
+
+
+def _shaped_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]:
     settings, limit = configuration.path, configuration.vehicle.curvature_limit
     if not settings.file:
         for radius in settings.radii:
@@ -181,7 +190,7 @@ def build_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]
                     f"by vehicle.curvature_limit = {limit} 1/m"
                 )
         return figure_eights(settings.radii, settings.straight_length), None
-    line = load_line(FilePath(settings.file), settings.track or None)
+    line = load_line(FilePath(settings.file), settings.track or None, settings.extension)
     drivable = make_drivable(
         line,
         curvature_limit=limit,

@@ -2,7 +2,13 @@
 
 import math
 import os
+import signal
+import socket
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from distributed import Client
@@ -55,3 +61,58 @@ def test_an_address_without_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -
     for address in ("tcp://127.0.0.1:1", "nonsense://x"):
         with pytest.raises(DrawbarError, match="no Dask scheduler answers"), open_cluster(address):
             pass
+
+
+def listening(processes: set[int]) -> list[str]:
+    """Return the addresses on which processes listen, as /proc writes them."""
+    sockets = set()
+    for process in processes:
+        for link in Path(f"/proc/{process}/fd").iterdir():
+            target = os.readlink(link) if link.is_symlink() else ""
+            sockets |= {target[8:-1]} if target.startswith("socket:[") else set()
+    rows = [row.split() for table in ("tcp", "tcp6") for row in Path("/proc/net", table).read_text().splitlines()[1:]]
+    return [row[1].partition(":")[0] for row in rows if row[3] == "0A" and row[9] in sockets]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc")
+def test_own_cluster_listens_on_loopback_alone(cluster: Client) -> None:
+    workers = set(cluster.run(os.getpid).values())
+    found = listening({os.getpid(), *workers})
+    assert found
+    assert set(found) == {socket.inet_aton("127.0.0.1")[::-1].hex().upper()}
+
+
+@pytest.fixture
+def scheduler(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """A scheduler with one worker, both of its own process: the scheduler, and its address."""
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    program = (sys.executable, "-m", "dask")
+    place = ("--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(tmp_path / "scheduler.json"))
+    with (
+        subprocess.Popen([*program, "scheduler", "--port", "0", *place], **quiet) as scheduler,
+        subprocess.Popen([*program, "worker", *place, "--nthreads", "1"], **quiet) as worker,
+    ):
+        try:
+            for _ in range(600):
+                if (tmp_path / "scheduler.json").exists():
+                    break
+                time.sleep(0.05)
+            content = (tmp_path / "scheduler.json").read_text()
+            yield scheduler, content.split('"address": "')[1].split('"')[0]
+        finally:
+            scheduler.kill()
+            worker.kill()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_scheduler_that_dies_is_one_message(
+    scheduler: tuple[subprocess.Popen[bytes], str], capfd: pytest.CaptureFixture[str]
+) -> None:
+    process, address = scheduler
+    with open_cluster(address) as on:
+        answers = call_all(on, time.sleep, {str(number): 0.05 for number in range(200)})
+        next(answers)
+        process.send_signal(signal.SIGKILL)
+        with pytest.raises(DrawbarError, match="scheduler is gone; finished runs are kept"):
+            list(answers)
+    assert "Traceback" not in capfd.readouterr().err

@@ -10,13 +10,17 @@ import typing
 from datetime import UTC, datetime
 from enum import IntEnum, IntFlag
 
+import msgspec
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from mcap.writer import Writer
 
 from drawbar.errors import DrawbarError
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.recording.log import PathTable, RecordedPoints, RunHeader, read_log
+from drawbar.recording import chunks
+from drawbar.recording.log import PathTable, RecordedPoints, RunHeader, encode_special, read_log
+from drawbar.recording.precision import as_recorded
 from drawbar.recording.recorder import Recorder
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
@@ -89,7 +93,7 @@ def test_every_field_survives_the_round_trip(tmp_path):
     log = read_log(tmp_path / "log.mcap")
     assert len(log.records) == 50
     for written, read in zip(records, log.records, strict=True):
-        assert_identical(written, read)
+        assert_identical(as_recorded(written), read)
     assert_identical(log.header, header())
     assert log.outcome.finished
     assert np.all(np.diff(log.wall_time) >= 0.0)
@@ -186,7 +190,7 @@ os.kill(os.getpid(), signal.SIGKILL)
     assert killed.returncode == -signal.SIGKILL
     log = read_log(tmp_path / "log.mcap")
     for seed, read in enumerate(log.records):
-        assert_identical(arbitrary_step(seed), read)
+        assert_identical(as_recorded(arbitrary_step(seed)), read)
     assert len(log.records) == 7
     assert not log.outcome.finished
     assert "killed" in log.outcome.reason
@@ -203,19 +207,69 @@ def test_a_last_message_cut_at_any_byte_is_left_out(tmp_path):
         file.write_bytes(data[:end])
         log = read_log(file)
         assert len(log.records) == (2 if end == len(data) else 1)
-        assert_identical(log.records[0], arbitrary_step(0))
+        assert_identical(log.records[0], as_recorded(arbitrary_step(0)))
         assert not log.outcome.finished
 
 
 def test_a_flipped_bit_in_a_complete_log_is_named(tmp_path):
     file = tmp_path / "log.mcap"
     write(file, 2)
-    data = bytearray(file.read_bytes())
-    first_step = data.index(b'{"step":')
-    data[data.index(b'"solver_failures":', first_step) + 18] ^= 1  # still valid JSON, still a number
-    file.write_bytes(data)
-    with pytest.raises(DrawbarError, match=r"log\.mcap: is damaged"):
-        read_log(file)
+    whole = file.read_bytes()
+    first, size = whole.index(b"zstd") + 12, int.from_bytes(whole[(at := whole.index(b"zstd") + 4) : at + 8], "little")
+    for position in range(first, first + size, 97):
+        data = bytearray(whole)
+        data[position] ^= 1
+        file.write_bytes(data)
+        with pytest.raises(DrawbarError, match=r"log\.mcap: is damaged"):
+            read_log(file)
+
+
+def test_predictions_are_recorded_to_a_millionth_and_all_else_bit_for_bit():
+    record = arbitrary_step(3)
+    kept = as_recorded(record)
+    for body in ("tractor", "trailer"):
+        plan, of_kept = getattr(record.plan, body), getattr(kept.plan, body)
+        np.testing.assert_allclose(of_kept.poses, plan.poses, rtol=0, atol=0.51e-6)
+        np.testing.assert_allclose(of_kept.steerings, plan.steerings, rtol=0, atol=0.51e-6)
+        assert_identical(of_kept.deviation, plan.deviation)
+        before, after = getattr(record.reference, body), getattr(kept.reference, body)
+        np.testing.assert_allclose(after.samples, before.samples, rtol=0, atol=0.51e-6)
+        assert_identical(after.closest, before.closest)
+    for name in ("measurement", "estimate", "command", "truth", "tractor_steering", "trailer_steering"):
+        assert_identical(getattr(kept, name), getattr(record, name))
+
+
+def test_a_log_of_several_chunks_is_whole_indexed_and_readable_at_any_moment(tmp_path, monkeypatch):
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 8_000)  # two or three steps
+    file = tmp_path / "log.mcap"
+    with Recorder(file, header()) as recorder:
+        for seed in range(20):
+            recorder.write(arbitrary_step(seed))
+            assert len(read_log(file).records) == seed + 1  # as a kill at this moment would leave it
+    assert read_log(file).outcome.finished
+    with file.open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        assert len(list(reader.iter_messages(topics=["/step"]))) == 20
+        summary = reader.get_summary()
+    assert summary.statistics.message_count == 20
+    assert summary.statistics.chunk_count == len(summary.chunk_indexes) > 5
+
+
+def test_logs_without_chunks_of_earlier_versions_are_read(tmp_path):
+    file = tmp_path / "log.mcap"
+    encoder = msgspec.json.Encoder(enc_hook=encode_special)
+    with file.open("wb") as stream:
+        writer = Writer(stream, use_chunking=False)
+        writer.start(profile="drawbar")
+        writer.add_attachment(0, 0, "run.json", "application/json", encoder.encode(header()))
+        channel = writer.register_channel("/step", "json", writer.register_schema("StepRecord", "jsonschema", b"{}"))
+        for seed in range(3):
+            writer.add_message(channel, seed, encoder.encode(arbitrary_step(seed)), seed, seed)
+        writer.finish()
+    log = read_log(file)
+    for seed, read in enumerate(log.records):
+        assert_identical(arbitrary_step(seed), read)
+    assert len(log.records) == 3
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n", b"not a log", b"\x00" * 100])

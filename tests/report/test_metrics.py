@@ -7,7 +7,7 @@ import pytest
 
 from drawbar.report.figures import error_figure
 from drawbar.report.metrics import compute_metrics, error_statistics
-from drawbar.report.path_errors import Bodies, PathErrors, project_track, path_errors
+from drawbar.report.path_errors import Bodies, PathErrors, path_errors, project_track
 from drawbar.signals import FixStatus, GateVerdict
 
 

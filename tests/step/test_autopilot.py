@@ -236,3 +236,16 @@ def test_simulations_are_contexts_that_leave_the_machine_stopped(build):
     with build("articulated") as simulation:
         next(simulation.steps())
     assert simulation.machine._newest[2] == 0.0
+
+
+def test_nodes_of_1_mm_are_a_path_though_their_arc_lengths_are_rounded():
+    count = 20_000
+    for offset in (0.0, 3e5):  # of the coordinates
+        places = 0.001 * np.arange(count)
+        assert np.diff(places).min() < 0.001
+        zeros = np.zeros(count)
+        label = np.zeros(count - 1, np.int8)
+        path = Path.through(
+            arc_length=places, x=offset + places, y=zeros, yaw=zeros, label_of_piece=label, label_names=("straight",)
+        )
+        build_autopilot(load_configuration("articulated")).begin(path)

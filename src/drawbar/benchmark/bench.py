@@ -2,16 +2,18 @@
 
 import importlib.util
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, Group, RenderableType
 from rich.progress import Progress
-from rich.table import Table
+from rich.text import Text
 
 from drawbar.benchmark.closed_loop import probed_runs, whole_run
 from drawbar.benchmark.figures import machine, microseconds, one_core, rows
 from drawbar.errors import DrawbarError
+from drawbar.terminal import FittedTable
 
 STAGES = 15
 GROWTH = (30, 60, 120)
@@ -68,15 +70,13 @@ def measure(progress: Progress, *, steps: int) -> dict[str, Any]:
         "control_step_us": microseconds(run.latency),
         "control_step_preparation_us": microseconds(run.preparation),
         "real_time_factor": run.real_time_factor,
-        "casadi_daqp": "measured" if with_other_route else 'left out: pip install "drawbar[test]" brings daqp',
+        "casadi_daqp": "measured" if with_other_route else "left out: pip install daqp brings it",
     }
 
 
-def solver_table(rows: list[dict[str, Any]]) -> Table:
+def solver_table(rows: list[dict[str, Any]]) -> RenderableType:
     """Return the table of all problems at the base horizon."""
-    table = _table(f"one sample, N = {STAGES}, µs, medians unless said", "problem and route")
-    for column in ("prep.", "feedb.", "total", "99 %", "max", "floor", "ratio", "bounds"):
-        table.add_column(column, justify="right", no_wrap=True)
+    shown = []
     for row in rows:
         if row["stages"] == STAGES:
             total, floor = row["total_us"], row["floor_us"]
@@ -84,28 +84,27 @@ def solver_table(rows: list[dict[str, Any]]) -> Table:
             share = f"{row['bounded_share']:.0%}" if "bounded_share" in row else ""
             numbers = (f"{value:.2f}" if value < 10.0 else f"{value:.0f}" for value in medians)
             name = row["problem"] if row["route"] == "drawbar" else f"  {row['route']}"
-            table.add_row(name, *numbers, f"{total['median'] / floor:.2f}", share)
-    return table
+            shown.append((name, [*numbers, f"{total['median'] / floor:.2f}", share]))
+    columns = ("prep.", "feedb.", "total", "99 %", "max", "floor", "ratio", "bounds")
+    return _table(f"one sample, N = {STAGES}, µs, medians unless said", "problem and route", columns, shown)
 
 
-def _table(title: str, first: str) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold", box=None, padding=(0, 1), pad_edge=False)
-    table.add_column(first, no_wrap=True)
-    return table
+def _table(title: str, first: str, columns: Sequence[str], rows: list[tuple[str, list[str]]]) -> RenderableType:
+    headings = [(name, "") for name in columns]
+    return Group(Text(title, "bold"), FittedTable(first, headings, rows, title_width=len(first), column_width=4))
 
 
-def growth_table(rows: list[dict[str, Any]]) -> Table:
+def growth_table(rows: list[dict[str, Any]]) -> RenderableType:
     """Return the medians over the horizon."""
-    table = _table("growth with the horizon, median total, µs; in brackets: steps with bounds active", "problem")
-    for stages in (STAGES, *GROWTH):
-        table.add_column(f"N = {stages}", justify="right")
-    table.add_column(f"{GROWTH[-1]} / {STAGES}", justify="right")
+    shown = []
     for name in dict.fromkeys(row["problem"] for row in rows if row["stages"] == GROWTH[-1]):
         own = [row for row in rows if row["problem"] == name and row["route"] == "drawbar"]
         medians = [row["total_us"]["median"] for row in own]
         cells = (f"{row['total_us']['median']:.2f} ({row['bounded_share']:.0%})" for row in own)
-        table.add_row(name, *cells, f"{medians[-1] / medians[0]:.1f}")
-    return table
+        shown.append((name, [*cells, f"{medians[-1] / medians[0]:.1f}"]))
+    columns = (*(f"N = {stages}" for stages in (STAGES, *GROWTH)), f"{GROWTH[-1]} / {STAGES}")
+    title = "growth with the horizon, median total, µs; in brackets: steps with bounds active"
+    return _table(title, "problem", columns, shown)
 
 
 def _print_rest(console: Console, figures: dict[str, Any]) -> None:

@@ -60,7 +60,7 @@ def _with_devices(name: str, changes: list[str] | None) -> "Configuration":
     config = load_configuration(name, changes or [])
     if config.devices is None:
         raise ConfigurationError(
-            f"{name} names no devices; add a section [devices] (docs/driving.md), or try `drawbar drive`, which stands in "
-            "for all of them"
+            f"{name} names no devices; add a section [devices] (docs/driving.md), or try `drawbar drive`, which "
+            "stands in for all of them"
         )
     return config

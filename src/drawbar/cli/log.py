@@ -1,19 +1,23 @@
 """`drawbar log export`: a log for other programs."""
 
+from collections.abc import Callable
 from pathlib import Path as FilePath
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drawbar.cli.options import console
 from drawbar.errors import DrawbarError
 
+if TYPE_CHECKING:
+    from drawbar.recording.log import RunLog
+
 log = typer.Typer(help="Logs for other programs.", no_args_is_help=True)
 
 
 @log.callback()
 def group() -> None:
-    """Logs for other programs."""
+    """Write logs for other programs."""
 
 
 @log.command()
@@ -40,7 +44,7 @@ def export(
         console.print(str(target), soft_wrap=True)
 
 
-def _writer(kind: str):  # type: ignore[no-untyped-def]  # three functions of one form
+def _writer(kind: str) -> Callable[["RunLog", FilePath], None]:
     if kind == "csv":
         from drawbar.recording.table import write_csv
 
@@ -49,7 +53,6 @@ def _writer(kind: str):  # type: ignore[no-untyped-def]  # three functions of on
         from drawbar.recording.tracks import write_geojson
 
         return write_geojson
-    from drawbar.errors import missing_extra
     from drawbar.recording.ros2 import write_ros2
 
     return write_ros2

@@ -8,19 +8,25 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.cli.bench import bench
+from drawbar.cli.config import config, events
+from drawbar.cli.devices import check, stand_in
 from drawbar.cli.drive import drive
 from drawbar.cli.experiment import experiment
 from drawbar.cli.export import export
+from drawbar.cli.log import log
 from drawbar.cli.replay import replay
+from drawbar.cli.report import report
 from drawbar.cli.run import run
 from drawbar.cli.tube import tube
 from drawbar.cli.tune import tune
 from drawbar.cli.version import version_text
 from drawbar.errors import DrawbarError
+from drawbar.terminal import degrade_output
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, drive, replay, tube, export, bench, experiment, tune):
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+for command in (run, drive, check, stand_in, report, replay, config, events, tube, export, bench, experiment, tune):
     app.command()(command)
+app.add_typer(log, name="log")
 
 
 @app.callback(invoke_without_command=True)
@@ -42,10 +48,15 @@ def program(
 
 
 def main() -> None:
-    """Run the command line; every expected error is one message and exit code 2."""
+    """Run the command line; every expected error is one message and exit code 2, an interrupt one line and 130."""
+    degrade_output()
     try:
-        app()
+        app(prog_name="drawbar")
     except DrawbarError as error:
         message = Text.assemble(("error:", "bold red"), f" {error}")
         Console(stderr=True, highlight=False).print(message, soft_wrap=True)
         sys.exit(2)
+    except SystemExit as end:
+        if isinstance(end.__context__, typer.Exit) and isinstance(end.__context__.__cause__, KeyboardInterrupt):
+            typer.echo("interrupted", err=True)
+        raise

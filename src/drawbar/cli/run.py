@@ -1,6 +1,5 @@
 """`drawbar run`: drive a whole run in simulation and report on it."""
 
-import signal
 from json import dumps
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
@@ -8,10 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.options import ConfigurationName, console
-from drawbar.errors import DrawbarError
+from drawbar.errors import DrawbarError, StorageError
 
 if TYPE_CHECKING:
+    from drawbar.cli.interrupts import Interrupts
     from drawbar.config import Configuration
+    from drawbar.simulation import Simulation
+
+CONFIGURATION_NAME = "config.toml"
 
 
 def run(
@@ -27,38 +30,66 @@ def run(
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all randomness in the simulated machine")] = 0,
     out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: a new one in runs/")] = None,
+    force: Annotated[bool, typer.Option("--force", help="overwrite the run that is in the folder")] = False,
 ) -> None:
     """Drive a whole run in simulation and report on it."""
+    from drawbar.cli.interrupts import Interrupts
     from drawbar.config import load_configuration
-    from drawbar.recording.header import deviation_note
-    from drawbar.recording.recorder import Recorder
-    from drawbar.report.console import RunProgress, summary
-    from drawbar.report.folder import LOG_NAME, write_report
+    from drawbar.report.console import summary
+    from drawbar.report.folder import write_report
     from drawbar.simulation import Simulation
 
     # a JSON string is a TOML string
     given = (("path.file", path), ("path.track", track))
     settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
     config = load_configuration(configuration, [*settings, *(changes or [])])
+    if out is not None and not force:
+        _refuse_a_run_in(out)
     with console.status("compiling the control step (the first time only) …"):
         simulation = Simulation(config, seed)
-    if simulation.drivable:
-        console.print(deviation_note(config, simulation.drivable))
     folder = _new_folder(out, config, seed)
+    with Interrupts() as interrupts:
+        stopped = _drive(simulation, folder, interrupts)
+        if isinstance(stopped, StorageError):
+            raise stopped
+        console.print(summary(write_report(folder)))
+    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
+    if stopped is not None:
+        raise SystemExit(130 if isinstance(stopped, KeyboardInterrupt) else 1)
+
+
+def _drive(
+    simulation: "Simulation", folder: FilePath, interrupts: "Interrupts"
+) -> DrawbarError | KeyboardInterrupt | None:
+    """Drive to the end, the log in the folder; return what ended the run before."""
+    from drawbar.recording.header import deviation_note
+    from drawbar.recording.recorder import Recorder
+    from drawbar.report.console import RunProgress
+    from drawbar.report.folder import LOG_NAME
+
+    if simulation.drivable:
+        console.print(deviation_note(simulation.configuration, simulation.drivable))
     log = Recorder(folder / LOG_NAME, simulation.header())
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # whoever ends the program stops the machine
-    stopped: DrawbarError | KeyboardInterrupt | None = None
     try:
         with simulation, log as recorder, RunProgress(console, simulation.path.length) as live:
             for record in simulation.steps():
                 recorder.write(record)
                 live.show(record)
+                interrupts.heed()
     except (DrawbarError, KeyboardInterrupt) as error:
-        stopped = error
-    console.print(summary(write_report(folder)))
-    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
-    if stopped is not None:
-        raise SystemExit(130 if isinstance(stopped, KeyboardInterrupt) else 1)
+        return error
+    return None
+
+
+def _refuse_a_run_in(folder: FilePath) -> None:
+    """Raise DrawbarError where a folder holds files that a run would overwrite."""
+    from drawbar.report.folder import LOG_NAME, REPORT_NAMES
+
+    if there := [name for name in (CONFIGURATION_NAME, LOG_NAME, *REPORT_NAMES) if (folder / name).exists()]:
+        raise DrawbarError(
+            f"{folder}: holds a run already ({', '.join(there)}); choose another --out folder, or overwrite it "
+            f"with --force."
+        )
 
 
 def _new_folder(chosen: FilePath | None, config: "Configuration", seed: int) -> FilePath:
@@ -71,7 +102,7 @@ def _new_folder(chosen: FilePath | None, config: "Configuration", seed: int) -> 
         folder = FilePath("runs") / f"{name}-{number}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "config.toml").write_text(config.to_toml(), "utf-8")
+        (folder / CONFIGURATION_NAME).write_text(config.to_toml(), "utf-8")
     except OSError as error:
-        raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
+        raise StorageError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
     return folder

@@ -1,6 +1,9 @@
 """`drawbar --version`: which drawbar this is, and with --verbose what it runs on."""
 
+from collections.abc import Callable
+
 from drawbar import __version__
+from drawbar.errors import DrawbarError
 
 
 def version_text(*, verbose: bool) -> str:
@@ -16,20 +19,19 @@ def _surroundings() -> dict[str, str]:
     import sys
 
     from drawbar.codegen.cache import cache_folder
+    from drawbar.codegen.compiler import find_compiler
 
     return {
         "python": f"{platform.python_version()} ({sys.executable})",
         "platform": platform.platform(),
-        "compiler": _compiler(),
-        "cache": str(cache_folder()),
+        "compiler": _told(lambda: " ".join(find_compiler())),
+        "cache": _told(lambda: str(cache_folder())),
     }
 
 
-def _compiler() -> str:
-    from drawbar.codegen.compiler import find_compiler
-    from drawbar.errors import CompilerError
-
+def _told(ask: Callable[[], str]) -> str:
+    """Return an answer, or why there is none: one that is missing must not hide the others."""
     try:
-        return " ".join(find_compiler())
-    except CompilerError as error:
+        return ask()
+    except DrawbarError as error:
         return str(error)

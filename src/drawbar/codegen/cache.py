@@ -16,16 +16,27 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from drawbar.codegen.compiler import FLAGS, compiler_identity, find_compiler
+from drawbar.codegen.compiler import FLAGS, compiler_identity, environment, find_compiler
+from drawbar.codegen.keeping import demand_own_folder, describe, is_whole, note_of
 from drawbar.errors import CompilerError
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
 def cache_folder() -> Path:
-    """Return the folder that keeps compiled libraries: $DRAWBAR_CACHE, else the user's cache folder."""
-    chosen = os.environ.get("DRAWBAR_CACHE")
-    return Path(chosen) if chosen else user_cache_path("drawbar", appauthor=False)
+    """Return the folder that keeps compiled libraries: $DRAWBAR_CACHE, else the user's cache folder.
+
+    Raises:
+        CompilerError: neither is known.
+    """
+    if chosen := os.environ.get("DRAWBAR_CACHE"):
+        return Path(chosen)
+    try:
+        return user_cache_path("drawbar", appauthor=False)
+    except RuntimeError as error:  # no HOME, and no user of this number
+        raise CompilerError(
+            f"The user's cache folder is not known ({error}); set DRAWBAR_CACHE to a folder."
+        ) from error
 
 
 @cache
@@ -54,7 +65,8 @@ def build(name: str, source: str | Mapping[str, str], flags: tuple[str, ...] = F
         flags: compiler flags.
 
     Raises:
-        CompilerError: no compiler, or the compiler refused the source (its first lines are quoted).
+        CompilerError: no compiler, the compiler refused the source (its first lines are quoted), or the cache folder
+            cannot be written, or can be by others.
     """
     files = {"unit.c": source} if isinstance(source, str) else dict(source)
     parts = [f"{name}\n{text}" for name, text in sorted({**runtime_sources(), **files}.items())]
@@ -62,19 +74,35 @@ def build(name: str, source: str | Mapping[str, str], flags: tuple[str, ...] = F
     digest = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
     readable = re.sub(r"[^A-Za-z0-9_]", "_", name)[:40]
     library = cache_folder() / f"{readable}-{digest}{_SUFFIX}"
-    if not library.exists():
-        _compile(files, flags, library)
+    own_cache_folder()
+    if not is_whole(library):
+        with _kept_in(library.parent):
+            _compile(files, flags, library)
     return library
 
 
-def _workshop(folder: Path) -> tempfile.TemporaryDirectory[str]:
-    """Return a temporary folder within the cache folder, as a context."""
+def own_cache_folder() -> Path:
+    """Return the cache folder, made where there was none.
+
+    Raises:
+        CompilerError: it cannot be made, or others can write into it.
+    """
+    folder = cache_folder()
+    with _kept_in(folder):
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        demand_own_folder(folder)
+    return folder
+
+
+@contextmanager
+def _kept_in(folder: Path) -> Iterator[None]:
+    """Say of an error of the file system that the folder cannot keep what is compiled."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        return tempfile.TemporaryDirectory(dir=folder)
+        yield
     except OSError as error:
         raise CompilerError(
-            f"{folder}: compiled solvers cannot be kept there ({error.strerror}); set DRAWBAR_CACHE to another."
+            f"{folder}: compiled solvers cannot be kept there ({error.strerror}); free space there, "
+            f"or set DRAWBAR_CACHE to another folder."
         ) from error
 
 
@@ -87,7 +115,8 @@ def _turn(library: Path) -> Iterator[None]:
     import fcntl  # POSIX alone has it
 
     lock = library.with_suffix(".lock")
-    with lock.open("w") as stream:
+    # nothing is truncated, and a link that somebody left there is not followed
+    with os.fdopen(os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)) as stream:
         fcntl.flock(stream, fcntl.LOCK_EX)  # ends with the process, however that ends
         try:
             yield
@@ -96,29 +125,45 @@ def _turn(library: Path) -> Iterator[None]:
 
 
 def _compile(files: Mapping[str, str], flags: tuple[str, ...], library: Path) -> None:
-    with _workshop(library.parent) as text, _turn(library):
-        if library.exists():
+    with tempfile.TemporaryDirectory(dir=library.parent) as text, _turn(library):
+        if is_whole(library):
             return
         folder = Path(text)
         for file, content in {**runtime_sources(), **files}.items():
             (folder / file).write_text(content, "utf-8")
-        units = sorted(name for name in files if name.endswith(".c"))
-        linked = [*flags, "-o", library.name]
-        if len(units) == 1:
-            _run([*linked, *units, "-lm"], folder, library.stem)
-        else:
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
-                compiled = [flag for flag in flags if flag != "-shared"]
-                commands = [[*compiled, "-c", name, "-o", f"{name}.o"] for name in units]
-                list(pool.map(lambda command: _run(command, folder, library.stem), commands))
-            _run([*linked, *(f"{name}.o" for name in units), "-lm"], folder, library.stem)
-        os.replace(folder / library.name, library)  # atomic: no process sees half a library
+        _link(folder, sorted(name for name in files if name.endswith(".c")), flags, library)
+        _keep(folder, library)
+
+
+def _link(folder: Path, units: Sequence[str], flags: tuple[str, ...], library: Path) -> None:
+    """Compile the units in a folder, each on a core of its own, to a library of the final name."""
+    linked = [*flags, "-o", library.name]
+    if len(units) == 1:
+        _run([*linked, *units, "-lm"], folder, library.stem)
+        return
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        compiled = [flag for flag in flags if flag != "-shared"]
+        commands = [[*compiled, "-c", name, "-o", f"{name}.o"] for name in units]
+        list(pool.map(lambda command: _run(command, folder, library.stem), commands))
+    _run([*linked, *(f"{name}.o" for name in units), "-lm"], folder, library.stem)
+
+
+def _keep(folder: Path, library: Path) -> None:
+    """Move a library from the folder in which it was built to its place, then its note: no process sees half of one."""
+    built = folder / library.name
+    built.chmod(0o700)
+    note = note_of(built)
+    note.write_text(describe(built.read_bytes()), "ascii")
+    note.chmod(0o600)
+    os.replace(built, library)
+    os.replace(note, note_of(library))
 
 
 def _run(arguments: Sequence[str], folder: Path, name: str) -> None:
     """Call the compiler in a folder."""
     command = [*find_compiler(), *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    surroundings = environment(cache_folder())
+    done = subprocess.run(command, cwd=folder, env=surroundings, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         lines = "\n".join(done.stderr.splitlines()[:12])
         raise CompilerError(f"{' '.join(command[:2])} … could not compile {name}:\n{lines}")

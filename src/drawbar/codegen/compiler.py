@@ -7,8 +7,10 @@ import shutil
 import sys
 from functools import cache
 from importlib.metadata import version
+from pathlib import Path
 
 from drawbar.errors import CompilerError
+from drawbar.extras import install_command
 
 FLAGS = (
     "-std=c99",
@@ -32,8 +34,8 @@ def find_compiler() -> tuple[str, ...]:
     """
     chosen = os.environ.get("CC", "").strip()
     if chosen:
-        command = shlex.split(chosen)
-        if shutil.which(command[0]) is None:
+        command = _split(chosen)
+        if not command or shutil.which(command[0]) is None:
             raise CompilerError(f"CC={chosen!r} names no program on this machine; unset CC or name a C compiler.")
         return tuple(command)
     for name in ("cc", "gcc", "clang"):
@@ -42,8 +44,21 @@ def find_compiler() -> tuple[str, ...]:
     if importlib.util.find_spec("ziglang"):
         return (sys.executable, "-m", "ziglang", "cc")
     raise CompilerError(
-        'No C compiler found: looked at $CC, cc, gcc, clang and the ziglang wheel. Try: pip install "drawbar[zig]"'
+        f"No C compiler found: looked at $CC, cc, gcc, clang and the ziglang wheel. Try: {install_command('zig')}"
     )
+
+
+def _split(chosen: str) -> list[str]:
+    try:
+        return shlex.split(chosen)
+    except ValueError as error:
+        raise CompilerError(f"CC={chosen!r} is no command ({error}); unset CC or name a C compiler.") from error
+
+
+def environment(cache: Path) -> dict[str, str]:
+    """Return the environment in which a compiler is called: the wheel's keeps what it needs in our cache folder."""
+    own = str((cache / "zig").absolute())
+    return {**os.environ, "ZIG_GLOBAL_CACHE_DIR": own, "ZIG_LOCAL_CACHE_DIR": own}
 
 
 @cache

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from drawbar.settings import Horizon, NonNegative, Positive, PositiveAngle, Settings, Share
+from drawbar.settings import Horizon, Length, NonNegative, NonNegativeLength, Positive, PositiveAngle, Settings, Share
 
 
 class Coupling(StrEnum):
@@ -33,9 +33,11 @@ class TricycleControllerSettings(Settings):
 
     model: Literal["tricycle"]
     structure: Structure = "decentralised"
+    """a problem for each body, or one for both, which does not need coupling and sharing"""
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.NEGLECTED
+    """what the trailer's controller knows of the tractor's motion"""
     position_weight: NonNegative = 1.0
     """Q, 1/m²"""
     steering_weight: Positive = 10.0
@@ -73,7 +75,7 @@ class SharingSettings(Settings):
 
     share: Share = 0.7
     """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
-    accepted_error: NonNegative = 0.04
+    accepted_error: NonNegativeLength = 0.04
     """steady error that stays with the trailer, m"""
     widening: NonNegative = 0.046
     """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m"""
@@ -84,9 +86,11 @@ class ArticulatedControllerSettings(Settings):
 
     model: Literal["articulated"]
     structure: Structure = "decentralised"
+    """a problem for each body, or one for both, which does not need coupling and sharing"""
     horizon: Horizon = 20
     """N, samples"""
     coupling: CouplingSetting = Coupling.MEASURED
+    """what the trailer's controller knows of the tractor's motion"""
     yaw_rate_lag: Positive = 0.9
     """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon: held noise
     would send the trailer's preview astray, s"""
@@ -111,7 +115,7 @@ class PurePursuitSettings(Settings):
     model: Literal["pure_pursuit"]
     horizon: Horizon = 20
     """samples of the path ahead that the guidance hands over; beyond them it goes on in an arc"""
-    look_ahead: Positive = 1.3
+    look_ahead: Length = 1.3
     """distance of the pursued point along the path, m"""
     trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
 
@@ -211,6 +215,7 @@ class TubeSettings(Settings):
     """The ancillary laws u = ū + K (x - x̄), and what the invariant sets are computed from."""
 
     nominal: Annotated[Nominal, Field(strict=False)] = Nominal.PREDICTED
+    """what the ancillary law holds the vehicle to"""
     tighten: bool = True
     """let the nominal problems keep to what the sets leave of their bounds; false: to see what that is worth"""
     tractor: BodyTubeSettings = BodyTubeSettings()

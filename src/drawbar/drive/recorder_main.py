@@ -48,7 +48,7 @@ def main() -> int:
 def _log(configuration: Configuration, folder: Path) -> DriveLog:
     path, drivable = build_path(configuration)
     frame = local_frame(configuration)
-    header = run_header(configuration, path, drivable, seed=0)
+    header = run_header(configuration, path, drivable, seed=0, frame=frame)
     return DriveLog(folder / LOG_NAME, header, Scene(path=path, vehicle=configuration.vehicle, frame=frame))
 
 
@@ -57,7 +57,6 @@ def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
     try:
         for data in mailbox.receive():
             _write(data, log, beat)
-        log.flush()
     except (OSError, DrawbarError) as error:
         print(f"recorder: the log cannot be written any further ({error})", file=sys.stderr)
         return False

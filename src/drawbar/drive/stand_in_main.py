@@ -166,8 +166,12 @@ class StandIns:
 
 
 def main() -> int:
-    """Be the machine until told to end."""
-    orders = Orders.model_validate_json(sys.stdin.read())
+    """Be the machine of the orders on standard input."""
+    return serve(Orders.model_validate_json(sys.stdin.read()))
+
+
+def serve(orders: Orders) -> int:
+    """Be the machine until told to end; return an exit code."""
     configuration = load_configuration(orders.configuration)
     path, _ = build_path(configuration)
     machine = stand_in_machine(configuration, path, local_frame(configuration), seed=0)

@@ -15,7 +15,9 @@ class SlipBounds(Settings):
     """Range of a slip factor."""
 
     lower: Share
+    """smallest that the estimate may be"""
     upper: Positive
+    """largest that the estimate may be"""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -101,6 +103,7 @@ class TricycleEstimatorSettings(Settings):
 
     model: Literal["tricycle"]
     method: Method = "moving_horizon"
+    """over a window with bounds, or recursively with clipping to the bounds"""
     window: Horizon = 15
     """N, samples in the window besides the newest; 3 s at 5 Hz"""
     weighting: Literal["paper", "statistical"] = "paper"
@@ -176,6 +179,7 @@ class ArticulatedEstimatorSettings(Settings):
 
     model: Literal["articulated"]
     method: Method = "moving_horizon"
+    """over a window with bounds, or recursively with clipping to the bounds"""
     window: Horizon = 6
     """N, samples in the window besides the newest; 1.2 s at 5 Hz; why no more: docs/theory/estimation.md"""
     steering_rate: PositiveAngle = 0.06

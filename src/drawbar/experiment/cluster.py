@@ -28,7 +28,9 @@ _CONFIGURATION: dict[str, Any] = {
 }
 _LOCAL: dict[str, Any] = {
     "threads_per_worker": 1,
-    "dashboard_address": ":0",  # any free port
+    "host": "127.0.0.1",
+    "scheduler_kwargs": {"dashboard": False},  # it has no password
+    "dashboard_address": "127.0.0.1:0",  # of Dask's plain web server, which cannot be left out: any free port
     "silence_logs": logging.CRITICAL,
     "preload": "drawbar.experiment.worker",
 }
@@ -65,6 +67,8 @@ def open_cluster(address: str = "", jobs: int | None = None) -> Iterator[Client]
 
 
 def _connect(address: str) -> Client:
+    # what Dask would log, tracebacks included, when a scheduler dies is told by call_all in one message
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=_PATIENCE)
     except (OSError, ValueError) as error:
@@ -91,6 +95,9 @@ def call_all(
         function: pure, importable by the workers.
         arguments: plain data; the key tells an argument from every other that this function is ever given.
         at_once: calls that may run at the same time; None: as many as there are workers.
+
+    Raises:
+        DrawbarError: the scheduler is gone.
     """
     waiting = iter(arguments.items())
 
@@ -103,6 +110,11 @@ def call_all(
     completed = as_completed(list(submitted(at_once)), loop=client.loop, with_results=True, raise_errors=False)
     for future, outcome in completed:
         key = keys.pop(future)
+        if future.status in ("cancelled", "lost"):  # nobody cancels here: the connection has ended
+            raise DrawbarError(
+                "the Dask scheduler is gone; finished runs are kept: start it again, with its workers, "
+                "and the same command goes on"
+            )
         yield key, outcome if future.status == "finished" else Failure(reason=_reason(outcome))
         completed.update(list(submitted(1)))
 

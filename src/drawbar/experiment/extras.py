@@ -3,6 +3,7 @@
 from importlib.util import find_spec
 
 from drawbar.errors import DrawbarError
+from drawbar.extras import install_command
 
 
 def require_extras() -> None:
@@ -10,5 +11,5 @@ def require_extras() -> None:
     missing = [name for name in ("distributed", "matplotlib", "optuna") if find_spec(name) is None]
     if missing:
         raise DrawbarError(
-            f'experiments need {" and ".join(missing)}, not installed here. Run: pip install "drawbar[experiments]"'
+            f"experiments need {' and '.join(missing)}, not installed here. Run: {install_command('experiments')}"
         )

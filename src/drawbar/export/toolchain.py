@@ -11,9 +11,12 @@ from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from drawbar.codegen.cache import own_cache_folder
+from drawbar.codegen.compiler import environment
 from drawbar.errors import CompilerError
 from drawbar.export.objects import ObjectFile, read_object
 from drawbar.export.targets import FLAGS, Target
+from drawbar.extras import install_command
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,14 +84,15 @@ def _wheel() -> Path:
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
         raise CompilerError(
-            'The ziglang wheel, which builds the library, is not installed. Run: pip install "drawbar[zig]"'
+            f"The ziglang wheel, which builds the library, is not installed. Run: {install_command('zig')}"
         )
     return Path(found.origin).parent
 
 
 def _zig(arguments: list[str], folder: Path) -> None:
     command = [sys.executable, "-m", "ziglang", *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    surroundings = environment(own_cache_folder())
+    done = subprocess.run(command, cwd=folder, env=surroundings, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         lines = "\n".join(done.stderr.splitlines()[:12])
         raise CompilerError(f"zig {' '.join(arguments[:3])} … failed:\n{lines}")

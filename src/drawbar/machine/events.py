@@ -62,6 +62,7 @@ class GpsLoss(_Event):
     duration: Positive
     """s"""
     antenna: Antenna = "both"
+    """which of them is affected"""
     report: Literal["masked", "held"] = "masked"
     """what the receiver reports meanwhile: nothing (NaN), or what it reported last"""
 
@@ -73,6 +74,7 @@ class GpsJump(_Event):
     duration: Positive
     """s"""
     antenna: Antenna = "both"
+    """which of them is affected"""
     east: float = 0.0
     """shift, m"""
     north: float = 0.0

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError, model_validator
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
 from drawbar.machine.low_level.settings import LowLevelSettings
-from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings
+from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Speed
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -44,7 +44,7 @@ class PidGains(Settings):
 class HydrostatSettings(Settings):
     """Hydrostatic drive: a motor moves the pedal, the pedal sets the wheel speed; a cascade of two PIDs."""
 
-    full_speed: Positive = 3.0
+    full_speed: Speed = 3.0
     """wheel speed at full pedal, and the largest that may be commanded, m/s"""
     speed_lag: Positive = 0.5
     """wheel speed behind pedal, s"""
@@ -62,6 +62,7 @@ class SlipProcess(Settings):
     """A slip factor wandering as an Ornstein-Uhlenbeck process, reflected at 0 and 1: wheels only lose."""
 
     mean: SlipFactor
+    """about which it wanders; 1: no slip"""
     deviation: Annotated[float, Field(ge=0.0, le=0.2)]
     """stationary standard deviation, before the reflection"""
     time_constant: Positive = 20.0
@@ -153,6 +154,7 @@ class SimulatedMachineSettings(Settings):
     sensors: SensorSettings = SensorSettings()
     low_level: LowLevelSettings = LowLevelSettings()
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
+    """what happens to the machine during a run, by kind"""
 
     @model_validator(mode="after")
     def _dead_time_on_grid(self) -> Self:

@@ -18,7 +18,7 @@ import msgspec
 from foxglove.messages import Log, LogLevel, Timestamp
 
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
-from drawbar.recording.log import STEP_TOPIC, RunHeader
+from drawbar.recording.log import RunHeader
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
@@ -53,7 +53,7 @@ class DriveLog(Recorder):
     def add_step(self, moment: int, data: bytes, record: StepRecord) -> None:
         """Add a control step, given as JSON and as what that means."""
         wall = moment + self._offset
-        self._add(STEP_TOPIC, self._channel, data, wall, record.step)
+        self._add(self._channel, data, wall, record.step)
         for topic, message in self._scene.moving(wall, record):
             self._add_known(topic, message, wall)
 
@@ -61,8 +61,8 @@ class DriveLog(Recorder):
         """Add bytes of a device."""
         topic = f"/raw/{device}"
         if topic not in self._channels:
-            self._channels[topic] = self._writer.register_channel(topic, "application/octet-stream", 0)
-        self._add(topic, self._channels[topic], bytes((direction,)) + data, moment + self._offset)
+            self._channels[topic] = self._writer.add_channel(topic, "application/octet-stream", 0)
+        self._add(self._channels[topic], bytes((direction,)) + data, moment + self._offset)
 
     def add_message(self, message: Message) -> None:
         """Add a record of one of the processes; a kind that has no topic is left out."""
@@ -71,9 +71,9 @@ class DriveLog(Recorder):
             return
         if topic not in self._channels:
             name = f"drawbar.{type(message).__name__}"
-            schema = self._writer.register_schema(name, "jsonschema", json_schema(type(message)))
-            self._channels[topic] = self._writer.register_channel(topic, "json", schema)
-        self._add(topic, self._channels[topic], msgspec.json.encode(asdict(message)), message.time + self._offset)
+            schema = self._writer.add_schema(name, "jsonschema", json_schema(type(message)))
+            self._channels[topic] = self._writer.add_channel(topic, "json", schema)
+        self._add(self._channels[topic], msgspec.json.encode(asdict(message)), message.time + self._offset)
 
     def add_event(self, moment: int, level: str, name: str, text: str) -> None:
         """Add something said in words; level is info, warning or error."""
@@ -86,15 +86,9 @@ class DriveLog(Recorder):
         if topic not in self._channels:
             schema = message.get_schema()
             if schema.name not in self._schemas:
-                self._schemas[schema.name] = self._writer.register_schema(schema.name, schema.encoding, schema.data)
-            self._channels[topic] = self._writer.register_channel(topic, "protobuf", self._schemas[schema.name])
-        self._add(topic, self._channels[topic], message.encode(), wall)
+                self._schemas[schema.name] = self._writer.add_schema(schema.name, schema.encoding, schema.data)
+            self._channels[topic] = self._writer.add_channel(topic, "protobuf", self._schemas[schema.name])
+        self._add(self._channels[topic], message.encode(), wall)
 
-    def _add(self, topic: str, channel: int, data: bytes, wall: int, sequence: int = 0) -> None:
-        self._writer.add_message(
-            channel_id=channel, log_time=wall, data=data, publish_time=wall, sequence=sequence % 2**32
-        )
-
-    def flush(self) -> None:
-        """Hand everything to the operating system."""
-        self._stream.flush()
+    def _add(self, channel: int, data: bytes, wall: int, sequence: int = 0) -> None:
+        self._writer.add_message(channel, data, log_time=wall, publish_time=wall, sequence=sequence % 2**32)

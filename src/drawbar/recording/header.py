@@ -3,13 +3,29 @@
 from datetime import UTC, datetime
 
 from drawbar.config import Configuration
+from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.guidance.smoothing import DrivablePath
 from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
 
 
-def run_header(configuration: Configuration, path: Path, drivable: DrivablePath | None, seed: int) -> RunHeader:
-    """Describe a run that starts now; `drivable` tells how a recorded line was made drivable, None for other paths."""
+def run_header(
+    configuration: Configuration,
+    path: Path,
+    drivable: DrivablePath | None,
+    seed: int,
+    frame: LocalFrame | None = None,
+) -> RunHeader:
+    """Describe a run that starts now.
+
+    Args:
+        configuration: of the run.
+        path: to drive along.
+        drivable: how a recorded line was made drivable, None for other paths.
+        seed: of everything random.
+        frame: of the path, where it is known otherwise than by its line.
+    """
+    frame = frame or (drivable.frame if drivable else None)
     return RunHeader(
         configuration_name=configuration.name,
         configuration=configuration.to_toml(),
@@ -20,6 +36,7 @@ def run_header(configuration: Configuration, path: Path, drivable: DrivablePath 
         path_note=deviation_note(configuration, drivable) if drivable else "",
         path=PathTable.of(path),
         recorded=RecordedPoints.of(drivable.recorded, drivable.deviations) if drivable else None,
+        origin=(frame.latitude, frame.longitude, frame.height) if frame else None,
         estimate_bounds=configuration.estimator.bounds_by_estimate(),
     )
 

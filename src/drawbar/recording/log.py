@@ -1,31 +1,31 @@
 """What the log of a run holds and how it is read back, as a whole or after a crash.
 
-A log is an MCAP file (https://mcap.dev/spec) without chunks: an attachment `run.json` with the RunHeader, one
-JSON message per StepRecord on the topic `/step`, and at the end, in most cases, the metadata `outcome`.
+A log is an MCAP file (https://mcap.dev/spec): an attachment `run.json` with the RunHeader, one JSON message per
+StepRecord on the topic `/step`, in compressed chunks, and at the end, in most cases, the metadata `outcome`.
 JSON has neither NaN nor infinity: both are written as null and read back as NaN.
 """
 
 import struct
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from datetime import datetime
-from io import BytesIO
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, Self, get_args
 
 import msgspec
 import numpy as np
-from mcap.exceptions import EndOfFile, McapError
-from mcap.records import Attachment, Channel, McapRecord, Message, Metadata
-from mcap.stream_reader import CRCValidationError, StreamReader
+import zstandard
+from mcap.exceptions import McapError
+from mcap.records import Attachment, Metadata
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
+from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -33,17 +33,15 @@ HEADER_NAME = "run.json"
 OUTCOME_NAME = "outcome"
 STEP_TOPIC = "/step"
 _DRAWN_POINTS = 3000
-_MAGIC = b"\x89MCAP0\r\n"
 _DAMAGE = (
     McapError,
-    CRCValidationError,
+    zstandard.ZstdError,
     msgspec.MsgspecError,
     ValidationError,
     ValueError,
     KeyError,
     struct.error,
 )
-_FRAME = struct.Struct("<BQ")  # operation code and length of the content that follows
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,6 +109,8 @@ class RunHeader:
     path: PathTable
     recorded: RecordedPoints | None
     """None where the path was not made from a recorded line"""
+    origin: tuple[float, float, float] | None = None
+    """where the path's frame begins on WGS84: latitude, longitude (degrees), height (m); None: not known"""
     estimate_bounds: Mapping[str, tuple[float, float]]
     """lower and upper bound of the estimator by field name of Estimate, SI"""
 
@@ -199,42 +199,56 @@ def decode_step(data: bytes) -> StepRecord:
     return msgspec.convert(content, StepRecord, dec_hook=_decode_special)
 
 
-def _whole_records(data: bytes) -> bytes:
-    """Cut a record off that a crash left incomplete at the end."""
-    position = len(_MAGIC)
-    while position + _FRAME.size <= len(data):
-        _, length = _FRAME.unpack_from(data, position)
-        end = position + _FRAME.size + length
-        if end > len(data):
-            break
-        position = end
-    return data if data[position:] == _MAGIC else data[:position]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogParts:
+    """A log, not yet decoded beyond its header."""
+
+    header: RunHeader
+    steps: Iterator[LoggedMessage]
+    """one after the other from the file"""
+    outcome: Callable[[], Outcome]
+    """how the run ended, known when all steps are read"""
 
 
-def _records(data: bytes) -> list[McapRecord]:
-    records: list[McapRecord] = []
-    with suppress(EndOfFile):  # no footer: the run was killed, or still goes on
-        records.extend(StreamReader(BytesIO(_whole_records(data)), validate_crcs=True).records)
-    return records
+@contextmanager
+def open_log(file: Path) -> Iterator[LogParts]:
+    """Read the log of a run in a stream, as a context; a last record cut off by a crash is left out.
+
+    Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
+    """
+    advice = "give the log.mcap that drawbar run wrote"
+    try:
+        with file.open("rb") as stream:
+            yield _parts(read_records(stream))
+    except OSError as error:
+        raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
+    except _NoHeaderError as error:
+        raise DrawbarError(f"{file}: holds no {HEADER_NAME}; {advice}") from error
+    except _DAMAGE as error:
+        raise DrawbarError(f"{file}: is damaged, or no log of drawbar ({error}); {advice}") from error
 
 
-def _outcome(records: list[McapRecord]) -> Outcome:
-    for record in records:
-        if isinstance(record, Metadata) and record.name == OUTCOME_NAME:
-            return Outcome(finished=record.metadata["finished"] == "true", reason=record.metadata["reason"])
-    return _KILLED
+class _NoHeaderError(Exception):
+    """A log lacks its first attachment."""
 
 
-def _assemble(records: list[McapRecord]) -> RunLog:
-    header = next(r.data for r in records if isinstance(r, Attachment) and r.name == HEADER_NAME)
-    steps = {record.id for record in records if isinstance(record, Channel) and record.topic == STEP_TOPIC}
-    messages = [record for record in records if isinstance(record, Message) and record.channel_id in steps]
-    return RunLog(
-        header=msgspec.json.decode(header, type=RunHeader, dec_hook=_decode_special),
-        records=tuple(decode_step(message.data) for message in messages),
-        wall_time=np.array([message.publish_time * 1e-9 for message in messages]),
-        outcome=_outcome(records),
-    )
+def _parts(records: Iterator[Logged]) -> LogParts:
+    header = next((r.data for r in records if isinstance(r, Attachment) and r.name == HEADER_NAME), None)
+    if header is None:
+        raise _NoHeaderError
+    outcome = _KILLED
+
+    def steps() -> Iterator[LoggedMessage]:
+        nonlocal outcome
+        for record in records:
+            if isinstance(record, LoggedMessage):
+                if record.topic == STEP_TOPIC:
+                    yield record
+            elif isinstance(record, Metadata) and record.name == OUTCOME_NAME:
+                outcome = Outcome(finished=record.metadata["finished"] == "true", reason=record.metadata["reason"])
+
+    decoded = msgspec.json.decode(header, type=RunHeader, dec_hook=_decode_special)
+    return LogParts(header=decoded, steps=steps(), outcome=lambda: outcome)
 
 
 def read_log(file: Path) -> RunLog:
@@ -242,12 +256,11 @@ def read_log(file: Path) -> RunLog:
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
     """
-    advice = "give the log.mcap that drawbar run wrote"
-    try:
-        return _assemble(_records(file.read_bytes()))
-    except OSError as error:
-        raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
-    except StopIteration as error:
-        raise DrawbarError(f"{file}: holds no {HEADER_NAME}; {advice}") from error
-    except _DAMAGE as error:
-        raise DrawbarError(f"{file}: is damaged, or no log of drawbar ({error}); {advice}") from error
+    with open_log(file) as log:
+        messages = [(decode_step(message.data), message.publish_time * 1e-9) for message in log.steps]
+        return RunLog(
+            header=log.header,
+            records=tuple(record for record, _ in messages),
+            wall_time=np.array([time for _, time in messages]),
+            outcome=log.outcome(),
+        )

@@ -1,25 +1,19 @@
-"""Writes every control step to a log that survives a crash: unchunked MCAP, flushed after each step."""
+"""Writes every control step to a log that survives a crash: MCAP in compressed chunks, flushed after each step."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 import msgspec
-from mcap.writer import Writer
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import StorageError
+from drawbar.recording.chunks import ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
+from drawbar.recording.precision import as_recorded
+from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
-
-
-def _array_schema(kind: Any) -> dict[str, Any]:
-    return {"type": "array"}
-
-
-def _step_schema() -> bytes:
-    schema = msgspec.json.encode(msgspec.json.schema(StepRecord, schema_hook=_array_schema))
-    return schema.replace(b'{"type":"number"}', b'{"type":["number","null"]}')  # NaN is written as null
 
 
 class Recorder:
@@ -33,36 +27,44 @@ class Recorder:
     def __init__(self, file: Path, header: RunHeader) -> None:
         """Create the file and write what is known before the first step.
 
-        Raises DrawbarError when the file cannot be created.
+        Raises StorageError when the file cannot be created.
         """
+        self._file, self._steps = file, 0
         try:
             self._stream = file.open("wb")
+            try:
+                self._begin(header)
+            except OSError:
+                self._give_up()
+                raise
         except OSError as error:
-            raise DrawbarError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
+            raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
+
+    def _begin(self, header: RunHeader) -> None:
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
-        self._writer = Writer(self._stream, use_chunking=False, enable_data_crcs=True)
-        self._writer.start(profile="drawbar")
+        self._writer = ChunkedWriter(self._stream, profile="drawbar")
         self._writer.add_attachment(
-            create_time=time.time_ns(),
-            log_time=0,
-            name=HEADER_NAME,
-            media_type="application/json",
-            data=self._encoder.encode(header),
+            HEADER_NAME, "application/json", self._encoder.encode(header), created=time.time_ns()
         )
-        schema = self._writer.register_schema("drawbar.StepRecord", "jsonschema", _step_schema())
-        self._channel = self._writer.register_channel(STEP_TOPIC, "json", schema)
-        self._stream.flush()
+        schema = self._writer.add_schema("drawbar.StepRecord", "jsonschema", json_schema(StepRecord))
+        self._channel = self._writer.add_channel(STEP_TOPIC, "json", schema)
 
     def write(self, record: StepRecord) -> None:
-        """Append one step; its time is that of its measurement."""
-        self._writer.add_message(
-            channel_id=self._channel,
-            log_time=round(record.measurement.time * 1e9),
-            data=self._encoder.encode(record),
-            publish_time=time.time_ns(),
-            sequence=record.step,
-        )
-        self._stream.flush()
+        """Append one step; its time is that of its measurement.
+
+        Raises StorageError when it cannot be written; the steps before it are.
+        """
+        try:
+            self._writer.add_message(
+                self._channel,
+                self._encoder.encode(as_recorded(record)),
+                sequence=record.step,
+                log_time=round(record.measurement.time * 1e9),
+                publish_time=time.time_ns(),
+            )
+        except OSError as error:
+            raise self._full(error) from error
+        self._steps += 1
 
     def __enter__(self) -> Self:
         return self
@@ -70,10 +72,28 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._finish(Outcome.of(error))
+        if isinstance(error, StorageError):
+            self._give_up()
+            return
+        try:
+            self._finish(Outcome.of(error))
+        except OSError as full:
+            self._give_up()
+            raise self._full(full) from full
+
+    def _full(self, error: OSError) -> StorageError:
+        return StorageError(
+            f"{self._file}: the log cannot be written any further ({error.strerror}); its first {self._steps} steps "
+            f"are kept: free space, then `drawbar report {self._file.parent}`"
+        )
+
+    def _give_up(self) -> None:
+        """Close the file; what is left in the buffer has no place on the disk."""
+        with suppress(OSError):
+            self._stream.close()
 
     def _finish(self, outcome: Outcome) -> None:
         with self._stream:
             finished = "true" if outcome.finished else "false"
             self._writer.add_metadata(OUTCOME_NAME, {"finished": finished, "reason": outcome.reason})
-            self._writer.finish()  # type: ignore[no-untyped-call]  # mcap left its annotation out
+            self._writer.finish()

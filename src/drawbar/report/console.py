@@ -4,7 +4,6 @@ import time
 from collections.abc import Iterable
 
 from rich.console import Console, Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from drawbar.report.live import LiveLine
@@ -19,6 +18,7 @@ from drawbar.report.tables import (
     time_rows,
 )
 from drawbar.signals import StepRecord
+from drawbar.terminal import FittedTable
 
 
 class RunProgress(LiveLine):
@@ -54,18 +54,12 @@ def progress_line(record: StepRecord, length: float, elapsed: float) -> Text:
     )
 
 
-def _table(title: str, columns: Iterable[tuple[str, str]], rows: list[Row]) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 1), title_justify="left")
-    table.add_column(title, min_width=19, no_wrap=True)
-    for name, colour in columns:
-        table.add_column(name, justify="right", header_style=colour, min_width=8)
-    for name, cells in rows:
-        table.add_row(name, *cells)
-    return table
+def _table(title: str, columns: Iterable[tuple[str, str]], rows: list[Row]) -> FittedTable:
+    return FittedTable(title, list(columns), rows, title_width=19)
 
 
 def summary(metrics: Metrics) -> RenderableType:
-    """Return the figures of a run for the console, at most 80 columns wide."""
+    """Return the figures of a run for the console, as wide as that is."""
     colours = {"tractor": "blue", "trailer": "yellow"}
     error_columns = [(f"{body}\n{name}", colour) for body, colour in colours.items() for name in ERROR_COLUMNS]
     ending = Text("finished", "green") if metrics.finished else Text(f"stopped: {metrics.outcome}", "bold red")

@@ -1,8 +1,9 @@
 """What a run leaves in its folder besides the log, all of it made from the log alone."""
 
+import os
 from pathlib import Path
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import StorageError
 from drawbar.recording.log import read_log
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
@@ -10,23 +11,38 @@ from drawbar.report.path_errors import path_errors
 from drawbar.report.picture import render_picture
 
 LOG_NAME = "log.mcap"
+REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
 
 
-def write_report(folder: Path) -> Metrics:
-    """Read the log in a run's folder, write metrics.json, report.html and map.svg beside it.
+def write_report(folder: Path, log_file: Path | None = None) -> Metrics:
+    """Read the log in a run's folder, or another, and write metrics.json, report.html and map.svg into the folder.
 
-    Returns the metrics. Works for a run that crashed or was killed. Raises DrawbarError when the log cannot
-    be read or a file cannot be written.
+    Returns the metrics. Works for a run that crashed or was killed.
+
+    Raises:
+        DrawbarError: the log cannot be read.
+        StorageError: a file cannot be written; what was there before is still there.
     """
-    log = read_log(folder / LOG_NAME)
+    log = read_log(log_file or folder / LOG_NAME)
     errors = path_errors(log)
     metrics = compute_metrics(log, errors)
+    contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), render_picture(log, errors).encode())
     try:
-        (folder / "metrics.json").write_bytes(metrics.to_json())
-        (folder / "report.html").write_text(render_page(log, metrics, errors), encoding="utf-8")
-        (folder / "map.svg").write_text(render_picture(log, errors), encoding="utf-8")
+        for name, content in zip(REPORT_NAMES, contents, strict=True):
+            _write_whole(folder / name, content)
     except OSError as error:
-        raise DrawbarError(
-            f"{folder}: the report cannot be written ({error.strerror}); choose another folder"
+        raise StorageError(
+            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: free space, then "
+            f"`drawbar report {folder}`"
         ) from error
     return metrics
+
+
+def _write_whole(file: Path, content: bytes) -> None:
+    """Write a file that is there as a whole or not at all."""
+    part = file.with_name(file.name + ".part")
+    try:
+        part.write_bytes(content)
+        os.replace(part, file)
+    finally:
+        part.unlink(missing_ok=True)

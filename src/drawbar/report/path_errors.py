@@ -1,6 +1,6 @@
 """How far both bodies were from the path: their antennas' positions, projected on it.
 
-True positions where the log has them; else, on a real machine, those that were estimated while the autopilot was engaged.
+True positions where the log has them; else, on a real machine, those estimated while the autopilot was engaged.
 """
 
 from dataclasses import dataclass

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
+from drawbar.settings import Length, NonNegativeLength, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
@@ -14,15 +14,15 @@ SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 class VehicleParameters(Settings):
     """Lengths, steering limits and actuator lag; the defaults are the paper's machine."""
 
-    wheelbase: Positive = 1.4
+    wheelbase: Length = 1.4
     """L_t, front to rear axle of the tractor, m"""
-    hitch_length: Positive = 1.1
+    hitch_length: Length = 1.1
     """l, tractor rear axle to the actuated joint RJ2 when straight, m"""
-    drawbar_length: Positive = 0.2
+    drawbar_length: Length = 0.2
     """d, free joint RJ1 to actuated joint RJ2, m"""
-    trailer_length: Positive = 1.3
+    trailer_length: Length = 1.3
     """L_i, RJ2 to the trailer axle, m"""
-    trailer_antenna: NonNegative = 0.25
+    trailer_antenna: NonNegativeLength = 0.25
     """c, trailer antenna ahead of the trailer axle, m"""
     joint_sign: Literal[-1, 1] = 1
     """+1: a positive trailer command drives phi - psi positive; -1: the actuator (not the sensor) is reversed"""

@@ -1,6 +1,10 @@
 """What the sensors measure and how noisily, shared by models, estimator and simulated machine."""
 
-from drawbar.settings import Positive, PositiveAngle, Settings
+from typing import Annotated
+
+from pydantic import Field
+
+from drawbar.settings import PositiveAngle, Settings
 from drawbar.vehicle.model import variables
 
 MEASURED = variables(
@@ -16,16 +20,20 @@ MEASURED = variables(
 """The measured quantities, in the order in which both models of the whole vehicle have them as outputs."""
 
 
+AngleDeviation = Annotated[PositiveAngle, Field(ge=1e-5)]
+"""Less than any sensor has would make the others weigh nothing."""
+
+
 class SensorNoise(Settings):
     """Standard deviations of the measurements (section IV-A of the paper)."""
 
-    position: Positive = 0.03
+    position: Annotated[float, Field(ge=1e-3, le=10.0)] = 0.03
     """each coordinate of both antennas, m"""
-    hitch_angle: PositiveAngle = 0.0175
+    hitch_angle: AngleDeviation = 0.0175
     """beta, rad"""
-    speed: Positive = 0.1
+    speed: Annotated[float, Field(ge=1e-4, le=10.0)] = 0.1
     """wheel speed, m/s"""
-    tractor_steering: PositiveAngle = 0.0175
+    tractor_steering: AngleDeviation = 0.0175
     """delta_t, rad"""
-    trailer_steering: PositiveAngle = 0.0175
+    trailer_steering: AngleDeviation = 0.0175
     """delta_i, rad"""

@@ -1,61 +1,47 @@
-"""AgOpenGPS fields: a folder with Field.txt (the origin) and TrackLines.txt (its guidance lines).
+"""AgOpenGPS fields: a folder with Field.txt (the origin) and its guidance lines.
 
-TrackLines.txt holds, after "$TrackLines", for each line: its name, heading (rad, clockwise from north),
-points A and B ("easting,northing"), nudge distance (m), mode, visibility, a count and as many points
-"easting,northing,heading". Coordinates are metres on the plane whose origin Field.txt gives (StartFix); that plane is
-AgOpenGPS's own, 96 mm off at 1 km, so lines go by WGS84 to the frame that fixes are on too.
+The lines stand in TrackLines.txt, in ABLines.txt and CurveLines.txt of earlier versions, or in all three
+(agopengps_lines.py). Coordinates are metres on the plane whose origin Field.txt gives (StartFix); that plane is
+AgOpenGPS's own, 96 mm off at 1 km, so lines go by WGS84 to the frame that fixes are on too. File names may be in any
+case, and numbers may have decimal commas where that leaves no doubt.
 """
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from drawbar.errors import PathError
 from drawbar.geometry import Floats, LocalFrame
+from drawbar.guidance.importers.agopengps_lines import FORMATS, FoundLine
+from drawbar.guidance.importers.boundary import read_boundary
 from drawbar.guidance.importers.line import RecordedLine, choose, on_frame
-from drawbar.guidance.importers.text import number, read_lines
+from drawbar.guidance.importers.text import numbers, read_lines
 
-_ORIGIN, _LINES = "Field.txt", "TrackLines.txt"
-_HEADER = "$TrackLines"
-_HEAD = 8
-"""rows of a line before its points"""
-_AB_LINE = 2
-_AB_EXTENSION = 100.0
-"""an AB line is endless in AgOpenGPS; here it is driven from A to B and this much further, m"""
+_ORIGIN, _BOUNDARY = "Field.txt", "Boundary.txt"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Track:
-    """Where one line stands in the file."""
-
-    name: str
-    head: int
-    """index of the row that holds the name"""
-    count: int
-    """number of points after the head"""
-
-
-def read_agopengps(folder: Path, track: str | None) -> RecordedLine:
+def read_agopengps(folder: Path, track: str | None, extension: float = 0.0) -> RecordedLine:
     """Return a line of a field folder, in the frame at the field's origin and height zero; None takes the only one.
 
-    The points of the other lines are not looked at: not even a NaN there is refused. Raises PathError with
-    file and line number for anything else that is not as AgOpenGPS writes it.
+    An A-B line, endless in AgOpenGPS, goes `extension` m beyond its points; with 0 to the field's boundary on both
+    sides, or where there is none 100 m on. The points of the other lines are not looked at: not even a NaN there is
+    refused. Raises PathError with file and line number for anything else that is not as AgOpenGPS writes it.
     """
-    for name in (_ORIGIN, _LINES):
-        if not (folder / name).exists():
-            raise PathError(
-                f"{folder}: has no {name}; give the folder of one AgOpenGPS field, which holds {_ORIGIN} and {_LINES}"
-            )
-    frame = _frame(folder / _ORIGIN)
-    file = folder / _LINES
-    rows = read_lines(file)
-    if rows[0] != _HEADER:
-        raise PathError(f"{file}:1: is {rows[0][:40]!r}; an AgOpenGPS file of lines starts with {_HEADER}")
-    tracks = _tracks(file, rows)
-    line = _line(file, rows, tracks[choose(file, [track.name for track in tracks], track)])
-    points = on_frame(*plane_to_wgs84(line.x, line.y, frame), frame, [f"{file}: line {line.name!r}"] * len(line.x))
+    files = {file.name.lower(): file for file in sorted(folder.iterdir(), reverse=True)}
+    if _ORIGIN.lower() not in files:
+        raise PathError(
+            f"{folder}: has no {_ORIGIN}; give the folder of one AgOpenGPS field, which holds {_ORIGIN} and "
+            f"{', '.join(FORMATS)}"
+        )
+    frame = _frame(files[_ORIGIN.lower()])
+    lines, looked_for = _lines(files)
+    if not lines:
+        raise PathError(f"{folder}: holds no line: {'; '.join(looked_for)}; record one in AgOpenGPS")
+    chosen = lines[choose(folder, [line.name for line in lines], track)]
+    edge = files.get(_BOUNDARY.lower())
+    line = chosen.read(read_boundary(edge) if edge and not extension else None, extension)
+    points = on_frame(*plane_to_wgs84(line.x, line.y, frame), frame, [f"{folder}: line {line.name!r}"] * len(line.x))
     return replace(line, x=points[:, 0].copy(), y=points[:, 1].copy(), frame=frame)
 
 
@@ -73,6 +59,22 @@ def plane_to_wgs84(east: Floats, north: Floats, origin: LocalFrame) -> tuple[Flo
     return latitude, origin.longitude + east / degree
 
 
+def _lines(files: dict[str, Path]) -> tuple[list[FoundLine], list[str]]:
+    """Return the lines of all files, and what was looked for and found; newer files hold what older ones did, too."""
+    lines: list[FoundLine] = []
+    looked_for = []
+    for name, find in FORMATS.items():
+        file = files.get(name.lower())
+        if file is None:
+            looked_for.append(f"{name} is not there")
+            continue
+        found = find(file) if file.stat().st_size else []
+        known = {line.name for line in lines}
+        lines += [line for line in found if line.name not in known]
+        looked_for.append(f"{file.name} has {len(found) or 'none'}")
+    return lines, looked_for
+
+
 def _frame(file: Path) -> LocalFrame:
     """Return the frame at the field's origin (latitude, longitude in degrees), where its metres count from."""
     rows = read_lines(file)
@@ -82,65 +84,7 @@ def _frame(file: Path) -> LocalFrame:
             f"give a field folder as AgOpenGPS writes it"
         )
     index = rows.index("StartFix") + 1
-    latitude, longitude = _numbers(rows[index], 2, f"{file}:{index + 1}")
+    latitude, longitude = numbers(rows[index], 2, f"{file}:{index + 1}")
     if not (abs(latitude) < 90.0 and abs(longitude) <= 180.0):
         raise PathError(f"{file}:{index + 1}: origin {rows[index]!r}; degrees within ±90 and ±180 are allowed")
     return LocalFrame(latitude=latitude, longitude=longitude)
-
-
-def _tracks(file: Path, rows: list[str]) -> list[_Track]:
-    """Return where the lines of the file stand."""
-    tracks: list[_Track] = []
-    head = 1
-    while head < len(rows):
-        if not rows[head]:
-            head += 1
-            continue
-        left = len(rows) - head - _HEAD
-        if left < 0:
-            raise PathError(
-                f"{file}:{len(rows)}: the file ends inside line {rows[head]!r}; export the field from AgOpenGPS again"
-            )
-        count = number(rows[head + 7], f"{file}:{head + 8}", "the number of points")
-        if not (count.is_integer() and 0 <= count <= left):
-            raise PathError(
-                f"{file}:{head + 8}: line {rows[head]!r} announces {rows[head + 7]} points, but {left} rows "
-                f"follow; export the field from AgOpenGPS again"
-            )
-        tracks.append(_Track(name=rows[head], head=head, count=int(count)))
-        head += _HEAD + int(count)
-    return tracks
-
-
-def _line(file: Path, rows: list[str], track: _Track) -> RecordedLine:
-    """Return the points of one line."""
-    head, first = track.head, track.head + _HEAD
-    nudge = number(rows[head + 4], f"{file}:{head + 5}", "the nudge distance")
-    if nudge != 0.0:
-        raise PathError(
-            f"{file}:{head + 5}: line {track.name!r} has a nudge of {nudge:g} m; only 0 can be "
-            f"driven: move the reference line itself in AgOpenGPS"
-        )
-    is_ab = number(rows[head + 5], f"{file}:{head + 6}", "the mode") == _AB_LINE
-    indices = range(head + 2, head + 4) if is_ab else range(first, first + track.count)
-    places = [f"{file}:{index + 1}" for index in indices]
-    columns = 2 if is_ab else 3
-    numbers = [_numbers(rows[i], columns, place) for i, place in zip(indices, places, strict=True)]
-    points = np.array(numbers).reshape(-1, columns)[:, :2]
-    at = places or [f"{file}:{first}"]
-    return RecordedLine.checked(track.name, _extended(points) if is_ab else points, at)
-
-
-def _extended(points: Floats) -> Floats:
-    """Return A and B (2, 2) with B moved on, m."""
-    a, b = points
-    length = math.hypot(*(b - a))
-    return np.array([a, b + (b - a) * _AB_EXTENSION / length]) if length > 0.0 else points
-
-
-def _numbers(text: str, count: int, place: str) -> list[float]:
-    """Return the numbers of one row "1.5,2.5"; the decimal commas of some locales are refused."""
-    cells = text.split(",")
-    if len(cells) != count:
-        raise PathError(f"{place}: is {text!r}; {count} numbers with decimal points, separated by commas, are needed")
-    return [number(cell, place, "a coordinate") for cell in cells]

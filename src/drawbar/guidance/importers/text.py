@@ -43,3 +43,19 @@ def is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def numbers(text: str, count: int, place: str, what: str = "a coordinate") -> list[float]:
+    """Return the numbers of a row "1.5,2.5", also where they all have decimal commas, as in "1,5,2,5".
+
+    Raises PathError with the place for anything else: with decimal commas in some of them nobody knows which.
+    """
+    cells = [cell.strip() for cell in text.split(",")]
+    if len(cells) == 2 * count and all(cell.isdecimal() for cell in cells[1::2]):
+        cells = [f"{whole}.{fraction}" for whole, fraction in zip(cells[::2], cells[1::2], strict=True)]
+    if len(cells) != count:
+        raise PathError(
+            f"{place}: is {text!r}; {count} numbers separated by commas are needed, with decimal points, or all with "
+            f"decimal commas"
+        )
+    return [number(cell, place, what) for cell in cells]

@@ -5,7 +5,6 @@ from typing import Any
 
 import tomli_w
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from drawbar.control.tube.tube import SubsystemTube
@@ -22,23 +21,21 @@ from drawbar.report.tube.tables import (
     unbounded_text,
     undeclared_text,
 )
+from drawbar.terminal import FittedTable
 
 _UNVIOLATED = {True: Text("None is violated.", "green"), False: Text("None is declared.")}
 _COLOURS = {"tractor": "blue", "trailer": "yellow"}
 
 
-def _table(title: str, columns: Iterable[str], rows: list[Row], width: int = 34) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 1), title_justify="left")
-    table.add_column(title, min_width=width)
-    for name in columns:
-        table.add_column(name, justify="right", min_width=9)
-    for name, cells in rows:
-        table.add_row(name, *(Text(cell, "bold red" if cell.startswith("nothing") else "") for cell in cells))
-    return table
+def _table(title: str, columns: Iterable[str], rows: list[Row], width: int = 34) -> FittedTable:
+    styled = [
+        (name, [Text(cell, "bold red" if cell.startswith("nothing") else "") for cell in cells]) for name, cells in rows
+    ]
+    return FittedTable(title, [(name, "") for name in columns], styled, title_width=width, column_width=9)
 
 
 def tube_text(body: str, tube: SubsystemTube, advice: Iterable[str]) -> RenderableType:
-    """Return the tube of one body for the console, at most 80 columns wide."""
+    """Return the tube of one body for the console, as wide as that is."""
     parts: list[RenderableType] = ["", Text(body, f"bold {_COLOURS[body]}"), law_text(tube)]
     if tube.invariant_set is not None:
         parts += ["", _table("set", SET_COLUMNS, set_rows(tube))]

@@ -1,0 +1,27 @@
+"""`drawbar report`: make the report of a run again from its log, whole or cut."""
+
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+from drawbar.cli.options import console
+from drawbar.errors import DrawbarError
+
+
+def report(
+    run: Annotated[FilePath, typer.Argument(metavar="RUN", help="folder of a run, or its log")],
+    out: Annotated[FilePath | None, typer.Option(help="folder for the report; default: beside the log")] = None,
+) -> None:
+    """Make report, metrics and map of a run from its log; a log that a crash or a full disk cut off will do."""
+    from drawbar.report.console import summary
+    from drawbar.report.folder import LOG_NAME, write_report
+
+    log = run / LOG_NAME if run.is_dir() else run
+    folder = out or log.parent
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DrawbarError(f"{folder}: cannot be made ({error.strerror}); choose another --out folder.") from error
+    console.print(summary(write_report(folder, log)))
+    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)

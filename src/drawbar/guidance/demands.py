@@ -1,0 +1,58 @@
+"""Whether a vehicle can follow a path at all: its front wheels turn far enough, and fast enough, for the curves."""
+
+import math
+
+import numpy as np
+
+from drawbar.errors import PathError
+from drawbar.geometry import Floats
+from drawbar.guidance.path import Path
+from drawbar.vehicle.parameters import VehicleParameters
+
+_STEP = 0.05
+"""m between the places where a path is looked at"""
+
+
+def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tolerance: float) -> None:
+    """Refuse a path that wants more of the front wheels than they give.
+
+    A wheel angle that is reached too slowly, over a length s instead of at once, shifts an arc of curvature k sideways
+    by k s^2 / 24 (as a clothoid in front of it does), even where the steering begins early enough.
+
+    Args:
+        path: to be driven.
+        vehicle: that drives it.
+        speed: set speed, m/s.
+        tolerance: sideways shift that is accepted, m.
+
+    Raises:
+        PathError: a curve is too tight, or begins or ends too suddenly; says what of the vehicle does not suffice.
+    """
+    count = math.ceil(path.length / _STEP)
+    curvature = path.sample((np.arange(count, dtype=np.float64) + 0.5) * (path.length / count))[:, 3]
+    wheels = np.arctan(curvature * vehicle.wheelbase)
+    tightest, angle = float(np.abs(curvature).max()), float(np.abs(wheels).max())
+    if not angle <= vehicle.tractor_steering_limit:
+        raise PathError(
+            f"the path's tightest curve, {tightest:.3g} 1/m, needs {angle:.3g} rad ({math.degrees(angle):.1f}°) of the "
+            f"front wheels, which vehicle.tractor_steering_limit = {vehicle.tractor_steering_limit:.3g} rad does not "
+            f"allow; raise it, or choose a path without curves as tight"
+        )
+    if not tightest > 0.0:
+        return
+    reach = max(math.sqrt(24.0 * tolerance / tightest), _STEP)
+    needed = _largest_change(wheels, round(reach / _STEP)) * speed / reach
+    if not needed <= vehicle.tractor_steering_rate:
+        raise PathError(
+            f"the path's curves need {needed:.2g} rad/s of the front wheels at {speed:g} m/s to stay within "
+            f"{tolerance:g} m (guidance.path_tolerance); vehicle.tractor_steering_rate = "
+            f"{vehicle.tractor_steering_rate:.2g} rad/s is too slow: raise it, or lower speed"
+        )
+
+
+def _largest_change(values: Floats, distance: int) -> float:
+    """Return the largest difference of two values (n,) that are so many places apart, or all places of a short path."""
+    distance = min(distance, len(values) - 1)
+    if distance < 1:
+        return 0.0
+    return float(np.abs(values[distance:] - values[:-distance]).max())

@@ -1,0 +1,67 @@
+"""The boundary of an AgOpenGPS field (Boundary.txt), and where a straight line enters and leaves it.
+
+The file holds after "$Boundary" for each ring True or False (whether one may drive through it), a count and as many
+points "easting,northing,heading"; the first ring is the field's edge.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from drawbar.errors import PathError
+from drawbar.geometry import Floats
+from drawbar.guidance.importers.text import is_number, numbers, read_lines
+
+_FEWEST = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Boundary:
+    """A field's edge."""
+
+    source: Path
+    ring: Floats
+    """(n, 2): east, north, m; the last point joins the first"""
+
+    def chord(self, point: Floats, ahead: Floats, place: str) -> tuple[float, float]:
+        """Return where the line through a point enters and leaves the field, m along `ahead` from the point.
+
+        Of several pieces within the field that with the point, or the nearest. Raises PathError, which names the
+        line's place, where the line does not cross the field.
+
+        Args:
+            point: (2,) m.
+            ahead: (2,) unit vector.
+            place: of the line in its file.
+        """
+        edge = np.roll(self.ring, -1, axis=0) - self.ring
+        across = ahead[0] * edge[:, 1] - ahead[1] * edge[:, 0]
+        offset = self.ring - point
+        with np.errstate(divide="ignore", invalid="ignore"):
+            along = (offset[:, 0] * edge[:, 1] - offset[:, 1] * edge[:, 0]) / across
+            share = (offset[:, 0] * ahead[1] - offset[:, 1] * ahead[0]) / across
+        crossed = np.sort(along[(share >= 0.0) & (share < 1.0) & np.isfinite(along)])
+        pieces = crossed[: len(crossed) // 2 * 2].reshape(-1, 2)
+        if not len(pieces):
+            raise PathError(
+                f"{place}: the line does not cross the field of {self.source}; say how far it goes by path.extension, m"
+            )
+        distance = np.maximum(np.maximum(pieces[:, 0], -pieces[:, 1]), 0.0)
+        first, last = pieces[int(distance.argmin())].tolist()
+        return first, last
+
+
+def read_boundary(file: Path) -> Boundary | None:
+    """Return the edge of a field; None where the file holds none. Raises PathError with file and line number."""
+    rows = read_lines(file) if file.stat().st_size else []
+    head = next((index for index, row in enumerate(rows) if is_number(row)), None)
+    if head is None or (count := int(float(rows[head]))) < _FEWEST:
+        return None
+    if head + count >= len(rows):
+        raise PathError(
+            f"{file}:{head + 1}: announces {count} points, but {len(rows) - head - 1} rows follow; export the field "
+            f"from AgOpenGPS again"
+        )
+    points = [numbers(rows[index], 3, f"{file}:{index + 1}")[:2] for index in range(head + 1, head + 1 + count)]
+    return Boundary(source=file, ring=np.array(points))

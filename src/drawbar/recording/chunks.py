@@ -1,0 +1,228 @@
+"""Writes an MCAP file (https://mcap.dev/spec) whose chunks are compressed and yet readable while they grow.
+
+A chunk is one zstd frame. Its header is written when it begins, with an impossible length; each message is compressed
+and flushed to the operating system as it comes; when the chunk is full its header is written again, complete. A killed
+process leaves a last chunk that says it is endless: readers (stream.py) take from it what is there.
+"""
+
+import struct
+import zlib
+from collections.abc import Mapping
+from typing import BinaryIO
+
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    MessageIndex,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+
+MAGIC = b"\x89MCAP0\r\n"
+ENDLESS = 2**63 - 1
+"""length of a chunk that is not complete"""
+CHUNK_BYTES = 1 << 20
+"""of messages, before they are compressed, after which a chunk ends"""
+COMPRESSION = "zstd"
+_LEVEL = 1
+CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
+"""opcode, length, first and last time, size and CRC uncompressed, the compression's name, size compressed"""
+_HEADED = CHUNK_HEAD.size - 9
+_MESSAGE = struct.Struct("<BQHIQQ")
+
+
+class ChunkedWriter:
+    """Puts records into a seekable stream that is at its beginning; the caller opens and closes it."""
+
+    def __init__(self, stream: BinaryIO, profile: str) -> None:
+        """Write the magic and the header."""
+        self._stream = stream
+        self._chunk: _Chunk | None = None
+        self._schemas: list[Schema] = []
+        self._channels: list[Channel] = []
+        self._indices: dict[Opcode, list[McapRecord]] = {
+            kind: [] for kind in (Opcode.CHUNK_INDEX, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX)
+        }
+        self._counts: dict[int, int] = {}
+        self._times: tuple[int, int] | None = None
+        stream.write(MAGIC)
+        self._put(Header(profile=profile, library="drawbar"))
+
+    def add_schema(self, name: str, encoding: str, data: bytes) -> int:
+        """Describe messages; return the schema's number."""
+        self._schemas.append(Schema(id=len(self._schemas) + 1, name=name, encoding=encoding, data=data))
+        self._put(self._schemas[-1])
+        return len(self._schemas)
+
+    def add_channel(self, topic: str, encoding: str, schema: int) -> int:
+        """Open a channel; return its number."""
+        number = len(self._channels) + 1
+        self._channels.append(Channel(id=number, topic=topic, message_encoding=encoding, metadata={}, schema_id=schema))
+        self._put(self._channels[-1])
+        self._counts[number] = 0
+        return number
+
+    def add_attachment(self, name: str, media_type: str, data: bytes, *, created: int) -> None:
+        """Put a file into the file; `created` in ns since 1970."""
+        about = {"log_time": 0, "create_time": created, "name": name, "media_type": media_type}
+        offset, length = self._put(Attachment(data=data, **about))  # type: ignore[arg-type]
+        index = AttachmentIndex(offset=offset, length=length, data_size=len(data), **about)  # type: ignore[arg-type]
+        self._indices[Opcode.ATTACHMENT_INDEX].append(index)
+
+    def add_metadata(self, name: str, data: Mapping[str, str]) -> None:
+        """Put named texts into the file."""
+        offset, length = self._put(Metadata(name=name, metadata=dict(data)))
+        self._indices[Opcode.METADATA_INDEX].append(MetadataIndex(offset=offset, length=length, name=name))
+
+    def add_message(self, channel: int, data: bytes, *, sequence: int, log_time: int, publish_time: int) -> None:
+        """Append a message, times in ns; it has reached the operating system when this returns."""
+        if self._chunk is None:
+            self._chunk = _Chunk(self._stream)
+        head = _MESSAGE.pack(Opcode.MESSAGE, _MESSAGE.size - 9 + len(data), channel, sequence, log_time, publish_time)
+        self._chunk.append(channel, log_time, head + data)
+        self._stream.flush()
+        self._counts[channel] += 1
+        first, last = self._times or (log_time, log_time)
+        self._times = min(first, log_time), max(last, log_time)
+        if self._chunk.size >= CHUNK_BYTES:
+            self._end_chunk()
+
+    def finish(self) -> None:
+        """Write what remains of the last chunk, and the summary."""
+        self._end_chunk()
+        self._put(DataEnd(data_section_crc=0))
+        start = self._stream.tell()
+        builder, offsets = RecordBuilder(), []
+        for kind, records in self._summary().items():
+            first = builder.count
+            for record in records:
+                record.write(builder)
+            if records:
+                offsets.append(
+                    SummaryOffset(group_opcode=kind, group_start=start + first, group_length=builder.count - first)
+                )
+        offsets_start = start + builder.count
+        for offset in offsets:
+            offset.write(builder)
+        summary = _bytes(builder)
+        foot = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start)
+        self._stream.write(summary)
+        self._put(
+            Footer(
+                summary_start=start,
+                summary_offset_start=offsets_start,
+                summary_crc=zlib.crc32(foot, zlib.crc32(summary)),
+            )
+        )
+        self._stream.write(MAGIC)
+        self._stream.flush()
+
+    def _summary(self) -> dict[Opcode, list[McapRecord]]:
+        first, last = self._times or (0, 0)
+        statistics = Statistics(
+            attachment_count=len(self._indices[Opcode.ATTACHMENT_INDEX]),
+            channel_count=len(self._channels),
+            channel_message_counts=self._counts,
+            chunk_count=len(self._indices[Opcode.CHUNK_INDEX]),
+            message_count=sum(self._counts.values()),
+            metadata_count=len(self._indices[Opcode.METADATA_INDEX]),
+            message_start_time=first,
+            message_end_time=last,
+            schema_count=len(self._schemas),
+        )
+        return {
+            Opcode.SCHEMA: [*self._schemas],
+            Opcode.CHANNEL: [*self._channels],
+            Opcode.STATISTICS: [statistics],
+            **self._indices,
+        }
+
+    def _end_chunk(self) -> None:
+        if self._chunk is not None:
+            self._indices[Opcode.CHUNK_INDEX].append(self._chunk.end())
+            self._chunk = None
+
+    def _put(self, record: McapRecord) -> tuple[int, int]:
+        """Write a record outside of chunks; return its offset and length."""
+        self._end_chunk()
+        offset, builder = self._stream.tell(), RecordBuilder()
+        record.write(builder)
+        length = builder.count
+        self._stream.write(_bytes(builder))
+        self._stream.flush()
+        return offset, length
+
+
+def _bytes(builder: RecordBuilder) -> bytes:
+    return bytes(builder.end())  # type: ignore[no-untyped-call]  # mcap left its annotation out
+
+
+class _Chunk:
+    """The chunk that grows."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream, self._start = stream, stream.tell()
+        self._compressor = zstandard.ZstdCompressor(level=_LEVEL).compressobj()
+        self._crc, self._compressed = 0, 0
+        self._messages: dict[int, list[tuple[int, int]]] = {}
+        self.size = 0
+        """bytes, uncompressed"""
+        self._write_head(ENDLESS, (0, 0))
+
+    def append(self, channel: int, log_time: int, record: bytes) -> None:
+        self._messages.setdefault(channel, []).append((log_time, self.size))
+        self._crc = zlib.crc32(record, self._crc)
+        self.size += len(record)
+        self._write(self._compressor.compress(record) + self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))
+
+    def end(self) -> ChunkIndex:
+        """Complete the header, write the messages' index behind it; return what the summary says of the chunk."""
+        self._write(self._compressor.flush())
+        times = [time for each in self._messages.values() for time, _ in each]
+        span = min(times), max(times)
+        end = self._stream.tell()
+        self._stream.seek(self._start)
+        self._write_head(_HEADED + self._compressed, span)
+        self._stream.seek(end)
+        builder, offsets = RecordBuilder(), {}
+        for channel, timestamps in self._messages.items():
+            offsets[channel] = end + builder.count
+            MessageIndex(channel_id=channel, records=timestamps).write(builder)
+        indexed = builder.count
+        self._stream.write(_bytes(builder))
+        self._stream.flush()
+        return ChunkIndex(
+            chunk_length=end - self._start,
+            chunk_start_offset=self._start,
+            compression=COMPRESSION,
+            compressed_size=self._compressed,
+            message_start_time=span[0],
+            message_end_time=span[1],
+            message_index_length=indexed,
+            message_index_offsets=offsets,
+            uncompressed_size=self.size,
+        )
+
+    def _write(self, data: bytes) -> None:
+        self._stream.write(data)
+        self._compressed += len(data)
+
+    def _write_head(self, length: int, span: tuple[int, int]) -> None:
+        compression = COMPRESSION.encode()
+        self._stream.write(
+            CHUNK_HEAD.pack(
+                Opcode.CHUNK, length, *span, self.size, self._crc, len(compression), compression, self._compressed
+            )
+        )

@@ -1,0 +1,104 @@
+"""Reads the records of an MCAP file one after the other, also of a file that a crash cut off or that still grows.
+
+One chunk at a time is in memory. What a complete record or chunk holds is checked against its CRC where it has one.
+"""
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from typing import BinaryIO
+
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Metadata
+
+from drawbar.recording.chunks import MAGIC
+
+_FRAME = struct.Struct("<BQ")  # operation code and length of the content that follows
+_MESSAGE = struct.Struct("<HIQQ")
+_CHUNK = struct.Struct("<QQQII")
+_LARGEST = 1 << 32
+"""bytes of a record that is not the last one; more is damage"""
+
+
+class DamagedLogError(ValueError):
+    """A record is not what its checksum or its length says."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoggedMessage:
+    """A message of a channel."""
+
+    topic: str
+    """of the channel"""
+    publish_time: int
+    """ns since 1970"""
+    data: bytes
+
+
+Logged = LoggedMessage | Attachment | Metadata
+
+
+def read_records(stream: BinaryIO) -> Iterator[Logged]:
+    """Yield messages, attachments and metadata in the order in which they were written.
+
+    Raises:
+        DamagedLogError: the file is none of MCAP, or damaged elsewhere than at its end.
+        zstandard.ZstdError: a chunk is damaged.
+    """
+    topics: dict[int, str] = {}
+    if stream.read(len(MAGIC)) != MAGIC:
+        raise DamagedLogError("it does not begin as an MCAP file does")
+    while len(head := stream.read(_FRAME.size)) == _FRAME.size:
+        opcode, length = _FRAME.unpack(head)
+        if opcode == Opcode.DATA_END:
+            return
+        content = stream.read(min(length, _LARGEST))
+        complete = len(content) == length
+        if opcode == Opcode.CHUNK:
+            yield from _of_chunk(content, topics, complete=complete)
+        elif complete:
+            yield from _of_record(opcode, content, topics)
+
+
+def _of_record(opcode: int, content: bytes, topics: dict[int, str]) -> Iterator[Logged]:
+    if opcode == Opcode.MESSAGE:
+        channel, _, _, publish_time = _MESSAGE.unpack_from(content)
+        yield LoggedMessage(topics.get(channel, ""), publish_time, content[_MESSAGE.size :])
+    elif opcode == Opcode.CHANNEL:
+        opened = Channel.read(_stream(content))
+        topics[opened.id] = opened.topic
+    elif opcode == Opcode.ATTACHMENT:
+        if zlib.crc32(content[:-4]) != int.from_bytes(content[-4:], "little"):
+            raise DamagedLogError("an attachment is not what its checksum says")
+        yield Attachment.read(_stream(content))
+    elif opcode == Opcode.METADATA:
+        yield Metadata.read(_stream(content))
+
+
+def _stream(content: bytes) -> ReadDataStream:
+    return ReadDataStream(BytesIO(content))
+
+
+def _of_chunk(content: bytes, topics: dict[int, str], *, complete: bool) -> Iterator[Logged]:
+    """Yield what a chunk holds; of one that a crash left incomplete what is whole."""
+    if len(content) < _CHUNK.size:
+        return
+    _, _, size, crc, named = _CHUNK.unpack_from(content)
+    compression, packed = content[_CHUNK.size : _CHUNK.size + named], content[_CHUNK.size + named + 8 :]
+    if compression not in (b"", b"zstd"):
+        raise DamagedLogError(f"a chunk is compressed by {compression!r}, which drawbar does not write")
+    data = zstandard.ZstdDecompressor().decompressobj().decompress(packed) if compression and packed else packed
+    if complete and (len(data) != size or (crc and zlib.crc32(data) != crc)):
+        raise DamagedLogError("a chunk is not what its checksum says")
+    position = 0
+    while position + _FRAME.size <= len(data):
+        opcode, length = _FRAME.unpack_from(data, position)
+        end = position + _FRAME.size + length
+        if end > len(data):
+            return
+        yield from _of_record(opcode, data[position + _FRAME.size : end], topics)
+        position = end

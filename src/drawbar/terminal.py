@@ -1,0 +1,105 @@
+"""What a terminal can show: tables that fit its width and lose no column, plainer letters for those it lacks."""
+
+import codecs
+import sys
+import unicodedata
+from collections.abc import Sequence
+from io import TextIOWrapper
+
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.table import Table
+from rich.text import Text
+
+_GAP = 2
+"""spaces between two columns"""
+_NARROWEST = 8
+"""of a column of figures, characters"""
+_PLAIN = {
+    "µ": "u", "×": "x", "°": " deg", "–": "-", "━": "=", "±": "+-", "⁺": "+", "→": "->", "≤": "<=", "≥": ">=",
+    "·": "*", "“": '"', "”": '"', "’": "'", "α": "alpha", "β": "beta", "δ": "delta", "κ": "kappa", "μ": "u",
+    "ψ": "psi", "φ": "phi", "Δ": "Delta", "τ": "tau",
+}  # fmt: skip
+"""what is written where an encoding lacks a letter, and the letter has no plainer form of its own"""
+
+Cell = str | Text
+
+
+class FittedTable:
+    """A title column and columns of figures, as one table, or as several where a terminal is too narrow for one.
+
+    No figure is left out or cut.
+    """
+
+    def __init__(
+        self,
+        title: str,
+        columns: Sequence[tuple[str, str]],
+        rows: Sequence[tuple[str, Sequence[Cell]]],
+        *,
+        title_width: int,
+        column_width: int = _NARROWEST,
+    ) -> None:
+        """Take the cells.
+
+        Args:
+            title: of the first column.
+            columns: heading and style of the others.
+            rows: the first column's cell and those of the others.
+            title_width: at least, where there is room, characters.
+            column_width: at least, characters.
+        """
+        self._title, self._columns, self._rows = title, list(columns), list(rows)
+        self._title_width, self._column_width = title_width, column_width
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        widths = [self._width(index) for index in range(len(self._columns))]
+        wanted = max([self._title_width, len(self._title), *(len(name) for name, _ in self._rows)])
+        title = min(wanted, max(options.max_width - max(widths, default=0) - _GAP, 10))
+        for number, group in enumerate(_groups(widths, options.max_width - title)):
+            if number:
+                yield ""
+            yield self._part(group, title)
+
+    def _width(self, index: int) -> int:
+        texts = [cells[index] for _, cells in self._rows]
+        lengths = [len(text.plain if isinstance(text, Text) else text) for text in texts]
+        return max([self._column_width, *lengths, *map(len, self._columns[index][0].split("\n"))])
+
+    def _part(self, group: Sequence[int], width: int) -> Table:
+        table = Table(box=None, pad_edge=False, padding=(0, _GAP // 2), title_justify="left")
+        table.add_column(self._title, min_width=width, max_width=width)
+        for index in group:
+            name, style = self._columns[index]
+            table.add_column(name, justify="right", header_style=style, min_width=self._column_width, no_wrap=True)
+        for name, cells in self._rows:
+            table.add_row(name, *(cells[index] for index in group))
+        return table
+
+
+def _groups(widths: Sequence[int], room: int) -> list[range]:
+    """Return as few groups of neighbouring columns as fit into so many characters, of as equal a size as may be."""
+    for count in range(1, len(widths) + 1):
+        size = -(-len(widths) // count)
+        groups = [range(first, min(first + size, len(widths))) for first in range(0, len(widths), size)]
+        if all(sum(widths[index] + _GAP for index in group) <= room for group in groups):
+            return groups
+    return [range(index, index + 1) for index in range(len(widths))]
+
+
+def degrade_output() -> None:
+    """Let standard output and error write what their encoding has, and something plainer for what it lacks."""
+    codecs.register_error("drawbar.plain", _plainer)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # tests and notebooks put others there
+            stream.reconfigure(errors="drawbar.plain")
+
+
+def _plainer(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    missing = error.object[error.start : error.end]
+    return "".join(_plain(letter) for letter in missing).encode("ascii", "replace").decode(), error.end
+
+
+def _plain(letter: str) -> str:
+    return _PLAIN.get(letter) or unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() or "?"

@@ -1,0 +1,54 @@
+"""Tables for any width, and output for any encoding."""
+
+import io
+import os
+import subprocess
+import sys
+
+import pytest
+from rich.console import Console
+
+from drawbar.terminal import FittedTable
+
+COLUMNS = [(f"{body}\n{name}", "") for body in ("tractor", "trailer") for name in ("mean", "rms", "max")]
+ROWS = [("straight", list("123456")), ("curve 0.125/m", [f"{value}.25" for value in range(6)])]
+
+
+def printed(width: int) -> str:
+    console = Console(file=io.StringIO(), width=width)
+    console.print(FittedTable("error, cm", COLUMNS, ROWS, title_width=19))
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue()
+
+
+@pytest.mark.parametrize("width", [24, 30, 40, 59, 60, 79, 80, 120])
+def test_no_width_loses_a_figure(width: int) -> None:
+    text = printed(width)
+    for _, cells in ROWS:
+        assert all(cell in text.split() for cell in cells)
+    assert max(len(row) for row in text.splitlines()) <= width
+    assert "…" not in text
+    for heading in ("tractor", "trailer"):
+        assert text.count(heading) == 3
+
+
+def test_a_wide_terminal_has_one_table_and_a_narrow_one_a_table_for_each_body() -> None:
+    assert printed(80).count("straight") == 1
+    assert printed(60).count("straight") == 2
+    first, second = printed(60).split("straight")[1:]
+    assert "trailer" not in first.splitlines()[0]
+    assert second.split()[:3] == ["4", "5", "6"]
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "latin-1", "utf-8"])
+def test_output_degrades_to_its_encoding(encoding: str) -> None:
+    program = "from drawbar.terminal import degrade_output; degrade_output();"
+    program += "print('µs × ━ 14.1° ± 2² … ⁺ 漢')"
+    surroundings = {**os.environ, "PYTHONIOENCODING": encoding}
+    done = subprocess.run([sys.executable, "-c", program], env=surroundings, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    text = done.stdout.decode(encoding)
+    if encoding == "utf-8":
+        assert text.strip() == "µs × ━ 14.1° ± 2² … ⁺ 漢"
+    if encoding == "ascii":
+        assert text.strip() == "us x = 14.1 deg +- 22 ... + ?"
