@@ -78,6 +78,15 @@ def test_receivers_of_two_rates_pair_where_they_meet() -> None:
     assert sum(None not in pair for pair in pairs) == 10
 
 
+def test_half_an_interval_is_that_of_the_faster_receiver() -> None:
+    arrivals = [(0.1 * step, TRACTOR, 0.1 * step) for step in range(20)]
+    arrivals += [(0.2 * step + 0.05, TRAILER, 0.2 * step + 0.06) for step in range(10)]  # nearer to the next tractor's
+    pairs, _ = run(sorted(arrivals, key=lambda each: each[0]))
+    both = [(first, second) for first, second in pairs if first is not None and second is not None]
+    assert len(both) >= 8
+    assert [first - second for first, second in both[-8:]] == pytest.approx([0.04] * 8)
+
+
 def test_pairs_go_on_through_midnight() -> None:
     arrivals = [
         (0.2 * step + late, body, 86399.0 + 0.2 * step) for step in range(10) for late, body in enumerate_bodies()
