@@ -16,7 +16,15 @@ SUFFIXES = "py|h|c|md|toml|html|svg|csv|json|txt"
 FOLDERS = ("src", "tests", "docs", "examples", "experiments")
 NOT_OURS = {
     *("config.toml", "metrics.json", "report.html", "map.svg", "tube.html", "path.csv", "measurements.csv"),
-    *("manifest.json", "include/drawbar.h", "src/", "lib/<target>/", "src/<part>.c", "example/main.c"),
+    *(
+        "manifest.json",
+        "include/drawbar.h",
+        "include/drawbar_actuate.h",
+        "src/",
+        "lib/<target>/",
+        "src/<part>.c",
+        "example/main.c",
+    ),
     *("example/path.csv", "step.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
     "build/reference/index.html",
 }

@@ -218,6 +218,15 @@ def test_a_valve_without_power_is_no_feedback_and_the_drive_stays_bounded() -> N
     assert max(map(abs, bench.drives)) == pytest.approx(0.3)
 
 
+def test_without_a_yaw_rate_nothing_is_pushed() -> None:
+    bench = Bench(ValveSettings())
+    bench.knows_yaw = False
+    done = carry_out(Calibration(DeadBandPlan()), bench)
+    assert done.state is State.ABORTED
+    assert "yaw rate is unknown" in done.reason
+    assert set(bench.drives) == {0.0}
+
+
 def test_a_plan_beyond_the_limits_is_not_driven() -> None:
     bench = Bench(ValveSettings())
     done = carry_out(Calibration(RatePlan(drive=0.7)), bench)

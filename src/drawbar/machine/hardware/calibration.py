@@ -37,7 +37,7 @@ class Sensed:
     permitted: bool
     """the operator holds the switch that permits motion"""
     by_yaw: float = math.nan
-    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, then a stuck sensor is seen late"""
+    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, for 0.5 s at most"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,8 +214,10 @@ class Calibration:
         """Return how far the vehicle itself says that it is steered while the sensor does not, or nothing."""
         self._curved.append((sensed.time, sensed.by_yaw - sensed.angle))
         self._curved = [(t, each) for t, each in self._curved if sensed.time - t <= _AVERAGED and math.isfinite(each)]
-        if not self._curved or sensed.time - self._started < _AVERAGED:
+        if sensed.time - self._started < _AVERAGED:
             return ""
+        if not self._curved:
+            return "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; check the receiver"
         mean = sum(each for _, each in self._curved) / len(self._curved)
         if math.isnan(self._apart):
             self._apart = mean
