@@ -41,6 +41,8 @@ def _lines(log: RunLog) -> Iterator[tuple[str, Floats, Floats]]:
 
 def _feature(name: str, x: Floats, y: Floats, frame: LocalFrame) -> dict[str, object]:
     latitude, longitude = frame.level(x, y)
-    points = [[round(east, 9), round(north, 9)] for east, north in zip(longitude.tolist(), latitude.tolist(), strict=True)]
+    points = [
+        [round(east, 9), round(north, 9)] for east, north in zip(longitude.tolist(), latitude.tolist(), strict=True)
+    ]
     geometry = {"type": "LineString", "coordinates": points}
     return {"type": "Feature", "properties": {"name": name}, "geometry": geometry}
