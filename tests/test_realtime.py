@@ -67,7 +67,10 @@ def test_what_the_system_forbids_is_told_with_what_to_do(monkeypatch):
     finally:
         gc.unfreeze()
         gc.enable()
-    assert [word.split(" (")[0] for word in words] == ["memory is not locked", "not scheduled in real time at priority 50"]
+    assert [word.split(" (")[0] for word in words] == [
+        "memory is not locked",
+        "not scheduled in real time at priority 50",
+    ]
 
 
 def test_other_systems_run_on_without(monkeypatch):

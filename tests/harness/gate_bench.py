@@ -139,9 +139,7 @@ class Bench:
         self.trailer = FakeSteering("trailer") if trailer else None
         self.speed_actuator = FakeSpeed() if speed_actuator else None
         self.channel, self.desk = FakeController(), FakeDesk()
-        wire = Wire(
-            transport=self.transport, tractor=self.tractor, trailer=self.trailer, speed=self.speed_actuator
-        )
+        wire = Wire(transport=self.transport, tractor=self.tractor, trailer=self.trailer, speed=self.speed_actuator)
         self.gate = Gate(self.settings, bounds, [wire], self.channel, self.desk)
         self.speed = 1.0
         self.controller = {}
@@ -158,7 +156,7 @@ class Bench:
         return round((self.time if time is None else time) * 1e9)
 
     def state_record(self):
-        values = dict(
+        values = dict(  # noqa: C408
             sequence=self.sequence, time=self.ns(), valid_until=self.ns(self.time + 1.0), tractor_quality=5,
             trailer_quality=5, configuration=self.settings.fingerprint(), wiggled=1, status=0, flags=0, solved=99,
             overruns=0, correction_age=1.0, lateral_deviation=0.02, heading_deviation=0.01,
@@ -170,7 +168,7 @@ class Bench:
     def command_record(self, **changes):
         self.sequence += 1
         mode = Mode.DRIVE if self.follows and self.state in STEERING else Mode.IDLE
-        values = dict(
+        values = dict(  # noqa: C408
             sequence=self.sequence, time=self.ns(), valid_until=self.ns(self.time + 0.2), mode=mode,
             tractor_angle=0.0, trailer_angle=0.0, speed=1.0,
         )  # fmt: skip
@@ -180,7 +178,7 @@ class Bench:
         """Put an operator's message on the desk; it is heard at the next tick."""
         self.nonce += 1
         shown = self.shown
-        values = dict(
+        values = dict(  # noqa: C408
             time=self.ns(), valid_until=self.ns(self.time + 1.0), action=action, lease=self.lease, nonce=self.nonce,
             seen_sequence=shown.sequence if shown else 0, seen_time=shown.time if shown else 0, value=value,
         )  # fmt: skip
@@ -219,7 +217,7 @@ class Bench:
     def run(self, seconds=0.0):
         """Let ticks pass: at least one."""
         for _ in range(max(round(seconds / TICK), 1)):
-            self.time = self.ns(self.time + TICK) * 1e-9  # rounded as the gate's own clock is
+            self.time = self.ns(self.time + TICK) / 1e9  # rounded as the gate's own clock is
             self.hear()
             self.gate.tick(self.time, self.late)
         return self

@@ -45,7 +45,8 @@ def test_a_fresh_command_is_admitted_once():
 
 @pytest.mark.parametrize("first", [0, 5, SEQUENCES - 3])
 @pytest.mark.parametrize(
-    ("ahead", "admitted"), [(1, True), (LOST, True), (LOST + 1, False), (0, False), (-1, False), (SEQUENCES // 2, False)]
+    ("ahead", "admitted"),
+    [(1, True), (LOST, True), (LOST + 1, False), (0, False), (-1, False), (SEQUENCES // 2, False)],
 )
 def test_sequences_follow_one_another(first, ahead, admitted):
     envelope = Envelope(SETTINGS, BOUNDS)
@@ -121,8 +122,8 @@ def test_a_set_point_stays_within_its_caps(sign):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("eased", [False, True])
 def test_a_set_point_may_lead_its_rate_and_lasting_motion_may_not_exceed_it(axis, sign, eased):
-    envelope, wide = begun(), Bounds(wheelbase=1.4, tractor_limit=1.5, trailer_limit=1.5)
-    envelope = begun(bounds=wide)
+    far = SafetySettings(envelope=EnvelopeSettings(steering_reach=3.0))
+    envelope = begun(given=far, bounds=Bounds(wheelbase=1.4, tractor_limit=1.5, trailer_limit=1.5))
     share, wanted = 0.5 if eased else 1.0, [0.0, 0.0]
     wanted[axis] = sign * 1.4
     for tick in range(12):

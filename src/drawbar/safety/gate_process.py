@@ -12,11 +12,10 @@ import traceback
 from collections.abc import Callable
 from types import FrameType
 
-from drawbar.messages import SupervisorState
+from drawbar.messages import SupervisorState, seconds
 from drawbar.protocols.actuator import SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.realtime import Notifier, prepare
-from drawbar.safety.envelope import NANO
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 
@@ -28,7 +27,7 @@ ASK_AGAIN = 0.01
 
 def monotonic() -> float:
     """Return the machine's monotonic time, s, rounded as times of records are."""
-    return clock.monotonic_ns() * NANO
+    return seconds(clock.monotonic_ns())
 
 
 def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = monotonic) -> int:
@@ -91,7 +90,7 @@ def _wait(gate: Gate, now: float, until: float) -> None:
     if not gate.controller.gone:
         descriptors.append(gate.controller.fileno())
     if gate.engagement.steers and gate.watch.command is not None:
-        until = min(until, gate.watch.command.valid_until * NANO + 1e-6)
+        until = min(until, seconds(gate.watch.command.valid_until) + 1e-6)
     if min(descriptors) < 0:
         until = min(until, now + ASK_AGAIN)
     select.select([each for each in descriptors if each >= 0], [], [], max(until - now, 0.0))

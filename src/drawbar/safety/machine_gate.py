@@ -20,8 +20,8 @@ from drawbar.messages import (
     decode,
     encode,
 )
-from drawbar.protocols.actuator import SteeringRequest
-from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.protocols.actuator import SteeringReport, SteeringRequest
+from drawbar.protocols.speed_actuator import SpeedReport, SpeedRequest
 from drawbar.realtime import suspended_time
 from drawbar.safety.causes import Cause
 from drawbar.safety.channels import ControllerChannel, DeskChannel
@@ -146,7 +146,7 @@ class Gate:
 
     def _causes(self, now: float, actuation: Actuation) -> tuple[Cause, ...]:
         reports = actuation.reports
-        lost = any(index in self._taken and not report.engaged for index, report in enumerate(reports))
+        lost = any(index in self._taken and not report.engaged for index, report in enumerate(self._asked(actuation)))
         seen = self.watch.observe(
             now,
             self.engagement.state,
@@ -164,17 +164,22 @@ class Gate:
         )
         return present(observation, self._settings)
 
+    def _asked(self, actuation: Actuation) -> list[SteeringReport | SpeedReport]:
+        """Return the reports of those that were asked to steer or drive; a speed actuator that is to stop was not."""
+        if not self.engagement.steers:
+            return []
+        return actuation.reports if self.speed_limit > 0.0 else actuation.steering
+
     def _prepare(self, now: float, actuation: Actuation) -> None:
         """Be ready to steer without a jump: while it does not steer, its set points are where the steering is."""
         self._envelope.begin(now, actuation.angles)
-        self._taken.clear()
         self._clips_in_a_row = 0
         self._speed = self.watch.speeds.last
 
     def _situation(self, now: float, causes: tuple[Cause, ...], actuation: Actuation) -> Situation:
         reports = actuation.reports
-        if self.engagement.steers:
-            self._taken |= {index for index, report in enumerate(reports) if report.engaged}
+        asked = self._asked(actuation)
+        self._taken = {i for i, report in enumerate(asked) if report.engaged or i in self._taken}
         return Situation(
             causes=causes,
             actions=self._desk.take(),
