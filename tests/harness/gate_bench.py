@@ -22,7 +22,7 @@ from drawbar.safety.envelope import Bounds
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.wires import Wire
-from drawbar.transports.base import Received, Transport
+from drawbar.transports.base import Transport
 
 BOUNDS = Bounds(wheelbase=1.4, tractor_limit=math.radians(30.0), trailer_limit=math.radians(20.0))
 TICK = 0.05

@@ -342,7 +342,7 @@ def test_a_vehicle_with_a_speed_actuator_begins_standing():
     bench.speed = 0.0
     bench.drive()
     assert bench.state is ACTIVE
-    assert [r.speed for _, r in bench.speed_actuator.requests if r.drive][0] == 0.0
+    assert next(r.speed for _, r in bench.speed_actuator.requests if r.drive) == 0.0
     assert Bench(speed_actuator=True).ready().speed_actuator.requests[-1][1].drive is False
     standing = Bench()
     standing.speed = 0.0
@@ -549,7 +549,7 @@ def test_two_wires_and_their_faults_are_apart():
     other.transport.read = None
     gate = Gate(
         bench.settings, BOUNDS,
-        [Wire(transport=other.transport, tractor=other.tractor), Wire(transport=bench.transport, trailer=bench.trailer)],
+        [Wire(transport=b.transport, **{n: getattr(b, n)}) for b, n in ((other, "tractor"), (bench, "trailer"))],
         bench.channel, bench.desk,
     )  # fmt: skip
     gate.hear(bench.time)
