@@ -1,5 +1,6 @@
 """A controller in a process of its own that always finds everything well: python controller_runner.py FD PRINT."""
 
+import contextlib
 import socket
 import sys
 import time as clock
@@ -29,10 +30,8 @@ def main(descriptor, fingerprint):
         )  # fmt: skip
         sequence += 1
         for message in (state, command):
-            try:
+            with contextlib.suppress(BlockingIOError):
                 gate.send(encode(message))
-            except BlockingIOError:
-                pass
         clock.sleep(0.05)
 
 

@@ -90,7 +90,7 @@ class Machine:
         )  # fmt: skip
         self.front.sendto(encode(message), str(self.folder / "desk"))
 
-    def come_to(self, state, seconds=60.0):
+    def come_to(self, state, seconds=15.0):
         end = time.monotonic() + seconds
         while self.state is None or self.state.state is not state:
             assert time.monotonic() < end, (self.state, (self.folder / "gate_runner.py").read_text())
