@@ -6,11 +6,13 @@ import sys
 import time as clock
 
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState, decode, encode
+from drawbar.realtime import prepare
 
 STEERING = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
 
 
 def main(descriptor, fingerprint):
+    prepare(40)  # on a busy computer it would be late by itself
     gate = socket.socket(fileno=descriptor)
     gate.setblocking(False)
     sequence, mode = 0, Mode.IDLE

@@ -5,6 +5,7 @@ command is valid for, 200 ms, and what this computer's scheduler adds while othe
 and is no part of the design.
 """
 
+import contextlib
 import json
 import os
 import random
@@ -37,6 +38,10 @@ CHANGES = {
 """an operator who need not wait, on a computer that may be busy with other tests"""
 
 
+class NotDrivingError(Exception):
+    """It has not come to a state."""
+
+
 class Machine:
     """A gate's process, a controller's, the wire to the actuator, and an operator: all of them real."""
 
@@ -63,7 +68,8 @@ class Machine:
 
     def _start(self, script, end, *arguments):
         command = [sys.executable, str(HARNESS / script), *arguments]
-        return subprocess.Popen(command, pass_fds=[end.fileno()], stderr=(self.folder / script).open("wb"))
+        with (self.folder / script).open("wb") as errors:
+            return subprocess.Popen(command, pass_fds=[end.fileno()], stderr=errors)
 
     def frames(self, seconds):
         """Yield the time and whether each datagram on the wire says to steer, until nothing came for so long."""
@@ -90,11 +96,12 @@ class Machine:
         )  # fmt: skip
         self.front.sendto(encode(message), str(self.folder / "desk"))
 
-    def come_to(self, state, seconds=15.0):
+    def come_to(self, state, seconds=20.0):
         end = time.monotonic() + seconds
         while self.state is None or self.state.state is not state:
-            assert time.monotonic() < end, (self.state, (self.folder / "gate_runner.py").read_text())
-            assert self.gate.poll() is None, (self.folder / "gate_runner.py").read_text()
+            faulty = self.state is not None and self.state.state is SupervisorState.FAULT
+            if faulty or time.monotonic() > end or self.gate.poll() is not None:
+                raise NotDrivingError(self.state, (self.folder / "gate_runner.py").read_text())
             time.sleep(0.02)
             self.listen()
             if self.state is not None and state is SupervisorState.ACTIVE:
@@ -106,7 +113,7 @@ class Machine:
     def close(self):
         for process in (self.controller, self.gate):
             process.kill()
-            process.wait()
+            process.wait(10.0)
         self.wire.close()
         self.front.close()
 
@@ -117,9 +124,13 @@ def machine(tmp_path_factory):
     started = []
 
     def start(**order):
-        started.append(Machine(tmp_path_factory.mktemp("gate"), **order))
-        started[-1].come_to(SupervisorState.ACTIVE)
-        return started[-1]
+        for _ in range(3):  # on a busy computer a controller may be late by itself, which is a fault
+            started.append(Machine(tmp_path_factory.mktemp("gate"), **order))
+            with contextlib.suppress(NotDrivingError):
+                started[-1].come_to(SupervisorState.ACTIVE)
+                return started[-1]
+            started[-1].close()
+        raise NotDrivingError
 
     yield start
     for each in started:
@@ -151,9 +162,9 @@ def test_killed_controllers_let_go_at_once_and_the_gate_ends_after_a_second_of_o
 
 
 def test_stopped_controllers_let_go_and_going_on_does_not_engage(machine):
-    chance, driving = random.Random(1), machine()
+    chance = random.Random(1)
     for _ in range(KILLS):
-        driving.come_to(SupervisorState.ACTIVE)
+        driving = machine()
         time.sleep(chance.uniform(0.0, 0.3))
         driving.listen()
         start = time.monotonic()
@@ -167,7 +178,6 @@ def test_stopped_controllers_let_go_and_going_on_does_not_engage(machine):
         driving.listen()
         assert driving.state.state is SupervisorState.FAULT
         driving.close()
-        driving = machine()
 
 
 def test_garbage_from_all_sides_neither_ends_it_nor_steers(machine):
@@ -200,7 +210,7 @@ def test_a_gate_that_is_told_to_end_lets_go_first(machine, number):
 def test_a_program_that_fails_lets_go(machine, fails_at, code, tmp_path):
     broken = Machine(tmp_path, fails_at=fails_at)
     try:
-        with pytest.raises(AssertionError):
+        with pytest.raises(NotDrivingError):
             broken.come_to(SupervisorState.ACTIVE, 20.0)
         frames = list(broken.frames(0.1))
         if code is not None:

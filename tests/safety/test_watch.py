@@ -33,7 +33,7 @@ def test_nothing_heard_is_nothing_known():
     assert (seen.controller_age, seen.angle_age) == (math.inf, math.inf)
     assert math.isnan(seen.steering_error)
     assert math.isnan(seen.speed)
-    assert not (seen.command_valid or seen.configured or seen.recording or seen.speed_known)
+    assert not any((seen.command_valid, seen.configured, seen.recording, seen.speed_known))
 
 
 def test_ages_and_errors_are_those_of_the_worst_actuator():
