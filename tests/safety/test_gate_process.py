@@ -94,7 +94,8 @@ class Machine:
             time=now, valid_until=now + 10**9, action=action, lease=5, nonce=self.nonce,
             seen_sequence=self.state.sequence, seen_time=self.state.time,
         )  # fmt: skip
-        self.front.sendto(encode(message), str(self.folder / "desk"))
+        with contextlib.suppress(OSError):  # a gate that is ending does not listen
+            self.front.sendto(encode(message), str(self.folder / "desk"))
 
     def come_to(self, state, seconds=20.0):
         end = time.monotonic() + seconds
