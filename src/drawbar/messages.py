@@ -354,6 +354,16 @@ class Layout:
         return _HEADER.size + self.body.size + _CHECKSUM.size
 
 
+def seconds(time: int) -> float:
+    """Return a time of a record, ns, in s: the nearest number, so that equal times stay equal."""
+    return time / 1e9
+
+
+def nanoseconds(time: float) -> int:
+    """Return a time of s in whole ns; 0 for one before all times."""
+    return round(time * 1e9) if time > 0.0 else 0
+
+
 def _layout(kind: type[Message]) -> Layout:
     hints = get_type_hints(kind, include_extras=True)
     cells = tuple((field.name, *_cell(hints[field.name])) for field in fields(kind))

@@ -87,14 +87,14 @@ class Cause(Enum):
         "turn into the line's direction")
     HITCH_ANGLE = (211, True, Response.NONE, "the hitch angle is too large, or not known",
         "pull tractor and trailer straighter")
-    HITCH_FOLDED = (212, True, Response.RELEASE, "tractor and trailer are about to jackknife, or the angle is not known",
+    HITCH_FOLDED = (212, True, Response.RELEASE, "a jackknife is near, or the hitch angle is not known",
         "pull tractor and trailer straight by hand")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")
     TOO_FAST = (302, True, Response.STOP, "the vehicle is too fast",
         "drive slower")
-    SPEED_UNKNOWN = (303, True, Response.DEGRADE, "the speed is missing or old, or wheels and receiver disagree about it",
+    SPEED_UNKNOWN = (303, True, Response.DEGRADE, "the speed is missing or old, or its sources disagree",
         "check the wheel sensor and the receiver")
     NOT_STANDING = (304, False, Response.NONE, "the vehicle moves, or its speed is not known",
         "stop the vehicle, then acknowledge")

@@ -7,12 +7,11 @@ received before, is not old, and its sender sees what the gate does now.
 import math
 from collections import deque
 
-from drawbar.messages import Action, OperatorMessage
+from drawbar.messages import Action, OperatorMessage, seconds
 from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import Engagement
 from drawbar.safety.settings import SafetySettings
 
-NANO = 1e-9
 SESSIONS = 16
 """sessions whose nonces are remembered; the one that was silent for longest is forgotten first"""
 ALWAYS = frozenset({Action.RELEASE, Action.STOP, Action.EMERGENCY})
@@ -81,15 +80,15 @@ class Desk:
         if action in ALWAYS:
             return None
         fresh = (
-            message.time * NANO
+            seconds(message.time)
             <= time
-            <= min(message.valid_until * NANO, message.time * NANO + self._settings.engage.seen)
+            <= min(seconds(message.valid_until), seconds(message.time) + self._settings.engage.seen)
         )
         if not message.lease or message.nonce <= self._nonces.get(message.lease, 0) or not fresh:
             return Cause.REPLAYED
         self._remember(message)
         shown = (message.seen_sequence, message.seen_time) in self._shown
-        if not (shown and time - message.seen_time * NANO <= self._settings.engage.seen):
+        if not (shown and time - seconds(message.seen_time) <= self._settings.engage.seen):
             return Cause.SEEN_OLD
         if action is Action.PRESENT:
             return None

@@ -11,10 +11,11 @@ actuators; this one knows nothing of the controller, and goes by what is measure
 import math
 from dataclasses import dataclass
 
-from drawbar.messages import CommandMessage
+from drawbar.messages import CommandMessage, nanoseconds, seconds
 from drawbar.safety.settings import SafetySettings
 
-NANO = 1e-9
+AHEAD = 0.005
+"""by which a command may be younger than `now`, s: it may be made while the gate already looks"""
 LOST = 10
 """records of the controller that may be missing in a row, modulo 2³²"""
 SEQUENCES = 2**32
@@ -96,12 +97,11 @@ class Envelope:
 
     def admit(self, command: CommandMessage, now: float) -> bool:
         """Return whether a command may be obeyed at all; `now` is the monotonic time, s."""
-        sent, valid_until = command.time * NANO, command.valid_until * NANO
         ahead = 1 if self._sequence is None else (command.sequence - self._sequence) % SEQUENCES
         if 0 < ahead < SEQUENCES // 2:  # also of one that is refused, so that those that follow it may be obeyed
             self._sequence = command.sequence
-        timely = now - self._timeout <= sent <= now + 0.005 and now <= valid_until <= sent + self._timeout
-        return 0 < ahead <= LOST and timely
+        modest = command.valid_until - command.time <= nanoseconds(self._timeout)
+        return 0 < ahead <= LOST and modest and seconds(command.time) <= now + AHEAD and now <= seconds(command.valid_until)
 
     def begin(self, time: float, measured: tuple[float, float]) -> None:
         """Begin without a jump: the set points before the first command are where the steering is, rad."""
@@ -121,8 +121,8 @@ class Envelope:
             eased: rates and distances are halved, as in the first second after engaging.
         """
         share = 0.5 if eased else 1.0
-        elapsed = min(max(command.time * NANO - self._time, 0.0), self._timeout)
-        self._time = command.time * NANO
+        elapsed = min(max(seconds(command.time) - self._time, 0.0), self._timeout)
+        self._time = seconds(command.time)
         reach, rates = (
             share * self._limits.steering_reach,
             (share * self.rate_cap(speed), share * self._limits.steering_rate),

@@ -12,11 +12,10 @@ import traceback
 from collections.abc import Callable
 from types import FrameType
 
-from drawbar.messages import SupervisorState
+from drawbar.messages import SupervisorState, seconds
 from drawbar.protocols.actuator import SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.realtime import Notifier, prepare
-from drawbar.safety.envelope import NANO
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 
@@ -28,7 +27,7 @@ ASK_AGAIN = 0.01
 
 def monotonic() -> float:
     """Return the machine's monotonic time, s, rounded as times of records are."""
-    return clock.monotonic_ns() * NANO
+    return seconds(clock.monotonic_ns())
 
 
 def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = monotonic) -> int:
@@ -59,15 +58,14 @@ def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = mono
 
 
 def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, now: Callable[[], float]) -> int:
-    """Tick at the gate's pace; a tick that was missed is left out, and never caught up in a burst."""
+    """Tick at the gate's pace, counted from the last tick; one that was missed is never caught up in a burst."""
     period, due, over, told = settings.timing.tick, now(), math.inf, SupervisorState.BOOT
     while True:
         time = now()
         if gate.hear(time) or time >= due:
             gate.tick(time, max(time - due, 0.0))
             notifier.feed(time)
-        if time >= due:
-            due += period * (math.floor((time - due) / period) + 1)
+            due = time + period
         if gate.engagement.state is not told:
             told = _announce(notifier, told, gate.engagement.state)
         if gate.controller.gone or gate.watch.troubles.ended:
@@ -91,7 +89,7 @@ def _wait(gate: Gate, now: float, until: float) -> None:
     if not gate.controller.gone:
         descriptors.append(gate.controller.fileno())
     if gate.engagement.steers and gate.watch.command is not None:
-        until = min(until, gate.watch.command.valid_until * NANO + 1e-6)
+        until = min(until, seconds(gate.watch.command.valid_until) + 1e-6)
     if min(descriptors) < 0:
         until = min(until, now + ASK_AGAIN)
     select.select([each for each in descriptors if each >= 0], [], [], max(until - now, 0.0))

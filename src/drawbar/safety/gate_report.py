@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from drawbar.messages import GateState, SupervisorState
+from drawbar.messages import GateState, SupervisorState, nanoseconds
 from drawbar.protocols.actuator import SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport
 from drawbar.safety.causes import Cause, Response
@@ -26,8 +26,13 @@ class Actuation:
 
     @property
     def reports(self) -> list[SteeringReport | SpeedReport]:
-        """Those of the actuators that there are."""
-        return [report for report in (self.tractor, self.trailer, self.speed) if report is not None]
+        """Those of the actuators that there are, steering first."""
+        return self.steering if self.speed is None else [*self.steering, self.speed]
+
+    @property
+    def steering(self) -> list[SteeringReport | SpeedReport]:
+        """Those of the steering actuators that there are."""
+        return [report for report in (self.tractor, self.trailer) if report is not None]
 
     @property
     def angles(self) -> tuple[float, float]:
@@ -109,8 +114,3 @@ def _code(cause: Cause | None) -> int:
 
 def _angle(report: SteeringReport | None) -> float:
     return 0.0 if report is None else report.angle
-
-
-def nanoseconds(time: float) -> int:
-    """Return a time of s in whole ns; 0 for one before all times."""
-    return round(time * 1e9) if time > 0.0 else 0

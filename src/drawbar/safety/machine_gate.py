@@ -20,8 +20,8 @@ from drawbar.messages import (
     decode,
     encode,
 )
-from drawbar.protocols.actuator import SteeringRequest
-from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.protocols.actuator import SteeringReport, SteeringRequest
+from drawbar.protocols.speed_actuator import SpeedReport, SpeedRequest
 from drawbar.realtime import suspended_time
 from drawbar.safety.causes import Cause
 from drawbar.safety.channels import ControllerChannel, DeskChannel
@@ -67,18 +67,19 @@ class Gate:
         self._suspended_before = suspended_time()
 
     def hear(self, now: float) -> bool:
-        """Take in all that has arrived; return whether to tick before the next tick is due."""
+        """Take in all that has arrived; return whether to tick before the next tick is due: a new command does not wait."""
         self.wires.receive()
         urgent = self._hear_controller(now) | self._hear_desk(now)
         return self.engagement.steers and (urgent or not self.watch.command_valid(now))
 
     def _hear_controller(self, now: float) -> bool:
-        most, refused = self._settings.envelope.flood, 0
+        most, refused, commanded = self._settings.envelope.flood, 0, False
         records = self.controller.receive(most + 1)
         for record in records[:most]:
             message = decode(record, CommandMessage, ControllerState)
             if isinstance(message, CommandMessage) and self._envelope.admit(message, now):
                 self._obey(now, message)
+                commanded = True
             elif isinstance(message, ControllerState):
                 self.watch.hear_controller(now, message)
             else:
@@ -88,7 +89,7 @@ class Gate:
             self.watch.troubles.refused = now
             self._counts.rejects += refused
         self.watch.troubles.gone |= self.controller.gone
-        return self.controller.gone or refused > 0
+        return self.controller.gone or refused > 0 or commanded
 
     def _obey(self, now: float, command: CommandMessage) -> None:
         """Put an admitted command through the envelope; before a run has begun it only says what it would be."""
@@ -146,7 +147,7 @@ class Gate:
 
     def _causes(self, now: float, actuation: Actuation) -> tuple[Cause, ...]:
         reports = actuation.reports
-        lost = any(index in self._taken and not report.engaged for index, report in enumerate(reports))
+        lost = any(index in self._taken and not report.engaged for index, report in enumerate(self._asked(actuation)))
         seen = self.watch.observe(
             now,
             self.engagement.state,
@@ -164,17 +165,22 @@ class Gate:
         )
         return present(observation, self._settings)
 
+    def _asked(self, actuation: Actuation) -> list[SteeringReport | SpeedReport]:
+        """Return the reports of those that were asked to steer or drive; a speed actuator that is to stop was not."""
+        if not self.engagement.steers:
+            return []
+        return actuation.reports if self.speed_limit > 0.0 else actuation.steering
+
     def _prepare(self, now: float, actuation: Actuation) -> None:
         """Be ready to steer without a jump: while it does not steer, its set points are where the steering is."""
         self._envelope.begin(now, actuation.angles)
-        self._taken.clear()
         self._clips_in_a_row = 0
         self._speed = self.watch.speeds.last
 
     def _situation(self, now: float, causes: tuple[Cause, ...], actuation: Actuation) -> Situation:
         reports = actuation.reports
-        if self.engagement.steers:
-            self._taken |= {index for index, report in enumerate(reports) if report.engaged}
+        asked = self._asked(actuation)
+        self._taken = {i for i, report in enumerate(asked) if report.engaged or i in self._taken}
         return Situation(
             causes=causes,
             actions=self._desk.take(),

@@ -5,11 +5,10 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Any
 
-from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, Role, SupervisorState
+from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, Role, SupervisorState, seconds
 from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.safety.conditions import Observation
 from drawbar.safety.engagement import STEERING
-from drawbar.safety.envelope import NANO
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.speeds import Speeds
 
@@ -64,7 +63,7 @@ class Watch:
 
     def command_valid(self, time: float) -> bool:
         """Return whether the last command may still be obeyed."""
-        return self.command is not None and time <= self.command.valid_until * NANO
+        return self.command is not None and time <= seconds(self.command.valid_until)
 
     @property
     def mode(self) -> Mode | None:

@@ -1,0 +1,146 @@
+"""Print the pages that are made of declarations: python docs/pages.py writes docs/messages.md and docs/safety.md anew.
+
+What stands in them besides tables is docs/safety.in.md, in which a line such as `{causes}` is replaced.
+"""
+
+import ast
+import inspect
+import math
+from enum import Enum
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from drawbar import messages
+from drawbar.messages import KINDS, LAYOUTS, MARK, VERSION, Flaw, Message
+from drawbar.safety.causes import Cause, Response
+from drawbar.safety.engagement import TABLE
+from drawbar.safety.settings import SafetySettings
+
+DOCS = Path(__file__).parent
+TYPES = {"B": ("u8", 1), "H": ("u16", 2), "I": ("u32", 4), "Q": ("u64", 8), "d": ("f64", 8), "8H": ("u16 × 8", 16)}
+CHANNELS = """\
+The controller's channel is a pair of Unix sockets that keep records apart (SOCK_SEQPACKET): commands and states of the
+controller one way, states of the gate the other. Front ends and the recorder send to the gate's Unix datagram socket,
+which only its user may write to; a front end binds a path of its own first, and whoever has sent an operator's message
+from there is sent every state of the gate (16 at most). A record that is refused is counted, and why is one of:"""
+ANSWERS = {
+    Response.NONE: "",
+    Response.DEGRADE: "drive slower",
+    Response.STOP: "stop, then let go",
+    Response.RELEASE: "let go at once",
+}
+
+
+def attribute_docs(cls: type) -> dict[str, str]:
+    """Return what stands below each field or member of a class and of its bases, on one line."""
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        if base.__module__.startswith("drawbar"):
+            body = ast.parse(inspect.getsource(base)).body[0]
+            assert isinstance(body, ast.ClassDef)
+            found |= _docs_in(body)
+    return found
+
+
+def _docs_in(body: ast.ClassDef) -> dict[str, str]:
+    found = {}
+    for statement, following in zip(body.body, [*body.body[1:], None], strict=True):
+        targets = [statement.target] if isinstance(statement, ast.AnnAssign) else getattr(statement, "targets", [])
+        if targets and isinstance(targets[0], ast.Name):
+            said = isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
+            found[targets[0].id] = " ".join(str(following.value.value).split()) if said else ""  # type: ignore[union-attr]
+    return found
+
+
+def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
+    """Return the table of one kind of record."""
+    layout, docs = LAYOUTS[kind], attribute_docs(cls)
+    lines = [f"## {kind.value}: {cls.__name__}", "", str(cls.__doc__), "", "| offset | type | field | meaning |"]
+    lines += ["|---|---|---|---|", f"| 0 | u16 | mark | {MARK:#06x} |", f"| 2 | u8 | version | {VERSION} |"]
+    lines.append(f"| 3 | u8 | kind | {kind.value} |")
+    offset = 4
+    for name, cell, enumeration in layout.cells:
+        kind_of, size = TYPES[cell.code]
+        meaning = docs[name] + (f" ({enumeration.__name__})" if enumeration else "")
+        lines.append(f"| {offset} | {kind_of} | {name} | {meaning}{'; may be NaN' if cell.may_miss else ''} |")
+        offset += size
+    return [*lines, f"| {offset} | u32 | crc | CRC-32 of all before |", "", f"{layout.size} bytes."]
+
+
+def enumeration_table(cls: type[Enum]) -> list[str]:
+    """Return the table of an enumeration."""
+    docs = attribute_docs(cls)
+    lines = [f"### {cls.__name__}", "", str(cls.__doc__), "", "| value | name | meaning |", "|---|---|---|"]
+    return lines + [f"| {each.value} | {each.name} | {docs[each.name]} |" for each in cls]
+
+
+def messages_page() -> str:
+    """Return docs/messages.md."""
+    lines = ["# Messages between the processes of `drawbar drive`", "", *inspect.getdoc(messages).split("\n")[2:]]  # type: ignore[union-attr]
+    lines += ["", *CHANNELS.split("\n"), ""]
+    lines += [f"- `{flaw.name}`: {flaw.value}" for flaw in Flaw]
+    for kind, cls in KINDS.items():
+        lines += ["", *record_table(kind, cls)]
+    lines += ["", "## Enumerations"]
+    for enumeration in (messages.Mode, messages.SupervisorState, messages.Action, messages.Role):
+        lines += ["", *enumeration_table(enumeration)]
+    return "\n".join(lines) + "\n"
+
+
+def causes_table() -> list[str]:
+    """Return the table of all codes."""
+    lines = [
+        "| code | name | what is so | refuses to engage | while driving | what to do |",
+        "|---|---|---|---|---|---|",
+    ]
+    for cause in Cause:
+        refuses = "yes" if cause.refuses else ""
+        answer = ANSWERS[cause.response]
+        lines.append(f"| {cause.value} | {cause.name} | {cause.sentence} | {refuses} | {answer} | {cause.advice} |")
+    return lines
+
+
+def states_table() -> list[str]:
+    """Return the table of states and events."""
+    lines = ["| state | event → state |", "|---|---|"]
+    for state, events in TABLE.items():
+        ways = ", ".join(f"{event.name} → {after.name}" for event, after in events.items() if after is not state)
+        lines.append(f"| {state.name} | {ways} |")
+    return lines
+
+
+def settings_table(model: type[BaseModel], before: str = "") -> list[str]:
+    """Return the rows of all settings with their defaults."""
+    rows = []
+    for name, field in model.model_fields.items():
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            rows += settings_table(field.annotation, f"{before}{name}.")
+            continue
+        meaning, value = " ".join((field.description or "").split()), field.default
+        angle = isinstance(value, float) and (
+            meaning.endswith("rad") or meaning.endswith("rad/s") or ", rad" in meaning
+        )
+        shown = f"{value:.4g} ({math.degrees(value):.3g}°)" if angle else str(value)
+        rows.append(f"| `{before}{name}` | {shown} | {meaning} |")
+    return rows
+
+
+def safety_page() -> str:
+    """Return docs/safety.md."""
+    tables = {
+        "{states}": states_table(),
+        "{causes}": causes_table(),
+        "{settings}": ["| setting | default | meaning |", "|---|---|---|", *settings_table(SafetySettings)],
+    }
+    lines: list[str] = []
+    for line in (DOCS / "safety.in.md").read_text("utf-8").split("\n"):
+        lines += tables.get(line, [line])
+    return "\n".join(lines)
+
+
+PAGES = {"messages.md": messages_page, "safety.md": safety_page}
+
+if __name__ == "__main__":
+    for page, text in PAGES.items():
+        (DOCS / page).write_text(text(), "utf-8")

@@ -1,0 +1,157 @@
+"""Mutation testing of supervisor and gate: python tests/safety/mutation.py [MODULE ...] [--share 0.2].
+
+Each mutant is one small change of one module's syntax tree: a comparison, an operator, a number, a boolean, a condition
+or a statement left out. It is loaded in a forked process in place of the module, and the tests of tests/safety are run
+until the first fails. Prints the mutants that no test sees, and the share of those that are seen. Fails below 95 %.
+"""
+
+import argparse
+import ast
+import copy
+import importlib.util
+import os
+import random
+import signal
+import sys
+import time
+from pathlib import Path
+
+import hypothesis.stateful  # noqa: F401  loaded once here, and not in each process
+import pydantic  # noqa: F401
+import pytest
+
+ROOT = Path(__file__).parents[2]
+TESTS = {
+    "engagement": ("test_engagement.py", "test_machine_gate.py"),
+    "conditions": ("test_machine_gate.py", "test_safety_settings.py", "test_engagement.py"),
+    "envelope": ("test_envelope.py", "test_machine_gate.py"),
+    "following": ("test_envelope.py", "test_machine_gate.py"),
+    "speeds": ("test_envelope.py", "test_machine_gate.py"),
+    "desk": ("test_desk.py", "test_machine_gate.py"),
+    "machine_gate": ("test_machine_gate.py", "test_safety_settings.py", "test_desk.py"),
+    "watch": ("test_machine_gate.py", "test_safety_settings.py", "test_watch.py"),
+}
+"""the tests that are tried on each module's mutants"""
+LIMIT = 120
+"""time that a mutant may take, s; one that hangs is seen"""
+COMPARISONS = {
+    ast.Lt: (ast.LtE, ast.Gt), ast.LtE: (ast.Lt, ast.Gt), ast.Gt: (ast.GtE, ast.Lt), ast.GtE: (ast.Gt, ast.Lt),
+    ast.Eq: (ast.NotEq,), ast.NotEq: (ast.Eq,), ast.Is: (ast.IsNot,), ast.IsNot: (ast.Is,), ast.In: (ast.NotIn,),
+    ast.NotIn: (ast.In,),
+}  # fmt: skip
+OPERATORS = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.BitOr: ast.BitAnd,
+    ast.BitAnd: ast.BitOr, ast.Mod: ast.Mult, ast.FloorDiv: ast.Mult,
+}  # fmt: skip
+
+
+def changes(node):
+    """Yield (what, function that changes a copy of the node in place) for each mutation of a node."""
+    if isinstance(node, ast.Compare):
+        for index, operator in enumerate(node.ops):
+            for other in COMPARISONS[type(operator)]:
+                yield f"{type(operator).__name__} -> {other.__name__}", _setter("ops", index, other())
+    elif isinstance(node, ast.BinOp | ast.AugAssign) and type(node.op) in OPERATORS:
+        other = OPERATORS[type(node.op)]
+        yield f"{type(node.op).__name__} -> {other.__name__}", lambda each: setattr(each, "op", other())
+    elif isinstance(node, ast.BoolOp):
+        other = ast.Or if isinstance(node.op, ast.And) else ast.And
+        yield f"{type(node.op).__name__} -> {other.__name__}", lambda each: setattr(each, "op", other())
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
+        plain = ast.UAdd if isinstance(node.op, ast.USub) else None
+        yield "negation left out", (lambda each: setattr(each, "op", plain())) if plain else _without_not
+    elif isinstance(node, ast.Constant) and isinstance(node.value, bool):
+        yield "boolean turned", lambda each: setattr(each, "value", not each.value)
+    elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+        yield "number + 1", lambda each: setattr(each, "value", each.value + 1)
+    elif isinstance(node, ast.If | ast.IfExp):
+        yield "condition turned", lambda each: setattr(each, "test", ast.UnaryOp(ast.Not(), each.test))
+    elif isinstance(node, ast.Return) and node.value is not None:
+        yield "nothing returned", lambda each: setattr(each, "value", ast.Constant(None))
+
+
+def _setter(field, index, value):
+    return lambda each: getattr(each, field).__setitem__(index, value)
+
+
+def _without_not(each):
+    each.op, each.operand = ast.Not(), ast.UnaryOp(ast.Not(), each.operand)
+
+
+def left_out(node):
+    """Yield the index of each statement of a block that may be left out: calls, assignments that change something."""
+    for index, statement in enumerate(getattr(node, "body", [])):
+        call = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call)
+        if call or isinstance(statement, ast.AugAssign):
+            yield index
+
+
+def mutants(source):
+    """Yield (line, what, tree) for each mutant of a module."""
+    tree = ast.parse(source)
+    nodes = list(ast.walk(tree))
+    for position, node in enumerate(nodes):
+        for number, (what, _) in enumerate(changes(node)):
+            mutant = copy.deepcopy(tree)
+            target = list(ast.walk(mutant))[position]
+            list(changes(target))[number][1](target)
+            yield node.lineno, what, mutant
+        for index in left_out(node) if isinstance(getattr(node, "body", None), list) else ():
+            mutant = copy.deepcopy(tree)
+            body = list(ast.walk(mutant))[position].body
+            line, body[index] = body[index].lineno, ast.copy_location(ast.Pass(), body[index])
+            yield line, "statement left out", mutant
+
+
+def survives(name, tree, tests):
+    """Return whether all tests pass with a mutant in the place of its module."""
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        signal.alarm(LIMIT)
+        silence = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silence, 1)
+        os.dup2(silence, 2)
+        os._exit(_run(name, tree, tests))
+    _, status = os.waitpid(child, 0)
+    return os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0
+
+
+def _run(name, tree, tests):
+    full = f"drawbar.safety.{name}"
+    specification = importlib.util.find_spec(full)
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[full] = module
+    try:
+        exec(compile(ast.fix_missing_locations(tree), specification.origin, "exec"), module.__dict__)
+    except Exception:
+        return 1
+    quick = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-k", "not nominal"]
+    return int(pytest.main([*quick, *(str(ROOT / "tests" / "safety" / test) for test in tests)]))
+
+
+def main():
+    """Try the mutants of the modules named, or of all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("modules", nargs="*", default=list(TESTS))
+    parser.add_argument("--share", type=float, default=1.0, help="of the mutants, drawn at random with seed 0")
+    given = parser.parse_args()
+    os.chdir(ROOT)
+    chance, seen, all_of_them = random.Random(0), 0, 0
+    for name in given.modules:
+        tests = [test for test in TESTS[name] if (ROOT / "tests" / "safety" / test).exists()]
+        source = (ROOT / "src" / "drawbar" / "safety" / f"{name}.py").read_text()
+        begin = time.monotonic()
+        chosen = [mutant for mutant in mutants(source) if chance.random() < given.share]
+        survivors = [(line, what) for line, what, tree in chosen if survives(name, tree, tests)]
+        seen, all_of_them = seen + len(chosen) - len(survivors), all_of_them + len(chosen)
+        took = time.monotonic() - begin
+        print(f"{name}: {len(chosen) - len(survivors)} of {len(chosen)} seen, {took:.0f} s", flush=True)
+        for line, what in sorted(survivors):
+            print(f"    {name}.py:{line}: {what}: {source.splitlines()[line - 1].strip()}", flush=True)
+    print(f"{seen} of {all_of_them} seen, {100.0 * seen / max(all_of_them, 1):.1f} %")
+    return 0 if seen >= 0.95 * all_of_them else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

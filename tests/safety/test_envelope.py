@@ -1,0 +1,355 @@
+"""The envelope of the gate's process: what is refused, what is limited, and that nominal driving is neither."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from gate_bench import BOUNDS
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drawbar.messages import CommandMessage, Mode
+from drawbar.safety.envelope import LOST, SEQUENCES, Bounds, Envelope
+from drawbar.safety.following import Following
+from drawbar.safety.selftest import limits_hold
+from drawbar.safety.settings import DriveSettings, EnvelopeSettings, SafetySettings
+from drawbar.safety.speeds import Speeds
+
+SETTINGS = SafetySettings()
+LIMITS = SETTINGS.envelope
+DEGREE = math.radians(1.0)
+
+
+def command(time=10.0, tractor=0.0, trailer=0.0, speed=1.0, *, sequence=1, valid=0.2):
+    return CommandMessage(
+        sequence=sequence, time=round(time * 1e9), valid_until=round((time + valid) * 1e9), mode=Mode.DRIVE,
+        tractor_angle=tractor, trailer_angle=trailer, speed=speed,
+    )  # fmt: skip
+
+
+def begun(angles=(0.0, 0.0), time=10.0, given=SETTINGS, bounds=BOUNDS):
+    envelope = Envelope(given, bounds)
+    envelope.begin(time, angles)
+    return envelope
+
+
+# --- admission
+
+
+def test_a_fresh_command_is_admitted_once():
+    envelope = Envelope(SETTINGS, BOUNDS)
+    assert envelope.admit(command(), 10.0)
+    assert not envelope.admit(command(), 10.0), "the same again"
+    assert envelope.admit(command(sequence=2), 10.1)
+
+
+@pytest.mark.parametrize("first", [0, 5, SEQUENCES - 3])
+@pytest.mark.parametrize(
+    ("ahead", "admitted"),
+    [(1, True), (LOST, True), (LOST + 1, False), (0, False), (-1, False), (SEQUENCES // 2, False)],
+)
+def test_sequences_follow_one_another(first, ahead, admitted):
+    envelope = Envelope(SETTINGS, BOUNDS)
+    assert envelope.admit(command(sequence=first), 10.0)
+    assert envelope.admit(command(sequence=(first + ahead) % SEQUENCES), 10.0) is admitted
+
+
+def test_after_a_refused_gap_the_next_ones_follow_but_no_old_one():
+    envelope = Envelope(SETTINGS, BOUNDS)
+    assert envelope.admit(command(sequence=100), 10.0)
+    assert not envelope.admit(command(sequence=500), 10.0)
+    assert envelope.admit(command(sequence=501), 10.0)
+    assert not envelope.admit(command(sequence=101), 10.0)
+    assert envelope.admit(command(sequence=502), 10.0), "the old one has not become the last"
+
+
+@pytest.mark.parametrize(
+    ("now", "valid", "admitted"),
+    [
+        (10.0, 0.2, True),
+        (10.19, 0.2, True),
+        (10.21, 0.2, False),  # too old, and expired
+        (9.99, 0.2, False),  # from the future
+        (10.0, 0.21, False),  # claims to be valid for too long
+        (10.05, 0.05, True),
+        (10.06, 0.05, False),  # expired by its own account
+        (10.0, -0.01, False),
+    ],
+)
+def test_times_must_be_possible(now, valid, admitted):
+    assert Envelope(SETTINGS, BOUNDS).admit(command(valid=valid), now) is admitted
+
+
+def test_an_expired_command_does_not_keep_later_ones_out():
+    envelope = Envelope(SETTINGS, BOUNDS)
+    assert not envelope.admit(command(sequence=1), 11.0)
+    assert envelope.admit(command(time=11.0, sequence=2), 11.0)
+
+
+# --- limits
+
+
+@pytest.mark.parametrize(
+    ("speed", "degrees"), [(0.0, 30.0), (1.0, 30.0), (2.0, 27.7), (2.5, 18.6), (3.0, 13.1), (4.2, 6.8), (-3.0, 13.1)]
+)
+def test_the_angle_is_capped_by_lateral_acceleration(speed, degrees):
+    assert math.degrees(Envelope(SETTINGS, BOUNDS).angle_cap(speed)) == pytest.approx(degrees, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("speed", "degrees"), [(0.0, 20.0), (1.0, 20.0), (2.0, 20.0), (3.0, 17.8), (4.2, 9.1), (-4.2, 9.1)]
+)
+def test_the_rate_is_capped_by_lateral_jerk(speed, degrees):
+    assert math.degrees(Envelope(SETTINGS, BOUNDS).rate_cap(speed)) == pytest.approx(degrees, abs=0.05)
+
+
+def test_what_is_allowed_passes_bit_for_bit():
+    limited = begun().limit(command(10.1, 0.0712345, -0.0543216, 1.2345), (0.01, -0.02), 1.0)
+    assert limited.angles == (0.0712345, -0.0543216)
+    assert limited.speed == 1.2345
+    assert not limited.clipped
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_set_point_stays_within_its_caps(sign):
+    near = (sign * 29.0 * DEGREE, sign * 19.0 * DEGREE)
+    limited = begun(near).limit(command(10.0, sign * 31.0 * DEGREE, sign * 21.0 * DEGREE), near, 1.0)
+    assert limited.angles == pytest.approx((sign * 30.0 * DEGREE, sign * 20.0 * DEGREE))
+    assert limited.clipped
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("eased", [False, True])
+def test_a_set_point_may_lead_its_rate_and_lasting_motion_may_not_exceed_it(axis, sign, eased):
+    far = SafetySettings(envelope=EnvelopeSettings(steering_reach=3.0))
+    envelope = begun(given=far, bounds=Bounds(wheelbase=1.4, tractor_limit=1.5, trailer_limit=1.5))
+    share, wanted = 0.5 if eased else 1.0, [0.0, 0.0]
+    wanted[axis] = sign * 1.4
+    for tick in range(12):
+        measured = envelope.angles  # a steering that follows at once
+        limited = envelope.limit(command(10.0 + 0.1 * tick, *wanted), measured, 1.0, eased=eased)
+        reached = share * 20.0 * DEGREE * (LIMITS.steering_lead + 0.1 * tick)
+        assert limited.angles[axis] == pytest.approx(sign * min(reached, 1.4), abs=1e-6)
+        assert limited.angles[1 - axis] == 0.0
+        assert limited.clipped
+
+
+def test_time_between_commands_is_no_credit():
+    envelope = begun(bounds=Bounds(wheelbase=1.4, tractor_limit=1.5, trailer_limit=1.5))
+    envelope.limit(command(10.0, 16.0 * DEGREE), (16.0 * DEGREE, 0.0), 1.0)
+    limited = envelope.limit(command(15.0, 1.4), (16.0 * DEGREE, 0.0), 1.0)
+    assert limited.angles[0] == pytest.approx(min(4.0 + 16.0, 16.0 + 15.0) * DEGREE), "0.2 s of it at most"
+    back = envelope.limit(command(14.0, 1.4), (16.0 * DEGREE, 0.0), 1.0)
+    assert back.angles[0] == pytest.approx(20.0 * DEGREE), "nor does time run backwards"
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize(("eased", "degrees"), [(False, 15.0), (True, 7.5)])
+def test_a_set_point_stays_near_the_measured_angle(axis, eased, degrees):
+    start = [0.0, 0.0]
+    start[axis] = 10.0 * DEGREE
+    measured = [0.0, 0.0]
+    measured[axis] = -8.0 * DEGREE
+    limited = begun(tuple(start)).limit(command(10.0, *start), tuple(measured), 1.0, eased=eased)
+    assert limited.angles[axis] == pytest.approx((degrees - 8.0) * DEGREE)
+    assert limited.angles[1 - axis] == 0.0
+
+
+def test_an_unknown_angle_holds_the_set_point():
+    envelope = begun((0.1, -0.1))
+    limited = envelope.limit(command(10.1, 0.2, -0.12), (math.nan, -0.1), 1.0)
+    assert limited.angles == (0.1, -0.12)
+    assert limited.clipped
+
+
+def test_a_cap_that_shrinks_is_walked_to():
+    envelope = begun((25.0 * DEGREE, 0.0))
+    first = envelope.limit(command(10.05, 25.0 * DEGREE), (25.0 * DEGREE, 0.0), 4.2)
+    rate = envelope.rate_cap(4.2)
+    assert first.angles[0] == pytest.approx(25.0 * DEGREE - rate * LIMITS.steering_lead)
+    assert first.clipped
+
+
+@pytest.mark.parametrize(("wanted", "given"), [(9.0, 4.2), (-9.0, -4.2), (4.2, 4.2), (-1.0, -1.0)])
+def test_the_speed_is_limited(wanted, given):
+    limited = begun().limit(command(10.0, speed=wanted), (0.0, 0.0), 1.0)
+    assert limited.speed == given
+    assert limited.clipped is (wanted != given)
+
+
+FLOATS = st.floats(-1e6, 1e6) | st.sampled_from([5e-324, -0.0, 1e300, -1e300, 1.7e308])
+
+
+@given(
+    stream=st.lists(st.tuples(FLOATS, FLOATS, FLOATS, st.floats(0.0, 0.4)), min_size=1, max_size=12),
+    speed=st.floats(0.0, 10.0),
+    eased=st.booleans(),
+)
+@settings(derandomize=True, max_examples=150, deadline=None)
+def test_whatever_comes_the_set_points_are_within_all_limits(stream, speed, eased):
+    envelope, time = begun(), 10.0
+    share = 0.5 if eased else 1.0
+    measured = (0.0, 0.0)
+    for tractor, trailer, wanted_speed, step in stream:
+        time += step
+        before = envelope.angles
+        limited = envelope.limit(command(time, tractor, trailer, wanted_speed), measured, speed, eased=eased)
+        caps = (envelope.angle_cap(speed), BOUNDS.trailer_limit)
+        for axis in (0, 1):
+            rate = share * (envelope.rate_cap(speed), LIMITS.steering_rate)[axis]
+            assert abs(limited.angles[axis]) <= caps[axis] + 1e-12
+            assert abs(limited.angles[axis] - measured[axis]) <= share * LIMITS.steering_reach + 1e-12
+            reach = rate * (2.0 * LIMITS.steering_lead + min(step, 0.2) + 1e-6)
+            assert abs(limited.angles[axis] - before[axis]) <= reach
+        assert abs(limited.speed) <= LIMITS.speed
+        assert limited.clipped == (limited.angles != (tractor, trailer) or limited.speed != wanted_speed)
+
+
+@given(tractor=st.floats(-2.0, 2.0), at=st.floats(-0.5, 0.5), speed=st.floats(0.0, 5.0), tighter=st.floats(0.1, 1.0))
+@settings(derandomize=True, max_examples=150, deadline=None)
+def test_a_tighter_limit_never_lets_more_through(tractor, at, speed, tighter):
+    tight = SETTINGS.model_copy(
+        update={"envelope": LIMITS.model_copy(update={"steering_reach": tighter * LIMITS.steering_reach})}
+    )
+    loose_angle = begun((at, 0.0)).limit(command(10.0, tractor), (at, 0.0), speed).angles[0]
+    tight_angle = begun((at, 0.0), given=tight).limit(command(10.0, tractor), (at, 0.0), speed).angles[0]
+    assert abs(tight_angle - at) <= abs(loose_angle - at) + 1e-12
+
+
+@pytest.mark.parametrize("name", ["articulated", "paper", "lqr-pi"])
+def test_nominal_driving_is_not_limited(simulate, name):
+    """Closed loop at 1 m/s; the last row in a row of limited commands would stop the vehicle at five."""
+    envelope, sign = begun(), -1.0 if name == "paper" else 1.0
+    in_a_row = 0
+    for record in simulate(name).records:
+        measured = (record.measurement.tractor_steering, record.measurement.trailer_steering)
+        if record.step == 0:
+            envelope.begin(record.measurement.time, measured)
+        wanted = (record.command.tractor_steering, sign * record.command.trailer_steering)
+        asked = command(record.measurement.time, *wanted, record.command.speed)
+        limited = envelope.limit(asked, measured, abs(record.measurement.speed))
+        in_a_row = in_a_row + 1 if limited.clipped else 0
+        assert in_a_row < LIMITS.clips
+
+
+# --- self-test
+
+
+def test_limits_that_limit_pass_the_selftest():
+    assert limits_hold(SETTINGS, BOUNDS)
+    assert limits_hold(SETTINGS, replace(BOUNDS, tractor_limit=0.1, trailer_limit=0.1))
+
+
+@pytest.mark.parametrize(
+    ("method", "result"),
+    [("admit", lambda self, *a: True), ("admit", lambda self, *a: False), ("angle_cap", lambda self, v: 9.0)],
+)
+def test_limits_that_do_not_limit_fail_the_selftest(monkeypatch, method, result):
+    monkeypatch.setattr(Envelope, method, result)
+    loose = SafetySettings(envelope=EnvelopeSettings(steering_reach=3.1, steering_rate=3.1, lateral_jerk=1e3))
+    assert not limits_hold(loose, BOUNDS)
+
+
+@pytest.mark.parametrize("name", ["_clamped", "_towards"])
+def test_a_limit_that_lets_everything_through_fails_the_selftest(monkeypatch, name):
+    monkeypatch.setattr(f"drawbar.safety.envelope.{name}", lambda *given: given[1] if len(given) == 3 else given[0])
+    assert not limits_hold(SETTINGS, BOUNDS)
+
+
+def test_records_that_are_not_checked_fail_the_selftest(monkeypatch):
+    monkeypatch.setattr("drawbar.safety.selftest.decode", lambda *given: None)
+    assert not limits_hold(SETTINGS, BOUNDS)
+
+
+# --- speeds
+
+
+def test_the_largest_recent_speed_counts():
+    speeds = Speeds(SETTINGS)
+    assert speeds.largest(10.0) == 4.2
+    assert not speeds.known(10.0)
+    for index, value in enumerate([2.0, 1.0, 1.0, 1.0, 1.0, 1.0]):
+        speeds.add(10.0 + 0.1 * index, "wheels", value)
+    speeds.add(10.5, "receiver", -1.2)
+    assert speeds.known(10.5)
+    assert speeds.largest(10.5) == 2.0
+    assert speeds.last == -1.2
+    speeds.add(10.6, "wheels", 1.0)
+    assert speeds.largest(10.6) == 1.2, "six of each source"
+
+
+def test_old_or_missing_speeds_do_not_count():
+    speeds = Speeds(SETTINGS)
+    speeds.add(10.0, "wheels", 1.0)
+    speeds.add(10.2, "receiver", math.nan)
+    assert speeds.last == 1.0
+    assert speeds.known(10.5)
+    assert speeds.fresh(10.5) == {"wheels": 1.0}
+    assert not speeds.known(10.51)
+    assert speeds.largest(10.51) == 4.2
+    speeds.add(10.6, "receiver", 0.5)
+    assert speeds.largest(10.6) == 0.5, "what the wheels said is too old"
+
+
+@pytest.mark.parametrize(("receiver", "known"), [(1.5, True), (1.51, False), (0.5, True), (0.49, False), (-1.0, True)])
+def test_sources_that_disagree_are_not_believed(receiver, known):
+    speeds = Speeds(SETTINGS)
+    speeds.add(10.0, "wheels", 1.0)
+    speeds.add(10.0, "receiver", receiver)
+    assert speeds.known(10.0) is known
+
+
+def test_it_stands_only_for_certain():
+    speeds = Speeds(SETTINGS)
+    assert not speeds.stands(10.0, 0.05)
+    speeds.add(10.0, "wheels", 0.05)
+    assert speeds.stands(10.0, 0.05)
+    speeds.add(10.0, "receiver", -0.06)
+    assert not speeds.stands(10.0, 0.05)
+    assert not speeds.stands(11.0, 0.05)
+
+
+# --- following
+
+
+def followed(angle_at, set_point_at, seconds=2.0):
+    following = Following(DriveSettings())
+    for tick in range(round(seconds / 0.05) + 1):
+        time = 0.05 * tick
+        following.add(time, set_point_at(time) * DEGREE, angle_at(time) * DEGREE)
+    return following
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_does_not_move_is_stuck(sign):
+    stuck = followed(lambda t: 0.0, lambda t: sign * 3.1)
+    assert stuck.stuck
+    assert not stuck.reversed
+    assert not followed(lambda t: 0.0, lambda t: sign * 3.1, 1.0).stuck, "not yet a second"
+    assert not followed(lambda t: 0.0, lambda t: sign * 2.9).stuck, "so near it need not move"
+    assert not followed(lambda t: sign * 0.6 * t, lambda t: sign * 5.0).stuck, "it moves"
+    assert followed(lambda t: sign * 0.4 * t, lambda t: sign * 5.0).stuck
+    assert not followed(lambda t: 0.0, lambda t: sign * (5.0 if t % 1.0 < 0.9 else 1.0)).stuck, "not all the time"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_moves_away_is_reversed(sign):
+    assert followed(lambda t: -sign * 3.0 * t, lambda t: sign * 1.0, 0.6).reversed
+    assert not followed(lambda t: -sign * 3.0 * t, lambda t: sign * 1.0, 0.5).reversed, "not yet half a second"
+    assert not followed(lambda t: sign * 3.0 * t, lambda t: sign * 9.0, 1.5).reversed
+    assert not followed(lambda t: -sign * 1.5 * t, lambda t: sign * 1.0, 1.5).reversed, "it drifts slowly"
+    assert not followed(lambda t: sign * 0.0, lambda t: 0.0).stuck
+
+
+def test_what_was_seen_stays_until_it_is_forgotten():
+    following = followed(lambda t: 0.0, lambda t: 5.0)
+    following.add(2.05, 0.0, 0.0)
+    assert following.stuck
+    following.reset()
+    assert not following.stuck
+    following.add(3.0, 5.0 * DEGREE, 0.0)
+    assert not following.stuck
+    turned = followed(lambda t: -3.0 * t, lambda t: 1.0, 0.6)
+    turned.reset()
+    assert not turned.reversed

@@ -1,0 +1,156 @@
+"""The gate's loop by a clock of ours: its pace, its end, what it tells the service manager, and a failing program."""
+
+import itertools
+import signal
+import socket
+
+import pytest
+from gate_bench import Bench
+
+from drawbar.messages import SupervisorState
+from drawbar.safety import gate_process
+from drawbar.safety.gate_process import ENDED, FAILED, GONE, run
+
+
+class Clock:
+    """Time that passes by waiting, and a little by looking."""
+
+    def __init__(self, bench, jumps=()):
+        self.bench, self.time, self.waits, self.jumps = bench, 100.0, [], dict(jumps)
+
+    def __call__(self):
+        self.time += 1e-6
+        return self.time
+
+    def wait(self, descriptors, writing, failing, seconds):
+        assert seconds >= 0.0
+        self.waits.append((tuple(descriptors), seconds))
+        self.time += seconds + self.jumps.pop(len(self.waits), 0.0)
+        self.bench.time = self.time
+        self.bench.hear()
+        self.bench.transport.written.append(round(self.time, 3))
+
+    def sleep(self, seconds):
+        self.time += seconds
+
+
+@pytest.fixture
+def loop(monkeypatch):
+    """Return a function that runs a gate on a bench by a clock of ours."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+
+    def start(bench, jumps=()):
+        clock = Clock(bench, jumps)
+        monkeypatch.setattr(gate_process.select, "select", clock.wait)
+        monkeypatch.setattr(gate_process.clock, "sleep", clock.sleep)
+        monkeypatch.setattr(gate_process, "prepare", lambda priority: ["memory is not locked"])
+        return run(bench.gate, bench.settings, now=clock), clock
+
+    yield start
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def end_at(bench, seconds, how):
+    """Let something happen after so many seconds of the loop."""
+    hear = bench.hear
+
+    def heard():
+        if bench.time >= 100.0 + seconds:
+            how()
+        return hear()
+
+    bench.hear = heard
+
+
+@pytest.mark.parametrize(("how", "code"), [("signal", ENDED), ("gone", GONE)])
+def test_it_says_off_for_a_second_and_ends(loop, how, code, capsys):
+    bench = Bench()
+    ends = {
+        "signal": lambda: signal.raise_signal(signal.SIGTERM),
+        "gone": lambda: setattr(bench.channel, "gone", True),
+    }
+    end_at(bench, 2.0, ends[how])
+    result, clock = loop(bench)
+    assert result == code
+    assert 3.0 <= clock.time - 100.0 <= 3.2
+    assert bench.transport.closed
+    assert bench.state is SupervisorState.FAULT
+    assert "gate: memory is not locked" in capsys.readouterr().err
+
+
+def test_its_pace_is_kept_and_missed_ticks_are_left_out(loop):
+    bench = Bench()
+    end_at(bench, 2.0, lambda: setattr(bench.gate.watch.troubles, "ended", True))
+    _, _ = loop(bench, {40: 0.33})
+    ticks = [time for time, _ in bench.tractor.requests]
+    phases = [(time - ticks[0]) / 0.05 for time in ticks]
+    assert sum(abs(phase - round(phase)) > 0.05 for phase in phases) <= 1, "only the late one is out of phase"
+    assert 0.3 < max(after - before for before, after in itertools.pairwise(ticks)) < 0.4
+    assert min(after - before for before, after in itertools.pairwise(ticks)) > 0.01, "no burst"
+
+
+def test_a_program_that_fails_says_off_before_it_ends(loop, capsys):
+    bench = Bench()
+
+    def fail(*given):
+        raise RuntimeError("the gate's own program fails")
+
+    end_at(bench, 1.0, lambda: setattr(bench.gate, "tick", fail))
+    before = len(bench.tractor.requests)
+    result, clock = loop(bench)
+    assert result == FAILED
+    off = bench.tractor.requests[before:]
+    assert not any(request.steer for _, request in off)
+    assert off[-1][0] - off[-20][0] == pytest.approx(0.95, abs=0.01)
+    assert "the gate's own program fails" in capsys.readouterr().err
+    assert bench.transport.closed
+    assert clock.time - 100.0 >= 2.0
+
+
+def test_it_wakes_when_the_command_expires(monkeypatch):
+    bench = Bench().drive()
+    waits = []
+    monkeypatch.setattr(gate_process.select, "select", lambda r, w, x, seconds: waits.append(seconds))
+    bench.transport.fileno = bench.channel.fileno = bench.desk.fileno = lambda: 5
+    gate_process._wait(bench.gate, bench.time, bench.time + 9.0)
+    assert waits[-1] == pytest.approx(0.2, abs=1e-4)
+    gate_process._wait(bench.gate, bench.time + 5.0, bench.time + 9.0)
+    assert waits[-1] == 0.0
+    resting = Bench().run()
+    resting.transport.fileno = resting.channel.fileno = resting.desk.fileno = lambda: 5
+    gate_process._wait(resting.gate, resting.time, resting.time + 9.0)
+    assert waits[-1] == pytest.approx(9.0)
+    resting.transport.fileno = lambda: -1
+    gate_process._wait(resting.gate, resting.time, resting.time + 9.0)
+    assert waits[-1] == pytest.approx(0.01)
+
+
+def test_the_service_manager_hears_of_the_loop_itself(loop, tmp_path, monkeypatch):
+    manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    manager.bind(str(tmp_path / "notify"))
+    manager.setblocking(False)
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    monkeypatch.setenv("WATCHDOG_USEC", "1000000")
+    bench, heard = Bench(), []
+
+    def listen():
+        while True:
+            try:
+                heard.append(manager.recv(4096).decode())
+            except BlockingIOError:
+                return
+
+    end_at(bench, 0.0, listen)
+    end_at(bench, 3.0, lambda: setattr(bench.gate.watch.troubles, "ended", True))
+    loop(bench)
+    listen()
+    manager.close()
+    assert heard.index("STATUS=SELFTEST") < heard.index("READY=1") < heard.index("STATUS=STANDBY")
+    assert heard.count("READY=1") == 1
+    assert heard[-1] == "STOPPING=1"
+    assert 6 <= heard.count("WATCHDOG=1") <= 9
+
+
+def test_its_clock_is_the_one_of_the_records():
+    assert abs(gate_process.monotonic() - gate_process.clock.monotonic_ns() / 1e9) < 1.0

@@ -1,0 +1,422 @@
+"""Every safety setting does something: each is changed alone, and a test sees that the gate behaves differently.
+
+The table is held against the settings' classes, so that a new setting without a line here fails.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from gate_bench import BOUNDS, Bench
+from pydantic import BaseModel
+
+from drawbar.messages import Action
+from drawbar.safety import gate_process
+from drawbar.safety.causes import Cause
+from drawbar.safety.envelope import Envelope
+from drawbar.safety.settings import SafetySettings
+
+
+def names(model: type[BaseModel], before: str = "") -> Iterator[str]:
+    """Yield the dotted name of every setting."""
+    for name, field in model.model_fields.items():
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            yield from names(field.annotation, f"{before}{name}.")
+        else:
+            yield before + name
+
+
+def changed(name, value):
+    section, _, key = name.rpartition(".")
+    return SafetySettings.model_validate({section: {key: value}} if section else {key: value})
+
+
+def refuses(cause, seconds=0.1, **controller):
+    """See whether a ready gate refuses for a cause once the controller says something."""
+
+    def look(settings):
+        bench = Bench(settings).ready()
+        bench.controller = controller
+        bench.run(seconds)
+        return cause.value in bench.shown.refusals
+
+    return look
+
+
+def state_after(seconds, change=lambda bench: None, **names):
+    """See state and cause of a driving gate some time after a change."""
+
+    def look(settings):
+        bench = Bench(settings, **names).drive()
+        change(bench)
+        bench.run(seconds)
+        return bench.state, bench.cause
+
+    return look
+
+
+def saying(**controller):
+    return lambda bench: setattr(bench, "controller", controller)
+
+
+def untried(cause, change):
+    def look(settings):
+        bench = Bench(settings)
+        change(bench)
+        bench.run(2.0)
+        return cause.value in bench.shown.refusals
+
+    return look
+
+
+def set_points(settings):
+    """Return the first set points after a demand that is far too large, at 3 m/s."""
+    bench = Bench(settings)
+    bench.speed = 3.0
+    bench.drive()
+    bench.command = {"tractor_angle": 1.0, "trailer_angle": 1.0}
+    bench.run()
+    return bench.gate._envelope.angles
+
+
+def rate_cap(settings):
+    return Envelope(settings, BOUNDS).rate_cap(3.0)
+
+
+def angle_cap(settings):
+    return Envelope(settings, BOUNDS).angle_cap(3.0)
+
+
+def ready_after(settings, seconds=4.5):
+    bench = Bench(settings).ready()
+    bench.channel.waiting.append(b"garbage")
+    bench.run(seconds)
+    return bench.state
+
+
+def armed_after(seconds):
+    def look(settings):
+        bench = Bench(settings).ready()
+        bench.ask(Action.ARM)
+        bench.run(seconds)
+        return bench.shown.armed
+
+    return look
+
+
+def seen_after(seconds):
+    def look(settings):
+        bench = Bench(settings).ready()
+        shown = bench.shown
+        bench.run(seconds)
+        bench.ask(Action.ARM, seen_sequence=shown.sequence, seen_time=shown.time)
+        bench.operator = False
+        bench.run()
+        return bench.shown.answer
+
+    return look
+
+
+def engaging_for(seconds, change=lambda bench: None):
+    def look(settings):
+        bench = Bench(settings).ready()
+        change(bench)
+        bench.engage().run(seconds)
+        return bench.state
+
+    return look
+
+
+def wheels_do_not_take(bench):
+    bench.tractor.takes = False
+
+
+def degraded_then_calm(seconds):
+    def look(settings):
+        bench = Bench(settings).drive()
+        bench.controller = {"tractor_quality": 4}
+        bench.run(1.0)
+        bench.controller = {}
+        bench.run(seconds)
+        return bench.state
+
+    return look
+
+
+def degraded_speed(settings):
+    bench = Bench(settings, speed_actuator=True).drive()
+    bench.controller = {"tractor_quality": 4}
+    bench.run(0.1)
+    return bench.speed_actuator.requests[-1][1].speed
+
+
+def stopping_for(seconds, speed=1.0):
+    """See what the speed actuator is told, and the state, some time after a stop was asked for."""
+
+    def look(settings):
+        bench = Bench(settings, speed_actuator=True).drive()
+        bench.ask(Action.STOP)
+        bench.run()
+        bench.speed = speed
+        bench.run(seconds)
+        return bench.state, bench.speed_actuator.requests[-1][1].deceleration
+
+    return look
+
+
+def stuck(gap, speed, seconds):
+    """See whether a steering that creeps towards a set point at a distance is let go of; rad, rad/s."""
+
+    def look(settings):
+        bench = Bench(settings).drive()
+        bench.tractor.takes = False
+        bench.tractor.changes["engaged"] = True
+        for _ in range(round(seconds / 0.05)):
+            bench.tractor.angle += speed * 0.05
+            bench.command = {"tractor_angle": bench.tractor.angle + gap}
+            bench.run()
+        return bench.state, bench.cause
+
+    return look
+
+
+def clipped(times):
+    def look(settings):
+        bench = Bench(settings).drive()
+        bench.command = {"speed": 9.0}
+        bench.run(0.05 * times)
+        return bench.state
+
+    return look
+
+
+def flooded(count):
+    def look(settings):
+        bench = Bench(settings).drive()
+        bench.channel.waiting += [bench.command_record() for _ in range(count)]
+        bench.run()
+        return bench.state
+
+    return look
+
+
+def ticks_in_a_second(settings):
+    """Return how often a gate's process tells its actuators to let go before it ends, by its own clock."""
+    bench = Bench(settings)
+    bench.gate.watch.troubles.ended = True
+    clock = iter(0.01 * index for index in range(10_000))
+    gate_process._wait, before = lambda *given: None, gate_process._wait
+    try:
+        gate_process._loop(bench.gate, settings, gate_process.Notifier(), lambda: next(clock))
+    finally:
+        gate_process._wait = before
+    return len(bench.tractor.requests)
+
+
+def told_priority(settings):
+    told = []
+    original, gate_process.prepare = gate_process.prepare, lambda priority: told.append(priority) or []
+    bench = Bench(settings)
+    bench.gate.watch.troubles.ended = True
+    try:
+        gate_process.run(bench.gate, settings, now=iter(0.1 * index for index in range(10_000)).__next__)
+    finally:
+        gate_process.prepare = original
+    return told
+
+
+def late(seconds):
+    return lambda bench: setattr(bench, "late", seconds)
+
+
+def silent_angle(bench):
+    bench.tractor.silent_since = bench.time
+
+
+def command_lasting(seconds):
+    def look(settings):
+        bench = Bench(settings).ready()
+        bench.command = {"valid_until": bench.ns(bench.time + 0.05 + seconds)}
+        bench.run()
+        return bench.shown.rejects
+
+    return look
+
+
+def speeds(seconds, **controller):
+    def look(settings):
+        bench = Bench(settings).drive()
+        bench.controller = {"wheel_speed": math.nan, "receiver_speed": math.nan, **controller}
+        bench.run(seconds)
+        return bench.state
+
+    return look
+
+
+def largest_speed(settings):
+    bench = Bench(settings).drive()
+    for wheel in (2.0, 1.9, 1.8, 1.7):
+        bench.controller = {"wheel_speed": wheel, "receiver_speed": wheel}
+        bench.run()
+    return bench.gate.watch.speeds.largest(bench.time)
+
+
+def recorder_silent(seconds):
+    def look(settings):
+        bench = Bench(settings).ready()
+        bench.recorder = None
+        bench.run(seconds)
+        return Cause.NOT_RECORDING.value in bench.shown.refusals
+
+    return look
+
+
+def suspended_for(seconds):
+    def change(bench):
+        bench.gate._suspended_before -= seconds
+
+    return state_after(0.1, change)
+
+
+def lease_after(seconds):
+    def look(settings):
+        bench = Bench(settings).ready()
+        bench.ask(Action.ARM)
+        bench.run()
+        bench.operator = False
+        bench.run(seconds)
+        bench.ask(Action.ARM, lease=8)
+        bench.run()
+        return bench.shown.lease
+
+    return look
+
+
+def nudged(settings):
+    bench = Bench(settings).ready()
+    bench.ask(Action.ARM)
+    bench.run()
+    bench.ask(Action.NUDGE, 0.25)
+    bench.operator = False
+    bench.run()
+    return bench.shown.nudge
+
+
+def steering_apart(settings):
+    bench = Bench(settings).ready()
+    bench.command = {"tractor_angle": 0.1}
+    bench.run(0.1)
+    return Cause.STEERING_APART.value in bench.shown.refusals
+
+
+def overrun_forgotten(settings):
+    bench = Bench(settings).ready()
+    bench.controller = {"overruns": 1}
+    bench.run(1.0)
+    return Cause.OVERRUN.value in bench.shown.refusals
+
+
+def garbage_forgotten(settings):
+    bench = Bench(settings).ready()
+    bench.channel.waiting.append(b"garbage")
+    bench.run(1.0)
+    return Cause.COMMAND_REFUSED.value in bench.shown.refusals
+
+
+FIX = {"tractor_quality": 4}
+TABLE = {
+    "engage.hold": (8.0, ready_after),
+    "engage.arming": (1.0, armed_after(2.0)),
+    "engage.seen": (0.2, seen_after(0.5)),
+    "engage.fixed": (60.0, refuses(Cause.FIX_TOO_NEW)),
+    "engage.correction_age": (0.5, refuses(Cause.CORRECTIONS_OLD)),
+    "engage.lateral_deviation": (0.01, refuses(Cause.POSITION_UNSURE)),
+    "engage.heading_deviation": (0.005, refuses(Cause.HEADING_UNSURE)),
+    "engage.lateral_error": (0.05, refuses(Cause.OFF_LINE)),
+    "engage.heading_error": (0.01, refuses(Cause.ACROSS_LINE)),
+    "engage.speed": (1.5, refuses(Cause.TOO_SLOW)),
+    "engage.steering_error": (0.3, steering_apart),
+    "engage.hitch_angle": (0.05, refuses(Cause.HITCH_ANGLE)),
+    "engage.solved": (100, refuses(Cause.UNPROVED)),
+    "engage.quiet": (0.5, overrun_forgotten),
+    "engage.clean": (0.5, garbage_forgotten),
+    "engage.emergency_test": (False, untried(Cause.EMERGENCY_UNTRIED, lambda bench: None)),
+    "engage.wiggle_test": (False, untried(Cause.WIGGLE_UNTRIED, lambda b: b.controller.update(wiggled=0))),
+    "engage.recorder": (False, untried(Cause.NOT_RECORDING, lambda b: setattr(b, "recorder", None))),
+    "drive.engaging": (1.5, engaging_for(2.0, wheels_do_not_take)),
+    "drive.easing": (0.2, engaging_for(0.5)),
+    "drive.budget": (2.0, state_after(5.0, saying(**FIX))),
+    "drive.recovery": (0.5, degraded_then_calm(1.0)),
+    "drive.degraded_speed": (0.25, degraded_speed),
+    "drive.stopping": (2.0, stopping_for(3.0)),
+    "drive.comfort": (1.0, stopping_for(2.0)),
+    "drive.deceleration": (0.7, stopping_for(1.0)),
+    "drive.emergency_deceleration": (2.0, stopping_for(6.0)),
+    "drive.standing": (0.5, stopping_for(2.0, speed=0.2)),
+    "drive.stood": (3.0, stopping_for(2.0, speed=0.0)),
+    "drive.correction_age": (0.5, state_after(0.2)),
+    "drive.lateral_deviation": (0.01, state_after(0.2)),
+    "drive.lateral_error": (0.05, state_after(0.2)),
+    "drive.hitch_angle": (0.05, state_after(0.2)),
+    "drive.overruns": (1, state_after(0.2, saying(overruns=1))),
+    "drive.operator": (0.3, state_after(1.0, lambda bench: setattr(bench, "operator", False))),
+    "drive.stuck_angle": (0.01, stuck(0.03, 0.0, 1.5)),
+    "drive.stuck_move": (0.05, stuck(0.1, 0.02, 1.5)),
+    "drive.stuck_time": (0.3, stuck(0.1, 0.0, 0.6)),
+    "drive.reversed_angle": (0.001, stuck(0.018, -0.02, 0.7)),
+    "drive.reversed_time": (0.1, stuck(0.1, -0.2, 0.3)),
+    "envelope.speed": (0.5, state_after(0.2)),
+    "envelope.lateral_acceleration": (0.5, angle_cap),
+    "envelope.lateral_jerk": (0.5, rate_cap),
+    "envelope.steering_rate": (0.05, set_points),
+    "envelope.steering_lead": (0.1, set_points),
+    "envelope.steering_reach": (0.05, set_points),
+    "envelope.clips": (2, clipped(3)),
+    "envelope.flood": (4, flooded(8)),
+    "timing.tick": (0.1, ticks_in_a_second),
+    "timing.command": (0.1, command_lasting(0.15)),
+    "timing.controller": (0.1, state_after(0.3, lambda bench: setattr(bench, "controller", None))),
+    "timing.speed": (0.1, speeds(0.3)),
+    "timing.speed_difference": (0.1, speeds(0.3, wheel_speed=1.0, receiver_speed=1.3)),
+    "timing.speed_samples": (1, largest_speed),
+    "timing.angle": (0.05, state_after(0.2, silent_angle)),
+    "timing.angle_lost": (0.1, state_after(0.2, silent_angle)),
+    "timing.recorder": (0.2, recorder_silent(0.5)),
+    "timing.late": (0.01, state_after(0.1, late(0.05))),
+    "timing.suspended": (5.0, suspended_for(1.0)),
+    "timing.off": (3.0, ticks_in_a_second),
+    "timing.lease": (0.2, lease_after(0.5)),
+    "timing.priority": (7, told_priority),
+    "nudge": (0.1, nudged),
+}
+
+
+def test_every_setting_is_in_the_table():
+    assert list(TABLE) == list(names(SafetySettings))
+
+
+@pytest.mark.parametrize("name", list(TABLE))
+def test_changing_a_setting_changes_what_the_gate_does(name):
+    value, look = TABLE[name]
+    assert look(changed(name, value)) != look(SafetySettings())
+
+
+def test_equal_settings_have_equal_fingerprints_and_changed_ones_do_not():
+    assert SafetySettings().fingerprint() == SafetySettings().fingerprint()
+    prints = {changed(name, value).fingerprint() for name, (value, _) in TABLE.items()}
+    assert len(prints) == len(TABLE)
+    assert SafetySettings().fingerprint() not in prints
+
+
+@pytest.mark.parametrize("field", ["wheelbase", "tractor_limit", "trailer_limit"])
+def test_the_vehicles_bounds_do_something_too(field):
+    def look(bounds):
+        bench = Bench(bounds=bounds)
+        bench.speed = 3.0
+        bench.drive()
+        bench.command = {"tractor_angle": 1.0, "trailer_angle": 1.0}
+        bench.run(0.2)
+        return bench.gate._envelope.angles
+
+    assert look(replace(BOUNDS, **{field: 0.1})) != look(BOUNDS)
