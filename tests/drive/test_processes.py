@@ -22,7 +22,8 @@ from drawbar.safety.causes import Cause
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 ENGAGE = 90.0
 """longest time until it steers on a busy machine, s"""
-PATIENT = [  # a test machine may be too busy for the times of a real one, which the rehearsal and the gate's tests prove
+# a test machine may be too busy for the times of a real one; the rehearsal and the gate's tests prove those
+PATIENT = [
     "safety.timing.command=0.5",
     "safety.timing.controller=5.0",
     "safety.timing.angle=5.0",

@@ -46,7 +46,7 @@ def whole():
 
 
 def test_it_engages_drives_the_path_to_its_end_and_stops(whole):
-    steps, states, path = whole
+    steps, states, _ = whole
     order = [state.state for _, state in states]
     engaged = order.index(SupervisorState.ACTIVE)
     assert SupervisorState.FAULT not in order

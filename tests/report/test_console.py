@@ -9,7 +9,7 @@ from drawbar.recording.log import Outcome
 from drawbar.report import console as module
 from drawbar.report.console import RunProgress, progress_line, summary
 from drawbar.report.metrics import compute_metrics
-from drawbar.report.path_errors import path_errors
+from drawbar.report.path_errors import true_path_errors
 from drawbar.report.tables import number
 
 
@@ -20,7 +20,7 @@ def printed(renderable):
 
 
 def metrics_of(log):
-    return compute_metrics(log, path_errors(log))
+    return compute_metrics(log, true_path_errors(log))
 
 
 def test_the_summary_fits_80_columns_and_is_not_cut(run):

@@ -7,7 +7,7 @@ import pytest
 
 from drawbar.report.figures import error_figure
 from drawbar.report.metrics import compute_metrics, error_statistics
-from drawbar.report.path_errors import Bodies, PathErrors, path_errors, project_track
+from drawbar.report.path_errors import Bodies, PathErrors, project_track, true_path_errors
 from drawbar.signals import FixStatus, GateVerdict
 
 
@@ -54,7 +54,7 @@ def test_errors_are_told_apart_by_class(make_run):
 
 def test_what_the_gate_did_is_counted(make_run):
     log = with_column(small(make_run), "gate", [GateVerdict.LIMITED, *list(GateVerdict)[1:]])
-    metrics = compute_metrics(log, path_errors(log))
+    metrics = compute_metrics(log, true_path_errors(log))
     assert (metrics.limited_commands, metrics.refused_commands) == (2, 2)
 
 
@@ -63,9 +63,9 @@ def test_masked_fixes_of_both_antennas_are_counted(make_run):
     accepted, missing, stale, rejected = FixStatus
     log = with_column(log, "estimate.tractor_fix", [accepted, stale, rejected, missing])
     log = with_column(log, "estimate.trailer_fix", [stale, stale, accepted, accepted])
-    metrics = compute_metrics(log, path_errors(log))
+    metrics = compute_metrics(log, true_path_errors(log))
     assert (metrics.stale_fixes, metrics.rejected_fixes) == (3, 1)
-    crosses = [trace for trace in error_figure(log, path_errors(log))["data"] if trace.get("mode") == "markers"]
+    crosses = [trace for trace in error_figure(log, true_path_errors(log))["data"] if trace.get("mode") == "markers"]
     assert [(trace["name"], len(trace["x"])) for trace in crosses] == [
         ("Tractor, fix not believed", 2),
         ("Trailer, fix not believed", 2),
@@ -78,7 +78,7 @@ def test_shares_by_hand(make_run):
     log = with_column(log, "tractor_steering.ancillary", [0.05, -0.05, 0.0, 0.0])
     log = with_column(log, "trailer_steering.command", [0.0] * 4)
     log = with_column(log, "trailer_steering.saturated", [True, False, False, False])
-    metrics = compute_metrics(log, path_errors(log))
+    metrics = compute_metrics(log, true_path_errors(log))
     assert metrics.ancillary_share.tractor == pytest.approx(0.2, rel=1e-12)
     assert math.isnan(metrics.ancillary_share.trailer)  # nothing was commanded: no share
     assert metrics.saturated_share == Bodies(tractor=0.0, trailer=0.25)
@@ -88,7 +88,7 @@ def test_the_least_margin_is_that_of_the_steps_with_a_tube(make_run):
     log = small(make_run)
     log = with_column(log, "tractor_steering.margin", [0.5, -0.25, math.nan, 1.0])
     log = with_column(log, "trailer_steering.margin", [math.nan] * 4)
-    margin = compute_metrics(log, path_errors(log)).tube_margin_min
+    margin = compute_metrics(log, true_path_errors(log)).tube_margin_min
     assert margin.tractor == -0.25
     assert math.isnan(margin.trailer)
 
@@ -97,16 +97,16 @@ def test_yaw_error_does_not_see_whole_turns(make_run):
     log = small(make_run)
     log = with_column(log, "truth.tractor.yaw", [0.0, 0.0, 0.0, 0.0])
     log = with_column(log, "estimate.tractor.yaw", [0.1, 2 * math.pi - 0.1, 0.1, -0.1 - 4 * math.pi])
-    assert compute_metrics(log, path_errors(log)).yaw_rmse_rad.tractor == pytest.approx(0.1, rel=1e-12)
+    assert compute_metrics(log, true_path_errors(log)).yaw_rmse_rad.tractor == pytest.approx(0.1, rel=1e-12)
 
 
 def test_the_steering_rate_is_that_of_the_true_angle(make_run):
     log = with_column(small(make_run), "truth.trailer_steering", [0.0, 0.04, 0.0, -0.02])
     log = with_column(log, "measurement.time", [0.0, 0.2, 0.4, 0.5])
-    assert compute_metrics(log, path_errors(log)).steering_rate_mean_rad_s.trailer == pytest.approx(0.2, rel=1e-12)
+    assert compute_metrics(log, true_path_errors(log)).steering_rate_mean_rad_s.trailer == pytest.approx(0.2, rel=1e-12)
     log = make_run(steps=4, truth=False)
     log = with_column(log, "measurement.tractor_steering", [0.0, 0.02, np.nan, -0.02])
-    assert compute_metrics(log, path_errors(log)).steering_rate_mean_rad_s.tractor == pytest.approx(0.1, rel=1e-12)
+    assert compute_metrics(log, true_path_errors(log)).steering_rate_mean_rad_s.tractor == pytest.approx(0.1, rel=1e-12)
 
 
 def test_times_and_totals_by_hand(make_run):
@@ -114,7 +114,7 @@ def test_times_and_totals_by_hand(make_run):
     log = with_column(log, "estimator_times.feedback", [k * 1e-6 for k in range(101)])
     log = with_column(log, "solver_failures", [2] + [0] * 99 + [1])
     log = dataclasses.replace(log, wall_time=1e9 + np.linspace(0.0, 0.5, 101))
-    metrics = compute_metrics(log, path_errors(log))
+    metrics = compute_metrics(log, true_path_errors(log))
     times = metrics.solve_time_s.estimator.feedback
     assert (times.median, times.p99, times.max) == pytest.approx((50e-6, 99e-6, 100e-6), rel=1e-12)
     assert metrics.solver_failures == 3
@@ -125,7 +125,7 @@ def test_times_and_totals_by_hand(make_run):
 
 def test_without_truth_there_are_nulls_and_nothing_invented(make_run):
     log = make_run(truth=False, steps=30)
-    written = json.loads(compute_metrics(log, path_errors(log)).to_json())
+    written = json.loads(compute_metrics(log, true_path_errors(log)).to_json())
     assert written["yaw_rmse_rad"] == {"tractor": None, "trailer": None}
     for body in ("tractor", "trailer"):
         for statistics in written["error_m"][body].values():
@@ -135,13 +135,13 @@ def test_without_truth_there_are_nulls_and_nothing_invented(make_run):
 
 def test_a_run_that_died_before_its_first_step_has_figures(make_run):
     log = make_run(steps=0)
-    metrics = compute_metrics(log, path_errors(log))
+    metrics = compute_metrics(log, true_path_errors(log))
     assert (metrics.length_m, metrics.duration_s, metrics.solver_failures) == (0.0, 0.0, 0)
     assert math.isnan(metrics.real_time_factor)
 
 
 def test_the_json_holds_every_promised_key(run):
-    written = json.loads(compute_metrics(run, path_errors(run)).to_json())
+    written = json.loads(compute_metrics(run, true_path_errors(run)).to_json())
     promised = {
         *("config", "seed", "finished", "duration_s", "length_m", "real_time_factor", "error_m"),
         *(
@@ -161,8 +161,8 @@ def test_the_json_holds_every_promised_key(run):
 
 def test_the_same_seed_gives_the_same_bytes_apart_from_times(make_run):
     def without_times(log):
-        metrics = compute_metrics(log, path_errors(log))
-        fixed = compute_metrics(make_run(steps=2), path_errors(make_run(steps=2))).solve_time_s
+        metrics = compute_metrics(log, true_path_errors(log))
+        fixed = compute_metrics(make_run(steps=2), true_path_errors(make_run(steps=2))).solve_time_s
         return dataclasses.replace(metrics, solve_time_s=fixed, real_time_factor=1.0).to_json()
 
     slower = dataclasses.replace(make_run(seed=4), wall_time=np.arange(1e4))

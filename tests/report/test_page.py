@@ -9,7 +9,7 @@ import pytest
 from drawbar.recording.log import Outcome
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
-from drawbar.report.path_errors import path_errors
+from drawbar.report.path_errors import true_path_errors
 
 SECTIONS = [
     *("map", "errors", "tractor-steering", "trailer-steering"),
@@ -37,7 +37,7 @@ class Elements(HTMLParser):
 
 
 def render(log):
-    errors = path_errors(log)
+    errors = true_path_errors(log)
     return render_page(log, compute_metrics(log, errors), errors)
 
 

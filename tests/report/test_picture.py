@@ -3,7 +3,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
-from drawbar.report.path_errors import path_errors
+from drawbar.report.path_errors import true_path_errors
 from drawbar.report.picture import render_picture
 
 
@@ -14,14 +14,14 @@ def coordinates(svg):
 
 
 def test_everything_is_inside_the_picture(run):
-    for points in coordinates(render_picture(run, path_errors(run))):
+    for points in coordinates(render_picture(run, true_path_errors(run))):
         assert points.min() >= 0.0
         assert points[:, 0].max() <= 880.0
         assert points[:, 1].max() <= 800.0
 
 
 def test_the_map_has_equal_scales_and_north_up(run):
-    drawn, path = coordinates(render_picture(run, path_errors(run)))[0], run.header.path
+    drawn, path = coordinates(render_picture(run, true_path_errors(run)))[0], run.header.path
     scale_x, scale_y = np.ptp(drawn, axis=0) / (np.ptp(path.x), np.ptp(path.y))
     np.testing.assert_allclose(scale_x, scale_y, rtol=1e-3)
     assert drawn[path.y.argmax(), 1] == drawn[:, 1].min()
@@ -30,4 +30,4 @@ def test_the_map_has_equal_scales_and_north_up(run):
 
 def test_runs_without_truth_or_steps_have_a_picture(make_run):
     for log in (make_run(steps=0), make_run(truth=False, steps=20)):
-        assert "nan" not in render_picture(log, path_errors(log))
+        assert "nan" not in render_picture(log, true_path_errors(log))

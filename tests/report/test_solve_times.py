@@ -8,7 +8,7 @@ import pytest
 
 from drawbar.report.figures import solve_time_figure
 from drawbar.report.metrics import compute_metrics
-from drawbar.report.path_errors import path_errors
+from drawbar.report.path_errors import true_path_errors
 from drawbar.report.tables import time_rows
 from drawbar.signals import SolveTimes
 
@@ -31,7 +31,7 @@ def without(make_run):
 
 def test_metrics_tell_the_missing_solver_from_a_quick_one(without):
     log = without("trailer")
-    metrics = compute_metrics(log, path_errors(log))
+    metrics = compute_metrics(log, true_path_errors(log))
     times = json.loads(metrics.to_json())["solve_time_s"]
     assert times["trailer"] == {phase: dict.fromkeys(("median", "p99", "max")) for phase in ("prepare", "feedback")}
     assert times["tractor"]["feedback"]["median"] > 0.0

@@ -20,7 +20,7 @@ from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.messages import Role, encode
+from drawbar.messages import Role, encode, nanoseconds, seconds
 from drawbar.protocols.ntrip import gga_sentence
 from drawbar.realtime import prepare
 from drawbar.signals import FixQuality
@@ -52,7 +52,7 @@ def main() -> int:
         print(f"receivers: {word}", file=sys.stderr)
     while not ending.asked:
         now = time.monotonic_ns()
-        for fixes in navigation.poll(now * 1e-9):
+        for fixes in navigation.poll(seconds(now)):
             record = encode(fixes)
             mailbox.send(orders.socket(CONTROLLER), record)
             mailbox.send(orders.socket(RECORDER), record)
@@ -62,7 +62,7 @@ def main() -> int:
         lines = [tractor.transport, trailer.transport, *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in lines) if each >= 0]
         most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
-        wait = min(navigation.due - time.monotonic(), beat.due * 1e-9 - time.monotonic(), most)
+        wait = min(navigation.due - time.monotonic(), seconds(beat.due) - time.monotonic(), most)
         select.select(descriptors, [], [], max(wait, 0.0))
     for each in (tractor, trailer, corrections, sensors, mailbox):
         if each is not None:
@@ -109,7 +109,7 @@ def _tapped(address: str, device: Device, mailbox: Mailbox, orders: Orders) -> T
     """Open a transport, every byte of which goes to the recorder too."""
 
     def tap(direction: Direction, received: Received) -> None:
-        raw = Raw(time=round(received.time * 1e9), device=device, direction=direction, data=received.data)
+        raw = Raw(time=nanoseconds(received.time), device=device, direction=direction, data=received.data)
         mailbox.send(orders.socket(RECORDER), pack(raw))
 
     return TappedTransport(open_transport(address), tap)

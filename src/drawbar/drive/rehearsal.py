@@ -19,9 +19,9 @@ from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.stand_in.machine import BODIES, HITCH_ANGLES, HITCH_COUNTS, PULSES, SENSORS
-from drawbar.messages import Action, GateState, Heartbeat, Message, Role, SupervisorState, decode, encode
+from drawbar.messages import Action, GateState, Heartbeat, Message, Role, SupervisorState, decode, encode, seconds
 from drawbar.protocols.agopengps.steer_board import SteerBoard
-from drawbar.safety.envelope import NANO, Bounds
+from drawbar.safety.envelope import Bounds
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.wires import Wire
@@ -159,7 +159,7 @@ class Rehearsal:
     @property
     def time(self) -> float:
         """Time of the clock, s."""
-        return self.now * NANO
+        return seconds(self.now)
 
     def _send(self, message: Message) -> None:
         self._controller_channel.inbox.append(encode(message))
@@ -192,7 +192,7 @@ class Rehearsal:
             self._look = self.time + _LOOK
             self._look_around()
         if self.gate.hear(self.time) or self.time >= self._due:
-            self.gate.tick(self.time, max(self.time - self._due - STEP * NANO, 0.0))
+            self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
             self._due = self.time + self._tick
         self._deliver()
 

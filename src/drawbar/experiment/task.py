@@ -21,7 +21,7 @@ from drawbar.experiment.deviation import RecordedDeviation
 from drawbar.geometry import Floats
 from drawbar.recording.log import RunLog
 from drawbar.report.metrics import Metrics, compute_metrics
-from drawbar.report.path_errors import Bodies, PathErrors, path_errors
+from drawbar.report.path_errors import Bodies, PathErrors, true_path_errors
 from drawbar.simulation import Simulation
 
 _BESIDE_THE_RUN = ("benchmark", "experiment", "cli")
@@ -76,7 +76,7 @@ def run_task(task: Task) -> Result:
     """
     with on_one_core() if task.one_core else nullcontext():
         log, deviations = _simulate(task)
-    errors = path_errors(log)
+    errors = true_path_errors(log)
     return Result(
         source=source_digest(),
         metrics=compute_metrics(log, errors),

@@ -7,7 +7,7 @@ from drawbar.errors import StorageError
 from drawbar.recording.log import read_log
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
-from drawbar.report.path_errors import path_errors
+from drawbar.report.path_errors import best_path_errors, true_path_errors
 from drawbar.report.picture import render_picture
 
 LOG_NAME = "log.mcap"
@@ -24,8 +24,8 @@ def write_report(folder: Path, log_file: Path | None = None) -> Metrics:
         StorageError: a file cannot be written; what was there before is still there.
     """
     log = read_log(log_file or folder / LOG_NAME)
-    errors = path_errors(log)
-    metrics = compute_metrics(log, errors)
+    errors = true_path_errors(log)
+    metrics = compute_metrics(log, best_path_errors(log))
     contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), render_picture(log, errors).encode())
     try:
         for name, content in zip(REPORT_NAMES, contents, strict=True):

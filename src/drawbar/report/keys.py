@@ -65,7 +65,7 @@ def _sections(kind: type[BaseModel], name: str, variant: str, value: BaseModel |
         dotted = f"{name}.{key}" if name else key
         given: Any = getattr(value, key) if value is not None else PydanticUndefined
         models = _models(field.annotation)
-        if not models or get_origin(field.annotation) is tuple:
+        if not models or get_origin(field.annotation) is tuple or given is None:
             keys.append(_key(dotted, field, given))
         chosen = [model for model in models if value is None or isinstance(given, model)]
         below += [(model, dotted, _variant(model), given if value is not None else None) for model in chosen]
@@ -148,6 +148,8 @@ def _limits(metadata: Sequence[Any]) -> str:
 
 
 def _toml(value: Any) -> str:
+    if value is None:
+        return "none"
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Enum | str):

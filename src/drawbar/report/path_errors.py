@@ -1,7 +1,4 @@
-"""How far both bodies were from the path: their antennas' positions, projected on it.
-
-True positions where the log has them; else, on a real machine, those estimated while the autopilot was engaged.
-"""
+"""How far both bodies were from the path: their antennas' positions, projected on it."""
 
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -51,20 +48,30 @@ def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     return PathErrors(progress=progress, error=error, labels=np.array(labels, dtype=np.str_))
 
 
-def path_errors(log: RunLog) -> Bodies[PathErrors]:
-    """Return the errors of both bodies at every step of a log."""
-    path, source = log.header.path.path(), "truth" if has_truth(log) else "estimate"
-    released = (log.column("flags").astype(int) & Flag.RELEASED) != 0 if source == "estimate" else np.bool_(False)
+def true_path_errors(log: RunLog) -> Bodies[PathErrors]:
+    """Return the true errors of both bodies at every step of a log."""
+    return _errors(log, "truth", np.zeros(len(log.records), dtype=bool))
 
-    def of_body(body: str) -> PathErrors:
-        believed = log.column(f"reference.{body}.progress")
-        known = believed[np.isfinite(believed)]
-        x, y = (np.where(released, np.nan, log.column(f"{source}.{body}.{axis}")) for axis in "xy")
-        return project_track(path, x, y, float(known[0]) if known.size else 0.0)
 
-    return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))
+def best_path_errors(log: RunLog) -> Bodies[PathErrors]:
+    """Return the true errors, or where nobody knows them those that were estimated while the autopilot was engaged."""
+    if has_truth(log):
+        return true_path_errors(log)
+    return _errors(log, "estimate", (log.column("flags").astype(int) & Flag.RELEASED) != 0)
 
 
 def has_truth(log: RunLog) -> bool:
     """Whether the log knows where the bodies truly were, as that of a simulation does."""
     return any(record.truth is not None for record in log.records)
+
+
+def _errors(log: RunLog, source: str, left_out: NDArray[np.bool_]) -> Bodies[PathErrors]:
+    path = log.header.path.path()
+
+    def of_body(body: str) -> PathErrors:
+        believed = log.column(f"reference.{body}.progress")
+        known = believed[np.isfinite(believed)]
+        x, y = (np.where(left_out, np.nan, log.column(f"{source}.{body}.{axis}")) for axis in "xy")
+        return project_track(path, x, y, float(known[0]) if known.size else 0.0)
+
+    return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))

@@ -67,7 +67,7 @@ class Gate:
         self._suspended_before = suspended_time()
 
     def hear(self, now: float) -> bool:
-        """Take in all that has arrived; return whether to tick before the next tick is due: a new command does not wait."""
+        """Take in all that has arrived; return whether to tick before it is due: a new command does not wait."""
         self.wires.receive()
         urgent = self._hear_controller(now) | self._hear_desk(now)
         return self.engagement.steers and (urgent or not self.watch.command_valid(now))

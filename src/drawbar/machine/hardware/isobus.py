@@ -32,7 +32,9 @@ class NameSettings(Settings):
     device_class: Annotated[int, Field(ge=0, lt=1 << 7)] = 1
     """1: tractor"""
     function_instance: Annotated[int, Field(ge=0, lt=1 << 5)] = 0
+    """which of several guidance controllers on the bus"""
     ecu_instance: Annotated[int, Field(ge=0, lt=1 << 3)] = 0
+    """which of several control units of that function"""
     self_configurable: bool = True
     """may move to an address of 128 to 247 where its own is taken; False: is silent then"""
 

@@ -6,7 +6,7 @@ from typing import Any
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.messages import Fixes
+from drawbar.messages import Fixes, nanoseconds
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.pairing import Body, Pair, Pairing
 from drawbar.signals import FixQuality
@@ -50,10 +50,10 @@ class Navigation:
         values: dict[str, Any] = self._body("tractor", pair.tractor) | self._body("trailer", pair.trailer)
         return Fixes(
             sequence=self._sequence,
-            time=round(time * 1e9),
-            valid_until=round((time + _VALID) * 1e9),
-            epoch=round(min(epoch.time for epoch in epochs) * 1e9),
-            first_byte=round(min(epoch.received for epoch in epochs) * 1e9),
+            time=nanoseconds(time),
+            valid_until=nanoseconds(time + _VALID),
+            epoch=nanoseconds(min(epoch.time for epoch in epochs)),
+            first_byte=nanoseconds(min(epoch.received for epoch in epochs)),
             **self._sensed(time),
             **values,
         )
@@ -62,7 +62,7 @@ class Navigation:
         """Return what the sensor board said last, unless that is old."""
         report = self._sensors.last if self._sensors is not None else None
         fresh = report is not None and time - report.time <= _FRESH
-        stamp = round(report.time * 1e9) if report is not None and fresh else 0
+        stamp = nanoseconds(report.time) if report is not None and fresh else 0
         return {
             "hitch_angle": report.hitch_angle if report is not None and fresh else math.nan,
             "hitch_angle_time": stamp,

@@ -47,7 +47,9 @@ class BoardMemory(Settings):
     ackermann: Annotated[int, Field(ge=1, le=255)] = 100
     """per cent by which angles to the left are scaled; 100 for a joint"""
     invert_sensor: bool = False
+    """counts of the angle sensor rise to the right"""
     invert_motor: bool = False
+    """the motor turns to the right where the board means left"""
     single_ended: bool = True
     """the angle sensor has one signal wire, else two"""
     cytron: bool = True
@@ -55,6 +57,7 @@ class BoardMemory(Settings):
     danfoss: bool = False
     """Danfoss valve in place of a motor"""
     relay_active_high: bool = False
+    """relays close with a high level"""
     steer_switch: bool = False
     """a switch tells the board whether it may steer"""
     steer_button: bool = False

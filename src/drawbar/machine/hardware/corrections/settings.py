@@ -20,6 +20,7 @@ class CorrectionsSettings(Settings):
     host: str
     """name or address of the caster"""
     port: Annotated[int, Field(ge=1, le=65535)] = 2101
+    """of the caster; 2101 is usual, 443 with TLS"""
     mount: Annotated[str, Field(pattern=r"^[!-.0-~]+$")]
     """mount point, without slash"""
     version: Literal[1, 2] = 2
