@@ -144,6 +144,16 @@ class RunLog:
     """(n,): time of the computer's clock at which each step was written, s since 1970"""
     outcome: Outcome
 
+    @property
+    def steps(self) -> int:
+        """How many."""
+        return len(self.records)
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether the machine was a simulated one."""
+        return any(record.truth is not None for record in self.records)
+
     def column(self, name: str) -> Floats:
         """Return one number of every step, (n,); NaN where the step has no truth.
 

@@ -9,6 +9,7 @@ from drawbar.geometry import Floats
 from drawbar.recording.log import RunLog
 from drawbar.report import style
 from drawbar.report.columns import actual_steering, along
+from drawbar.report.decimation import extremes
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.shades import class_shades
 from drawbar.report.style import Figure, axis, layout, line
@@ -33,7 +34,10 @@ def _of_step(
 ) -> dict[str, Any]:
     """Return a line over the steps of a run; `meta` tells the page to add times and to follow on the map."""
     hover = "%{y:.2f}" + unit + ", at %{customdata:.1f} s"
-    return line(along(log, body), values, name, colour, meta="steps", hovertemplate=hover, **options)
+    shown = extremes(values)
+    if len(shown) < len(values):  # else the page has the times
+        options["customdata"] = log.column("measurement.time")[shown].round(3)
+    return line(along(log, body)[shown], values[shown], name, colour, meta="steps", hovertemplate=hover, **options)
 
 
 def _bound_lines(
@@ -69,6 +73,44 @@ def error_figure(log: RunLog, errors: Bodies[PathErrors]) -> Figure:
         name = f"{_NAMES[body]}, estimated"
         traces.append(_of_step(log, body, believed, name, colour, " cm", **shown))
     return _along_figure(log, traces + _masked_fixes(log), "Left of the path, cm")
+
+
+def heading_figure(log: RunLog) -> Figure:
+    """Draw the yaw of both bodies against that of the path beside them, degrees."""
+    source = "truth" if log.has_truth else "estimate"
+    traces = []
+    for body, colour in style.BODY_COLOURS.items():
+        turned = log.column(f"{source}.{body}.yaw") - log.column(f"reference.{body}.closest.2")
+        error = np.degrees(np.remainder(turned + np.pi, 2.0 * np.pi) - np.pi)
+        traces.append(_of_step(log, body, error, _NAMES[body], colour, "°"))
+    return _along_figure(log, traces, "Left of the path's direction, °")
+
+
+def speed_figure(log: RunLog) -> Figure:
+    """Draw the wheel speed as commanded, measured and estimated, m/s."""
+    looks = {
+        "measurement.speed": ("Measured", style.REFERENCE, 1.0),
+        "estimate.speed": ("Estimated", style.ESTIMATOR, 1.6),
+        "command.speed": ("Commanded", style.INK, 1.2),
+    }
+    return _along_figure(log, _compared(log, looks, 1.0, " m/s"), "Speed, m/s")
+
+
+def hitch_figure(log: RunLog) -> Figure:
+    """Draw the hitch angle as measured and estimated, degrees."""
+    looks = {
+        "measurement.hitch_angle": ("Measured", style.REFERENCE, 1.0),
+        "estimate.hitch_angle": ("Estimated", style.ESTIMATOR, 1.6),
+    }
+    return _along_figure(log, _compared(log, looks, math.degrees(1.0), "°"), "Hitch angle, °")
+
+
+def _compared(log: RunLog, looks: dict[str, tuple[str, str, float]], scale: float, unit: str) -> list[dict[str, Any]]:
+    """Return a line for each column by name, colour and width, times a scale."""
+    return [
+        _of_step(log, "tractor", scale * log.column(column), name, colour, unit, width=width)
+        for column, (name, colour, width) in looks.items()
+    ]
 
 
 def _masked_fixes(log: RunLog) -> list[dict[str, Any]]:

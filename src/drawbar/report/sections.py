@@ -9,8 +9,11 @@ from drawbar.report.figures import (
     ancillary_figure,
     error_figure,
     estimate_figure,
+    heading_figure,
+    hitch_figure,
     margin_figure,
     solve_time_figure,
+    speed_figure,
     steering_figure,
 )
 from drawbar.report.map import map_figure
@@ -41,8 +44,7 @@ class Section:
 
 
 def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
-    has_truth = any(record.truth is not None for record in log.records)
-    whose = "True positions." if has_truth else "A real machine: estimated positions, the truth is not known."
+    whose = "True positions." if log.has_truth else "A real machine: estimated positions, the truth is not known."
     return [
         Section(
             name="map",
@@ -57,6 +59,24 @@ def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
             title="Distance from the path",
             note="Of the antennas. Curves are shaded, with their curvature in 1/m where the path gives it.",
             figure=error_figure(log, errors),
+        ),
+        Section(
+            name="heading",
+            title="Heading error",
+            note="Of both bodies against the path beside them; true yaws where they are known.",
+            figure=heading_figure(log),
+        ),
+        Section(
+            name="speed",
+            title="Speed",
+            note="Of the wheels: what was commanded, measured, and estimated.",
+            figure=speed_figure(log),
+        ),
+        Section(
+            name="hitch",
+            title="Hitch angle",
+            note="Between tractor and drawbar, at the free joint.",
+            figure=hitch_figure(log),
         ),
     ]
 
