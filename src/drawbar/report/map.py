@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import PathTable, RecordedPoints, RunLog
+from drawbar.recording.log import Columns, PathTable, RecordedPoints
 from drawbar.report import style
 from drawbar.report.columns import track
 from drawbar.report.decimation import thinned
@@ -33,14 +33,14 @@ def polyline(path: PathTable) -> Floats:
     return nodes[np.unique(np.searchsorted(detail, np.linspace(0.0, detail[-1], _VERTICES)))]
 
 
-def outlines(log: RunLog) -> tuple[Floats, Floats]:
+def outlines(log: Columns) -> tuple[Floats, Floats]:
     """Return the outlines of tractor and trailer at moments spread over the run, (n, 2) each in m."""
     pairs = _outline_pairs(log, _outlined_steps(log))
     tractors, trailers = zip(*pairs, strict=True) if pairs else ([np.empty((0, 2))], [np.empty((0, 2))])
     return np.vstack(tractors), np.vstack(trailers)
 
 
-def _outlined_steps(log: RunLog) -> list[int]:
+def _outlined_steps(log: Columns) -> list[int]:
     """Return steps at equal distances along the tractor's track, the last one first."""
     if not log.steps:
         return []
@@ -55,7 +55,7 @@ def _length(vehicle: VehicleParameters) -> float:
     return vehicle.wheelbase + vehicle.hitch_length + vehicle.trailer_length
 
 
-def _outline_pairs(log: RunLog, steps: list[int]) -> list[tuple[Floats, Floats]]:
+def _outline_pairs(log: Columns, steps: list[int]) -> list[tuple[Floats, Floats]]:
     seen, vehicle = "truth" if log.has_truth else "estimate", log.header.vehicle
 
     def poses(body: str) -> list[Pose]:
@@ -70,7 +70,7 @@ def _outline_pairs(log: RunLog, steps: list[int]) -> list[tuple[Floats, Floats]]
     ]
 
 
-def _track_trace(log: RunLog, body: str, colour: str, width: float) -> dict[str, Any]:
+def _track_trace(log: Columns, body: str, colour: str, width: float) -> dict[str, Any]:
     points = track(log, body)[thinned(log.steps)]
     hover = "%{x:.2f} m east, %{y:.2f} m north, at %{customdata:.1f} s"
     name = body.capitalize()
@@ -122,7 +122,7 @@ def _cursor() -> dict[str, Any]:
     return _marks(np.empty((0, 2)), "", look, showlegend=False)
 
 
-def map_figure(log: RunLog) -> Figure:
+def map_figure(log: Columns) -> Figure:
     """Draw the map, east to the right, both axes at the same scale; its last trace is the page's cursor."""
     recorded = log.header.recorded
     tractor, trailer = outlines(log)

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.signals import FixStatus, GateVerdict
@@ -137,31 +137,31 @@ def _errors_by_class(errors: PathErrors, classes: tuple[str, ...]) -> dict[str, 
     return by_class | {ALL: error_statistics(errors.error)}
 
 
-def _yaw_rmse(log: RunLog, body: str) -> float:
+def _yaw_rmse(log: Columns, body: str) -> float:
     difference = log.column(f"estimate.{body}.yaw") - log.column(f"truth.{body}.yaw")
     return error_statistics(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi).rms
 
 
-def _steering_rate(log: RunLog, body: str) -> float:
+def _steering_rate(log: Columns, body: str) -> float:
     turned = np.abs(np.diff(actual_steering(log, body)))
     return float(_present(turned / np.diff(log.column("measurement.time"))).mean())
 
 
-def _ancillary_share(log: RunLog, body: str) -> float:
+def _ancillary_share(log: Columns, body: str) -> float:
     command = log.column(f"{body}_steering.command")
     ancillary = log.column(f"{body}_steering.ancillary") * np.sign(command)
     return _share(float(ancillary.sum()), float(np.abs(command).sum()))
 
 
-def _saturated_share(log: RunLog, body: str) -> float:
+def _saturated_share(log: Columns, body: str) -> float:
     return _share(float(log.column(f"{body}_steering.saturated").sum()), log.steps)
 
 
-def _tube_margin(log: RunLog, body: str) -> float:
+def _tube_margin(log: Columns, body: str) -> float:
     return float(_present(log.column(f"{body}_steering.margin")).min())
 
 
-def _fixes(log: RunLog, status: FixStatus) -> int:
+def _fixes(log: Columns, status: FixStatus) -> int:
     return sum(int((log.column(f"estimate.{body}_fix") == status).sum()) for body in ("tractor", "trailer"))
 
 
@@ -170,18 +170,18 @@ def _time_statistics(time: Floats) -> TimeStatistics:
     return TimeStatistics(median=float(median), p99=float(p99), max=float(largest))
 
 
-def _phase_times(log: RunLog, solver: str) -> PhaseTimes:
+def _phase_times(log: Columns, solver: str) -> PhaseTimes:
     return PhaseTimes(
         prepare=_time_statistics(log.column(f"{solver}_times.prepare")),
         feedback=_time_statistics(log.column(f"{solver}_times.feedback")),
     )
 
 
-def _of_both(figure: Callable[[RunLog, str], float], log: RunLog) -> Bodies[float]:
+def _of_both(figure: Callable[[Columns, str], float], log: Columns) -> Bodies[float]:
     return Bodies(tractor=figure(log, "tractor"), trailer=figure(log, "trailer"))
 
 
-def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
+def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
     """Compute the figures of a run from its log and the true errors of both bodies."""
     classes = log.header.path.label_names
     gate = log.column("gate")

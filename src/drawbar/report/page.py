@@ -7,7 +7,7 @@ from string import Template
 import msgspec
 from plotly.offline import get_plotlyjs  # type: ignore[import-untyped]
 
-from drawbar.recording.log import RunLog, encode_special
+from drawbar.recording.log import Columns, encode_special
 from drawbar.report import style
 from drawbar.report.columns import along, track
 from drawbar.report.decimation import thinned
@@ -56,7 +56,7 @@ def _section_html(section: Section) -> str:
     return f'<section>{heading}<div class="{kind}" id="{section.name}"></div></section>'
 
 
-def _page_data(log: RunLog, sections: list[Section]) -> str:
+def _page_data(log: Columns, sections: list[Section]) -> str:
     shown = thinned(log.steps)
     data = {
         "figures": {section.name: section.figure for section in sections},
@@ -69,7 +69,7 @@ def _page_data(log: RunLog, sections: list[Section]) -> str:
     return text.replace("</", "<\\/")  # a closing tag inside a string would end the script
 
 
-def render_page(log: RunLog, metrics: Metrics, errors: Bodies[PathErrors]) -> str:
+def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors]) -> str:
     """Return the whole page as HTML."""
     sections = all_sections(log, errors)
     started = f"{log.header.started:%d %B %Y, %H:%M %Z}"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 
 T = TypeVar("T")
 
@@ -47,7 +47,7 @@ def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     return PathErrors(progress=progress, error=error, labels=np.array(labels, dtype=np.str_))
 
 
-def true_path_errors(log: RunLog) -> Bodies[PathErrors]:
+def true_path_errors(log: Columns) -> Bodies[PathErrors]:
     """Return the true errors of both bodies at every step of a log."""
     path = log.header.path.path()
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.columns import along, track
 from drawbar.report.map import outlines, polyline
@@ -67,7 +67,7 @@ def _map_window(x: Floats, y: Floats) -> _Window:
     return _Window(left=left, top=top, width=width, height=height, x=x_range, y=y_range)
 
 
-def _map(log: RunLog) -> list[str]:
+def _map(log: Columns) -> list[str]:
     path = polyline(log.header.path)
     tracks = {body: track(log, body) for body in style.BODY_COLOURS}
     window = _map_window(*np.vstack([path, *tracks.values()]).T)
@@ -84,7 +84,7 @@ def _label(x: float, y: float, text: str, anchor: str = "start", colour: str = s
     return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" style="fill:{colour}">{text}</text>'
 
 
-def _errors(log: RunLog, errors: Bodies[PathErrors]) -> list[str]:
+def _errors(log: Columns, errors: Bodies[PathErrors]) -> list[str]:
     curves = {body: getattr(errors, body).error * 100.0 for body in style.BODY_COLOURS}
     largest = _range(np.abs(np.concatenate([*curves.values(), np.zeros(1)])), 1.0)[1]
     length = log.header.path.arc_length[-1]
@@ -104,7 +104,7 @@ def _errors(log: RunLog, errors: Bodies[PathErrors]) -> list[str]:
     return parts
 
 
-def render_picture(log: RunLog, errors: Bodies[PathErrors]) -> str:
+def render_picture(log: Columns, errors: Bodies[PathErrors]) -> str:
     """Return the picture as SVG text; without truth the error strip stays empty."""
     legend = [
         _label(24.0, 28.0, "Path", colour=style.REFERENCE),

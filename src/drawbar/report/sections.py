@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.figures import (
     ancillary_figure,
@@ -43,7 +43,7 @@ class Section:
     along_path: bool = True
 
 
-def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
+def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
     whose = "True positions." if log.has_truth else "A real machine: estimated positions, the truth is not known."
     return [
         Section(
@@ -81,7 +81,7 @@ def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
     ]
 
 
-def _steering(log: RunLog) -> list[Section]:
+def _steering(log: Columns) -> list[Section]:
     reversed_actuator = (
         " The actuator is reversed (joint_sign = -1): the joint goes to the mirror image of its command."
         if log.header.vehicle.joint_sign == -1
@@ -116,7 +116,7 @@ def _steering(log: RunLog) -> list[Section]:
     ]
 
 
-def _estimates(log: RunLog) -> list[Section]:
+def _estimates(log: Columns) -> list[Section]:
     zoom = "Dashed: bounds of the estimator, zoom out where they are not in sight."
     return [
         Section(
@@ -134,7 +134,7 @@ def _estimates(log: RunLog) -> list[Section]:
     ]
 
 
-def all_sections(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
+def all_sections(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
     """Return everything the page shows of a run; what its estimator does not have leaves no empty section."""
     solving = Section(
         name="solve-times",
