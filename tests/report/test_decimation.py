@@ -32,9 +32,9 @@ def test_all_missing_is_a_gap() -> None:
     assert np.isnan(np.full(50_000, np.nan)[extremes(np.full(50_000, np.nan))]).all()
 
 
-@pytest.mark.parametrize("count", [0, 1, 20_000, 20_001, 500_000])
+@pytest.mark.parametrize("count", [0, 1, 10_000, 10_001, 500_000])
 def test_thinned_indices_are_few_and_end_with_the_last(count: int) -> None:
     kept = thinned(count)
-    assert len(kept) <= 20_001
+    assert len(kept) <= 10_001
     assert (np.diff(kept) > 0).all()
     assert not count or (kept[0], kept[-1]) == (0, count - 1)

@@ -38,11 +38,7 @@ class PathErrors:
 
 def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     """Project a track (n,) of positions (m) on the path, beginning near the arc length `start` (m)."""
-    progress, error = np.full(len(x), np.nan), np.full(len(x), np.nan)
-    last = start
-    for step in np.flatnonzero(np.isfinite(x) & np.isfinite(y)):
-        last, error[step] = path.project(float(x[step]), float(y[step]), last - _BEHIND, last + _AHEAD)
-        progress[step] = last
+    progress, error = path.project_track(np.column_stack([x, y]), start, behind=_BEHIND, ahead=_AHEAD).T.copy()
     labels = path.labels(np.nan_to_num(progress, nan=start))
     return PathErrors(progress=progress, error=error, labels=np.array(labels, dtype=np.str_))
 

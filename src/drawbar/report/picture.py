@@ -9,6 +9,7 @@ from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.columns import along, track
+from drawbar.report.decimation import extremes, thinned
 from drawbar.report.map import outlines, polyline
 from drawbar.report.path_errors import Bodies, PathErrors
 
@@ -69,7 +70,7 @@ def _map_window(x: Floats, y: Floats) -> _Window:
 
 def _map(log: Columns) -> list[str]:
     path = polyline(log.header.path)
-    tracks = {body: track(log, body) for body in style.BODY_COLOURS}
+    tracks = {body: track(log, body)[thinned(log.steps)] for body in style.BODY_COLOURS}
     window = _map_window(*np.vstack([path, *tracks.values()]).T)
     parts = [window.curve(path[:, 0], path[:, 1], _stroke("#D5DAE1", 5.0))]
     for body, colour in reversed(style.BODY_COLOURS.items()):
@@ -99,7 +100,8 @@ def _errors(log: Columns, errors: Bodies[PathErrors]) -> list[str]:
     for body, colour in reversed(style.BODY_COLOURS.items()):
         progress = along(log, body)
         on_path = np.where(progress >= 0.0, progress, np.nan)  # the trailer starts behind the path
-        parts.append(window.curve(on_path, curves[body], _stroke(colour, 1.1)))
+        shown = extremes(curves[body])
+        parts.append(window.curve(on_path[shown], curves[body][shown], _stroke(colour, 1.1)))
     parts += [_label(60.0, 776.0, "0 m"), _label(_WIDTH - 20.0, 776.0, f"{length:.0f} m", "end")]
     return parts
 
