@@ -11,6 +11,7 @@ from drawbar.cli.bench import bench
 from drawbar.cli.config import config, events
 from drawbar.cli.experiment import experiment
 from drawbar.cli.export import export
+from drawbar.cli.path import path
 from drawbar.cli.replay import replay
 from drawbar.cli.report import report
 from drawbar.cli.run import run
@@ -21,7 +22,7 @@ from drawbar.errors import DrawbarError
 from drawbar.terminal import degrade_output
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, report, replay, config, events, tube, export, bench, experiment, tune):
+for command in (run, report, replay, config, events, tube, path, export, bench, experiment, tune):
     app.command()(command)
 
 
