@@ -27,6 +27,7 @@ NOT_OURS = {
     ),
     *("example/path.csv", "step.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
     "build/reference/index.html",
+    *("ABLines.txt", "Boundary.txt", "CurveLines.txt", "FOLDER/config.toml", "zig/"),
 }
 """written by a command, or an example of a user's own"""
 

@@ -8,7 +8,7 @@ import pytest
 from drawbar.configurations import shipped_names
 
 HEAVY = "casadi scipy numpy plotly matplotlib dask distributed optuna"
-COMMANDS = ("run", "report", "replay", "config", "events", "tube", "export", "bench", "experiment", "tune")
+COMMANDS = ("run", "report", "replay", "config", "events", "path", "tube", "export", "bench", "experiment", "tune")
 
 
 def loaded_by(statement: str) -> set[str]:

@@ -73,6 +73,16 @@ def test_changed_content_is_compiled_again(compilations: list[Any], monkeypatch:
 
 
 @pytest.mark.usefixtures("own_cache")
+def test_progress_of_several_units_is_told() -> None:
+    units = {f"unit{number}.c": f"int answer{number}(void) {{ return {number}; }}\n" for number in range(3)}
+    told: list[tuple[int, int]] = []
+    with cache.watch_compilation(lambda *of: told.append(of)):
+        build("several", units)
+        build("several", units)
+    assert told == [(1, 3), (2, 3), (3, 3)]
+
+
+@pytest.mark.usefixtures("own_cache")
 def test_source_that_does_not_compile_shows_what_the_compiler_said() -> None:
     with pytest.raises(CompilerError, match=re.escape("could not compile broken-")) as error:
         build("broken", "int answer(void) { return forty_two; }\n")

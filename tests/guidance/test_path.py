@@ -197,3 +197,20 @@ def test_poses_too_close_together_or_too_far_apart_are_refused(apart: float) -> 
 
 def test_a_table_that_bends_like_a_kink_is_refused() -> None:
     assert first_wrong(arc(0.49).nodes) == 1
+
+
+def test_track_is_projected_as_its_places_are_one_by_one():
+    path = figure_eights([5.0], 4.0)
+    places = (
+        path.sample(np.arange(0.0, path.length, 0.3))[:, :2]
+        + 0.1 * np.sin(np.arange(1000))[: int(path.length / 0.3) + 1, None]
+    )
+    places[7] = np.nan
+    found = path.project_track(places, 0.0, behind=1.0, ahead=3.0)
+    last = 0.0
+    for place, (progress, error) in zip(places, found, strict=True):
+        if np.isnan(place).any():
+            assert np.isnan([progress, error]).all()
+            continue
+        last, expected = path.project(*place.tolist(), last - 1.0, last + 3.0)
+        assert (progress, error) == (last, expected)

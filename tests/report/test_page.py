@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from drawbar.recording.log import Outcome
+from drawbar.report import decimation
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import true_path_errors
 
 SECTIONS = [
-    *("map", "errors", "tractor-steering", "trailer-steering"),
+    *("map", "errors", "heading", "speed", "hitch", "tractor-steering", "trailer-steering"),
     *("ancillary", "margin", "factors", "angles", "solve-times"),
 ]
 
@@ -72,7 +73,7 @@ def test_every_axis_of_a_quantity_names_its_unit(page):
     for name, figure in data_of(page)["figures"].items():
         for axis in ("xaxis", "yaxis"):
             title = figure["layout"][axis]["title"]["text"]
-            assert re.search(r", (m|cm|°.*|µs|%)$", title) or (name, title) == ("factors", "Factor")
+            assert re.search(r", (m|cm|m/s|°.*|µs|%)$", title) or (name, title) == ("factors", "Factor")
 
 
 def test_what_the_estimator_does_not_have_is_not_shown(page):
@@ -138,3 +139,17 @@ def test_the_shades_cover_the_curves(run, page):
     middles = np.array([0.5 * (shade["x0"] + shade["x1"]) for shade in shades])
     assert path.labels(middles) == ["0.1", "0.1", "0.125", "0.125", "0.15", "0.15"]
     assert path.labels(np.array([shade["x1"] + 0.1 for shade in shades])) == ["straight"] * 6
+
+
+def test_a_long_run_is_drawn_with_few_points_and_their_times(make_run, monkeypatch):
+    monkeypatch.setattr(decimation, "POINTS", 90)
+    data = data_of(render(make_run(steps=900)))
+    for trace in data["figures"]["speed"]["data"]:
+        assert len(trace["x"]) == len(trace["y"]) == len(trace["customdata"]) <= 92
+    assert len(data["time"]) == len(data["progress"]) == len(data["tracks"]["tractor"])
+
+
+def test_what_did_not_happen_is_said_in_words(make_run):
+    page = render(make_run(steps=30))
+    assert "0 / 0" not in page
+    assert "<b>none</b><span>commands changed by the gate</span>" in page

@@ -14,6 +14,7 @@ from drawbar.cli.drive import drive
 from drawbar.cli.experiment import experiment
 from drawbar.cli.export import export
 from drawbar.cli.log import log
+from drawbar.cli.path import path
 from drawbar.cli.replay import replay
 from drawbar.cli.report import report
 from drawbar.cli.run import run
@@ -24,7 +25,8 @@ from drawbar.errors import DrawbarError
 from drawbar.terminal import degrade_output
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, drive, check, stand_in, report, replay, config, events, tube, export, bench, experiment, tune):
+COMMANDS = (run, drive, check, stand_in, report, replay, config, events, tube, path, export, bench, experiment, tune)
+for command in COMMANDS:
     app.command()(command)
 app.add_typer(log, name="log")
 

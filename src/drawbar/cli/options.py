@@ -1,5 +1,7 @@
 """What several commands share: the console, arguments and options."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 import typer
@@ -15,6 +17,16 @@ ConfigurationName = Annotated[
 ]
 Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
+
+
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Show on the console that, and how far, something is compiled."""
+    from drawbar.codegen import watch_compilation
+
+    text = "compiling the control step (the first time only) …"
+    with console.status(text) as status, watch_compilation(lambda *of: status.update(f"{text} {of[0]} of {of[1]}")):
+        yield
 
 
 def one_cluster(jobs: int | None, cluster: str) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.options import ConfigurationName, compiling, console
 from drawbar.errors import DrawbarError, StorageError
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def run(
     config = load_configuration(configuration, [*settings, *(changes or [])])
     if out is not None and not force:
         _refuse_a_run_in(out)
-    with console.status("compiling the control step (the first time only) …"):
+    with compiling():
         simulation = Simulation(config, seed)
     folder = _new_folder(out, config, seed)
     with Interrupts() as interrupts:

@@ -7,9 +7,10 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -21,6 +22,20 @@ from drawbar.codegen.keeping import demand_own_folder, describe, is_whole, note_
 from drawbar.errors import CompilerError
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+Observer = Callable[[int, int], None]
+"""is told how many units of how many are compiled"""
+_OBSERVER: ContextVar[Observer] = ContextVar("observer", default=lambda done, total: None)
+
+
+@contextmanager
+def watch_compilation(observer: Observer) -> Iterator[None]:
+    """Tell an observer of all that is compiled within the context: only libraries of several units have steps."""
+    token = _OBSERVER.set(observer)
+    try:
+        yield
+    finally:
+        _OBSERVER.reset(token)
 
 
 def cache_folder() -> Path:
@@ -144,7 +159,15 @@ def _link(folder: Path, units: Sequence[str], flags: tuple[str, ...], library: P
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         compiled = [flag for flag in flags if flag != "-shared"]
         commands = [[*compiled, "-c", name, "-o", f"{name}.o"] for name in units]
-        list(pool.map(lambda command: _run(command, folder, library.stem), commands))
+        tell = _OBSERVER.get()
+        running = [pool.submit(_run, command, folder, library.stem) for command in commands]
+        try:
+            for count, done in enumerate(as_completed(running), start=1):
+                done.result()
+                tell(count, len(commands))
+        except BaseException:  # an interrupt, too, does not wait for what has not begun
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
     _run([*linked, *(f"{name}.o" for name in units), "-lm"], folder, library.stem)
 
 

@@ -1,6 +1,7 @@
 """From a configuration to a folder with its controller as a C library."""
 
 import json
+import re
 import shutil
 from collections.abc import Sequence
 from dataclasses import astuple
@@ -98,7 +99,14 @@ def _source_files(configuration: Configuration, components: Sequence[Component])
         "drawbar_components.h": sources.components_header(components, constants),
     }
     listed = " ".join(f"src/{name}" for name in sorted(texts))
-    marks = {"NAME": configuration.name, "VERSION": __version__, "HASH": version.split()[1], "SOURCES": listed}
+    number = re.match(r"\d+(?:\.\d+){0,3}", __version__)
+    marks = {
+        "NAME": configuration.name,
+        "VERSION": __version__,
+        "NUMBER": number[0] if number else "0",
+        "HASH": version.split()[1],
+        "SOURCES": listed,
+    }
     return {
         **{f"{'include' if name in sources.PUBLIC else 'src'}/{name}": text for name, text in sorted(every.items())},
         "CMakeLists.txt": sources.filled("CMakeLists.txt", marks),

@@ -18,6 +18,17 @@ def path_table(path: Path) -> str:
     return _table(PathNode, path.nodes.tolist())
 
 
+def path_array(path: Path) -> str:
+    """Return the path's nodes as a C header: an array of struct drawbar_path_node for drawbar_set_path."""
+    rows = "".join(f"    {{{', '.join(map(repr, row))}}},\n" for row in path.nodes.tolist())
+    return (
+        f"/* A path for drawbar_set_path: {len(path.nodes)} nodes, {path.length:.1f} m; written by drawbar path. */\n"
+        f'#include "drawbar.h"\n\n'
+        f"#define DRAWBAR_PATH_COUNT {len(path.nodes)}\n\n"
+        f"static const struct drawbar_path_node drawbar_path[DRAWBAR_PATH_COUNT] = {{\n{rows}}};\n"
+    )
+
+
 def measurement_table(measurements: Iterable[Measurement]) -> str:
     """Return measurements as CSV, in the order of struct drawbar_measurement; a missing value is empty."""
     return _table(Measurement, map(astuple, measurements))

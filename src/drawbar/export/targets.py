@@ -54,6 +54,13 @@ TARGETS = (
         for processor in ("x86_64", "aarch64")
     ),
     Target(
+        name="linux-armv7",
+        triple="arm-linux-gnueabihf",
+        flags=(_SIZED, "-fPIC", "-mcpu=cortex_a7"),
+        static="libdrawbar.a",
+        shared="libdrawbar.so",
+    ),
+    Target(
         name="windows-x86_64",
         triple="x86_64-windows-gnu",
         flags=("-mno-incremental-linker-compatible", "-s"),  # no dates, and no names of temporary files

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from datetime import datetime
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, Self, get_args
+from typing import Any, Protocol, Self, get_args
 
 import msgspec
 import numpy as np
@@ -146,6 +146,16 @@ class RunLog:
     """(n,): time of the computer's clock at which each step was written, s since 1970"""
     outcome: Outcome
 
+    @property
+    def steps(self) -> int:
+        """How many."""
+        return len(self.records)
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether the machine was a simulated one."""
+        return any(record.truth is not None for record in self.records)
+
     def column(self, name: str) -> Floats:
         """Return one number of every step, (n,); NaN where the step has no truth.
 
@@ -158,6 +168,33 @@ class RunLog:
             [np.nan if of_truth and record.truth is None else value(record) for record in self.records],
             dtype=float,
         )
+
+
+class Columns(Protocol):
+    """What a report needs of a log: a RunLog, or a ColumnLog of a long one."""
+
+    @property
+    def header(self) -> RunHeader:
+        """What was known before the first step."""
+
+    @property
+    def wall_time(self) -> Floats:
+        """(n,): s since 1970."""
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the run ended."""
+
+    @property
+    def steps(self) -> int:
+        """How many."""
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether the machine was a simulated one."""
+
+    def column(self, name: str) -> Floats:
+        """Return one number of every step, (n,)."""
 
 
 def _number(name: str) -> Callable[[StepRecord], Any]:

@@ -3,25 +3,21 @@
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 
 
-def along(log: RunLog, body: str) -> Floats:
+def along(log: Columns, body: str) -> Floats:
     """Return where a body is along the path, as the controller saw it, (n,) in m."""
     return log.column(f"reference.{body}.progress")
 
 
-def track(log: RunLog, body: str) -> Floats:
+def track(log: Columns, body: str) -> Floats:
     """Return where a body's antenna was, (n, 2) in m: the truth, or the estimate."""
-    source = "truth" if _has_truth(log) else "estimate"
+    source = "truth" if log.has_truth else "estimate"
     return np.column_stack([log.column(f"{source}.{body}.{coordinate}") for coordinate in "xy"])
 
 
-def actual_steering(log: RunLog, body: str) -> Floats:
+def actual_steering(log: Columns, body: str) -> Floats:
     """Return a body's steering, (n,) in rad: the truth, or what the sensor said."""
-    source = "truth" if _has_truth(log) else "measurement"
+    source = "truth" if log.has_truth else "measurement"
     return log.column(f"{source}.{body}_steering")
-
-
-def _has_truth(log: RunLog) -> bool:
-    return any(record.truth is not None for record in log.records)

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.columns import actual_steering, along
+from drawbar.report.decimation import extremes
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.shades import class_shades
 from drawbar.report.style import Figure, axis, layout, line
@@ -19,7 +20,7 @@ _SOLVERS = {"estimator": style.ESTIMATOR, "tractor": style.TRACTOR, "trailer": s
 _BINS_PER_DECADE = 30
 
 
-def _along_figure(log: RunLog, traces: list[dict[str, Any]], title: str, **y_options: Any) -> Figure:
+def _along_figure(log: Columns, traces: list[dict[str, Any]], title: str, **y_options: Any) -> Figure:
     progress = along(log, "tractor")
     span = [float(progress[0]), float(progress[-1])] if progress.size else [0.0, 1.0]
     hover = {"text": "<b>%{x:.1f} m</b>"}
@@ -29,15 +30,18 @@ def _along_figure(log: RunLog, traces: list[dict[str, Any]], title: str, **y_opt
 
 
 def _of_step(
-    log: RunLog, body: str, values: Floats, name: str, colour: str, unit: str, **options: Any
+    log: Columns, body: str, values: Floats, name: str, colour: str, unit: str, **options: Any
 ) -> dict[str, Any]:
     """Return a line over the steps of a run; `meta` tells the page to add times and to follow on the map."""
     hover = "%{y:.2f}" + unit + ", at %{customdata:.1f} s"
-    return line(along(log, body), values, name, colour, meta="steps", hovertemplate=hover, **options)
+    shown = extremes(values)
+    if len(shown) < len(values):  # else the page has the times
+        options["customdata"] = log.column("measurement.time")[shown].round(3)
+    return line(along(log, body)[shown], values[shown], name, colour, meta="steps", hovertemplate=hover, **options)
 
 
 def _bound_lines(
-    log: RunLog, body: str, name: str, bounds: tuple[float, float], colour: str = style.REFERENCE
+    log: Columns, body: str, name: str, bounds: tuple[float, float], colour: str = style.REFERENCE
 ) -> list[dict[str, Any]]:
     """Return two dashed lines over the whole run with one entry in the legend."""
     progress = along(log, body)
@@ -56,7 +60,7 @@ def _span_of(traces: list[dict[str, Any]]) -> list[float] | None:
     return [float(values.min()) - room, float(values.max()) + room]
 
 
-def error_figure(log: RunLog, errors: Bodies[PathErrors]) -> Figure:
+def error_figure(log: Columns, errors: Bodies[PathErrors]) -> Figure:
     """Draw the lateral errors of both bodies along the path: the truth, and what the estimator believed."""
     traces = []
     for body, colour in style.BODY_COLOURS.items():
@@ -71,7 +75,45 @@ def error_figure(log: RunLog, errors: Bodies[PathErrors]) -> Figure:
     return _along_figure(log, traces + _masked_fixes(log), "Left of the path, cm")
 
 
-def _masked_fixes(log: RunLog) -> list[dict[str, Any]]:
+def heading_figure(log: Columns) -> Figure:
+    """Draw the yaw of both bodies against that of the path beside them, degrees."""
+    source = "truth" if log.has_truth else "estimate"
+    traces = []
+    for body, colour in style.BODY_COLOURS.items():
+        turned = log.column(f"{source}.{body}.yaw") - log.column(f"reference.{body}.closest.2")
+        error = np.degrees(np.remainder(turned + np.pi, 2.0 * np.pi) - np.pi)
+        traces.append(_of_step(log, body, error, _NAMES[body], colour, "°"))
+    return _along_figure(log, traces, "Left of the path's direction, °")
+
+
+def speed_figure(log: Columns) -> Figure:
+    """Draw the wheel speed as commanded, measured and estimated, m/s."""
+    looks = {
+        "measurement.speed": ("Measured", style.REFERENCE, 1.0),
+        "estimate.speed": ("Estimated", style.ESTIMATOR, 1.6),
+        "command.speed": ("Commanded", style.INK, 1.2),
+    }
+    return _along_figure(log, _compared(log, looks, 1.0, " m/s"), "Speed, m/s")
+
+
+def hitch_figure(log: Columns) -> Figure:
+    """Draw the hitch angle as measured and estimated, degrees."""
+    looks = {
+        "measurement.hitch_angle": ("Measured", style.REFERENCE, 1.0),
+        "estimate.hitch_angle": ("Estimated", style.ESTIMATOR, 1.6),
+    }
+    return _along_figure(log, _compared(log, looks, math.degrees(1.0), "°"), "Hitch angle, °")
+
+
+def _compared(log: Columns, looks: dict[str, tuple[str, str, float]], scale: float, unit: str) -> list[dict[str, Any]]:
+    """Return a line for each column by name, colour and width, times a scale."""
+    return [
+        _of_step(log, "tractor", scale * log.column(column), name, colour, unit, width=width)
+        for column, (name, colour, width) in looks.items()
+    ]
+
+
+def _masked_fixes(log: Columns) -> list[dict[str, Any]]:
     """Return crosses on the path where an antenna had a fix that the estimator did not believe."""
     traces = []
     for body, colour in style.BODY_COLOURS.items():
@@ -85,7 +127,7 @@ def _masked_fixes(log: RunLog) -> list[dict[str, Any]]:
     return traces
 
 
-def steering_figure(log: RunLog, body: str) -> Figure:
+def steering_figure(log: Columns, body: str) -> Figure:
     """Draw the commanded and the actual steering of one body with its limits, degrees."""
     limit = math.degrees(getattr(log.header.vehicle, f"{body}_steering_limit"))
     actual = np.degrees(actual_steering(log, body))
@@ -99,7 +141,7 @@ def steering_figure(log: RunLog, body: str) -> Figure:
     return _along_figure(log, traces, "Steering, ° (left positive)", range=[-1.12 * limit, 1.12 * limit])
 
 
-def estimate_figure(log: RunLog, names: dict[str, tuple[str, str]], title: str, unit: str, scale: float) -> Figure:
+def estimate_figure(log: Columns, names: dict[str, tuple[str, str]], title: str, unit: str, scale: float) -> Figure:
     """Draw estimated parameters with bounds and truth.
 
     names: by field name of Estimate the symbol and the colour; values are multiplied by scale. A parameter
@@ -119,7 +161,7 @@ def estimate_figure(log: RunLog, names: dict[str, tuple[str, str]], title: str, 
     return _along_figure(log, curves + bounds, title, range=_span_of(curves))
 
 
-def ancillary_figure(log: RunLog) -> Figure:
+def ancillary_figure(log: Columns) -> Figure:
     """Draw the ancillary term of both bodies, degrees."""
     traces = []
     for body, colour in style.BODY_COLOURS.items():
@@ -128,7 +170,7 @@ def ancillary_figure(log: RunLog) -> Figure:
     return _along_figure(log, traces, "Ancillary steering, °")
 
 
-def margin_figure(log: RunLog) -> Figure:
+def margin_figure(log: Columns) -> Figure:
     """Draw the margins of both bodies' tubes, %; a body without a tube is left out."""
     traces = []
     for body, colour in style.BODY_COLOURS.items():
@@ -146,7 +188,7 @@ def _histogram(time: Floats, edges: Floats) -> tuple[Floats, Floats]:
     return np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(share, 2), [0.0]])
 
 
-def solve_time_figure(log: RunLog) -> Figure:
+def solve_time_figure(log: Columns) -> Figure:
     """Draw how long the two phases of the solvers that there are took, µs, on a logarithmic axis."""
     columns = {
         (solver, phase): log.column(f"{solver}_times.{phase}") * 1e6

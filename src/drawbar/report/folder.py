@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from drawbar.errors import StorageError
-from drawbar.recording.log import read_log
+from drawbar.recording.columns import read_columns
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import best_path_errors, true_path_errors
@@ -23,7 +23,7 @@ def write_report(folder: Path, log_file: Path | None = None) -> Metrics:
         DrawbarError: the log cannot be read.
         StorageError: a file cannot be written; what was there before is still there.
     """
-    log = read_log(log_file or folder / LOG_NAME)
+    log = read_columns(log_file or folder / LOG_NAME)
     errors = true_path_errors(log)
     metrics = compute_metrics(log, best_path_errors(log))
     contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), render_picture(log, errors).encode())

@@ -5,13 +5,14 @@ from typing import Any
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import PathTable, RecordedPoints, RunLog
+from drawbar.recording.log import Columns, PathTable, RecordedPoints
 from drawbar.report import style
 from drawbar.report.columns import track
+from drawbar.report.decimation import thinned
 from drawbar.report.outline import tractor_outline, trailer_outline
 from drawbar.report.shades import KINK, stretches
 from drawbar.report.style import Figure, axis, layout, line
-from drawbar.signals import Pose, StepRecord
+from drawbar.signals import Pose
 from drawbar.vehicle.parameters import VehicleParameters
 
 _OUTLINES = 12
@@ -32,16 +33,16 @@ def polyline(path: PathTable) -> Floats:
     return nodes[np.unique(np.searchsorted(detail, np.linspace(0.0, detail[-1], _VERTICES)))]
 
 
-def outlines(log: RunLog) -> tuple[Floats, Floats]:
+def outlines(log: Columns) -> tuple[Floats, Floats]:
     """Return the outlines of tractor and trailer at moments spread over the run, (n, 2) each in m."""
-    pairs = [_outline_pair(log, log.records[step]) for step in _outlined_steps(log)]
+    pairs = _outline_pairs(log, _outlined_steps(log))
     tractors, trailers = zip(*pairs, strict=True) if pairs else ([np.empty((0, 2))], [np.empty((0, 2))])
     return np.vstack(tractors), np.vstack(trailers)
 
 
-def _outlined_steps(log: RunLog) -> list[int]:
+def _outlined_steps(log: Columns) -> list[int]:
     """Return steps at equal distances along the tractor's track, the last one first."""
-    if not log.records:
+    if not log.steps:
         return []
     moved = np.hypot(*np.diff(track(log, "tractor"), axis=0).T)
     driven = np.concatenate([[0.0], np.cumsum(np.nan_to_num(moved))])
@@ -54,18 +55,26 @@ def _length(vehicle: VehicleParameters) -> float:
     return vehicle.wheelbase + vehicle.hitch_length + vehicle.trailer_length
 
 
-def _outline_pair(log: RunLog, record: StepRecord) -> tuple[Floats, Floats]:
-    seen = record.truth or record.estimate
-    tractor: Pose = seen.tractor
-    vehicle = log.header.vehicle
-    return tractor_outline(tractor, seen.tractor_steering, vehicle), trailer_outline(seen.trailer, vehicle)
+def _outline_pairs(log: Columns, steps: list[int]) -> list[tuple[Floats, Floats]]:
+    seen, vehicle = "truth" if log.has_truth else "estimate", log.header.vehicle
+
+    def poses(body: str) -> list[Pose]:
+        columns = (log.column(f"{seen}.{body}.{name}")[steps].tolist() for name in ("x", "y", "yaw"))
+        return [Pose(x=x, y=y, yaw=yaw) for x, y, yaw in zip(*columns, strict=True)]
+
+    steerings = log.column(f"{seen}.tractor_steering")[steps].tolist()
+    together = zip(poses("tractor"), steerings, poses("trailer"), strict=True)
+    return [
+        (tractor_outline(tractor, steering, vehicle), trailer_outline(trailer, vehicle))
+        for tractor, steering, trailer in together
+    ]
 
 
-def _track_trace(log: RunLog, body: str, colour: str) -> dict[str, Any]:
-    points = track(log, body)
+def _track_trace(log: Columns, body: str, colour: str, width: float) -> dict[str, Any]:
+    points = track(log, body)[thinned(log.steps)]
     hover = "%{x:.2f} m east, %{y:.2f} m north, at %{customdata:.1f} s"
     name = body.capitalize()
-    return line(points[:, 0], points[:, 1], name, colour, meta="steps", hovertemplate=hover, width=1.8)
+    return line(points[:, 0], points[:, 1], name, colour, meta="steps", hovertemplate=hover, width=width)
 
 
 def _outline_trace(points: Floats, name: str, colour: str) -> dict[str, Any]:
@@ -113,22 +122,24 @@ def _cursor() -> dict[str, Any]:
     return _marks(np.empty((0, 2)), "", look, showlegend=False)
 
 
-def map_figure(log: RunLog) -> Figure:
+def map_figure(log: Columns) -> Figure:
     """Draw the map, east to the right, both axes at the same scale; its last trace is the page's cursor."""
     recorded = log.header.recorded
     tractor, trailer = outlines(log)
-    fixes = np.column_stack([log.column(f"measurement.tractor_{coordinate}") for coordinate in "xy"])
+    fixes = np.column_stack([log.column(f"measurement.tractor_{coordinate}") for coordinate in "xy"])[
+        thinned(log.steps)
+    ]
     fix_look = {"size": 3, "color": style.REFERENCE}
     traces = [
         *_path_traces(log.header.path),
         *(_recorded_traces(recorded) if recorded else []),
-        _track_trace(log, "trailer", style.TRAILER),
-        _track_trace(log, "tractor", style.TRACTOR),
+        _track_trace(log, "trailer", style.TRAILER, 4.0),  # wider: both drive on the same line
+        _track_trace(log, "tractor", style.TRACTOR, 1.5),
         _outline_trace(trailer, "Trailer", style.TRAILER),
         _outline_trace(tractor, "Tractor", style.TRACTOR),
         _marks(fixes, "GPS fixes of the tractor", fix_look, visible="legendonly"),
         _cursor(),
     ]
-    legend = {"x": 0.01, "y": 0.99, "yanchor": "top", "bgcolor": "rgba(255,255,255,0.85)"}
+    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}  # off the tracks, also on a phone
     east, north = axis("East, m", zeroline=False), axis("North, m", zeroline=False, scaleanchor="x")
     return {"data": traces, "layout": layout(east, north, hovermode="closest", dragmode="pan", legend=legend)}

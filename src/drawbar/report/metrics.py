@@ -3,6 +3,7 @@
 Without truth (a real machine) every figure that needs it is NaN, null in JSON.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -10,7 +11,7 @@ import msgspec
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.report.columns import actual_steering, along
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.signals import FixStatus, GateVerdict
@@ -21,11 +22,15 @@ ALL = "all"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorStatistics:
-    """Of an absolute distance, m."""
+    """Of a distance, m: of its magnitude, but for the standard deviation."""
 
     mean: float
     rms: float
     max: float
+    deviation: float = math.nan
+    """standard deviation of the signed distance"""
+    p95: float = math.nan
+    """95 % of all magnitudes are at most this"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,9 +121,15 @@ def _span(values: Floats) -> float:
 
 def error_statistics(error: Floats) -> ErrorStatistics:
     """Summarise the magnitudes of (n,) errors; missing ones do not count, all NaN when there are none."""
-    size = np.abs(_present(error))
-    mean, rms, largest = size.mean(), np.sqrt(np.mean(size**2)), size.max()
-    return ErrorStatistics(mean=float(mean), rms=float(rms), max=float(largest))
+    present = _present(error)
+    size = np.abs(present)
+    return ErrorStatistics(
+        mean=float(size.mean()),
+        rms=float(np.sqrt(np.mean(size**2))),
+        max=float(size.max()),
+        deviation=float(present.std()),
+        p95=float(np.percentile(size, 95.0)),
+    )
 
 
 def _errors_by_class(errors: PathErrors, classes: tuple[str, ...]) -> dict[str, ErrorStatistics]:
@@ -126,33 +137,32 @@ def _errors_by_class(errors: PathErrors, classes: tuple[str, ...]) -> dict[str, 
     return by_class | {ALL: error_statistics(errors.error)}
 
 
-def _yaw_rmse(log: RunLog, body: str) -> float:
+def _yaw_rmse(log: Columns, body: str) -> float:
     difference = log.column(f"estimate.{body}.yaw") - log.column(f"truth.{body}.yaw")
     return error_statistics(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi).rms
 
 
-def _steering_rate(log: RunLog, body: str) -> float:
+def _steering_rate(log: Columns, body: str) -> float:
     turned = np.abs(np.diff(actual_steering(log, body)))
     return float(_present(turned / np.diff(log.column("measurement.time"))).mean())
 
 
-def _ancillary_share(log: RunLog, body: str) -> float:
+def _ancillary_share(log: Columns, body: str) -> float:
     command = log.column(f"{body}_steering.command")
     ancillary = log.column(f"{body}_steering.ancillary") * np.sign(command)
     return _share(float(ancillary.sum()), float(np.abs(command).sum()))
 
 
-def _saturated_share(log: RunLog, body: str) -> float:
-    return _share(float(log.column(f"{body}_steering.saturated").sum()), len(log.records))
+def _saturated_share(log: Columns, body: str) -> float:
+    return _share(float(log.column(f"{body}_steering.saturated").sum()), log.steps)
 
 
-def _tube_margin(log: RunLog, body: str) -> float:
+def _tube_margin(log: Columns, body: str) -> float:
     return float(_present(log.column(f"{body}_steering.margin")).min())
 
 
-def _fixes(log: RunLog, status: FixStatus) -> int:
-    estimates = [record.estimate for record in log.records]
-    return sum((estimate.tractor_fix, estimate.trailer_fix).count(status) for estimate in estimates)
+def _fixes(log: Columns, status: FixStatus) -> int:
+    return sum(int((log.column(f"estimate.{body}_fix") == status).sum()) for body in ("tractor", "trailer"))
 
 
 def _time_statistics(time: Floats) -> TimeStatistics:
@@ -160,20 +170,21 @@ def _time_statistics(time: Floats) -> TimeStatistics:
     return TimeStatistics(median=float(median), p99=float(p99), max=float(largest))
 
 
-def _phase_times(log: RunLog, solver: str) -> PhaseTimes:
+def _phase_times(log: Columns, solver: str) -> PhaseTimes:
     return PhaseTimes(
         prepare=_time_statistics(log.column(f"{solver}_times.prepare")),
         feedback=_time_statistics(log.column(f"{solver}_times.feedback")),
     )
 
 
-def _of_both(figure: Callable[[RunLog, str], float], log: RunLog) -> Bodies[float]:
+def _of_both(figure: Callable[[Columns, str], float], log: Columns) -> Bodies[float]:
     return Bodies(tractor=figure(log, "tractor"), trailer=figure(log, "trailer"))
 
 
-def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
+def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
     """Compute the figures of a run from its log and the true errors of both bodies."""
     classes = log.header.path.label_names
+    gate = log.column("gate")
     duration, wall_time = _span(log.column("measurement.time")), _span(log.wall_time)
     return Metrics(
         config=log.header.configuration_name,
@@ -194,9 +205,9 @@ def compute_metrics(log: RunLog, errors: Bodies[PathErrors]) -> Metrics:
         tube_margin_min=_of_both(_tube_margin, log),
         stale_fixes=_fixes(log, FixStatus.STALE),
         rejected_fixes=_fixes(log, FixStatus.REJECTED),
-        solver_failures=sum(record.solver_failures for record in log.records),
-        limited_commands=sum(record.gate is GateVerdict.LIMITED for record in log.records),
-        refused_commands=sum(record.gate >= GateVerdict.REPEATED for record in log.records),
+        solver_failures=int(log.column("solver_failures").sum()),
+        limited_commands=int((gate == GateVerdict.LIMITED).sum()),
+        refused_commands=int((gate >= GateVerdict.REPEATED).sum()),
         solve_time_s=SolverTimes(
             estimator=_phase_times(log, "estimator"),
             tractor=_phase_times(log, "tractor"),

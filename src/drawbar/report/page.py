@@ -7,9 +7,10 @@ from string import Template
 import msgspec
 from plotly.offline import get_plotlyjs  # type: ignore[import-untyped]
 
-from drawbar.recording.log import RunLog, encode_special
+from drawbar.recording.log import Columns, encode_special
 from drawbar.report import style
-from drawbar.report.columns import track
+from drawbar.report.columns import along, track
+from drawbar.report.decimation import thinned
 from drawbar.report.metrics import Metrics
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.sections import Section, all_sections
@@ -55,18 +56,20 @@ def _section_html(section: Section) -> str:
     return f'<section>{heading}<div class="{kind}" id="{section.name}"></div></section>'
 
 
-def _page_data(log: RunLog, sections: list[Section]) -> str:
+def _page_data(log: Columns, sections: list[Section]) -> str:
+    shown = thinned(log.steps)
     data = {
         "figures": {section.name: section.figure for section in sections},
         "along": [section.name for section in sections if section.along_path],
-        "time": log.column("measurement.time").round(3),
-        "tracks": {body: track(log, body).round(3) for body in style.BODY_COLOURS},
+        "time": log.column("measurement.time")[shown].round(3),
+        "progress": along(log, "tractor")[shown].round(2),
+        "tracks": {body: track(log, body)[shown].round(3) for body in style.BODY_COLOURS},
     }
     text = msgspec.json.encode(data, enc_hook=encode_special).decode()
     return text.replace("</", "<\\/")  # a closing tag inside a string would end the script
 
 
-def render_page(log: RunLog, metrics: Metrics, errors: Bodies[PathErrors]) -> str:
+def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors]) -> str:
     """Return the whole page as HTML."""
     sections = all_sections(log, errors)
     started = f"{log.header.started:%d %B %Y, %H:%M %Z}"
@@ -75,7 +78,7 @@ def render_page(log: RunLog, metrics: Metrics, errors: Bodies[PathErrors]) -> st
     ending = "Finished" if metrics.finished else "Stopped before the end"
     return template.substitute(
         title=escape(f"{log.header.path_name}, {metrics.config}"),
-        facts=escape(f"{started} · configuration {metrics.config} · seed {metrics.seed} · {len(log.records)} steps"),
+        facts=escape(f"{started} · configuration {metrics.config} · seed {metrics.seed} · {log.steps} steps"),
         note=escape(log.header.path_note),
         state="" if metrics.finished else "stopped",
         outcome=escape(f"{ending}: {metrics.outcome}"),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.signals import Flag
 
 T = TypeVar("T")
@@ -39,33 +39,24 @@ class PathErrors:
 
 def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     """Project a track (n,) of positions (m) on the path, beginning near the arc length `start` (m)."""
-    progress, error = np.full(len(x), np.nan), np.full(len(x), np.nan)
-    last = start
-    for step in np.flatnonzero(np.isfinite(x) & np.isfinite(y)):
-        last, error[step] = path.project(float(x[step]), float(y[step]), last - _BEHIND, last + _AHEAD)
-        progress[step] = last
+    progress, error = path.project_track(np.column_stack([x, y]), start, behind=_BEHIND, ahead=_AHEAD).T.copy()
     labels = path.labels(np.nan_to_num(progress, nan=start))
     return PathErrors(progress=progress, error=error, labels=np.array(labels, dtype=np.str_))
 
 
-def true_path_errors(log: RunLog) -> Bodies[PathErrors]:
+def true_path_errors(log: Columns) -> Bodies[PathErrors]:
     """Return the true errors of both bodies at every step of a log."""
-    return _errors(log, "truth", np.zeros(len(log.records), dtype=bool))
+    return _errors(log, "truth", np.zeros(log.steps, dtype=bool))
 
 
-def best_path_errors(log: RunLog) -> Bodies[PathErrors]:
+def best_path_errors(log: Columns) -> Bodies[PathErrors]:
     """Return the true errors, or where nobody knows them those that were estimated while the autopilot was engaged."""
-    if has_truth(log):
+    if log.has_truth:
         return true_path_errors(log)
     return _errors(log, "estimate", (log.column("flags").astype(int) & Flag.RELEASED) != 0)
 
 
-def has_truth(log: RunLog) -> bool:
-    """Whether the log knows where the bodies truly were, as that of a simulation does."""
-    return any(record.truth is not None for record in log.records)
-
-
-def _errors(log: RunLog, source: str, left_out: NDArray[np.bool_]) -> Bodies[PathErrors]:
+def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[PathErrors]:
     path = log.header.path.path()
 
     def of_body(body: str) -> PathErrors:

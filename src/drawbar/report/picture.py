@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.columns import along, track
+from drawbar.report.decimation import extremes, thinned
 from drawbar.report.map import outlines, polyline
 from drawbar.report.path_errors import Bodies, PathErrors
 
@@ -67,9 +68,9 @@ def _map_window(x: Floats, y: Floats) -> _Window:
     return _Window(left=left, top=top, width=width, height=height, x=x_range, y=y_range)
 
 
-def _map(log: RunLog) -> list[str]:
+def _map(log: Columns) -> list[str]:
     path = polyline(log.header.path)
-    tracks = {body: track(log, body) for body in style.BODY_COLOURS}
+    tracks = {body: track(log, body)[thinned(log.steps)] for body in style.BODY_COLOURS}
     window = _map_window(*np.vstack([path, *tracks.values()]).T)
     parts = [window.curve(path[:, 0], path[:, 1], _stroke("#D5DAE1", 5.0))]
     for body, colour in reversed(style.BODY_COLOURS.items()):
@@ -84,7 +85,7 @@ def _label(x: float, y: float, text: str, anchor: str = "start", colour: str = s
     return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" style="fill:{colour}">{text}</text>'
 
 
-def _errors(log: RunLog, errors: Bodies[PathErrors]) -> list[str]:
+def _errors(log: Columns, errors: Bodies[PathErrors]) -> list[str]:
     curves = {body: getattr(errors, body).error * 100.0 for body in style.BODY_COLOURS}
     largest = _range(np.abs(np.concatenate([*curves.values(), np.zeros(1)])), 1.0)[1]
     length = log.header.path.arc_length[-1]
@@ -99,12 +100,13 @@ def _errors(log: RunLog, errors: Bodies[PathErrors]) -> list[str]:
     for body, colour in reversed(style.BODY_COLOURS.items()):
         progress = along(log, body)
         on_path = np.where(progress >= 0.0, progress, np.nan)  # the trailer starts behind the path
-        parts.append(window.curve(on_path, curves[body], _stroke(colour, 1.1)))
+        shown = extremes(curves[body])
+        parts.append(window.curve(on_path[shown], curves[body][shown], _stroke(colour, 1.1)))
     parts += [_label(60.0, 776.0, "0 m"), _label(_WIDTH - 20.0, 776.0, f"{length:.0f} m", "end")]
     return parts
 
 
-def render_picture(log: RunLog, errors: Bodies[PathErrors]) -> str:
+def render_picture(log: Columns, errors: Bodies[PathErrors]) -> str:
     """Return the picture as SVG text; without truth the error strip stays empty."""
     legend = [
         _label(24.0, 28.0, "Path", colour=style.REFERENCE),

@@ -3,14 +3,17 @@
 import math
 from dataclasses import dataclass
 
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.figures import (
     ancillary_figure,
     error_figure,
     estimate_figure,
+    heading_figure,
+    hitch_figure,
     margin_figure,
     solve_time_figure,
+    speed_figure,
     steering_figure,
 )
 from drawbar.report.map import map_figure
@@ -40,9 +43,8 @@ class Section:
     along_path: bool = True
 
 
-def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
-    has_truth = any(record.truth is not None for record in log.records)
-    whose = "True positions." if has_truth else "A real machine: estimated positions, the truth is not known."
+def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
+    whose = "True positions." if log.has_truth else "A real machine: estimated positions, the truth is not known."
     return [
         Section(
             name="map",
@@ -58,10 +60,28 @@ def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
             note="Of the antennas. Curves are shaded, with their curvature in 1/m where the path gives it.",
             figure=error_figure(log, errors),
         ),
+        Section(
+            name="heading",
+            title="Heading error",
+            note="Of both bodies against the path beside them; true yaws where they are known.",
+            figure=heading_figure(log),
+        ),
+        Section(
+            name="speed",
+            title="Speed",
+            note="Of the wheels: what was commanded, measured, and estimated.",
+            figure=speed_figure(log),
+        ),
+        Section(
+            name="hitch",
+            title="Hitch angle",
+            note="Between tractor and drawbar, at the free joint.",
+            figure=hitch_figure(log),
+        ),
     ]
 
 
-def _steering(log: RunLog) -> list[Section]:
+def _steering(log: Columns) -> list[Section]:
     reversed_actuator = (
         " The actuator is reversed (joint_sign = -1): the joint goes to the mirror image of its command."
         if log.header.vehicle.joint_sign == -1
@@ -96,7 +116,7 @@ def _steering(log: RunLog) -> list[Section]:
     ]
 
 
-def _estimates(log: RunLog) -> list[Section]:
+def _estimates(log: Columns) -> list[Section]:
     zoom = "Dashed: bounds of the estimator, zoom out where they are not in sight."
     return [
         Section(
@@ -114,7 +134,7 @@ def _estimates(log: RunLog) -> list[Section]:
     ]
 
 
-def all_sections(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
+def all_sections(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
     """Return everything the page shows of a run; what its estimator does not have leaves no empty section."""
     solving = Section(
         name="solve-times",

@@ -12,6 +12,8 @@ KINK = "kink"
 """class of a recorded line where it was tighter than the vehicle can turn"""
 _SHADES = {KINK: style.KINK + "59"}
 _SHADE = "#F1F3F6"
+_MOST = 300
+"""stretches that are shaded; of more, none is wider than a few pixels, and all together would weigh down the page"""
 _LABELLED = 0.04
 """share of the path from which on a stretch has room for its label"""
 
@@ -40,7 +42,10 @@ def class_shades(path: PathTable) -> dict[str, list[dict[str, Any]]]:
     """Return plotly shapes and labels: curvatures stand above their stretches, names in the legend."""
     shapes, labels = [], []
     in_legend = set[str]()
-    for stretch in stretches(path):
+    found = stretches(path)
+    if len(found) > _MOST:
+        return {"shapes": [], "annotations": []}
+    for stretch in found:
         named = not stretch.label[:1].isdigit()
         shapes.append(_shape(stretch, in_legend=named and stretch.label not in in_legend))
         in_legend.add(stretch.label)

@@ -1,10 +1,12 @@
 """The figures of a run as rows of text, the same for the console and the page; a missing figure is a dash."""
 
 import math
+from collections.abc import Mapping
 
 from drawbar.report.metrics import ALL, Metrics, PhaseTimes
 
-ERROR_COLUMNS = ("mean", "rms", "max")
+ERROR_COLUMNS = ("mean", "rms", "sd", "95 %", "max")
+_STATISTICS = ("mean", "rms", "deviation", "p95", "max")
 TIME_COLUMNS = ("median", "p99", "max")
 
 Row = tuple[str, list[str]]
@@ -22,7 +24,7 @@ def class_title(label: str) -> str:
 
 
 def error_rows(metrics: Metrics) -> list[Row]:
-    """Return per class of the path mean, RMS and maximum of the tractor, then of the trailer, cm."""
+    """Return per class of the path the ERROR_COLUMNS of the tractor, then of the trailer, cm."""
     error = metrics.error_m
     return [
         (
@@ -30,7 +32,7 @@ def error_rows(metrics: Metrics) -> list[Row]:
             [
                 number(100.0 * getattr(body[label], name), 1)
                 for body in (error.tractor, error.trailer)
-                for name in ERROR_COLUMNS
+                for name in _STATISTICS
             ],
         )
         for label in error.tractor
@@ -79,7 +81,15 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
         ("real-time factor", number(metrics.real_time_factor, 0, "×")),
         ("mean error, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
         ("mean error, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
-        ("fixes masked, stale / false", f"{metrics.stale_fixes} / {metrics.rejected_fixes}"),
-        ("solver failures", f"{metrics.solver_failures}"),
-        ("commands limited / refused", f"{metrics.limited_commands} / {metrics.refused_commands}"),
+        ("fixes not believed", _counted({"stale": metrics.stale_fixes, "false": metrics.rejected_fixes})),
+        ("solver failures", _counted({"": metrics.solver_failures})),
+        (
+            "commands changed by the gate",
+            _counted({"limited": metrics.limited_commands, "refused": metrics.refused_commands}),
+        ),
     ]
+
+
+def _counted(counts: Mapping[str, int]) -> str:
+    """Return counts in words, those that are not zero."""
+    return ", ".join(f"{count} {name}".strip() for name, count in counts.items() if count) or "none"

@@ -1,0 +1,45 @@
+"""`drawbar path`: a configuration's path, or a recorded line made drivable, as the table that the C library takes."""
+
+from json import dumps
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+from drawbar.cli.options import ConfigurationName, console
+from drawbar.errors import DrawbarError
+
+
+def path(
+    configuration: ConfigurationName,
+    out: Annotated[FilePath, typer.Option(help="file for the table: .csv, or .h for a C array")],
+    line: Annotated[
+        str,
+        typer.Option("--path", help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: its own"),
+    ] = "",
+    track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. path.extension=250"),
+    ] = None,
+) -> None:
+    """Write a line, made drivable for a configuration's vehicle, as the path table of the C library."""
+    from drawbar.config import load_configuration
+    from drawbar.export.recording import path_array, path_table
+    from drawbar.recording.header import deviation_note
+    from drawbar.simulation import build_path
+
+    tables = {".csv": path_table, ".h": path_array}
+    if out.suffix not in tables:
+        raise DrawbarError(f"--out {out}: give a file that ends with {' or '.join(tables)}.")
+    given = (("path.file", line), ("path.track", track))
+    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
+    config = load_configuration(configuration, [*settings, *(changes or [])])
+    driven, drivable = build_path(config)
+    if drivable:
+        console.print(deviation_note(config, drivable), soft_wrap=True)
+    try:
+        out.write_text(tables[out.suffix](driven), "utf-8")
+    except OSError as error:
+        raise DrawbarError(f"{out}: cannot be written ({error.strerror}); choose another --out file.") from error
+    console.print(f"{out}: {len(driven.nodes)} nodes, {driven.length:.1f} m", soft_wrap=True)

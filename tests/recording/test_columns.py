@@ -1,0 +1,50 @@
+"""Columns read in a stream are those of the whole log."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drawbar.errors import DrawbarError
+from drawbar.recording import columns
+from drawbar.recording.columns import REPORTED, read_columns
+from drawbar.recording.log import read_log
+
+_SPECIFICATION = importlib.util.spec_from_file_location("recorded", Path(__file__).with_name("test_recorder.py"))
+assert _SPECIFICATION is not None
+assert _SPECIFICATION.loader is not None
+t = importlib.util.module_from_spec(_SPECIFICATION)
+_SPECIFICATION.loader.exec_module(t)
+
+
+def test_columns_are_those_of_the_whole_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(columns, "_BLOCK", 7)
+    t.write(tmp_path / "log.mcap", 30)
+    whole, streamed = read_log(tmp_path / "log.mcap"), read_columns(tmp_path / "log.mcap")
+    for name in REPORTED:
+        expected = whole.column(name)
+        exact = name.endswith(columns._WIDE)
+        np.testing.assert_allclose(streamed.column(name), expected, rtol=0.0 if exact else 1e-7, err_msg=name)
+    assert (streamed.steps, streamed.has_truth, streamed.outcome) == (30, True, whole.outcome)
+    np.testing.assert_array_equal(streamed.wall_time, whole.wall_time)
+
+
+def test_without_truth_its_columns_are_missing(tmp_path: Path) -> None:
+    with t.Recorder(tmp_path / "log.mcap", t.header()) as recorder:
+        recorder.write(t.dataclasses.replace(t.arbitrary_step(1), truth=None))
+    log = read_columns(tmp_path / "log.mcap")
+    assert not log.has_truth
+    assert np.isnan(log.column("truth.tractor.x")).all()
+    assert log.column("measurement.time").shape == (1,)
+
+
+def test_a_log_without_steps_has_empty_columns(tmp_path: Path) -> None:
+    t.write(tmp_path / "log.mcap", 0)
+    assert read_columns(tmp_path / "log.mcap").column("measurement.time").shape == (0,)
+
+
+def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "log.mcap").write_bytes(b"not a log")
+    with pytest.raises(DrawbarError, match=r"log\.mcap: "):
+        read_columns(tmp_path / "log.mcap")
