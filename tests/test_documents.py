@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from drawbar.config import load_configuration
+
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = sorted(
     document.relative_to(ROOT).as_posix()
@@ -27,6 +29,7 @@ NOT_OURS = {
     ),
     *("example/path.csv", "step.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
     "build/reference/index.html",
+    "my.toml",
     *("ABLines.txt", "Boundary.txt", "CurveLines.txt", "FOLDER/config.toml", "zig/"),
 }
 """written by a command, or an example of a user's own"""
@@ -101,3 +104,12 @@ def test_the_index_lists_every_chapter() -> None:
 def test_equations_stand_beside_the_files_that_compute_them(document: str) -> None:
     for section in re.split(r"^(?=#)", text_of(document), flags=re.MULTILINE):
         assert "```math" not in section or "*Code:*" in section, f"{document}: {section.splitlines()[0]}"
+
+
+def test_the_example_of_a_machine_is_a_configuration(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "driving.md").read_text("utf-8").split("```toml\n")[1].split("```")[0]
+    (tmp_path / "my.toml").write_text(text, "utf-8")
+    configuration = load_configuration(str(tmp_path / "my.toml"))
+    assert configuration.devices is not None
+    assert configuration.devices.sensors is not None
+    assert configuration.devices.corrections is not None
