@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.cli.bench import bench
+from drawbar.cli.console import console, console_user
 from drawbar.cli.drive import drive
 from drawbar.cli.experiment import experiment
 from drawbar.cli.export import export
@@ -19,8 +20,9 @@ from drawbar.cli.version import version_text
 from drawbar.errors import DrawbarError
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, drive, replay, tube, export, bench, experiment, tune):
+for command in (run, drive, console, replay, tube, export, bench, experiment, tune):
     app.command()(command)
+app.command("console-user")(console_user)
 
 
 @app.callback(invoke_without_command=True)

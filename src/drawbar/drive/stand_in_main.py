@@ -19,8 +19,9 @@ from drawbar.drive.stand_ins import stand_in_machine
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
-from drawbar.machine.stand_in.machine import StandInMachine
+from drawbar.machine.stand_in.machine import Driver, StandInMachine
 from drawbar.messages import GateState, SupervisorState, decode
+from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
 
 
@@ -163,6 +164,14 @@ class StandIns:
             line.close()
 
 
+def _tell(driver: Driver, state: GateState) -> None:
+    """Let the driver see the lamp, stand until the emergency stop was tried, and begin again after a stop."""
+    rests = state.state is SupervisorState.STANDBY
+    driver.told_to_stop = (bool(state.stop) and not rests) or Cause.EMERGENCY_UNTRIED.value in state.refusals
+    if rests and driver.speed == 0.0:
+        driver.begin_again()
+
+
 def main() -> int:
     """Be the machine until told to end."""
     orders = Orders.model_validate_json(sys.stdin.read())
@@ -180,7 +189,7 @@ def main() -> int:
         for data in lamp.receive():
             state = decode(data, GateState)
             if isinstance(state, GateState):
-                machine.driver.told_to_stop = bool(state.stop) and state.state is not SupervisorState.STANDBY
+                _tell(machine.driver, state)
         stand_ins.advance(time.monotonic() - start)
         wait = machine.next_time - (time.monotonic() - start)
         select.select([lamp, *stand_ins.boards.values()], [], [], min(max(wait, 0.0), 0.05))
