@@ -31,9 +31,13 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "stop_vehicle": ("Brake: stop the vehicle now", "Bremsen: Fahrzeug jetzt anhalten"),
     # why not
     "why_not": ("To do before it can engage", "Vor dem Einschalten zu tun"),
+    "next": ("What to do next", "Was jetzt zu tun ist"),
+    "next_ready": (
+        "Press 1 Prepare, then within five seconds 2 Engage.",
+        "1 Vorbereiten drücken, dann innerhalb von fünf Sekunden 2 Einschalten.",
+    ),
     "worries": ("Attention while driving", "Achtung während der Fahrt"),
     "because": ("Because: {cause}", "Grund: {cause}"),
-    "nothing_to_do": ("Nothing stands against it.", "Es steht nichts entgegen."),
     "wait_ready": ("All is well; wait two seconds.", "Alles in Ordnung; zwei Sekunden warten."),
     # controls
     "arm": ("1 Prepare", "1 Vorbereiten"),

@@ -48,7 +48,7 @@ def _serve(orders: ConsoleOrders) -> int:
     audit = Audit(Path(orders.audit) if orders.audit else None)
     gate = drive.socket(GATE)
     link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns)
-    pages = Pages(orders, link, standing(path, configuration.vehicle), users, audit)
+    pages = Pages(orders, link, standing(path, configuration.vehicle, configuration.speed), users, audit)
     pages.install()
 
     async def work() -> None:

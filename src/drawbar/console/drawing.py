@@ -43,11 +43,12 @@ class Moving:
         }
 
 
-def standing(path: Path, vehicle: VehicleParameters) -> dict[str, Any]:
-    """Return what does not move, as JSON: the path, and both bodies' shapes in their own frames."""
+def standing(path: Path, vehicle: VehicleParameters, speed: float) -> dict[str, Any]:
+    """Return what does not move, as JSON: the path, both bodies' shapes in their own frames, the set speed (m/s)."""
     every = max(1, len(path.nodes) // _POINTS)
     axle = -vehicle.trailer_antenna
     return {
+        "speed": speed,
         "path": _rounded(np.vstack([path.nodes[::every, 1:3], path.nodes[-1:, 1:3]])),
         "tractor": _shapes(tractor_outline(_ZERO, 0.0, vehicle)),
         "trailer": _shapes(trailer_outline(_ZERO, vehicle)),

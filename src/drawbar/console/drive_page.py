@@ -26,6 +26,7 @@ class DrivePage:
     def __init__(self, link: Link, visitor: Visitor, words: Words, standing: dict[str, Any], *, login: bool) -> None:
         """Build the page; standing: what does not move (drawing.py); login: the visitor may log out."""
         self._link, self._visitor, self._words = link, visitor, words
+        self._speed_otherwise = float(standing["speed"])
         self._shown: Board | None = None
         self._told = link.session(visitor).told
         with ui.element("div").classes("cockpit"):
@@ -43,7 +44,15 @@ class DrivePage:
         link, words = self._link, self._words
         session, gate, now = link.session(self._visitor), link.gate, link.clock()
         mine = gate is not None and gate.lease == session.number
-        shown = board(gate, words, stale=link.is_stale, mine=mine, holder=link.holder(), drives=self._visitor.may_drive)
+        shown = board(
+            gate,
+            words,
+            stale=link.is_stale,
+            mine=mine,
+            holder=link.holder(),
+            drives=self._visitor.may_drive,
+            speed=link.speed,
+        )
         if shown != self._shown:
             self._show(shown)
         self._show_wishes(mine=mine, driving=gate is not None and bool(gate.steers))
@@ -54,7 +63,7 @@ class DrivePage:
         if session.unanswered(now):
             self._notify(words("no_answer"))
         if self._instruments.may_draw:
-            drawn = picture(gate, link.controller, link.moving, words, stale=link.is_stale)
+            drawn = picture(gate, link.controller, link.moving, words, stale=link.is_stale, speed=self._speed_otherwise)
             self._speed.set_text(str(drawn.pop("setSpeed")))
             self._shift.set_text(str(drawn.pop("shift")))
             self._instruments.draw(drawn)
@@ -79,7 +88,7 @@ class DrivePage:
             self._wish = self._button("ask_control", self._wish_control, "plain")
             self._wished = ui.label()
             self._give = self._button("give_control", ask(Action.RELEASE), "plain")
-        with ui.element("div").classes("adjust needs-sight"):
+        with ui.element("div").classes("adjust needs-sight") as self._adjusting:
             nudges = ((NUDGE, "nudge_left", "◀"), (-NUDGE, "nudge_right", "▶"))
             left, right = (self._small(sign, key, ask(Action.NUDGE, value)) for value, key, sign in nudges)
             slower = self._small("−", "slower", lambda: self._change_speed(-SPEED_STEP))
@@ -87,19 +96,19 @@ class DrivePage:
             self._shift, self._speed = self._reading("line_shift"), self._reading("set_speed")
             for place, each in enumerate((left, self._shift_box, right, slower, self._speed_box, faster)):
                 each.move(target_index=place)
-            self._adjusting = (left, right, slower, faster)
         self._arm = self._button("arm", ask(Action.ARM), "first needs-sight")
         self._engage = self._button("engage", ask(Action.ENGAGE), "second needs-sight")
         self._acknowledge = self._button("acknowledge", ask(Action.ACKNOWLEDGE), "first wide needs-sight")
         with ui.element("div").classes("stops"):
-            self._button("stop", ask(Action.STOP), "stop").props('icon=""')
+            self._button("stop", ask(Action.STOP), "stop")
             self._button("emergency", ask(Action.EMERGENCY), "emergency")
             self._button("release", ask(Action.RELEASE), "release")
 
     def _reading(self, key: str) -> ui.label:
         with ui.element("div").classes("reading") as box:
-            ui.html(f"<small>{self._words(key)}</small>", sanitize=False)
-            label = ui.label("–").style("font-weight: 750; white-space: nowrap")
+            with ui.element("small"):
+                ui.label(self._words(key))
+            label = ui.label("–").classes("value")
         if key == "line_shift":
             self._shift_box = box
         else:
@@ -128,7 +137,7 @@ class DrivePage:
 
     def _change_speed(self, change: float) -> None:
         if self._link.gate is not None:
-            self._ask(Action.SET_SPEED, wished_speed(self._link.gate) + change)()
+            self._ask(Action.SET_SPEED, wished_speed(self._link.gate, self._speed_otherwise) + change)()
 
     def _wish_control(self) -> None:
         self._link.wish(self._visitor)
@@ -148,8 +157,7 @@ class DrivePage:
         for button in (self._arm, self._engage):
             button.set_visibility(not shown.may_acknowledge)
         self._acknowledge.set_visibility(shown.may_acknowledge)
-        for button in self._adjusting:
-            button.set_enabled(shown.may_adjust)
+        self._adjusting.set_visibility(shown.may_adjust)
         self._why.set_visibility(bool(shown.reasons))
         self._why.clear()
         with self._why:

@@ -1,7 +1,7 @@
 """Instruments: figures, light bars and map, drawn by the browser from one picture at a time.
 
-The browser acknowledges each picture (event `drawn`). A new one goes out only while fewer than two are not acknowledged,
-so that a slow browser gets fewer pictures and never old ones in a row.
+The browser acknowledges each picture (event `drawn`). A new one goes out only while fewer than two are
+not acknowledged, so that a slow browser gets fewer pictures and never old ones in a row.
 """
 
 import math

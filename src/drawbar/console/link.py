@@ -1,6 +1,7 @@
 """Link: the console's end of the drive. Hears gate and controller, keeps what pages draw, carries sessions' words."""
 
 import itertools
+import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -49,6 +50,14 @@ class Link:
     def is_stale(self) -> bool:
         """Whether the gate has not been heard for too long."""
         return self.gate is None or self.clock() - self.gate.time > STALE
+
+    @property
+    def speed(self) -> float:
+        """Of the vehicle, m/s; NaN: not known."""
+        if self.controller is None:
+            return math.nan
+        wheels = self.controller.wheel_speed
+        return wheels if math.isfinite(wheels) else self.controller.receiver_speed
 
     def hear(self, data: bytes) -> None:
         """Take in a datagram."""

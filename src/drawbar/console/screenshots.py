@@ -41,52 +41,46 @@ def main() -> int:
 
 
 def _take(browser: "Browser", address: str, folder: Path) -> None:
-    operator = browser.new_page(viewport=TABLET, color_scheme="light", locale="en-GB")  # type: ignore[arg-type]
-    operator.goto(address, timeout=WAIT)
-    _see(operator, "Not ready")
-    _all(browser, address, folder, "not-ready", operator)
-    operator.get_by_role("button", name="EMERGENCY").click()
-    _see(operator, "Emergency stop")
-    _all(browser, address, folder, "emergency", operator)
-    operator.get_by_role("button", name="Acknowledge").click()
-    _see(operator, "Ready", exact=True)
-    _all(browser, address, folder, "ready", operator)
-    operator.get_by_role("button", name="1 Prepare").click()
-    operator.get_by_role("button", name="2 Engage").click()
-    _see(operator, "Steering")
-    operator.wait_for_timeout(12_000)
-    _all(browser, address, folder, "steering", operator)
-    operator.get_by_role("button", name="STOP", exact=True).click()
-    _see(operator, "Stopped")
-    _all(browser, address, folder, "stopped", operator)
-    _all(browser, address + "runs", folder, "runs", None)
+    page = browser.new_page(viewport=TABLET, color_scheme="light", locale="en-GB")  # type: ignore[arg-type]
+    page.goto(address, timeout=WAIT)
+
+    def press(name: str) -> None:
+        page.get_by_role("button", name=name, exact=True).click(timeout=WAIT)
+
+    _see(page, "Not ready")
+    _shoot(page, folder, "not-ready")
+    press("EMERGENCY")
+    _see(page, "Emergency stop")
+    _shoot(page, folder, "emergency")
+    press("Acknowledge")
+    _see(page, "Ready")
+    press("1 Prepare")
+    press("2 Engage")
+    _see(page, "Steering")
+    page.wait_for_timeout(8000)
+    _shoot(page, folder, "steering")
+    press("STOP")
+    _see(page, "Stopped")
+    page.goto(address + "language/de", timeout=WAIT)
+    _see(page, "Angehalten")
+    _shoot(page, folder, "stopped-german")
+    page.goto(address + "runs", timeout=WAIT)
+    page.locator(".word").wait_for(timeout=WAIT)
+    _shoot(page, folder, "runs")
 
 
-def _see(page: "Page", word: str, *, exact: bool = False) -> None:
-    page.locator(".word").get_by_text(word, exact=exact).wait_for(timeout=WAIT)
+def _see(page: "Page", word: str) -> None:
+    page.locator(".word").get_by_text(word, exact=True).wait_for(timeout=WAIT)
 
 
-def _all(browser: "Browser", address: str, folder: Path, name: str, operator: "Page | None") -> None:
-    """Take a page on phone and tablet, light and dark; the phone in the dark speaks German.
-
-    The tablet in the light is the operator's own page; the others are opened in the same browser, and so are the same
-    operator, but for the dark ones, which belong to a second.
-    """
-    for device, size in (("phone", PHONE), ("tablet", TABLET)):
-        for look in ("light", "dark"):
-            path = str(folder / f"{name}-{device}-{look}.png")
-            if operator is not None and (device, look) == ("tablet", "light"):
-                operator.wait_for_timeout(700)
-                operator.screenshot(path=path)
-                continue
-            locale = "de-DE" if (device, look) == ("phone", "dark") else "en-GB"
-            page = browser.new_page(viewport=size, color_scheme=look, locale=locale, device_scale_factor=2)  # type: ignore[arg-type]
-            if operator is not None and look == "light":
-                page.context.add_cookies(operator.context.cookies())  # type: ignore[arg-type]
-            page.goto(address, timeout=WAIT)
-            page.wait_for_timeout(2500)
-            page.screenshot(path=path)
-            page.context.close()
+def _shoot(page: "Page", folder: Path, name: str) -> None:
+    """Take a page as phone and tablet show it, light and dark."""
+    for look in ("dark", "light"):
+        for device, size in (("phone", PHONE), ("tablet", TABLET)):
+            page.emulate_media(color_scheme=look)  # type: ignore[arg-type]
+            page.set_viewport_size(size)  # type: ignore[arg-type]
+            page.wait_for_timeout(500)
+            page.screenshot(path=str(folder / f"{name}-{device}-{look}.png"))
 
 
 if __name__ == "__main__":

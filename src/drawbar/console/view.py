@@ -14,6 +14,8 @@ from drawbar.signals import FixQuality
 Tone = Literal["good", "warn", "bad", "idle"]
 KMH = 3.6
 """of m/s"""
+_STANDS = 0.05
+"""slower is standing, m/s"""
 _BAR = 0.3
 """lateral error at the ends of the light bar, m"""
 _GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
@@ -29,9 +31,9 @@ _SYMBOLS = {
     SupervisorState.DEGRADED: "◐",
     SupervisorState.STOPPING: "▼",
     SupervisorState.STOPPED: "■",
-    SupervisorState.OVERRIDE: "✋",
+    SupervisorState.OVERRIDE: "◇",
     SupervisorState.FAULT: "✖",
-    SupervisorState.ESTOP: "⛔",
+    SupervisorState.ESTOP: "!!",
 }
 
 
@@ -62,7 +64,16 @@ class Board:
     """ask the holder for the lease"""
 
 
-def board(gate: GateState | None, words: Words, *, stale: bool, mine: bool, holder: str | None, drives: bool) -> Board:
+def board(
+    gate: GateState | None,
+    words: Words,
+    *,
+    stale: bool,
+    mine: bool,
+    holder: str | None,
+    drives: bool,
+    speed: float = math.nan,
+) -> Board:
     """Return the board of one visitor.
 
     Args:
@@ -72,6 +83,7 @@ def board(gate: GateState | None, words: Words, *, stale: bool, mine: bool, hold
         mine: the visitor holds the lease.
         holder: name of who does; empty: not known; None: nobody.
         drives: the visitor may do more than look and stop.
+        speed: of the vehicle, m/s; NaN: not known.
     """
     if gate is None or stale:
         return _no_contact(words)
@@ -83,9 +95,9 @@ def board(gate: GateState | None, words: Words, *, stale: bool, mine: bool, hold
         symbol=_SYMBOLS[state],
         tone="good" if state in _GOOD else "warn" if state in _WARN else "bad" if state in _BAD else "idle",
         detail=_detail(gate, words),
-        brake=bool(gate.stop) and state is not SupervisorState.STOPPED,
-        heading=words("worries" if driving else "why_not"),
-        reasons=_reasons(gate, words),
+        brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= _STANDS,
+        heading=words("next" if ready else "worries" if driving else "why_not"),
+        reasons=((words("next_ready"), ""),) if ready and drives else _reasons(gate, words),
         lease=_lease(words, mine=mine, holder=holder, drives=drives),
         may_arm=drives and ready and not (gate.armed and mine) and (mine or holder is None),
         may_engage=drives and ready and mine and bool(gate.armed),
@@ -99,7 +111,7 @@ def board(gate: GateState | None, words: Words, *, stale: bool, mine: bool, hold
 def _no_contact(words: Words) -> Board:
     return Board(
         word=words("NO_CONTACT"),
-        symbol="⚠",
+        symbol="?",
         tone="bad",
         detail=words("no_contact_why"),
         brake=False,
@@ -150,16 +162,25 @@ def display_name(name: str, words: Words) -> str:
 
 
 def picture(
-    gate: GateState | None, controller: ControllerState | None, place: Moving | None, words: Words, *, stale: bool
+    gate: GateState | None,
+    controller: ControllerState | None,
+    place: Moving | None,
+    words: Words,
+    *,
+    stale: bool,
+    speed: float,
 ) -> dict[str, Any]:
-    """Return what a browser draws ten times a second, as JSON; `seen` is what it acknowledges."""
+    """Return what a browser draws ten times a second, as JSON; `seen` is what it acknowledges.
+
+    speed: at which is driven where the operator wishes none, m/s.
+    """
     return {
         "seen": gate.sequence if gate is not None else -1,
         "stale": stale,
         "state": gate.state.name if gate is not None else "NO_CONTACT",
         "bodies": [_body(controller, body, words) for body in ("tractor", "trailer")],
-        "chips": _chips(gate, controller, words),
-        "setSpeed": _set_speed(gate, words),
+        "chips": _chips(controller, words),
+        "setSpeed": _set_speed(gate, words, speed),
         "shift": _shift(gate, words),
         "moving": place.to_browser() if place is not None else None,
         "error": _finite(controller.tractor_lateral_error) if controller is not None else None,
@@ -181,7 +202,7 @@ def _body(controller: ControllerState | None, body: str, words: Words) -> dict[s
     }
 
 
-def _chips(gate: GateState | None, controller: ControllerState | None, words: Words) -> list[dict[str, Any]]:
+def _chips(controller: ControllerState | None, words: Words) -> list[dict[str, Any]]:
     """Return speed, fix and corrections, each with whether it is well."""
     if controller is None:
         return [{"name": words(key), "value": "–", "good": False} for key in ("speed", "fix", "corrections")]
@@ -193,7 +214,7 @@ def _chips(gate: GateState | None, controller: ControllerState | None, words: Wo
         {
             "name": words("speed"),
             "value": f"{words.number(speed * KMH, 1)} km/h" if math.isfinite(speed) else words("not_known"),
-            "good": math.isfinite(speed) and (gate is None or speed <= gate.speed_limit + 0.1),
+            "good": math.isfinite(speed),
         },
         {"name": words("fix"), "value": words(f"fix_{worst.name}"), "good": worst is FixQuality.FIXED},
         {
@@ -204,15 +225,15 @@ def _chips(gate: GateState | None, controller: ControllerState | None, words: Wo
     ]
 
 
-def _set_speed(gate: GateState | None, words: Words) -> str:
+def _set_speed(gate: GateState | None, words: Words, speed: float) -> str:
     if gate is None:
         return "–"
-    return f"{words.number(wished_speed(gate) * KMH, 1)} km/h"
+    return f"{words.number(wished_speed(gate, speed) * KMH, 1)} km/h"
 
 
-def wished_speed(gate: GateState) -> float:
-    """Return the speed that the operator wishes, or may have without a wish, m/s."""
-    return gate.set_speed if math.isfinite(gate.set_speed) else gate.speed_limit
+def wished_speed(gate: GateState, otherwise: float) -> float:
+    """Return the speed that the operator wishes; otherwise the one that is driven without a wish, m/s."""
+    return gate.set_speed if math.isfinite(gate.set_speed) else otherwise
 
 
 def _shift(gate: GateState | None, words: Words) -> str:

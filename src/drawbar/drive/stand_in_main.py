@@ -168,7 +168,7 @@ def _tell(driver: Driver, state: GateState) -> None:
     """Let the driver see the lamp, stand until the emergency stop was tried, and begin again after a stop."""
     rests = state.state is SupervisorState.STANDBY
     driver.told_to_stop = (bool(state.stop) and not rests) or Cause.EMERGENCY_UNTRIED.value in state.refusals
-    if rests and driver.speed == 0.0:
+    if rests and driver.speed == 0.0 and not driver.told_to_stop:
         driver.begin_again()
 
 
