@@ -68,9 +68,7 @@ class Stage:
             causes.add(Cause.NO_OPERATOR)
         self.engagement.update(
             self.time,
-            Situation(
-                causes=tuple(causes), actions=self.desk.take(), taken=True, standing=self.standing
-            ),
+            Situation(causes=tuple(causes), actions=self.desk.take(), taken=True, standing=self.standing),
         )
         self.sequence += 1
         none = Actuation(tractor=None, trailer=None, speed=None)

@@ -14,6 +14,7 @@ from drawbar.drive.letters import Step, unpack
 from drawbar.drive.operator import Operator
 from drawbar.messages import Action, ControllerState, GateState, OperatorMessage, decode
 from drawbar.recording.log import decode_step
+from drawbar.safety.desk import ALWAYS
 
 STALE = 1_000_000_000
 """without a state of the gate for so long, what is shown is old, ns"""
@@ -106,8 +107,9 @@ class Link:
         self.session(visitor).draw(state, now, attends=visitor.may_drive, quiet=quiet)
 
     def ask(self, visitor: Visitor, action: Action, value: float = 0.0) -> bool:
-        """Ask the gate for something in a visitor's name; return whether it was sent."""
-        sent = self.session(visitor).ask(action, self.clock(), value)
+        """Ask the gate for something in a visitor's name; return whether it was sent. Everybody may stop."""
+        allowed = visitor.may_drive or action in ALWAYS
+        sent = allowed and self.session(visitor).ask(action, self.clock(), value)
         self._audit.write(visitor, action.name, value=value, sent=sent)
         return sent
 
@@ -119,6 +121,8 @@ class Link:
         return next(names, "")
 
     def wish(self, visitor: Visitor) -> None:
-        """Ask the holder for control."""
+        """Ask the holder for control, for somebody who may have it."""
+        if not visitor.may_drive:
+            return
         self.wishes[visitor.number] = visitor.name
         self._audit.write(visitor, "ASK_FOR_CONTROL")

@@ -41,9 +41,9 @@ def report_of(folder: Path, name: str) -> Path | None:
 
 def runs_page(folder: Path, words: Words, *, login: bool) -> None:
     """Build the page."""
-    with ui.element("header").classes("bar"), ui.element("div").classes("words"):
-        ui.label(words("runs")).classes("word")
-    with ui.element("div").style("position: fixed; top: 6px; right: 6px; color: var(--on)"):
+    with ui.element("header").classes("bar"):
+        with ui.element("div").classes("words"):
+            ui.label(words("runs")).classes("word")
         menu(words, login=login)
     with ui.element("main").classes("page"):
         runs = list_runs(folder)

@@ -46,6 +46,7 @@ export default {
   mounted() {
     this.trail = (this.standing.trail || []).slice();
     this.last = 0;
+    if (this.$refs.box.clientWidth > 600) this.scale = 26;
     this.state = null;
     this.watch = setInterval(() => this.judge(), 200);
     this.observer = new ResizeObserver(() => this.paint());
