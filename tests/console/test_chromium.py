@@ -10,10 +10,10 @@ import urllib.request
 
 import pytest
 
+from drawbar.console.screenshots import chromium_path
+
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-
-from drawbar.console.screenshots import chromium_path
 
 WAIT = 120_000
 """ms; a loaded machine takes its time"""
@@ -24,6 +24,7 @@ pytestmark = pytest.mark.skipif(chromium_path() is None, reason="no Chromium is 
 @pytest.fixture
 def drive(tmp_path):
     """Return the address of the console of a drive that is on."""
+    surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -43,7 +44,7 @@ def drive(tmp_path):
             stdout=out,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            env={**os.environ, "COLUMNS": "200"},
+            env=surroundings,
         )
     address = f"http://127.0.0.1:{port}/"
     try:

@@ -1,4 +1,4 @@
-"""Who may reach the console: hosts, origins, cookies, roles, sockets, floods; and what is kept of who asked for what."""
+"""Who may reach the console: hosts, origins, cookies, roles, sockets, floods; and the audit log."""
 
 import asyncio
 import json

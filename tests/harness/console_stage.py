@@ -90,13 +90,12 @@ class Stage:
 
     def hear_controller(self, **values):
         """Let the controller say where both bodies are."""
-        numbers = dict.fromkeys(
-            "lateral_deviation heading_deviation tractor_heading_error trailer_heading_error hitch_angle".split(), 0.0
-        )
+        names = ["lateral_deviation", "heading_deviation", "tractor_heading_error", "trailer_heading_error"]
+        numbers = dict.fromkeys([*names, "hitch_angle"], 0.0)
         numbers |= {"correction_age": 1.0, "wheel_speed": 1.0, "receiver_speed": 1.0}
         numbers |= {"tractor_lateral_error": 0.0, "trailer_lateral_error": 0.0} | values
         now = self.now
-        counts = dict.fromkeys("configuration wiggled status flags solved overruns".split(), 0)
+        counts = dict.fromkeys(["configuration", "wiggled", "status", "flags", "solved", "overruns"], 0)
         qualities = {"tractor_quality": 5, "trailer_quality": 5}
         self.link.hear(encode(ControllerState(time=now, valid_until=now + 10**9, **counts, **(qualities | numbers))))
 
@@ -180,5 +179,6 @@ async def console(stage, users=None, **orders):
 def client_id(text):
     """Return the id of the client in a page's text."""
     found = re.search(r"'client_id': '([0-9a-f-]+)'", text)
-    assert found is not None and found.group(1) in Client.instances
+    assert found is not None
+    assert found.group(1) in Client.instances
     return found.group(1)

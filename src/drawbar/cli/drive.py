@@ -103,6 +103,7 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
     front, end = FrontEnd(crew, demonstrates=demonstrates), time.monotonic() + (seconds or float("inf"))
     live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
     told: SupervisorState | None = None
+    lost_console = False
     try:
         with live or Keyboard(), Keyboard() as keyboard:
             while time.monotonic() < end and not (demonstrates and front.is_over):
@@ -116,6 +117,9 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
                     console.print(headline(front.state))
                 if live is not None:
                     live.update(picture(front.state, front.controller), refresh=True)
+                if crew.has_lost_console and not lost_console:
+                    lost_console = True
+                    console.print(f"[bold red]the console has ended[/], and the drive goes on: {crew.words()}")
                 if crew.ended():
                     console.print(f"[bold red]ended: {', '.join(crew.ended())}[/]: {crew.words()}")
                     return True

@@ -68,6 +68,12 @@ class Crew:
         """Return the names of processes that are not there any more, without the console, which may come and go."""
         return [name for name, process in self.processes.items() if name != CONSOLE and process.poll() is not None]
 
+    @property
+    def has_lost_console(self) -> bool:
+        """Whether there was a console, and is none any more."""
+        process = self.processes.get(CONSOLE)
+        return process is not None and process.poll() is not None
+
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
         if self._stand_ins:
