@@ -39,7 +39,7 @@ class Moving:
             "tractor": [round(each, 4) for each in self.tractor],
             "trailer": [round(each, 4) for each in self.trailer],
             "steering": round(self.steering, 4),
-            "plans": self.plans,
+            "plans": list(self.plans),
         }
 
 

@@ -46,6 +46,8 @@ class Link:
         """sessions that ask the holder for control, with their names"""
         self.version = 0
         """grows with each control step that was heard"""
+        self.refused = 0
+        """control steps that could not be read"""
 
     @property
     def is_stale(self) -> bool:
@@ -64,17 +66,24 @@ class Link:
         """Take in a datagram."""
         letter = unpack(data)
         if isinstance(letter, Step):
-            record = decode_step(letter.data)
-            self.moving = moving(record)
-            self.version += 1
-            if self.moving is not None:
-                self.trail.append((*self.moving.tractor[:2], record.reference.tractor.lateral_error))
+            self._hear_step(letter)
             return
         message = decode(data, GateState, ControllerState)
         if isinstance(message, GateState):
             self._hear_gate(message)
         elif isinstance(message, ControllerState):
             self.controller = message
+
+    def _hear_step(self, letter: Step) -> None:
+        try:
+            record = decode_step(letter.data)
+        except (ValueError, KeyError, TypeError):  # msgspec's errors are ValueErrors
+            self.refused += 1
+            return
+        self.moving = moving(record)
+        self.version += 1
+        if self.moving is not None:
+            self.trail.append((*self.moving.tractor[:2], record.reference.tractor.lateral_error))
 
     def _hear_gate(self, state: GateState) -> None:
         if self.gate is not None and state.lease != self.gate.lease:
