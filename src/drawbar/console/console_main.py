@@ -63,12 +63,14 @@ def _serve(orders: ConsoleOrders) -> int:
                 came.set()
 
         loop.add_reader(mailbox.fileno(), hear)
-        while True:
+        parent = os.getppid()
+        while os.getppid() == parent:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(came.wait(), PERIOD)
             came.clear()
             link.pass_time()
             pages.refresh()
+        app.shutdown()  # whoever started it is gone, and with it the drive
 
     app.on_startup(work)
     app.on_shutdown(mailbox.close)

@@ -77,7 +77,7 @@ def _shoot(page: "Page", folder: Path, name: str) -> None:
     """Take a page as phone and tablet show it, light and dark."""
     for look in ("dark", "light"):
         for device, size in (("phone", PHONE), ("tablet", TABLET)):
-            page.emulate_media(color_scheme=look)  # type: ignore[arg-type]
+            page.emulate_media(color_scheme=look)
             page.set_viewport_size(size)  # type: ignore[arg-type]
             page.wait_for_timeout(500)
             page.screenshot(path=str(folder / f"{name}-{device}-{look}.png"))
