@@ -6,6 +6,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drawbar.cli.console import (
+    Audit,
+    Certificate,
+    Host,
+    Key,
+    Language,
+    Names,
+    Passwords,
+    Port,
+    address,
+    check,
+    free_port,
+)
 from drawbar.cli.options import ConfigurationName, console
 
 if TYPE_CHECKING:
@@ -24,9 +37,21 @@ def drive(
         bool, typer.Option("--by-hand", help="with stand-ins: engage by the keys, as on a machine")
     ] = False,
     seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s; 0: when told to")] = 0.0,
+    with_console: Annotated[
+        bool, typer.Option("--console", help="serve the operator's pages, and engage there")
+    ] = False,
+    host: Host = "127.0.0.1",
+    port: Port = 8080,
+    name: Names = None,
+    language: Language = "en",
+    certificate: Certificate = None,
+    key: Key = None,
+    passwords: Passwords = None,
+    audit: Audit = None,
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
     from drawbar.config import load_configuration
+    from drawbar.drive.console_orders import ConsoleOrders
     from drawbar.drive.crew import Crew
     from drawbar.drive.demonstration import with_stand_ins
     from drawbar.report.console import summary
@@ -38,11 +63,29 @@ def drive(
     if stand_ins:
         config = with_stand_ins(config)
         console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
+    orders = None
+    if with_console:
+        orders = ConsoleOrders(
+            folder="",
+            configuration="",
+            runs=str(out.parent if out else FilePath("runs")),
+            host=host,
+            port=port or free_port(host),
+            names=tuple(name or ()),
+            language=language,
+            certificate=certificate,
+            key=key,
+            passwords=passwords,
+            audit=audit,
+        )
+        check(orders)
     with console.status("compiling the control step (the first time only) …"):
         build_autopilot(config)
     folder = _new_folder(out, config)
-    with console.status("starting the processes …"), Crew(config, folder, stand_ins=stand_ins) as crew:
-        failed = _drive(crew, demonstrates=stand_ins and not by_hand, seconds=seconds)
+    with console.status("starting the processes …"), Crew(config, folder, stand_ins=stand_ins, console=orders) as crew:
+        if orders is not None:
+            console.print(f"the console is at {address(orders)}", soft_wrap=True)
+        failed = _drive(crew, demonstrates=stand_ins and not by_hand and orders is None, seconds=seconds)
     console.print(summary(write_report(folder)))
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
     if failed:
@@ -60,6 +103,7 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
     front, end = FrontEnd(crew, demonstrates=demonstrates), time.monotonic() + (seconds or float("inf"))
     live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
     told: SupervisorState | None = None
+    lost_console = False
     try:
         with live or Keyboard(), Keyboard() as keyboard:
             while time.monotonic() < end and not (demonstrates and front.is_over):
@@ -73,6 +117,9 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
                     console.print(headline(front.state))
                 if live is not None:
                     live.update(picture(front.state, front.controller), refresh=True)
+                if crew.has_lost_console and not lost_console:
+                    lost_console = True
+                    console.print(f"[bold red]the console has ended[/], and the drive goes on: {crew.words()}")
                 if crew.ended():
                     console.print(f"[bold red]ended: {', '.join(crew.ended())}[/]: {crew.words()}")
                     return True

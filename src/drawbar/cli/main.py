@@ -9,6 +9,7 @@ from rich.text import Text
 
 from drawbar.cli.bench import bench
 from drawbar.cli.config import config, events
+from drawbar.cli.console import console, console_user
 from drawbar.cli.devices import check, stand_in
 from drawbar.cli.drive import drive
 from drawbar.cli.experiment import experiment
@@ -25,9 +26,11 @@ from drawbar.errors import DrawbarError
 from drawbar.terminal import degrade_output
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-COMMANDS = (run, drive, check, stand_in, report, replay, config, events, tube, path, export, bench, experiment, tune)
-for command in COMMANDS:
+DRIVING = (run, drive, console, check, stand_in)
+LOOKING = (report, replay, config, events, tube, path, export, bench, experiment, tune)
+for command in (*DRIVING, *LOOKING):
     app.command()(command)
+app.command("console-user")(console_user)
 app.add_typer(log, name="log")
 
 

@@ -17,7 +17,7 @@ from drawbar.drive.controller import Controller
 from drawbar.drive.ending import Ending
 from drawbar.drive.letters import Step, pack
 from drawbar.drive.mail import Mailbox
-from drawbar.drive.orders import CONTROLLER, FRONT_END, GATE, RECORDER, Orders
+from drawbar.drive.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
 from drawbar.realtime import prepare
@@ -49,10 +49,13 @@ def main() -> int:
             ending.asked = True
         mailbox.send(recorder, record)
         if isinstance(message, ControllerState):
-            mailbox.send(orders.socket(FRONT_END), record)
+            for place in (FRONT_END, CONSOLE):
+                mailbox.send(orders.socket(place), record)
 
     def keep(record: StepRecord) -> None:
-        mailbox.send(recorder, pack(Step(time=time.monotonic_ns(), data=encoder.encode(record))))
+        letter = pack(Step(time=time.monotonic_ns(), data=encoder.encode(record)))
+        mailbox.send(recorder, letter)
+        mailbox.send(orders.socket(CONSOLE), letter)
 
     path, _ = build_path(configuration)
     controller = Controller(configuration, path, configuration.safety.fingerprint())

@@ -12,7 +12,8 @@ from types import TracebackType
 from typing import IO, Self
 
 from drawbar.config import Configuration
-from drawbar.drive.orders import GateOrders, Orders
+from drawbar.drive.console_orders import ConsoleOrders
+from drawbar.drive.orders import CONSOLE, ORDERS_NAME, GateOrders, Orders
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
@@ -26,17 +27,20 @@ _STARTING = 30.0
 class Crew:
     """The processes of one drive, as a context."""
 
-    def __init__(self, configuration: Configuration, run: Path, *, stand_ins: bool) -> None:
+    def __init__(
+        self, configuration: Configuration, run: Path, *, stand_ins: bool, console: ConsoleOrders | None = None
+    ) -> None:
         """Take what to drive.
 
         Args:
             configuration: complete, with devices.
             run: folder of the log, which exists.
             stand_ins: start the stand-in of all devices too.
+            console: start the operator's console too; its `folder` and `configuration` are filled in here.
         """
         assert configuration.devices is not None
         self._configuration, self._run = configuration, run
-        self._stand_ins = stand_ins
+        self._stand_ins, self._console = stand_ins, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
         self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
@@ -61,22 +65,33 @@ class Crew:
         self.close()
 
     def ended(self) -> list[str]:
-        """Return the names of processes that are not there any more."""
-        return [name for name, process in self.processes.items() if process.poll() is not None]
+        """Return the names of processes that are not there any more, without the console, which may come and go."""
+        return [name for name, process in self.processes.items() if name != CONSOLE and process.poll() is not None]
+
+    @property
+    def has_lost_console(self) -> bool:
+        """Whether there was a console, and is none any more."""
+        process = self.processes.get(CONSOLE)
+        return process is not None and process.poll() is not None
 
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
         if self._stand_ins:
-            self._start("stand_in", "stand_in_main", orders)
+            self._start("stand_in", "drive.stand_in_main", orders)
             self._await("stand_in", "driver")
         ours, theirs = controller_pair()
         with ours, theirs:
-            self._start("gate", "gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,))
-            self._start("controller", "controller_main", orders, str(ours.fileno()), ends=(ours,))
-        self._start("recorder", "recorder_main", orders)
-        self._start("receivers", "receivers_main", orders)
+            self._start("gate", "drive.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,))
+            self._start("controller", "drive.controller_main", orders, str(ours.fileno()), ends=(ours,))
+        self._start("recorder", "drive.recorder_main", orders)
+        self._start("receivers", "drive.receivers_main", orders)
         for name in ("gate", "controller", "recorder", "receivers"):
             self._await(name, name)
+        (Path(self._folder.name) / ORDERS_NAME).write_text(orders, "utf-8")
+        if self._console is not None:
+            filled = {"folder": self._folder.name, "configuration": self.orders.configuration}
+            self._start(CONSOLE, "console.console_main", self._console.model_copy(update=filled).model_dump_json())
+            self._await(CONSOLE, CONSOLE)
 
     def _gate_orders(self, descriptor: int) -> GateOrders:
         vehicle, devices = self._configuration.vehicle, self._configuration.devices
@@ -97,7 +112,7 @@ class Crew:
         self, name: str, module: str, orders: str, *arguments: str, ends: tuple[socket.socket, ...] = ()
     ) -> None:
         process = subprocess.Popen(
-            [sys.executable, "-m", f"drawbar.drive.{module}", *arguments],
+            [sys.executable, "-m", f"drawbar.{module}", *arguments],
             stdin=subprocess.PIPE,
             stdout=self._messages,
             stderr=self._messages,
@@ -128,7 +143,7 @@ class Crew:
         """End the gate first, so that the actuators let go; then all others, the recorder last."""
         if self._messages.closed:
             return
-        for name in ("gate", "controller", "receivers", "stand_in", "recorder"):
+        for name in ("gate", "controller", "receivers", "stand_in", "recorder", CONSOLE):
             process = self.processes.get(name)
             if process is not None and process.poll() is None:
                 process.send_signal(signal.SIGTERM)

@@ -6,10 +6,8 @@ from collections.abc import Iterator
 from rich.text import Text
 
 from drawbar.messages import ControllerState, GateState, SupervisorState
-from drawbar.safety.causes import Cause
+from drawbar.safety.causes import BY_CODE
 from drawbar.signals import FixQuality
-
-_CAUSES = {cause.value: cause for cause in Cause}
 
 _GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
 _WORRIED = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
@@ -44,7 +42,7 @@ def headline(state: GateState) -> Text:
         f"{state.state.name}: {_MEANINGS[state.state]}", style=style if state.state in _GOOD + _WORRIED + _BAD else ""
     )
     if state.cause:
-        text.append(f" ({_CAUSES[state.cause].sentence})")
+        text.append(f" ({BY_CODE[state.cause].sentence})")
     if math.isfinite(state.remaining):
         text.append(f", {state.remaining:.0f} s left")
     return text
@@ -82,5 +80,5 @@ def _speed(speed: float) -> str:
 def _reasons(state: GateState) -> Iterator[Text]:
     for code in state.refusals:
         if code:
-            cause = _CAUSES[code]
+            cause = BY_CODE[code]
             yield Text(f"- {cause.sentence}: {cause.advice}")

@@ -1,7 +1,8 @@
 """Operator: a front end's side of the gate's socket, which keeps session, lease and what it has seen."""
 
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
 
@@ -12,10 +13,12 @@ _VALID = 500_000_000
 class Operator:
     """Makes an operator's messages from the newest state of the gate that the operator sees."""
 
-    def __init__(self, session: int, send: Callable[[OperatorMessage], None]) -> None:
-        """Take a random number of this session, not 0, and what hands a message to the gate."""
+    def __init__(
+        self, session: int, send: Callable[[OperatorMessage], None], nonces: Iterator[int] | None = None
+    ) -> None:
+        """Take a random number of this session, not 0, what hands a message to the gate, and nonces that only grow."""
         self._session, self._send = session, send
-        self._nonce = 0
+        self._nonces = nonces or itertools.count(1)
         self.seen: GateState | None = None
         """the newest state"""
 
@@ -23,22 +26,23 @@ class Operator:
         """Take in a state of the gate, as it is shown to the operator."""
         self.seen = state
 
-    def ask(self, action: Action, now: int, value: float = 0.0) -> None:
-        """Ask the gate for something; its answer is in a later state (`answered`, `answer`)."""
-        self._nonce += 1
+    def ask(self, action: Action, now: int, value: float = 0.0) -> int:
+        """Ask the gate for something; return the nonce, with which a later state answers (`answered`, `answer`)."""
+        nonce = next(self._nonces)
         self._send(
             OperatorMessage(
-                sequence=self._nonce,
+                sequence=nonce % 2**32,
                 time=now,
                 valid_until=now + _VALID,
                 action=action,
                 lease=self._session,
-                nonce=self._nonce,
+                nonce=nonce,
                 seen_sequence=self.seen.sequence if self.seen else 0,
                 seen_time=self.seen.time if self.seen else 0,
                 value=value,
             )
         )
+        return nonce
 
 
 class DemonstrationOperator:

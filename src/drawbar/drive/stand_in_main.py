@@ -19,8 +19,9 @@ from drawbar.drive.stand_ins import stand_in_machine
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
-from drawbar.machine.stand_in.machine import SENSORS, StandInMachine
+from drawbar.machine.stand_in.machine import SENSORS, Driver, StandInMachine
 from drawbar.messages import GateState, SupervisorState, decode
+from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
 
 
@@ -165,6 +166,14 @@ class StandIns:
             board.close()
 
 
+def _tell(driver: Driver, state: GateState) -> None:
+    """Let the driver see the lamp, stand until the emergency stop was tried, and begin again after a stop."""
+    rests = state.state is SupervisorState.STANDBY
+    driver.told_to_stop = (bool(state.stop) and not rests) or Cause.EMERGENCY_UNTRIED.value in state.refusals
+    if rests and driver.speed == 0.0 and not driver.told_to_stop:
+        driver.begin_again()
+
+
 def main() -> int:
     """Be the machine of the orders on standard input."""
     return serve(Orders.model_validate_json(sys.stdin.read()))
@@ -186,7 +195,7 @@ def serve(orders: Orders) -> int:
         for data in lamp.receive():
             state = decode(data, GateState)
             if isinstance(state, GateState):
-                machine.driver.told_to_stop = bool(state.stop) and state.state is not SupervisorState.STANDBY
+                _tell(machine.driver, state)
         stand_ins.advance(time.monotonic() - start)
         wait = machine.next_time - (time.monotonic() - start)
         select.select(

@@ -182,6 +182,8 @@ class Cause(Enum):
     # fmt: on
 
 
+BY_CODE: dict[int, Cause] = {cause.value: cause for cause in Cause}
+"""causes by the codes that records carry"""
 BY_READINESS = {
     Readiness.SILENT: Cause.SILENT,
     Readiness.TOO_NEW: Cause.TOO_NEW,

@@ -70,6 +70,10 @@ class Driver:
         self.told_to_stop = False
         """by the display"""
 
+    def begin_again(self) -> None:
+        """Creep once more, after the boards have let go and the vehicle stands."""
+        self._steered, self._let_go = False, math.inf
+
     def tick(self, time: float, steered: bool) -> None:
         """Decide on the speed at a time, s; steered: both boards turn their wheels."""
         self._steered |= steered

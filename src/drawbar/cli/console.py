@@ -1,0 +1,133 @@
+"""`drawbar console`: the operator's pages for a drive that is on; `drawbar console-user`: who may log in there."""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from drawbar.cli.options import console as terminal
+from drawbar.errors import ConfigurationError, HardwareError
+
+if TYPE_CHECKING:
+    from drawbar.drive.console_orders import ConsoleOrders
+
+Host = Annotated[str, typer.Option(help="address to listen at; other than this computer's own needs TLS and passwords")]
+Port = Annotated[int, typer.Option(min=0, max=65535, help="0: a free one")]
+Names = Annotated[list[str] | None, typer.Option("--name", help="a host name by which browsers ask for the pages")]
+Language = Annotated[Literal["en", "de"], typer.Option(help="of a browser that asks for none of these")]
+Certificate = Annotated[str | None, typer.Option(help="of TLS, a PEM file")]
+Key = Annotated[str | None, typer.Option(help="of the certificate, a PEM file")]
+Passwords = Annotated[str | None, typer.Option(help="file of users, made by drawbar console-user")]
+Audit = Annotated[str | None, typer.Option(help="file to which is added who asked for what")]
+
+
+def console(
+    host: Host = "127.0.0.1",
+    port: Port = 8080,
+    name: Names = None,
+    language: Language = "en",
+    certificate: Certificate = None,
+    key: Key = None,
+    passwords: Passwords = None,
+    audit: Audit = None,
+    drive: Annotated[Path | None, typer.Option(help="folder of the drive's sockets; default: the newest drive")] = None,
+) -> None:
+    """Serve the operator's pages for a drive that is on already; `drawbar drive --console` does both."""
+    from drawbar.drive.console_orders import ConsoleOrders
+    from drawbar.drive.orders import CONSOLE, ORDERS_NAME, Orders
+
+    folder = drive or _newest_drive()
+    try:
+        known = Orders.model_validate_json((folder / ORDERS_NAME).read_text("utf-8"))
+    except (OSError, ValueError):
+        raise HardwareError(f"{folder} is not the folder of a drive that is on; start one with drawbar drive") from None
+    if Path(known.socket(CONSOLE)).exists():
+        raise HardwareError(f"the drive in {folder} has a console already; open that one, or end it")
+    orders = ConsoleOrders(
+        folder=known.folder,
+        configuration=known.configuration,
+        runs=str(Path(known.run).parent),
+        host=host,
+        port=port or free_port(host),
+        names=tuple(name or ()),
+        language=language,
+        certificate=certificate,
+        key=key,
+        passwords=passwords,
+        audit=audit,
+    )
+    check(orders)
+    terminal.print(f"the console is at {address(orders)}; Ctrl-C ends it, and not the drive", soft_wrap=True)
+    try:
+        code = subprocess.run(
+            [sys.executable, "-m", "drawbar.console.console_main"], input=orders.model_dump_json().encode(), check=False
+        ).returncode
+    except KeyboardInterrupt:
+        code = 0
+    raise SystemExit(code)
+
+
+def console_user(
+    file: Annotated[Path, typer.Argument(help="of the users; a new one is made readable for you alone")],
+    name: Annotated[str, typer.Argument(help="of the user")],
+    rank: Annotated[
+        Literal["viewer", "operator", "maintainer"], typer.Option(help="what the user may do")
+    ] = "operator",
+) -> None:
+    """Add a user of the console, or give one a new password, which is asked for."""
+    from drawbar.console.passwords import save_user
+    from drawbar.console.visitors import Rank
+
+    password = typer.prompt("password", hide_input=True, confirmation_prompt=True)
+    save_user(file, name, Rank[rank.upper()], password)
+    terminal.print(f"{file}: {name} is {rank}; a running console knows it after its next start")
+
+
+def check(orders: "ConsoleOrders") -> None:
+    """Raise ConfigurationError where the console cannot or must not be started so."""
+    from importlib.util import find_spec
+
+    from drawbar.console.passwords import load_users
+
+    if find_spec("nicegui") is None:
+        raise ConfigurationError("the console needs the extra `console`; pip install 'drawbar[console]'")
+    orders.check()
+    if orders.passwords is not None:
+        load_users(Path(orders.passwords))
+
+
+def address(orders: "ConsoleOrders") -> str:
+    """Return where a browser finds the console."""
+    host = f"[{orders.host}]" if ":" in orders.host else orders.host
+    return f"http{'s' if orders.certificate else ''}://{host}:{orders.port}/"
+
+
+def free_port(host: str) -> int:
+    """Return a port that nobody uses now.
+
+    Raises:
+        HardwareError: the address is not one of this computer.
+    """
+    import socket
+
+    kind = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        with socket.socket(kind, socket.SOCK_STREAM) as each:
+            each.bind((host, 0))
+            return int(each.getsockname()[1])
+    except OSError as error:
+        raise HardwareError(
+            f"{host} cannot be listened at ({error.strerror}); give an address of this computer"
+        ) from None
+
+
+def _newest_drive() -> Path:
+    from drawbar.drive.orders import ORDERS_NAME
+
+    found = [each for each in Path(tempfile.gettempdir()).glob(f"drawbar-*/{ORDERS_NAME}") if each.is_file()]
+    if not found:
+        raise HardwareError("no drive is on; start one with drawbar drive --console")
+    return max(found, key=lambda each: each.stat().st_mtime).parent

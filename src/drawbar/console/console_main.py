@@ -1,0 +1,99 @@
+"""The console's process as a program: `python -m drawbar.console.console_main`, with its orders on standard input."""
+
+import asyncio
+import contextlib
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from drawbar.drive.console_orders import ConsoleOrders
+
+PERIOD = 0.1
+"""between two pictures, s; a step that is heard is shown at once"""
+_RECONNECT = 60.0
+"""for which a page that is out of reach is kept, s"""
+
+
+def main() -> int:
+    """Serve the pages until told to end."""
+    orders = ConsoleOrders.model_validate_json(sys.stdin.read())
+    with tempfile.TemporaryDirectory(prefix="drawbar-console-") as storage:
+        os.environ["NICEGUI_STORAGE_PATH"] = storage  # nothing of NiceGUI's own in the folder where one happens to be
+        os.environ.setdefault("MPLBACKEND", "agg")
+        return _serve(orders)
+
+
+def _serve(orders: ConsoleOrders) -> int:
+    from nicegui import app, ui
+
+    from drawbar.config import load_configuration
+    from drawbar.console.audit import Audit
+    from drawbar.console.drawing import standing
+    from drawbar.console.link import Link
+    from drawbar.console.pages import Pages
+    from drawbar.console.passwords import load_users
+    from drawbar.drive.mail import Mailbox
+    from drawbar.drive.orders import CONSOLE, GATE, Orders
+    from drawbar.messages import encode
+    from drawbar.simulation import build_path
+
+    orders.check()
+    users = load_users(Path(orders.passwords)) if orders.passwords else None
+    drive = Orders(folder=orders.folder, run=orders.runs, configuration=orders.configuration)
+    configuration = load_configuration(orders.configuration)
+    path, _ = build_path(configuration)
+    mailbox = Mailbox(drive.socket(CONSOLE))
+    audit = Audit(Path(orders.audit) if orders.audit else None)
+    gate = drive.socket(GATE)
+    link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns)
+    pages = Pages(orders, link, standing(path, configuration.vehicle, configuration.speed), users, audit)
+    pages.install()
+
+    async def work() -> None:
+        loop = asyncio.get_running_loop()
+        came = asyncio.Event()
+
+        def hear() -> None:
+            before = link.version
+            for data in mailbox.receive():
+                link.hear(data)
+            if link.version != before:
+                came.set()
+
+        loop.add_reader(mailbox.fileno(), hear)
+        parent = os.getppid()
+        while os.getppid() == parent:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(came.wait(), PERIOD)
+            came.clear()
+            link.pass_time()
+            pages.refresh()
+        app.shutdown()  # whoever started it is gone, and with it the drive
+
+    app.on_startup(work)
+    app.on_shutdown(mailbox.close)
+    ui.run(
+        host=orders.host,
+        port=orders.port,
+        title="drawbar",
+        favicon="🚜",
+        dark=None,
+        reload=False,
+        show=False,
+        show_welcome_message=False,
+        tailwind=False,
+        reconnect_timeout=_RECONNECT,
+        binding_refresh_interval=None,
+        storage_secret=None,
+        ws_max_size=1 << 17,
+        ws_per_message_deflate=False,
+        ssl_certfile=orders.certificate,
+        ssl_keyfile=orders.key,
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,186 @@
+"""Drive page: what one needs to drive, on one screen. Built of the board, the instruments and the controls."""
+
+from collections.abc import Callable
+from typing import Any
+
+from nicegui import ui
+
+from drawbar.console.catalogue import Words
+from drawbar.console.instruments import Instruments
+from drawbar.console.link import Link
+from drawbar.console.menu import menu
+from drawbar.console.view import Board, board, display_name, picture, wished_speed
+from drawbar.console.visitors import Visitor
+from drawbar.messages import Action
+
+NUDGE = 0.02
+"""m"""
+SPEED_STEP = 0.1 / 3.6 * 2
+"""0.2 km/h, in m/s"""
+_TEXTS = ("old", "map", "zoom_in", "zoom_out", "whole")
+
+
+class DrivePage:
+    """The page of one browser."""
+
+    def __init__(self, link: Link, visitor: Visitor, words: Words, standing: dict[str, Any], *, login: bool) -> None:
+        """Build the page; standing: what does not move (drawing.py); login: the visitor may log out."""
+        self._link, self._visitor, self._words = link, visitor, words
+        self._speed_otherwise = float(standing["speed"])
+        self._shown: Board | None = None
+        self._told = link.session(visitor).told
+        with ui.element("div").classes("cockpit"):
+            self._build_bar(login=login)
+            scene = standing | {"trail": list(link.trail)}
+            texts = {key: words(key) for key in _TEXTS}
+            self._instruments = Instruments(scene, texts, lambda seen: link.drawn(visitor, seen))
+            self._why = ui.element("section").classes("why").props(f'aria-label="{words("why_not")}" aria-live=polite')
+            with ui.element("footer").classes("controls"):
+                self._build_controls()
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show what is so now; to be called ten times a second. Only what has changed is sent."""
+        link, words = self._link, self._words
+        session, gate, now = link.session(self._visitor), link.gate, link.clock()
+        mine = gate is not None and gate.lease == session.number
+        shown = board(
+            gate,
+            words,
+            stale=link.is_stale,
+            mine=mine,
+            holder=link.holder(),
+            drives=self._visitor.may_drive,
+            speed=link.speed,
+        )
+        if shown != self._shown:
+            self._show(shown)
+        self._show_wishes(mine=mine, driving=gate is not None and bool(gate.steers))
+        if session.told != self._told and session.refusal is not None:
+            self._told = session.told
+            cause, advice = words.cause(session.refusal)
+            self._notify(words("refused", cause=cause, advice=advice))
+        if session.unanswered(now):
+            self._notify(words("no_answer"))
+        if self._instruments.may_draw:
+            drawn = picture(gate, link.controller, link.moving, words, stale=link.is_stale, speed=self._speed_otherwise)
+            self._speed.set_text(str(drawn.pop("setSpeed")))
+            self._shift.set_text(str(drawn.pop("shift")))
+            self._instruments.draw(drawn)
+
+    def _notify(self, text: str) -> None:
+        ui.notify(text, type="warning", position="top", timeout=6000, multi_line=True)
+
+    def _build_bar(self, *, login: bool) -> None:
+        self._bar = ui.element("header").classes("bar").props("role=status")
+        with self._bar:
+            self._symbol = ui.label().classes("symbol").props("aria-hidden=true")
+            with ui.element("div").classes("words"):
+                self._word = ui.label().classes("word")
+                self._detail = ui.label().classes("detail")
+            menu(self._words, login=login)
+
+    def _build_controls(self) -> None:
+        words, ask = self._words, self._ask
+        self._brake = ui.label(words("stop_vehicle")).classes("brake wide").props("role=alert")
+        with ui.element("div").classes("lease"):
+            self._lease = ui.label()
+            self._wish = self._button("ask_control", self._wish_control, "plain")
+            self._wished = ui.label()
+            self._give = self._button("give_control", ask(Action.RELEASE), "plain")
+        with ui.element("div").classes("adjust needs-sight") as self._adjusting:
+            nudges = ((NUDGE, "nudge_left", "◀"), (-NUDGE, "nudge_right", "▶"))
+            left, right = (self._small(sign, key, ask(Action.NUDGE, value)) for value, key, sign in nudges)
+            slower = self._small("−", "slower", lambda: self._change_speed(-SPEED_STEP))
+            faster = self._small("+", "faster", lambda: self._change_speed(SPEED_STEP))
+            self._shift, self._speed = self._reading("line_shift"), self._reading("set_speed")
+            for place, each in enumerate((left, self._shift_box, right, slower, self._speed_box, faster)):
+                each.move(target_index=place)
+        self._arm = self._button("arm", ask(Action.ARM), "first needs-sight")
+        self._engage = self._button("engage", ask(Action.ENGAGE), "second needs-sight")
+        self._acknowledge = self._button("acknowledge", ask(Action.ACKNOWLEDGE), "first wide needs-sight")
+        with ui.element("div").classes("stops"):
+            self._button("stop", ask(Action.STOP), "stop")
+            self._button("emergency", ask(Action.EMERGENCY), "emergency")
+            self._button("release", ask(Action.RELEASE), "release")
+
+    def _reading(self, key: str) -> ui.label:
+        with ui.element("div").classes("reading") as box:
+            with ui.element("small"):
+                ui.label(self._words(key))
+            label = ui.label("–").classes("value")
+        if key == "line_shift":
+            self._shift_box = box
+        else:
+            self._speed_box = box
+        return label
+
+    def _button(self, key: str, act: Callable[[], None], classes: str) -> ui.button:
+        return ui.button(self._words(key), on_click=act, color=None).props("no-caps unelevated").classes(classes)
+
+    def _small(self, sign: str, key: str, act: Callable[[], None]) -> ui.button:
+        return (
+            ui.button(sign, on_click=act, color=None)
+            .props(f'no-caps unelevated aria-label="{self._words(key)}"')
+            .classes("first")
+            .mark(key)
+        )
+
+    def _ask(self, action: Action, value: float = 0.0) -> Callable[[], None]:
+        def act() -> None:
+            session = self._link.session(self._visitor)
+            told = session.told
+            if not self._link.ask(self._visitor, action, value) and session.told == told:
+                self._notify(self._words("too_often"))
+
+        return act
+
+    def _change_speed(self, change: float) -> None:
+        if self._link.gate is not None:
+            self._ask(Action.SET_SPEED, wished_speed(self._link.gate, self._speed_otherwise) + change)()
+
+    def _wish_control(self) -> None:
+        self._link.wish(self._visitor)
+        self._notify(self._words("asked_control"))
+
+    def _show(self, shown: Board) -> None:
+        self._shown = shown
+        self._bar.classes(replace=f"bar tone-{shown.tone}")
+        self._symbol.set_text(shown.symbol)
+        self._word.set_text(shown.word)
+        self._detail.set_text(shown.detail)
+        self._brake.set_visibility(shown.brake)
+        self._lease.set_text(shown.lease)
+        self._wish.set_visibility(shown.may_wish)
+        self._arm.set_enabled(shown.may_arm)
+        self._engage.set_enabled(shown.may_engage)
+        for button in (self._arm, self._engage):
+            button.set_visibility(not shown.may_acknowledge)
+        self._acknowledge.set_visibility(shown.may_acknowledge)
+        self._adjusting.set_visibility(shown.may_adjust)
+        self._why.set_visibility(bool(shown.reasons))
+        self._why.clear()
+        with self._why:
+            _list(shown)
+
+    def _show_wishes(self, *, mine: bool, driving: bool) -> None:
+        names = [display_name(name, self._words) for name in self._link.wishes.values()] if mine else []
+        text = self._words("wishes_control", name=", ".join(names)) if names else ""
+        if text and driving:
+            text += ". " + self._words("stop_first")
+        self._wished.set_text(text)
+        self._wished.set_visibility(bool(text))
+        self._give.set_visibility(bool(names) and not driving)
+
+
+def _list(shown: Board) -> None:
+    """Build the list of reasons."""
+    with ui.element("h2"):
+        ui.label(shown.heading)
+    with ui.element("ol"):
+        for sentence, advice in shown.reasons:
+            with ui.element("li"):
+                with ui.element("b"):
+                    ui.label(sentence)
+                with ui.element("span"):
+                    ui.label(advice)

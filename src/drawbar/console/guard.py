@@ -1,0 +1,179 @@
+"""Guard: in front of every page and socket of the console. Who may ask, from where, how much and how often.
+
+Host and Origin are checked against the names under which the console is known (DNS rebinding, pages of other sites);
+a socket belongs to the visitor whose page opened it; floods and oversized messages end their connection.
+"""
+
+import time
+from collections.abc import Awaitable, Callable, Collection, MutableMapping
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from drawbar.console.session import Allowance
+from drawbar.console.visitors import COOKIE, Rank, Visitor, Visitors
+
+Scope = MutableMapping[str, Any]
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+Application = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+SOCKETS = 16
+"""pages that may be open at a time"""
+LARGEST = 1 << 16
+"""bytes of a request or a message"""
+RATE, BURST = 40.0, 200.0
+"""messages of a socket, 1/s and at once; a page acknowledges ten pictures a second"""
+VISITOR = "drawbar.visitor"
+"""key of the visitor in a scope"""
+LOGIN = "/login"
+_SOCKET_PATH = "/_nicegui_ws"
+_HEADERS = {
+    # NiceGUI needs inline scripts and Vue's compiler; nothing may come from, or go to, another host.
+    "content-security-policy": "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data:; font-src 'self' data:; connect-src 'self'; "
+    "frame-ancestors 'none'; form-action 'self'; base-uri 'self'; object-src 'none'",
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+    "referrer-policy": "same-origin",
+}
+
+
+class Guard:
+    """ASGI middleware."""
+
+    def __init__(
+        self,
+        app: Application,
+        *,
+        names: Collection[str],
+        visitors: Visitors,
+        asks_for_password: bool,
+        secure: bool,
+        owns: Callable[[str, Visitor], bool],
+    ) -> None:
+        """Take what it guards.
+
+        Args:
+            app: the application.
+            names: host names, without ports, under which it may be asked for.
+            visitors: who is known.
+            asks_for_password: visitors must have logged in; otherwise each browser is admitted as maintainer.
+            secure: cookies go over TLS only.
+            owns: whether a page (its client's id) was opened by a visitor.
+        """
+        self._app, self._names, self._visitors = app, frozenset(name.lower() for name in names), visitors
+        self._asks_for_password, self._secure, self._owns = asks_for_password, secure, owns
+        self._sockets = 0
+        self.refused = 0
+        """requests and sockets that were refused, and sockets that were ended"""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let a request or a socket through, or refuse it."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        headers = {key.decode("latin-1").lower(): value.decode("latin-1") for key, value in scope["headers"]}
+        visitor = self._visitors.find(_cookie(headers.get("cookie", "")), time.monotonic())
+        flaw = self._flaw(scope, headers)
+        if flaw is not None:
+            await self._refuse(scope, receive, send, *flaw)
+        elif scope["type"] == "websocket":
+            await self._socket(scope, receive, send, visitor)
+        else:
+            await self._page(scope, receive, send, visitor)
+
+    def _flaw(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
+        """Return status and reason for which a request is refused."""
+        host = headers.get("host", "")
+        if (urlsplit(f"//{host}").hostname or "").lower() not in self._names:
+            return 403, "This is not the console's name; see --name in docs/console-installation.md."
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
+            return 403, "Another site's page may not use the console."
+        length = headers.get("content-length", "0")
+        if not (length.isdigit() and int(length) <= LARGEST):
+            return 413, "This is too much."
+        if scope["type"] == "http" and scope["path"].startswith(_SOCKET_PATH):
+            return 403, "Only web sockets are served here."
+        return None
+
+    async def _page(self, scope: Scope, receive: Receive, send: Send, visitor: Visitor | None) -> None:
+        cookie = b""
+        if visitor is None and not self._asks_for_password:
+            visitor = self._visitors.admit("", Rank.MAINTAINER, time.monotonic())
+            cookie = set_cookie(visitor.token, secure=self._secure)
+        if visitor is None and scope["path"] != LOGIN:
+            head = [(b"location", LOGIN.encode()), (b"content-length", b"0")]
+            await send({"type": "http.response.start", "status": 303, "headers": head})
+            await send({"type": "http.response.body", "body": b""})
+            return
+        scope[VISITOR] = visitor
+
+        async def send_guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                extra = [(key.encode(), value.encode()) for key, value in _HEADERS.items()]
+                extra += [(b"set-cookie", cookie)] if cookie else []
+                message = {**message, "headers": [*message.get("headers", []), *extra]}
+            await send(message)
+
+        await self._app(scope, receive, send_guarded)
+
+    async def _socket(self, scope: Scope, receive: Receive, send: Send, visitor: Visitor | None) -> None:
+        page = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("client_id", [""])[0]
+        if visitor is None or not self._owns(page, visitor) or self._sockets >= SOCKETS:
+            await self._refuse(scope, receive, send, 403, "")
+            return
+        scope[VISITOR] = visitor
+        allowance = Allowance(RATE, BURST)
+        over = False
+
+        async def receive_guarded() -> Message:
+            nonlocal over
+            message = await receive()
+            size = len(message.get("text") or "") + len(message.get("bytes") or b"")
+            if message["type"] == "websocket.receive" and not (size <= LARGEST and allowance.take(time.monotonic())):
+                over = True
+            if over and message["type"] == "websocket.receive":
+                self.refused += 1
+                await send({"type": "websocket.close", "code": 1008})
+                return {"type": "websocket.disconnect", "code": 1008}
+            return message
+
+        async def send_guarded(message: Message) -> None:
+            if not over:
+                await send(message)
+
+        self._sockets += 1
+        try:
+            await self._app(scope, receive_guarded, send_guarded)
+        finally:
+            self._sockets -= 1
+
+    async def _refuse(self, scope: Scope, receive: Receive, send: Send, status: int, reason: str) -> None:
+        self.refused += 1
+        if scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008})
+            return
+        body = reason.encode()
+        head = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode())]
+        await send({"type": "http.response.start", "status": status, "headers": head})
+        await send({"type": "http.response.body", "body": body})
+
+
+def set_cookie(token: str, *, secure: bool) -> bytes:
+    """Return the header's value that gives a browser its cookie; an empty token takes it away."""
+    words = [f"{COOKIE}={token}", "Path=/", "HttpOnly", "SameSite=Strict"]
+    words += ["Secure"] if secure else []
+    words += [] if token else ["Max-Age=0"]
+    return "; ".join(words).encode()
+
+
+def _cookie(header: str) -> str:
+    try:
+        found = SimpleCookie(header[:4096]).get(COOKIE)
+    except CookieError:
+        return ""
+    return found.value if found is not None else ""

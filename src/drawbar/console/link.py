@@ -1,0 +1,137 @@
+"""Link: the console's end of the drive. Hears gate and controller, keeps what pages draw, carries sessions' words."""
+
+import itertools
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+
+from drawbar.console.audit import Audit
+from drawbar.console.drawing import Moving, moving
+from drawbar.console.session import Session
+from drawbar.console.visitors import Visitor
+from drawbar.drive.letters import Step, unpack
+from drawbar.drive.operator import Operator
+from drawbar.messages import Action, ControllerState, GateState, OperatorMessage, decode
+from drawbar.recording.log import decode_step
+from drawbar.safety.desk import ALWAYS
+
+STALE = 1_000_000_000
+"""without a state of the gate for so long, what is shown is old, ns"""
+_KEPT = 128
+"""states of the gate that a browser may still say to have drawn; 2.5 s"""
+_TRAIL = 3000
+"""places of the tractor that are kept; 10 minutes"""
+_SUBSCRIBE = 500_000_000
+"""between two attempts to be told of the gate's states, ns"""
+
+
+class Link:
+    """What the console knows of the drive, and its sessions."""
+
+    def __init__(self, send: Callable[[OperatorMessage], None], audit: Audit, clock: Callable[[], int]) -> None:
+        """Take what hands a message to the gate, the audit log, and the monotonic clock in ns."""
+        self._send, self._audit, self.clock = send, audit, clock
+        self._nonces = itertools.count(time.monotonic_ns())  # larger than those of any other front end
+        self._own = Operator(1, send, self._nonces)
+        self._subscribe_due = 0
+        self._states: deque[GateState] = deque(maxlen=_KEPT)
+        self._sessions: dict[str, Session] = {}
+        self.gate: GateState | None = None
+        self.controller: ControllerState | None = None
+        self.moving: Moving | None = None
+        self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
+        """x (m), y (m), lateral error (m) of the tractor"""
+        self.wishes: dict[int, str] = {}
+        """sessions that ask the holder for control, with their names"""
+        self.version = 0
+        """grows with each control step that was heard"""
+        self.refused = 0
+        """control steps that could not be read"""
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether the gate has not been heard for too long."""
+        return self.gate is None or self.clock() - self.gate.time > STALE
+
+    @property
+    def speed(self) -> float:
+        """Of the vehicle, m/s; NaN: not known."""
+        if self.controller is None:
+            return math.nan
+        wheels = self.controller.wheel_speed
+        return wheels if math.isfinite(wheels) else self.controller.receiver_speed
+
+    def hear(self, data: bytes) -> None:
+        """Take in a datagram."""
+        letter = unpack(data)
+        if isinstance(letter, Step):
+            self._hear_step(letter)
+            return
+        message = decode(data, GateState, ControllerState)
+        if isinstance(message, GateState):
+            self._hear_gate(message)
+        elif isinstance(message, ControllerState):
+            self.controller = message
+
+    def _hear_step(self, letter: Step) -> None:
+        try:
+            record = decode_step(letter.data)
+        except (ValueError, KeyError, TypeError):  # msgspec's errors are ValueErrors
+            self.refused += 1
+            return
+        self.moving = moving(record)
+        self.version += 1
+        if self.moving is not None:
+            self.trail.append((*self.moving.tractor[:2], record.reference.tractor.lateral_error))
+
+    def _hear_gate(self, state: GateState) -> None:
+        if self.gate is not None and state.lease != self.gate.lease:
+            self.wishes.clear()
+        self.gate = state
+        self._states.append(state)
+        for session in self._sessions.values():
+            session.hear(state)
+
+    def pass_time(self) -> None:
+        """Ask the gate for its states where they do not come; nobody is present by that."""
+        now = self.clock()
+        if self.is_stale and now >= self._subscribe_due:
+            self._subscribe_due = now + _SUBSCRIBE
+            self._own.ask(Action.PRESENT, now)
+
+    def session(self, visitor: Visitor) -> Session:
+        """Return a visitor's session; all pages of one browser share it."""
+        if visitor.token not in self._sessions:
+            self._sessions[visitor.token] = Session(visitor.number, visitor.name, self._send, self._nonces)
+        return self._sessions[visitor.token]
+
+    def drawn(self, visitor: Visitor, sequence: object) -> None:
+        """Take a browser's word that it has drawn the state of this sequence; other words mean nothing."""
+        state = next((each for each in reversed(self._states) if each.sequence == sequence), None)
+        if state is None or isinstance(sequence, bool):
+            return
+        now = self.clock()
+        quiet = any(session.awaits(now) for session in self._sessions.values())
+        self.session(visitor).draw(state, now, attends=visitor.may_drive, quiet=quiet)
+
+    def ask(self, visitor: Visitor, action: Action, value: float = 0.0) -> bool:
+        """Ask the gate for something in a visitor's name; return whether it was sent. Everybody may stop."""
+        allowed = visitor.may_drive or action in ALWAYS
+        sent = allowed and self.session(visitor).ask(action, self.clock(), value)
+        self._audit.write(visitor, action.name, value=value, sent=sent)
+        return sent
+
+    def holder(self) -> str | None:
+        """Return the name of whoever holds the lease: empty if it is not one of this console; None: nobody."""
+        if self.gate is None or not self.gate.lease:
+            return None
+        names = (each.name for each in self._sessions.values() if each.number == self.gate.lease)
+        return next(names, "")
+
+    def wish(self, visitor: Visitor) -> None:
+        """Ask the holder for control, for somebody who may have it."""
+        if not visitor.may_drive:
+            return
+        self.wishes[visitor.number] = visitor.name
+        self._audit.write(visitor, "ASK_FOR_CONTROL")

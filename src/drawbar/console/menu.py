@@ -1,0 +1,22 @@
+"""Menu: the pages, language, light or dark, sound; the same on every page."""
+
+from nicegui import ui
+
+from drawbar.console.catalogue import Words
+
+_SOUND = "document.body.dataset.sound = document.body.dataset.sound === 'off' ? 'on' : 'off'"
+
+
+def menu(words: Words, *, login: bool) -> None:
+    """Build the button and its menu; login: there is somebody to log out."""
+    look = ui.dark_mode(None)
+    with ui.button(icon="menu", color=None).props(f'flat round aria-label="{words("menu")}"'), ui.menu():
+        ui.menu_item(words("drive"), lambda: ui.navigate.to("/"))
+        ui.menu_item(words("runs"), lambda: ui.navigate.to("/runs"))
+        ui.separator()
+        ui.menu_item(words("look"), lambda: look.set_value(not look.value))
+        ui.menu_item(words("sound"), lambda: ui.run_javascript(_SOUND))
+        other = "en" if words.language == "de" else "de"
+        ui.menu_item(words("language"), lambda: ui.navigate.to(f"/language/{other}"))
+        if login:
+            ui.menu_item(words("logout"), lambda: ui.navigate.to("/logout"))

@@ -1,0 +1,119 @@
+"""Pages: puts guard, login and pages into NiceGUI's application."""
+
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from nicegui import app, core, ui
+from nicegui.client import Client
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
+
+from drawbar.console.audit import Audit
+from drawbar.console.catalogue import Words, language_of
+from drawbar.console.drive_page import DrivePage
+from drawbar.console.guard import VISITOR, Guard
+from drawbar.console.link import Link
+from drawbar.console.login import Login
+from drawbar.console.passwords import User
+from drawbar.console.runs_page import report_of, runs_page
+from drawbar.console.visitors import Visitor, Visitors
+from drawbar.drive.console_orders import LOOPBACK, ConsoleOrders
+
+_STATIC = Path(__file__).parent / "static"
+_LANGUAGE = "drawbar-language"
+
+
+class Pages:
+    """All pages of the console, and who has them open."""
+
+    def __init__(
+        self,
+        orders: ConsoleOrders,
+        link: Link,
+        standing: Mapping[str, Any],
+        users: dict[str, User] | None,
+        audit: Audit,
+    ) -> None:
+        """Take what they show; users: None: nobody is asked for a password."""
+        self._orders, self._link, self._standing, self._audit = orders, link, dict(standing), audit
+        self._login = users is not None
+        self._visitors = Visitors()
+        self._open: dict[str, tuple[Visitor, DrivePage | None]] = {}
+        secure = orders.certificate is not None
+        self._desk = Login(users or {}, self._visitors, audit, secure=secure)
+        self._guard = {
+            "names": {orders.host.strip("[]"), *orders.names, *(LOOPBACK if orders.is_local else ())},
+            "visitors": self._visitors,
+            "asks_for_password": self._login,
+            "secure": secure,
+            "owns": self._owns,
+        }
+
+    def install(self) -> None:
+        """Put everything into the application; to be called once, before it runs."""
+        core.app.config.socket_io_js_transports = ["websocket"]
+        app.add_middleware(Guard, **self._guard)  # type: ignore[arg-type]
+        app.add_static_files("/drawbar", str(_STATIC), max_cache_age=0)
+        app.add_api_route("/login", self._form, methods=["GET"])
+        app.add_api_route("/login", self._attempt, methods=["POST"])
+        app.add_api_route("/logout", self._desk.logout, methods=["GET"])
+        app.add_api_route("/language/{language}", _choose_language, methods=["GET"])
+        app.add_api_route("/report/{name}", self._report, methods=["GET"])
+        ui.page("/", title="drawbar")(self._drive_page)
+        ui.page("/runs", title="drawbar")(self._runs_page)
+        app.on_delete(lambda client: self._open.pop(client.id, None))
+
+    def refresh(self) -> None:
+        """Show on all open pages what is so now."""
+        for client_id, (_, page) in list(self._open.items()):
+            client = Client.instances.get(client_id)
+            if page is None or client is None or not client.has_socket_connection:
+                continue
+            try:
+                with client:
+                    page.refresh()
+            except Exception:  # one page that cannot be shown must not end the others
+                traceback.print_exc()
+
+    def _owns(self, client_id: str, visitor: Visitor) -> bool:
+        found = self._open.get(client_id)
+        return found is not None and found[0].token == visitor.token
+
+    def _words(self, request: Request) -> Words:
+        chosen = request.cookies.get(_LANGUAGE) or request.headers.get("accept-language", "")
+        return Words(language_of(chosen, self._orders.language))
+
+    def _drive_page(self, request: Request) -> None:
+        visitor, words = self._begin(request)
+        page = DrivePage(self._link, visitor, words, self._standing, login=self._login)
+        self._open[ui.context.client.id] = (visitor, page)
+
+    def _runs_page(self, request: Request) -> None:
+        visitor, words = self._begin(request)
+        self._open[ui.context.client.id] = (visitor, None)
+        runs_page(Path(self._orders.runs), words, login=self._login)
+
+    def _begin(self, request: Request) -> tuple[Visitor, Words]:
+        visitor: Visitor = request.scope[VISITOR]
+        words = self._words(request)
+        ui.add_head_html('<link rel="stylesheet" href="/drawbar/console.css">')
+        ui.add_head_html(f'<script>document.documentElement.lang = "{words.language}"</script>')
+        return visitor, words
+
+    async def _form(self, request: Request) -> Response:
+        return self._desk.form(self._words(request))
+
+    async def _attempt(self, request: Request) -> Response:
+        return await self._desk.attempt(request, self._words(request))
+
+    def _report(self, name: str) -> Response:
+        path = report_of(Path(self._orders.runs), name)
+        return FileResponse(path) if path is not None else PlainTextResponse("There is no such report.", 404)
+
+
+def _choose_language(language: str) -> Response:
+    answer = RedirectResponse("/", 303)
+    answer.set_cookie(_LANGUAGE, "de" if language == "de" else "en", max_age=365 * 86400, samesite="strict")
+    return answer

@@ -1,0 +1,87 @@
+"""Screenshots: drives stand-ins through the console in Chromium and takes a picture of each page, for docs and review.
+
+`python -m drawbar.console.screenshots ADDRESS FOLDER` while `drawbar drive --console --port …` is on. Needs playwright
+and a Chromium of the distribution.
+"""
+
+import shutil
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+PHONE, TABLET = {"width": 360, "height": 740}, {"width": 1280, "height": 800}
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+WAIT = 90_000
+"""ms"""
+
+
+def chromium_path() -> str | None:
+    """Return the program of a Chromium that is installed; None: there is none."""
+    return next((path for name in BROWSERS if (path := shutil.which(name))), None)
+
+
+def main() -> int:
+    """Take all pictures."""
+    from playwright.sync_api import sync_playwright
+
+    address, folder = sys.argv[1], Path(sys.argv[2])
+    program = chromium_path()
+    if program is None:
+        print(f"screenshots need one of: {', '.join(BROWSERS)}", file=sys.stderr)
+        return 2
+    folder.mkdir(parents=True, exist_ok=True)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        _take(browser, address, folder)
+        browser.close()
+    return 0
+
+
+def _take(browser: "Browser", address: str, folder: Path) -> None:
+    page = browser.new_page(viewport=TABLET, color_scheme="light", locale="en-GB")  # type: ignore[arg-type]
+    page.goto(address, timeout=WAIT)
+
+    def press(name: str) -> None:
+        page.get_by_role("button", name=name, exact=True).click(timeout=WAIT)
+
+    _see(page, "Not ready")
+    _shoot(page, folder, "not-ready")
+    press("EMERGENCY")
+    _see(page, "Emergency stop")
+    _shoot(page, folder, "emergency")
+    press("Acknowledge")
+    _see(page, "Ready")
+    press("1 Prepare")
+    press("2 Engage")
+    _see(page, "Steering")
+    page.wait_for_timeout(8000)
+    _shoot(page, folder, "steering")
+    press("STOP")
+    _see(page, "Stopped")
+    page.goto(address + "language/de", timeout=WAIT)
+    _see(page, "Angehalten")
+    _shoot(page, folder, "stopped-german")
+    page.goto(address + "runs", timeout=WAIT)
+    page.locator(".word").wait_for(timeout=WAIT)
+    _shoot(page, folder, "runs")
+
+
+def _see(page: "Page", word: str) -> None:
+    page.locator(".word").get_by_text(word, exact=True).wait_for(timeout=WAIT)
+
+
+def _shoot(page: "Page", folder: Path, name: str) -> None:
+    """Take a page as phone and tablet show it, light and dark."""
+    for look in ("dark", "light"):
+        for device, size in (("phone", PHONE), ("tablet", TABLET)):
+            page.emulate_media(color_scheme=look)
+            page.set_viewport_size(size)  # type: ignore[arg-type]
+            page.wait_for_timeout(500)
+            page.screenshot(path=str(folder / f"{name}-{device}-{look}.png"))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

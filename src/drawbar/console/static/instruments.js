@@ -1,0 +1,271 @@
+// Instruments: figures, light bars and map. Draws one picture at a time and says which state of the gate it has drawn.
+// Where no picture has come for a second, everything is greyed: what is shown is old.
+
+const STALE = 1000; // ms
+const TRAIL = 3000;
+const BANDS = [[0.05, "--good", 3], [0.15, "--warn", 5], [Infinity, "--bad", 7]]; // error m, colour, width px
+
+export default {
+  template: `
+    <div class="instruments">
+      <section class="figures" aria-live="off">
+        <div v-for="body in picture.bodies" class="body-error" :aria-label="body.name + ' ' + body.figure + ' cm ' + body.side">
+          <div class="body-name">{{ body.name }}</div>
+          <div class="body-figure"><span class="arrow" v-if="body.arrow === '◀'">◀</span><b>{{ body.figure }}</b><small>cm</small><span class="arrow" v-if="body.arrow === '▶'">▶</span></div>
+          <div class="lightbar" role="img" :aria-label="body.side">
+            <i v-for="n in 21" :class="lamp(n, body.bar)"></i>
+          </div>
+          <div class="body-side">{{ body.side }}</div>
+        </div>
+        <ul class="chips">
+          <li v-for="chip in picture.chips" :class="chip.good ? 'ok' : 'doubt'">
+            <span class="chip-name">{{ chip.name }}</span>
+            <span class="chip-value">{{ chip.good ? '✓' : '!' }} {{ chip.value }}</span>
+          </li>
+        </ul>
+      </section>
+      <section class="map" ref="box">
+        <canvas ref="canvas" role="img" :aria-label="texts.map"></canvas>
+        <div class="zoom">
+          <button type="button" @click="zoom(1.4)" :aria-label="texts.zoom_in">+</button>
+          <button type="button" @click="zoom(1 / 1.4)" :aria-label="texts.zoom_out">−</button>
+          <button type="button" @click="toggleWhole" :aria-label="texts.whole" :aria-pressed="whole">⤢</button>
+        </div>
+        <div class="old" role="alert" v-if="old">⚠ {{ texts.old }}</div>
+      </section>
+    </div>`,
+  props: { standing: Object, texts: Object },
+  data() {
+    return {
+      picture: { bodies: [], chips: [] },
+      old: true,
+      whole: false,
+      scale: 14, // px per m
+    };
+  },
+  mounted() {
+    this.trail = (this.standing.trail || []).slice();
+    this.last = 0;
+    if (this.$refs.box.clientWidth > 600) this.scale = 26;
+    this.state = null;
+    this.watch = setInterval(() => this.judge(), 200);
+    this.observer = new ResizeObserver(() => this.paint());
+    this.observer.observe(this.$refs.box);
+    this.looks = new MutationObserver(() => this.paint());
+    this.looks.observe(document.body, { attributes: true, attributeFilter: ["class"] });
+    this.judge();
+  },
+  unmounted() {
+    clearInterval(this.watch);
+    this.observer.disconnect();
+    this.looks.disconnect();
+  },
+  methods: {
+    draw(picture) {
+      this.picture = picture;
+      this.last = performance.now();
+      const moving = picture.moving;
+      if (moving) {
+        const [x, y] = moving.tractor;
+        const end = this.trail[this.trail.length - 1];
+        if (!end || Math.hypot(x - end[0], y - end[1]) > 0.1) this.trail.push([x, y, picture.error]);
+        if (this.trail.length > TRAIL) this.trail.shift();
+      }
+      this.tell(picture.state);
+      this.judge();
+      requestAnimationFrame(() => {
+        this.paint();
+        if (!picture.stale) this.$emit("drawn", picture.seen);
+      });
+    },
+    judge() {
+      this.old = this.picture.stale !== false || performance.now() - this.last > STALE;
+      document.body.classList.toggle("old-picture", this.old);
+    },
+    tell(state) {
+      if (this.state !== null && state !== this.state && document.body.dataset.sound !== "off") beep(state);
+      this.state = state;
+    },
+    lamp(n, value) {
+      if (value === null || value === undefined) return "off";
+      const place = 11 - Math.round(value * 10); // left positive: to the left
+      if (n === place) return n === 11 ? "on centre" : Math.abs(value) <= 0.34 ? "on near" : "on far";
+      return n === 11 ? "middle" : "off";
+    },
+    zoom(factor) {
+      this.whole = false;
+      this.scale = Math.min(80, Math.max(1.5, this.scale * factor));
+      this.paint();
+    },
+    toggleWhole() {
+      this.whole = !this.whole;
+      this.paint();
+    },
+    paint() {
+      const canvas = this.$refs.canvas, box = this.$refs.box;
+      if (!canvas || !box || !box.clientWidth) return;
+      const dense = window.devicePixelRatio || 1, width = box.clientWidth, height = box.clientHeight;
+      if (canvas.width !== Math.round(width * dense) || canvas.height !== Math.round(height * dense)) {
+        canvas.width = Math.round(width * dense);
+        canvas.height = Math.round(height * dense);
+      }
+      const ink = canvas.getContext("2d"), style = getComputedStyle(document.body);
+      const colour = (name) => style.getPropertyValue(name).trim();
+      ink.setTransform(dense, 0, 0, dense, 0, 0);
+      ink.fillStyle = colour("--ground");
+      ink.fillRect(0, 0, width, height);
+      const to = this.camera(width, height);
+      grid(ink, to, width, height, colour("--grid"));
+      stroke(ink, to, this.standing.path, colour("--line"), 2.5, [9, 6]);
+      this.paintTrail(ink, to, colour);
+      const moving = this.picture.moving;
+      if (!moving) return;
+      stroke(ink, to, moving.plans[1], colour("--trailer"), 3, [3, 4]);
+      stroke(ink, to, moving.plans[0], colour("--tractor"), 3, []);
+      this.paintBodies(ink, to, moving, colour);
+    },
+    camera(width, height) {
+      const moving = this.picture.moving;
+      if (this.whole || !moving) {
+        const [low, high] = extent(this.standing.path);
+        const scale = 0.9 * Math.min(width / Math.max(high[0] - low[0], 1), height / Math.max(high[1] - low[1], 1));
+        const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
+        return transform(middle, Math.PI / 2, scale, [width / 2, height / 2]);
+      }
+      return transform(moving.tractor, moving.tractor[2], this.scale, [width / 2, height * 0.56]);
+    },
+    paintTrail(ink, to, colour) {
+      for (const [band, [limit, name, width]] of BANDS.entries()) {
+        const lowest = band ? BANDS[band - 1][0] : -1;
+        ink.strokeStyle = colour(name);
+        ink.lineWidth = width;
+        ink.globalAlpha = 0.75;
+        ink.beginPath();
+        for (let i = 1; i < this.trail.length; i++) {
+          const error = Math.abs(this.trail[i][2] ?? Infinity);
+          if (!(error > lowest && error <= limit)) continue;
+          ink.moveTo(...to(this.trail[i - 1]));
+          ink.lineTo(...to(this.trail[i]));
+        }
+        ink.stroke();
+      }
+      ink.globalAlpha = 1;
+    },
+    paintBodies(ink, to, moving, colour) {
+      const standing = this.standing, edge = colour("--ink");
+      const joint = place(moving.tractor, [standing.tractorJoint, 0]);
+      const eye = place(moving.trailer, [standing.trailerJoint, 0]);
+      stroke(ink, to, [joint, eye], edge, 4, []);
+      shapes(ink, to, moving.trailer, standing.trailer, colour("--trailer"), edge);
+      const steered = standing.tractor.length - standing.steered;
+      shapes(ink, to, moving.tractor, standing.tractor.slice(0, steered), colour("--tractor"), edge);
+      const wheels = standing.tractor.slice(steered).map((wheel) => turned(wheel, moving.steering));
+      shapes(ink, to, moving.tractor, wheels, edge, edge);
+      ink.fillStyle = colour("--ground");
+      ink.strokeStyle = edge;
+      ink.lineWidth = 2;
+      for (const point of [joint, eye]) {
+        ink.beginPath();
+        ink.arc(...to(point), 4, 0, 2 * Math.PI);
+        ink.fill();
+        ink.stroke();
+      }
+    },
+  },
+};
+
+// Returns what takes a place in the field (m) to the screen (px), with `yaw` upwards and `middle` at `at`.
+function transform(middle, yaw, scale, at) {
+  const cos = Math.cos(yaw), sin = Math.sin(yaw);
+  return ([x, y]) => {
+    const east = x - middle[0], north = y - middle[1];
+    const ahead = cos * east + sin * north, left = -sin * east + cos * north;
+    return [at[0] - scale * left, at[1] - scale * ahead];
+  };
+}
+
+function place([x, y, yaw], [ahead, left]) {
+  const cos = Math.cos(yaw), sin = Math.sin(yaw);
+  return [x + cos * ahead - sin * left, y + sin * ahead + cos * left];
+}
+
+function turned(wheel, angle) {
+  const corners = wheel.slice(0, 4);
+  const middle = [0, 1].map((axis) => corners.reduce((sum, point) => sum + point[axis], 0) / corners.length);
+  return wheel.map((point) => place([...middle, angle], [point[0] - middle[0], point[1] - middle[1]]));
+}
+
+function stroke(ink, to, points, colour, width, dash) {
+  if (!points || points.length < 2) return;
+  ink.strokeStyle = colour;
+  ink.lineWidth = width;
+  ink.lineJoin = "round";
+  ink.setLineDash(dash);
+  ink.beginPath();
+  points.forEach((point, i) => (i ? ink.lineTo(...to(point)) : ink.moveTo(...to(point))));
+  ink.stroke();
+  ink.setLineDash([]);
+}
+
+function shapes(ink, to, pose, polygons, fill, edge) {
+  ink.fillStyle = fill;
+  ink.strokeStyle = edge;
+  ink.lineWidth = 1.2;
+  for (const polygon of polygons) {
+    ink.beginPath();
+    polygon.forEach((point, i) => {
+      const at = to(place(pose, point));
+      i ? ink.lineTo(...at) : ink.moveTo(...at);
+    });
+    ink.closePath();
+    ink.fill();
+    ink.stroke();
+  }
+}
+
+function extent(points) {
+  const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  for (const point of points) {
+    for (const axis of [0, 1]) {
+      low[axis] = Math.min(low[axis], point[axis]);
+      high[axis] = Math.max(high[axis], point[axis]);
+    }
+  }
+  return [low, high];
+}
+
+// A bar of a round length, so that distances on the map can be judged.
+function grid(ink, to, width, height, colour) {
+  const [a, b] = [to([0, 0]), to([1, 0])];
+  const scale = Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const length = [1, 2, 5, 10, 20, 50, 100, 200].find((each) => each * scale >= 48) || 500;
+  ink.strokeStyle = colour;
+  ink.fillStyle = colour;
+  ink.lineWidth = 2;
+  ink.beginPath();
+  ink.moveTo(12, height - 16);
+  ink.lineTo(12, height - 10);
+  ink.lineTo(12 + length * scale, height - 10);
+  ink.lineTo(12 + length * scale, height - 16);
+  ink.stroke();
+  ink.font = "600 14px system-ui, sans-serif";
+  ink.fillText(`${length} m`, 18, height - 16);
+}
+
+let speaker = null;
+function beep(state) {
+  try {
+    speaker = speaker || new AudioContext();
+    const grave = ["FAULT", "ESTOP", "STOPPING", "OVERRIDE", "NO_CONTACT"].includes(state);
+    for (let n = 0; n < (grave ? 3 : 1); n++) {
+      const tone = speaker.createOscillator(), volume = speaker.createGain();
+      tone.frequency.value = grave ? 440 : state === "ACTIVE" ? 1040 : 780;
+      volume.gain.value = 0.2;
+      tone.connect(volume).connect(speaker.destination);
+      tone.start(speaker.currentTime + 0.22 * n);
+      tone.stop(speaker.currentTime + 0.22 * n + 0.14);
+    }
+  } catch {
+    speaker = null; // a browser without sound, or before the first touch
+  }
+}

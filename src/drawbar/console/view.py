@@ -1,0 +1,246 @@
+"""View: what a page shows of the drive. Pure: states in, words and numbers out."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from drawbar.console.catalogue import Words
+from drawbar.console.drawing import Moving
+from drawbar.messages import ControllerState, GateState, SupervisorState
+from drawbar.safety.causes import BY_CODE
+from drawbar.safety.engagement import LATCHED, STEERING
+from drawbar.signals import FixQuality
+
+Tone = Literal["good", "warn", "bad", "idle"]
+KMH = 3.6
+"""of m/s"""
+_STANDS = 0.05
+"""slower is standing, m/s"""
+_BAR = 0.3
+"""lateral error at the ends of the light bar, m"""
+_GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
+_WARN = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
+_BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
+_SYMBOLS = {
+    SupervisorState.BOOT: "…",
+    SupervisorState.SELFTEST: "…",
+    SupervisorState.STANDBY: "○",
+    SupervisorState.READY: "◎",
+    SupervisorState.ENGAGING: "◔",
+    SupervisorState.ACTIVE: "●",
+    SupervisorState.DEGRADED: "◐",
+    SupervisorState.STOPPING: "▼",
+    SupervisorState.STOPPED: "■",
+    SupervisorState.OVERRIDE: "◇",
+    SupervisorState.FAULT: "✖",
+    SupervisorState.ESTOP: "!!",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Board:
+    """What changes seldom: the state in words, why not, and what may be asked for."""
+
+    word: str
+    symbol: str
+    tone: Tone
+    detail: str
+    """what led to the state, and for how long it lasts"""
+    brake: bool
+    """the driver is to stop the vehicle"""
+    heading: str
+    """over the reasons"""
+    reasons: tuple[tuple[str, str], ...]
+    """what stands against engaging or worries, each with what to do"""
+    lease: str
+    may_arm: bool
+    may_engage: bool
+    may_acknowledge: bool
+    may_adjust: bool
+    """nudge and set speed"""
+    may_give: bool
+    """the lease to somebody who asks for it"""
+    may_wish: bool
+    """ask the holder for the lease"""
+
+
+def board(
+    gate: GateState | None,
+    words: Words,
+    *,
+    stale: bool,
+    mine: bool,
+    holder: str | None,
+    drives: bool,
+    speed: float = math.nan,
+) -> Board:
+    """Return the board of one visitor.
+
+    Args:
+        gate: its newest state.
+        words: texts.
+        stale: that state is old.
+        mine: the visitor holds the lease.
+        holder: name of who does; empty: not known; None: nobody.
+        drives: the visitor may do more than look and stop.
+        speed: of the vehicle, m/s; NaN: not known.
+    """
+    if gate is None or stale:
+        return _no_contact(words)
+    state = gate.state
+    latched, ready = state in LATCHED, state is SupervisorState.READY
+    driving = state in STEERING
+    return Board(
+        word=words(state.name),
+        symbol=_SYMBOLS[state],
+        tone="good" if state in _GOOD else "warn" if state in _WARN else "bad" if state in _BAD else "idle",
+        detail=_detail(gate, words),
+        brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= _STANDS,
+        heading=words("next" if ready else "worries" if driving else "why_not"),
+        reasons=((words("next_ready"), ""),) if ready and drives else _reasons(gate, words),
+        lease=_lease(words, mine=mine, holder=holder, drives=drives),
+        may_arm=drives and ready and not (gate.armed and mine) and (mine or holder is None),
+        may_engage=drives and ready and mine and bool(gate.armed),
+        may_acknowledge=drives and latched,
+        may_adjust=drives and mine,
+        may_give=mine and not driving,
+        may_wish=drives and holder is not None and not mine,
+    )
+
+
+def _no_contact(words: Words) -> Board:
+    return Board(
+        word=words("NO_CONTACT"),
+        symbol="?",
+        tone="bad",
+        detail=words("no_contact_why"),
+        brake=False,
+        heading="",
+        reasons=(),
+        lease="",
+        may_arm=False,
+        may_engage=False,
+        may_acknowledge=False,
+        may_adjust=False,
+        may_give=False,
+        may_wish=False,
+    )
+
+
+def _detail(gate: GateState, words: Words) -> str:
+    parts = []
+    if gate.cause and gate.state is not SupervisorState.READY:
+        sentence, _ = words.cause(BY_CODE[gate.cause])
+        parts.append(words("because", cause=sentence))
+    if math.isfinite(gate.remaining):
+        parts.append(words("seconds_left", seconds=math.ceil(gate.remaining)))
+    return " · ".join(parts)
+
+
+def _reasons(gate: GateState, words: Words) -> tuple[tuple[str, str], ...]:
+    found = tuple(words.cause(BY_CODE[code]) for code in gate.refusals if code)
+    if not found and gate.state is SupervisorState.STANDBY:
+        return ((words("wait_ready"), ""),)
+    return found
+
+
+def _lease(words: Words, *, mine: bool, holder: str | None, drives: bool) -> str:
+    if not drives:
+        return words("only_viewer")
+    if mine:
+        return words("you_control")
+    if holder is None:
+        return words("nobody_controls")
+    return words("other_controls", name=display_name(holder, words))
+
+
+def display_name(name: str, words: Words) -> str:
+    """Return how somebody is called; numbers are operators without a name."""
+    if not name:
+        return words("somebody")
+    return words("operator_name", name=name) if name.isdigit() else name
+
+
+def picture(
+    gate: GateState | None,
+    controller: ControllerState | None,
+    place: Moving | None,
+    words: Words,
+    *,
+    stale: bool,
+    speed: float,
+) -> dict[str, Any]:
+    """Return what a browser draws ten times a second, as JSON; `seen` is what it acknowledges.
+
+    speed: at which is driven where the operator wishes none, m/s.
+    """
+    return {
+        "seen": gate.sequence if gate is not None else -1,
+        "stale": stale,
+        "state": gate.state.name if gate is not None else "NO_CONTACT",
+        "bodies": [_body(controller, body, words) for body in ("tractor", "trailer")],
+        "chips": _chips(controller, words),
+        "setSpeed": _set_speed(gate, words, speed),
+        "shift": _shift(gate, words),
+        "moving": place.to_browser() if place is not None else None,
+        "error": _finite(controller.tractor_lateral_error) if controller is not None else None,
+    }
+
+
+def _body(controller: ControllerState | None, body: str, words: Words) -> dict[str, Any]:
+    error = getattr(controller, f"{body}_lateral_error") if controller is not None else math.nan
+    if not math.isfinite(error):
+        return {"name": words(body), "figure": "–", "side": words("not_known"), "bar": None, "arrow": ""}
+    centimetres = round(abs(error) * 100.0)
+    side = "on_line" if not centimetres else "left" if error > 0.0 else "right"
+    return {
+        "name": words(body),
+        "figure": f"{centimetres}",
+        "side": words(side),
+        "bar": round(max(-1.0, min(1.0, error / _BAR)), 3),
+        "arrow": {"left": "◀", "right": "▶", "on_line": "◆"}[side],
+    }
+
+
+def _chips(controller: ControllerState | None, words: Words) -> list[dict[str, Any]]:
+    """Return speed, fix and corrections, each with whether it is well."""
+    if controller is None:
+        return [{"name": words(key), "value": "–", "good": False} for key in ("speed", "fix", "corrections")]
+    qualities = [FixQuality(each) for each in (controller.tractor_quality, controller.trailer_quality)]
+    worst = min(qualities)
+    age = controller.correction_age
+    speed = controller.wheel_speed if math.isfinite(controller.wheel_speed) else controller.receiver_speed
+    return [
+        {
+            "name": words("speed"),
+            "value": f"{words.number(speed * KMH, 1)} km/h" if math.isfinite(speed) else words("not_known"),
+            "good": math.isfinite(speed),
+        },
+        {"name": words("fix"), "value": words(f"fix_{worst.name}"), "good": worst is FixQuality.FIXED},
+        {
+            "name": words("corrections"),
+            "value": f"{words.number(age, 0)} s" if math.isfinite(age) else words("not_known"),
+            "good": math.isfinite(age) and age <= 5.0,
+        },
+    ]
+
+
+def _set_speed(gate: GateState | None, words: Words, speed: float) -> str:
+    if gate is None:
+        return "–"
+    return f"{words.number(wished_speed(gate, speed) * KMH, 1)} km/h"
+
+
+def wished_speed(gate: GateState, otherwise: float) -> float:
+    """Return the speed that the operator wishes; otherwise the one that is driven without a wish, m/s."""
+    return gate.set_speed if math.isfinite(gate.set_speed) else otherwise
+
+
+def _shift(gate: GateState | None, words: Words) -> str:
+    if gate is None or not round(gate.nudge * 100.0):
+        return "0 cm"
+    return f"{'◀' if gate.nudge > 0.0 else '▶'} {abs(round(gate.nudge * 100.0))} cm"
+
+
+def _finite(value: float) -> float | None:
+    return round(value, 3) if math.isfinite(value) else None

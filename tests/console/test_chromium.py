@@ -1,0 +1,125 @@
+"""The console in a real browser, in front of a real drive of stand-ins: engage, stop, and nothing from elsewhere."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+
+import pytest
+
+from drawbar.console.screenshots import chromium_path
+
+pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+
+WAIT = 120_000
+"""ms; a loaded machine takes its time"""
+
+pytestmark = pytest.mark.skipif(chromium_path() is None, reason="no Chromium is installed")
+
+
+@pytest.fixture
+def drive(tmp_path):
+    """Return the address of the console of a drive that is on."""
+    surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    arguments = [
+        "drive",
+        "--console",
+        "--port",
+        str(port),
+        "--out",
+        str(tmp_path / "run"),
+        "--set",
+        "safety.engage.quiet=0.5",
+    ]
+    with (tmp_path / "out").open("wb") as out:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "drawbar", *arguments],
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env=surroundings,
+        )
+    address = f"http://127.0.0.1:{port}/"
+    try:
+        _await_page(address, process, tmp_path / "out")
+        yield address
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(60)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def _await_page(address, process, out):
+    end = time.monotonic() + WAIT / 1000
+    while time.monotonic() < end:
+        assert process.poll() is None, out.read_text()
+        try:
+            urllib.request.urlopen(address, timeout=5).close()
+            return
+        except OSError:
+            time.sleep(0.2)
+    raise AssertionError(out.read_text())
+
+
+@pytest.fixture
+def page():
+    """Return a page of a browser that reaches nothing but this computer; `asked` holds what it asked for."""
+    with playwright.sync_playwright() as playing:
+        browser = playing.chromium.launch(executable_path=chromium_path(), args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 360, "height": 740}, locale="en-GB")
+        page.set_default_timeout(WAIT)
+        page.asked, page.troubles = [], []
+        page.on("request", lambda request: page.asked.append(request.url))
+        page.on("websocket", lambda line: page.asked.append(line.url.replace("ws://", "http://")))
+        page.on("pageerror", lambda error: page.troubles.append(str(error)))
+        page.route(lambda url: not url.startswith(("http://127.0.0.1:", "data:")), lambda route: route.abort())
+        yield page
+        browser.close()
+
+
+def see(page, word):
+    page.locator(".word").get_by_text(word, exact=True).wait_for()
+
+
+def press(page, name):
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
+    page.goto(drive)
+    see(page, "Not ready")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    press(page, "EMERGENCY")
+    see(page, "Emergency stop")
+    press(page, "Acknowledge")
+    see(page, "Ready")
+    press(page, "1 Prepare")
+    press(page, "2 Engage")
+    see(page, "Steering")
+    page.locator("body:not(.old-picture)").wait_for()
+    assert float(page.locator(".body-figure b").first.inner_text()) < 100.0
+    press(page, "STOP")
+    see(page, "Stopped")
+    elsewhere = [url for url in page.asked if not url.startswith((drive, "data:"))]
+    assert elsewhere == []
+    assert any("_nicegui_ws" in url for url in page.asked)
+    assert page.troubles == []
+
+
+def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, page):
+    page.goto(drive)
+    see(page, "Not ready")
+    page.locator("body:not(.old-picture)").wait_for()
+    page.context.set_offline(True)
+    page.evaluate("window.socket.disconnect()")
+    page.locator("body.old-picture").wait_for(timeout=10_000)
+    assert "OLD PICTURE" in page.locator(".old").inner_text()

@@ -1,0 +1,131 @@
+"""The console as a process: it joins a drive, its death is survived, its records are those of the drive."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+
+pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+
+from console_stage import Stage
+
+from drawbar.config import load_configuration
+from drawbar.console.drawing import moving, standing
+from drawbar.drive.console_orders import ConsoleOrders
+from drawbar.drive.letters import Step, pack
+from drawbar.drive.mail import Mailbox
+from drawbar.drive.orders import CONSOLE, GATE
+from drawbar.messages import Action, OperatorMessage, decode
+from drawbar.recording.log import encode_special
+from drawbar.simulation import build_path, simulate
+
+WAIT = 120.0
+"""s; a loaded machine takes its time"""
+
+
+@pytest.fixture(scope="module")
+def record():
+    configuration = load_configuration("articulated", ["path.radii=[8.0]", "path.laps=1"][:1])
+    return simulate(configuration, 1).records[60], configuration
+
+
+def test_a_step_is_drawn_where_its_record_says(record):
+    step, _configuration = record
+    import msgspec
+
+    data = msgspec.json.Encoder(enc_hook=encode_special).encode(step)
+    stage = Stage()
+    stage.link.hear(pack(Step(time=1, data=data)))
+    place = stage.link.moving
+    assert place.tractor == (step.estimate.tractor.x, step.estimate.tractor.y, step.estimate.tractor.yaw)
+    assert place.plans[0][-1] == pytest.approx(step.plan.tractor.poses[-1, :2], abs=1e-3)
+    assert list(stage.link.trail)[-1][2] == step.reference.tractor.lateral_error
+    assert json.loads(json.dumps(place.to_browser())) == place.to_browser()
+    assert moving(step) == place
+
+
+def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
+    step, configuration = record
+    path, _ = build_path(configuration)
+    shapes, vehicle = standing(path, configuration.vehicle, 1.0), configuration.vehicle
+    place = moving(step)
+    import math
+
+    def at(pose, ahead):
+        return pose[0] + ahead * math.cos(pose[2]), pose[1] + ahead * math.sin(pose[2])
+
+    apart = math.dist(at(place.tractor, shapes["tractorJoint"]), at(place.trailer, shapes["trailerJoint"]))
+    assert apart == pytest.approx(vehicle.drawbar_length, abs=0.05)
+    assert shapes["path"][-1] == pytest.approx(path.nodes[-1, 1:3], abs=1e-3)
+
+
+def test_garbage_is_no_message():
+    stage = Stage()
+    for data in (b"", b"DB", bytes(300), b"DBs\0" + bytes(8) + b"{", b"DBs\0" + bytes(8) + b"{}"):
+        stage.link.hear(data)
+    assert stage.link.gate is None
+    assert stage.link.refused == 2
+
+
+@pytest.fixture
+def process(tmp_path):
+    """Return a console in front of a socket that stands for the gate's."""
+    configuration = tmp_path / "config.toml"
+    configuration.write_text(load_configuration("articulated").to_toml(), "utf-8")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    orders = ConsoleOrders(folder=str(tmp_path), configuration=str(configuration), port=port, runs=str(tmp_path))
+    gate = Mailbox(str(tmp_path / GATE))
+    surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
+    program = [sys.executable, "-m", "drawbar.console.console_main"]
+    with subprocess.Popen(program, stdin=subprocess.PIPE, env=surroundings, cwd=tmp_path) as running:
+        running.stdin.write(orders.model_dump_json().encode())
+        running.stdin.close()
+        yield running, gate, port, tmp_path
+        running.send_signal(signal.SIGTERM)
+        try:
+            running.wait(30)
+        except subprocess.TimeoutExpired:
+            running.kill()
+    gate.close()
+
+
+def until(condition):
+    end = time.monotonic() + WAIT
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def test_it_listens_at_loopback_only_and_is_nobody_by_itself(process):
+    running, gate, port, folder = process
+
+    def reaches(host):
+        try:
+            socket.create_connection((host, port), timeout=1.0).close()
+        except OSError:
+            return False
+        return True
+
+    until(lambda: reaches("127.0.0.1"))
+    others = {each[4][0] for each in socket.getaddrinfo(socket.gethostname(), port, socket.AF_INET)} - {"127.0.0.1"}
+    assert not any(reaches(host) for host in others if not host.startswith("127."))
+    words = []
+
+    def heard():
+        words.extend(decode(data, OperatorMessage) for data in gate.receive())
+        return words
+
+    until(heard)
+    assert {each.action for each in words} == {Action.PRESENT}
+    assert {each.seen_time for each in words} == {0}  # it has seen nothing, so that the gate takes nobody for present
+    running.send_signal(signal.SIGTERM)
+    assert running.wait(60) in (0, -signal.SIGTERM)
+    assert not (folder / ".nicegui").exists()
+    assert not (folder / CONSOLE).exists()

@@ -1,0 +1,74 @@
+"""What is shown of states and numbers, without a browser."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+
+from console_stage import Stage
+
+from drawbar.console.catalogue import Words
+from drawbar.console.view import board, picture
+from drawbar.messages import SupervisorState
+
+EN, DE = Words("en"), Words("de")
+
+
+@pytest.fixture
+def stage():
+    stage = Stage()
+    stage.run(0.1)
+    return stage
+
+
+def drawn(stage, words=EN, **numbers):
+    stage.hear_controller(**numbers)
+    return picture(stage.link.gate, stage.link.controller, None, words, stale=False, speed=1.0)
+
+
+@pytest.mark.parametrize(
+    ("error", "figure", "side", "arrow"),
+    [
+        (0.12, "12", "left of the line", "◀"),
+        (-0.12, "12", "right of the line", "▶"),
+        (0.004, "0", "on the line", "◆"),
+        (math.nan, "–", "not known", ""),
+        (-25.0, "2500", "right of the line", "▶"),
+    ],
+)
+def test_errors_are_said_as_the_driver_sees_them(stage, error, figure, side, arrow):
+    body = drawn(stage, tractor_lateral_error=error)["bodies"][0]
+    assert (body["figure"], body["side"], body["arrow"]) == (figure, side, arrow)
+    assert body["bar"] is None or -1.0 <= body["bar"] <= 1.0
+
+
+def test_the_worse_receiver_is_shown(stage):
+    chip = drawn(stage, trailer_quality=4)["chips"][1]
+    assert (chip["value"], chip["good"]) == ("RTK float", False)
+
+
+def test_german_numbers_have_a_comma(stage):
+    assert drawn(stage, DE, wheel_speed=1.0)["chips"][0]["value"] == "3,6 km/h"
+
+
+def test_what_is_not_known_is_said_and_is_not_good(stage):
+    chips = drawn(stage, wheel_speed=math.nan, receiver_speed=math.nan, correction_age=math.nan)["chips"]
+    assert [chips[index]["value"] for index in (0, 2)] == ["not known"] * 2
+    assert not chips[0]["good"]
+    assert not chips[2]["good"]
+
+
+def test_each_state_has_a_word_and_a_symbol_of_its_own(stage):
+    states = [replace(stage.link.gate, state=state) for state in SupervisorState]
+    boards = [board(state, EN, stale=False, mine=False, holder=None, drives=True) for state in states]
+    assert len({each.word for each in boards}) == len(SupervisorState)
+    assert len({each.symbol for each in boards}) == len(SupervisorState) - 1  # starting and testing itself share theirs
+
+
+def test_the_driver_is_told_to_brake_until_the_vehicle_stands(stage):
+    stopping = replace(stage.link.gate, state=SupervisorState.STOPPING, stop=1)
+    for speed, brakes in ((1.0, True), (math.nan, True), (0.0, False)):
+        shown = board(stopping, EN, stale=False, mine=True, holder="1", drives=True, speed=speed)
+        assert shown.brake is brakes

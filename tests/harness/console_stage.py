@@ -1,0 +1,184 @@
+"""A console in memory: the gate's real desk and engagement behind it, a clock of its own, NiceGUI's simulated users."""
+
+import math
+import os
+import re
+from contextlib import asynccontextmanager
+
+import httpx
+from nicegui import Client, core, ui
+from nicegui.functions.navigate import Navigate
+from nicegui.functions.notify import notify
+from nicegui.testing.general import nicegui_reset_globals, prepare_simulation
+from nicegui.testing.user import User
+
+from drawbar.console.audit import Audit
+from drawbar.console.instruments import Instruments
+from drawbar.console.link import Link
+from drawbar.console.pages import Pages
+from drawbar.drive.console_orders import ConsoleOrders
+from drawbar.messages import ControllerState, encode
+from drawbar.safety.causes import Cause
+from drawbar.safety.desk import Desk
+from drawbar.safety.engagement import Engagement, Situation
+from drawbar.safety.gate_report import Actuation, Counts, gate_state
+from drawbar.safety.settings import SafetySettings
+
+HOST = "test"
+STANDING = {"speed": 1.0, "path": [[0, 0], [1, 0]], "tractor": [], "trailer": [], "steered": 0}
+STANDING |= {"tractorJoint": 0, "trailerJoint": 0}
+TICK = 20_000_000
+"""ns"""
+
+
+class Stage:
+    """Gate and link; `run` lets time pass."""
+
+    def __init__(self, audit=None):
+        self.settings = SafetySettings()
+        self.engagement = Engagement(self.settings)
+        self.desk = Desk(self.settings, self.engagement)
+        self.now, self.sequence = 100 * 10**9, 0
+        self.causes, self.standing, self.silent = set(), False, False
+        self.sent = []
+        self.link = Link(self._send, Audit(audit), lambda: self.now)
+
+    @property
+    def time(self):
+        """s"""
+        return self.now * 1e-9
+
+    def _send(self, message):
+        self.sent.append(message)
+        self.desk.receive(self.time, message)
+
+    def run(self, duration, *watching):
+        """Let time pass, s; pages that watch draw what they are sent, and say so, ten times a second."""
+        for count in range(round(duration / (TICK * 1e-9))):
+            self.now += TICK
+            self._tick()
+            self.link.pass_time()
+            if count % 5 == 0:
+                for page in watching:
+                    page.draw()
+
+    def _tick(self):
+        causes = set(self.causes)
+        if self.desk.age(self.time) > self.settings.drive.operator:
+            causes.add(Cause.NO_OPERATOR)
+        self.engagement.update(
+            self.time,
+            Situation(causes=tuple(causes), actions=self.desk.take(), taken=True, standing=self.standing),
+        )
+        self.sequence += 1
+        none = Actuation(tractor=None, trailer=None, speed=None)
+        state = gate_state(
+            self.time,
+            self.sequence,
+            self.engagement,
+            self.desk,
+            none,
+            (math.nan, math.nan),
+            sorted(causes, key=lambda cause: cause.value),
+            Counts(),
+            speed_limit=1.0,
+            valid=1.0,
+        )
+        self.desk.show(state.sequence, state.time)
+        if not self.silent:
+            self.link.hear(encode(state))
+
+    def hear_controller(self, **values):
+        """Let the controller say where both bodies are."""
+        names = ["lateral_deviation", "heading_deviation", "tractor_heading_error", "trailer_heading_error"]
+        numbers = dict.fromkeys([*names, "hitch_angle"], 0.0)
+        numbers |= {"correction_age": 1.0, "wheel_speed": 1.0, "receiver_speed": 1.0}
+        numbers |= {"tractor_lateral_error": 0.0, "trailer_lateral_error": 0.0} | values
+        now = self.now
+        counts = dict.fromkeys(["configuration", "wiggled", "status", "flags", "solved", "overruns"], 0)
+        qualities = {"tractor_quality": 5, "trailer_quality": 5}
+        self.link.hear(encode(ControllerState(time=now, valid_until=now + 10**9, **counts, **(qualities | numbers))))
+
+
+class Watcher:
+    """A simulated user with a browser that draws."""
+
+    def __init__(self, stage, pages):
+        http = httpx.AsyncClient(transport=httpx.ASGITransport(core.app), base_url=f"http://{HOST}")
+        self.stage, self.pages, self.user = stage, pages, User(http)
+
+    async def open(self, path="/"):
+        await self.user.open(path)
+        return self
+
+    @property
+    def page(self):
+        return self.pages._open[self.user.client.id][1]
+
+    def refresh(self):
+        with self.user.client:
+            self.page.refresh()
+
+    def draw(self):
+        """Do what the browser does with a picture."""
+        self.refresh()
+        if not self.stage.link.is_stale:
+            self.user.find(Instruments).trigger("drawn", self.stage.link.gate.sequence)
+
+    def press(self, text):
+        """Press a button, found by its text or mark."""
+        self.button(text).click()
+
+    def button(self, text):
+        return self.user.find(kind=ui.button, content=text) if text in self._contents() else self.user.find(text)
+
+    def _contents(self):
+        return [element.text for element in self.user.client.elements.values() if isinstance(element, ui.button)]
+
+    def enabled(self, text):
+        (found,) = (
+            each for each in self.user.client.elements.values() if isinstance(each, ui.button) and each.text == text
+        )
+        return found.enabled and found.visible
+
+    def text(self):
+        """Return all visible texts of labels, one a line."""
+        labels = (each for each in self.user.client.elements.values() if isinstance(each, ui.label))
+        return "\n".join(each.text for each in labels if _seen(each))
+
+    def told(self):
+        return " / ".join(self.user.notify.messages)
+
+
+def _seen(element):
+    while element is not None:
+        if not element.visible:
+            return False
+        element = element.parent_slot.parent if element.parent_slot else None
+    return True
+
+
+@asynccontextmanager
+async def console(stage, users=None, **orders):
+    """Serve the pages to simulated browsers; yields what opens a new one."""
+    settings = ConsoleOrders(folder="", configuration="", names=(HOST,), **orders)
+    with nicegui_reset_globals():
+        os.environ["NICEGUI_USER_SIMULATION"] = "true"
+        try:
+            prepare_simulation()
+            pages = Pages(settings, stage.link, STANDING, users, stage.link._audit)
+            pages.install()
+            ui.run(storage_secret="simulated", reload=False, show=False)
+            async with core.app.router.lifespan_context(core.app):
+                yield lambda: Watcher(stage, pages)
+        finally:
+            os.environ.pop("NICEGUI_USER_SIMULATION", None)
+            ui.navigate, ui.notify = Navigate(), notify
+
+
+def client_id(text):
+    """Return the id of the client in a page's text."""
+    found = re.search(r"'client_id': '([0-9a-f-]+)'", text)
+    assert found is not None
+    assert found.group(1) in Client.instances
+    return found.group(1)
