@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
+from drawbar.settings import Angle, NonNegative, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
@@ -20,6 +20,10 @@ class Mast(Settings):
     """m"""
     up: NonNegative = 0.0
     """height above the ground; 0: it is not known, and roll and pitch are not corrected for, m"""
+    roll_offset: Angle = 0.0
+    """what the body's attitude sensor shows as roll while the body stands level, rad"""
+    pitch_offset: Angle = 0.0
+    """what it shows as pitch, rad"""
 
     @property
     def arm(self) -> tuple[float, float, float]:
