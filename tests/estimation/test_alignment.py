@@ -126,8 +126,8 @@ def test_attitude_that_ends_fades_out_and_one_that_returns_fades_in() -> None:
     full = 2.5 * math.sin(0.1)
     assert added[:22] == pytest.approx([full] * 22)  # up to half a second
     assert abs(added[-1] + full) < 0.01 * full
-    # what was recorded of the ground takes the sensor's place, and the change is gradual
-    assert max(abs(np.diff(added))) < 0.15 * full
+    # what was recorded of the ground takes the sensor's place; the way from one side to the other takes two seconds
+    assert max(abs(np.diff(added))) < 0.3 * full
 
 
 def test_the_trailer_leans_where_the_tractor_leaned() -> None:

@@ -94,11 +94,12 @@ static inline void lean(struct component *alignment, int body, const struct sinc
     struct attitude_track *track = &alignment->tracks[body];
     const double own = attitude_trust(track, since->now);
     const double back = body == ALIGNED_TRAILER ? alignment->to_axle : 0.0;
+    const int follows = body == ALIGNED_TRAILER && attitude_is_new(&alignment->tracks[ALIGNED_TRACTOR], since->now);
     double slope[2], recorded[2];
 
     attitude_at(track, since->now - age, roll, pitch);
-    ground_slope(&alignment->ground, pose->x - back * cos(pose->yaw), pose->y - back * sin(pose->yaw), since->elapsed,
-                 &alignment->local[body], slope);
+    ground_slope(&alignment->ground, pose->x - back * cos(pose->yaw), pose->y - back * sin(pose->yaw), follows,
+                 since->elapsed, &alignment->local[body], slope);
     lean_on(slope, pose->yaw, &recorded[0], &recorded[1]);
     *roll = recorded[0] + own * (*roll - recorded[0]);
     *pitch = recorded[1] + own * (*pitch - recorded[1]);

@@ -14,6 +14,7 @@
 #define PLACES 64                          /* records that are kept */
 #define NEARBY 0.6                         /* furthest that the trailer's axle may run beside the tractor's, m */
 #define MEAN_OVER 20.0                     /* distance over which the mean slope is averaged, m */
+#define MOST_MOVED 1.0                     /* no record counts for more of it, m: what comes after a gap is no jump */
 
 struct ground_place {
     double x, y;                           /* m */
@@ -51,7 +52,7 @@ static inline void ground_take(struct ground_record *record, double x, double y,
 
     if (!isfinite(x + y + slope[0] + slope[1]) || !(moved >= record->spacing))
         return;
-    const double share = record->count ? fmin(moved / MEAN_OVER, 1.0) : 1.0;
+    const double share = record->count ? fmin(moved, MOST_MOVED) / MEAN_OVER : 1.0;
     record->newest = (record->newest + (record->count > 0)) % PLACES;
     record->places[record->newest] = (struct ground_place){x, y, {slope[0], slope[1]}};
     record->count += record->count < PLACES;
@@ -93,12 +94,13 @@ static inline int ground_nearby(const struct ground_record *record, double x, do
 }
 
 /* The slope at a place, as far as it is known. `local` is the share of the recorded slope in it, which changes gradually,
- * so that nothing jumps from the mean to what was recorded and back; `elapsed` (s) since it was asked last. */
-static inline void ground_slope(const struct ground_record *record, double x, double y, double elapsed, double *local,
-                                double *slope)
+ * so that nothing jumps from the mean to what was recorded and back; `elapsed` (s) since it was asked last; `passed`: the
+ * one who records has passed here before. */
+static inline void ground_slope(const struct ground_record *record, double x, double y, int passed, double elapsed,
+                                double *local, double *slope)
 {
     double nearby[2] = {record->mean[0], record->mean[1]};
-    const double target = ground_nearby(record, x, y, nearby) ? 1.0 : 0.0;
+    const double target = passed && ground_nearby(record, x, y, nearby) ? 1.0 : 0.0;
 
     *local += clamped(target - *local, -elapsed, elapsed);
     for (int i = 0; i < 2; ++i)
