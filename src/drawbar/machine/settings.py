@@ -15,7 +15,7 @@ _NOISE = SensorNoise()
 
 
 class ActuatorSettings(Settings):
-    """The two PI-controlled steering cylinders; their lag is `VehicleParameters.steering_lag`."""
+    """The two PI-controlled steering cylinders."""
 
     tractor_rate: PositiveAngle = math.radians(25.0)
     """largest |delta_t'|, rad/s"""
@@ -27,6 +27,8 @@ class ActuatorSettings(Settings):
     """mechanical stop of the actuated joint, rad"""
     dead_time: NonNegative = 0.0
     """between a command and the first reaction of any actuator, a multiple of the integration step, s"""
+    lag_factor: Positive = 1.0
+    """true lag of both cylinders per the one that `vehicle.steering_lag` states"""
 
 
 class PidGains(Settings):
