@@ -21,6 +21,7 @@ from drawbar.control.settings import (
 )
 from drawbar.errors import ConfigurationError
 from drawbar.estimation.settings import (
+    ActuationSettings,
     ArticulatedEstimatorSettings,
     IdealEstimatorSettings,
     TricycleEstimatorSettings,
@@ -95,6 +96,7 @@ class Configuration(Settings):
         ArticulatedEstimatorSettings | TricycleEstimatorSettings | IdealEstimatorSettings,
         Field(discriminator="model"),
     ]
+    actuation: ActuationSettings = ActuationSettings()
     controller: Annotated[
         ArticulatedControllerSettings
         | TricycleControllerSettings

@@ -462,6 +462,36 @@ class Diagnostics:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class BodyActuation:
+    """What one steering makes of its commands, as far as its angles show; zero where nobody looks."""
+
+    dead_time: Seconds = 0.0
+    """between a command and the first reaction"""
+    dead_time_deviation: Seconds = 0.0
+    """standard deviation"""
+    lag: Seconds = 0.0
+    """time constant"""
+    lag_deviation: Seconds = 0.0
+    """standard deviation"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Actuation:
+    """What is known of both steerings, and what is planned with; zero where nobody looks."""
+
+    tractor: BodyActuation = BodyActuation()
+    """front wheels"""
+    trailer: BodyActuation = BodyActuation()
+    """actuated joint"""
+    dead_time: Seconds = 0.0
+    """for which is planned"""
+    tractor_lag: Seconds = 0.0
+    """for which is planned"""
+    trailer_lag: Seconds = 0.0
+    """for which is planned"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SolveTimes:
     """Wall-clock time of one solver's two phases, s; NaN where a body has no solver of its own."""
 
@@ -494,3 +524,4 @@ class StepRecord:
     """OK: the command is a new one"""
     flags: Flag
     """what there is to say of the command"""
+    actuation: Actuation = Actuation()

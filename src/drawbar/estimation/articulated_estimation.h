@@ -11,7 +11,7 @@ struct estimation_model {
     double first_slip;                     /* first guess of mu and kappa */
     double first_yaw_error;                /* added to the first guess of both yaws, rad */
     double sample_time;                    /* s */
-    double steering_lag;                   /* of both actuators, s */
+    double tractor_lag, trailer_lag;       /* of the actuators, s */
     double tractor_rate, trailer_rate;     /* limits of the actuators' rates, rad/s */
     double joint_sign;                     /* -1 where the joint's actuator is reversed, else 1 */
 };
@@ -20,7 +20,8 @@ struct estimation_model {
     SETTING(type, prefix chain.hitch, 0, 1, 0, 0) SETTING(type, prefix chain.drawbar, 0, 1, 0, 0)            \
     SETTING(type, prefix chain.back, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
     SETTING(type, prefix first_yaw_error, 0, 1, 0, 0) SETTING(type, prefix sample_time, 0, 1, 0, 0)          \
-    SETTING(type, prefix steering_lag, 0, 1, 0, 0) SETTING(type, prefix tractor_rate, 0, 1, 0, 0)            \
+    SETTING(type, prefix tractor_lag, 0, 1, 0, 0) SETTING(type, prefix trailer_lag, 0, 1, 0, 0)              \
+    SETTING(type, prefix tractor_rate, 0, 1, 0, 0)            \
     SETTING(type, prefix trailer_rate, 0, 1, 0, 0) SETTING(type, prefix joint_sign, 0, 1, 0, 0)
 
 /* The state at rest that explains one measurement; returns 0 when a position is missing. */
@@ -83,19 +84,26 @@ static inline double mean_rate(double error, double lag, double limit, double in
     return copysign(moved, error) / interval;
 }
 
+/* From now on the actuators lag by so much, s. */
+static inline void model_lags(struct estimation_model *model, double tractor, double trailer)
+{
+    model->tractor_lag = tractor;
+    model->trailer_lag = trailer;
+}
+
 /* The mean rates (rad/s) of both lagging, rate-limited actuators until the next sample. */
 static inline double tractor_rate(const struct estimation_model *model, const double *state,
                                   const struct drawbar_command *command)
 {
     const double error = command->tractor_steering - state[X_TRACTOR_STEERING];
-    return mean_rate(error, model->steering_lag, model->tractor_rate, model->sample_time);
+    return mean_rate(error, model->tractor_lag, model->tractor_rate, model->sample_time);
 }
 
 static inline double trailer_rate(const struct estimation_model *model, const double *state,
                                   const struct drawbar_command *command)
 {
     const double error = model->joint_sign * command->trailer_steering - state[X_TRAILER_STEERING];
-    return mean_rate(error, model->steering_lag, model->trailer_rate, model->sample_time);
+    return mean_rate(error, model->trailer_lag, model->trailer_rate, model->sample_time);
 }
 
 /* What a command tells of the outputs until the next sample. */

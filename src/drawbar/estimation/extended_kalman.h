@@ -100,4 +100,11 @@ int UNIT(skip)(struct component *component, const struct drawbar_command *acting
     return UNIT(ready)(component, acting);
 }
 
+/* From now on reckon with other lags of tractor and trailer, s. */
+int UNIT(actuation)(struct component *component, double tractor_lag, double trailer_lag)
+{
+    model_lags(&component->model, tractor_lag, trailer_lag);
+    return 0;
+}
+
 #endif

@@ -46,4 +46,10 @@ int UNIT(skip)(struct component *component, const struct drawbar_command *acting
     return UNIT(ready)(component, acting);
 }
 
+int UNIT(actuation)(struct component *component, double tractor_lag, double trailer_lag)
+{
+    (void)component, (void)tractor_lag, (void)trailer_lag;
+    return 0;
+}
+
 #endif

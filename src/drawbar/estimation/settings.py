@@ -224,3 +224,25 @@ class IdealEstimatorSettings(Settings):
     def bounds_by_estimate(self) -> dict[str, tuple[float, float]]:
         """Return no bounds: nothing is estimated."""
         return {}
+
+
+class ActuationSettings(Settings):
+    """What is found of the steerings' dead times and lags during the run (docs/theory/identification.md)."""
+
+    identify: bool = False
+    """find them, and plan with what was found; else they are what the vehicle section states"""
+    guess: Annotated[NonNegative, Field(le=0.8)] = 0.2
+    """what the dead time is taken for until something shows it, unless `vehicle.dead_time` is more: to overstate it
+    costs little, s"""
+    guess_deviation: Positive = 0.15
+    """of that guess, s"""
+    lag_deviation: Positive = 0.7
+    """of the logarithm of the lags about `vehicle.steering_lag`, before something shows them"""
+    memory: Positive = 60.0
+    """time in which what was seen is forgotten, s"""
+    repeats: Positive = 5.0
+    """how many errors in a row say the same"""
+    resolution: PositiveAngle = math.radians(0.3)
+    """standard deviation of the measured steering angles, of their rounding for one, rad"""
+    slew: Positive = 0.1
+    """fastest change of the dead time and lags that are planned with, s per s"""

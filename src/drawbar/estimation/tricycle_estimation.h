@@ -72,6 +72,11 @@ static inline void model_told_outputs(const struct estimation_model *model, cons
     (void)model, (void)state, (void)command, (void)y;
 }
 
+static inline void model_lags(struct estimation_model *model, double tractor, double trailer)
+{
+    (void)model, (void)tractor, (void)trailer;
+}
+
 static inline void model_told_inputs(const struct estimation_model *model, const double *state,
                                      const struct drawbar_command *command, double *u)
 {

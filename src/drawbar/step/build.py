@@ -20,6 +20,7 @@ from drawbar.control.settings import (
 )
 from drawbar.control.tricycle import tricycle_tractor_unit, tricycle_trailer_unit
 from drawbar.control.tube.tube import Tubes, tubes_of
+from drawbar.estimation.actuation import actuation_unit
 from drawbar.estimation.alignment import alignment_unit
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.dead_time import dead_time_unit
@@ -74,11 +75,12 @@ def step_settings(configuration: Configuration) -> StepSettings:
 def units_of(configuration: Configuration) -> list[Unit]:
     """Return the components' units, in the order of struct autopilot (components.h)."""
     vehicle, tubes = configuration.vehicle, build_tubes(configuration)
-    predictor = _predictor(configuration)
+    predictor, identified = _predictor(configuration), configuration.actuation.identify
     return [
         alignment_unit(vehicle, configuration.sensors),
         _estimator(configuration),
         _guidance(configuration),
+        *([actuation_unit(vehicle, configuration.actuation, configuration.sample_time)] if identified else []),
         *([predictor] if predictor else []),
         *_controllers(configuration, tubes),
         ancillary_unit("tractor_law", tubes.tractor if tubes else None, vehicle.tractor_steering_limit),
@@ -146,7 +148,8 @@ def _controllers(configuration: Configuration, tubes: Tubes | None) -> list[Unit
 def _predictor(configuration: Configuration) -> Unit | None:
     tricycles = isinstance(configuration.estimator, TricycleEstimatorSettings)
     model = tricycle if tricycles else articulated
-    return dead_time_unit(configuration.vehicle, model(configuration.vehicle), configuration.sample_time)
+    vehicle, identified = configuration.vehicle, configuration.actuation.identify
+    return dead_time_unit(vehicle, model(vehicle), configuration.sample_time, found=identified)
 
 
 def _guidance(configuration: Configuration) -> Unit:

@@ -3,7 +3,8 @@
  * A component's memory is given to it; its content is its own business. `work` is lent to it for the length of the call,
  * and to all others after it.
  *
- * drawbar_components.h is generated. It tells which components there are (DRAWBAR_CENTRALISED, DRAWBAR_DEAD_TIME) and, in
+ * drawbar_components.h is generated. It tells which components there are (DRAWBAR_CENTRALISED, DRAWBAR_IDENTIFIED,
+ * DRAWBAR_DEAD_TIME) and, in
  * an exported library, the bytes that each needs (DRAWBAR_<COMPONENT>_SIZE), the bytes lent to all (DRAWBAR_WORK_SIZE) and
  * the numbers of struct step_settings (DRAWBAR_STEP_SETTINGS). In Python's own library (DRAWBAR_HOSTED) memory and numbers
  * are the caller's; see hosted_step.h.
@@ -39,6 +40,17 @@ int drawbar_estimator_update(struct component *component, const struct drawbar_m
                              struct drawbar_estimate *estimate, void *work);
 int drawbar_estimator_ready(struct component *component, const struct drawbar_command *acting);
 int drawbar_estimator_skip(struct component *component, const struct drawbar_command *acting);
+
+#ifdef DRAWBAR_IDENTIFIED
+int drawbar_estimator_actuation(struct component *component, double tractor_lag, double trailer_lag);
+int drawbar_actuation_initialise(struct component *component);
+int drawbar_actuation_measured(struct component *component, const struct drawbar_measurement *measurement);
+int drawbar_actuation_sent(struct component *component, const struct drawbar_command *command);
+int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double *tractor,
+                            double *trailer);
+int drawbar_actuation_tell(const struct component *component, struct drawbar_actuation *told);
+int drawbar_predictor_actuation(struct component *component, double dead_time, double tractor_lag, double trailer_lag);
+#endif
 
 #ifdef DRAWBAR_DEAD_TIME
 int drawbar_predictor_initialise(struct component *component);
@@ -141,10 +153,14 @@ struct autopilot {
     struct path path;                      /* count 0: none */
     struct decisions made;
     struct drawbar_command acting;         /* the command that acts until the next measurement */
+    struct drawbar_actuation known;        /* of both steerings */
     struct drawbar_diagnostics diagnostics;
     MEMORY(alignment, DRAWBAR_ALIGNMENT_SIZE);
     MEMORY(estimator, DRAWBAR_ESTIMATOR_SIZE);
     MEMORY(guidance, DRAWBAR_GUIDANCE_SIZE);
+#ifdef DRAWBAR_IDENTIFIED
+    MEMORY(actuation, DRAWBAR_ACTUATION_SIZE);
+#endif
 #ifdef DRAWBAR_DEAD_TIME
     MEMORY(predictor, DRAWBAR_PREDICTOR_SIZE);
 #endif

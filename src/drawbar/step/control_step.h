@@ -33,6 +33,9 @@ static void initialise_components(struct autopilot *a)
     drawbar_tractor_law_initialise(COMPONENT(a->tractor_law));
     drawbar_trailer_law_initialise(COMPONENT(a->trailer_law));
     drawbar_supervisor_initialise(COMPONENT(a->supervisor));
+#ifdef DRAWBAR_IDENTIFIED
+    drawbar_actuation_initialise(COMPONENT(a->actuation));
+#endif
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_initialise(COMPONENT(a->predictor));
 #endif
@@ -67,6 +70,21 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     return DRAWBAR_OK;
 }
 
+/* Let all who reckon with the actuators know what their angles show of them. */
+static void identify(struct autopilot *a, const struct drawbar_measurement *measurement)
+{
+#ifdef DRAWBAR_IDENTIFIED
+    struct drawbar_actuation *known = &a->known;
+
+    drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
+    drawbar_actuation_tell(COMPONENT(a->actuation), known);
+    drawbar_estimator_actuation(COMPONENT(a->estimator), known->tractor_lag, known->trailer_lag);
+    drawbar_predictor_actuation(COMPONENT(a->predictor), known->dead_time, known->tractor_lag, known->trailer_lag);
+#else
+    (void)a, (void)measurement;
+#endif
+}
+
 /* Where the vehicle is when the next command begins to act, and at what speed plans take it from there. */
 static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 {
@@ -84,6 +102,9 @@ static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 /* The command that acts during most of the sample that now begins. */
 static void send(struct autopilot *a, const struct drawbar_command *command)
 {
+#ifdef DRAWBAR_IDENTIFIED
+    drawbar_actuation_sent(COMPONENT(a->actuation), command);
+#endif
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_sent(COMPONENT(a->predictor), command, &a->acting);
 #else
@@ -132,7 +153,7 @@ static int solved(const struct autopilot *a)
 }
 
 /* Steer by both plans and both ancillary laws; the gate has the last word. */
-static int steer(struct autopilot *a, struct drawbar_command *command)
+static int steer(struct autopilot *a, const struct drawbar_estimate *ahead, struct drawbar_command *command)
 {
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct decisions *made = &a->made;
@@ -140,6 +161,12 @@ static int steer(struct autopilot *a, struct drawbar_command *command)
 
     drawbar_tractor_law_apply(COMPONENT(a->tractor_law), &made->plans[TRACTOR_BODY], &steerings[TRACTOR_BODY]);
     drawbar_trailer_law_apply(COMPONENT(a->trailer_law), &made->plans[TRAILER_BODY], &steerings[TRAILER_BODY]);
+#ifdef DRAWBAR_IDENTIFIED
+    drawbar_actuation_adapt(COMPONENT(a->actuation), ahead, &steerings[TRACTOR_BODY].command,
+                            &steerings[TRAILER_BODY].command);
+#else
+    (void)ahead;
+#endif
     diagnose(&d->tractor, made, TRACTOR_BODY, made->estimate.tractor_fix);
     diagnose(&d->trailer, made, TRAILER_BODY, made->estimate.trailer_fix);
     const struct drawbar_command wanted
@@ -161,6 +188,7 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     struct drawbar_measurement aligned;
     struct drawbar_estimate expected, ahead;
 
+    identify(a, measurement);
     drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
     drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
@@ -183,7 +211,7 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
         a->reached = WITH_PLANS;
     }
     const int too_long = pace_step(a, solved(a));
-    return too_long ? end_run(a, too_long, command) : steer(a, command);
+    return too_long ? end_run(a, too_long, command) : steer(a, &ahead, command);
 }
 
 /* Let samples that were left out pass: nothing was measured, and the last command went on to act. */

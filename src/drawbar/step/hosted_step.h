@@ -25,6 +25,7 @@ struct drawbar_record {
     struct recorded_reference references[BOTH_BODIES];
     struct recorded_plan plans[BOTH_BODIES];
     double times[3][2];
+    struct drawbar_actuation actuation;
     double samples[BOTH_BODIES][DRAWBAR_STAGES + 1][4];
     double poses[BOTH_BODIES][DRAWBAR_STAGES + 1][3];
     double planned[BOTH_BODIES][DRAWBAR_STAGES];
@@ -97,6 +98,7 @@ DRAWBAR_API int drawbar_get_record(const struct drawbar_state *state, struct dra
         record_plan(a, i, record);
     }
     memcpy(record->times, a->times, sizeof record->times);
+    record->actuation = a->known;
     return DRAWBAR_OK;
 }
 

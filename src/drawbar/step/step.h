@@ -197,6 +197,18 @@ int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_di
     return DRAWBAR_OK;
 }
 
+int drawbar_get_actuation(const struct drawbar_state *state, struct drawbar_actuation *actuation)
+{
+    const struct autopilot *a = (const struct autopilot *)state;
+
+    if (state == NULL || actuation == NULL)
+        return DRAWBAR_NULL;
+    if (a->magic != INITIALISED)
+        return DRAWBAR_NOT_INITIALISED;
+    *actuation = a->known;
+    return DRAWBAR_OK;
+}
+
 const char *drawbar_version(void)
 {
     return DRAWBAR_VERSION;

@@ -206,4 +206,21 @@ struct drawbar_diagnostics {
                                          * mean */
 };
 
+/* What one steering makes of its commands, as far as its angles show; zero where nobody looks. */
+struct drawbar_body_actuation {
+    double dead_time;                   /* between a command and the first reaction, s */
+    double dead_time_deviation;         /* standard deviation, s */
+    double lag;                         /* time constant, s */
+    double lag_deviation;               /* standard deviation, s */
+};
+
+/* What is known of both steerings, and what is planned with; zero where nobody looks. */
+struct drawbar_actuation {
+    struct drawbar_body_actuation tractor; /* front wheels */
+    struct drawbar_body_actuation trailer; /* actuated joint */
+    double dead_time;                   /* for which is planned, s */
+    double tractor_lag;                 /* for which is planned, s */
+    double trailer_lag;                 /* for which is planned, s */
+};
+
 #endif
