@@ -21,6 +21,7 @@ struct component {
     double sample_time;                    /* s */
     double slew;                           /* fastest change of what is planned with, per s */
     double dead_time, lags[STEERED];       /* what is planned with, s */
+    double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
     int32_t samples;
 };
 
@@ -36,7 +37,8 @@ static void approach(struct component *actuation)
 {
     const struct lag_bank *banks = actuation->banks;
     const double most = actuation->slew * actuation->sample_time;
-    const double wanted = fmax(banks[FRONT_WHEELS].dead_time, banks[TRAILER_JOINT].dead_time);
+    const double wanted = fmax(fmax(banks[FRONT_WHEELS].dead_time - actuation->ages[FRONT_WHEELS],
+                                    banks[TRAILER_JOINT].dead_time - actuation->ages[TRAILER_JOINT]), 0.0);
 
     actuation->dead_time += clamped(wanted - actuation->dead_time, -most, most);
     for (int i = 0; i < STEERED; ++i)
@@ -48,6 +50,10 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
 {
     const double measured[] = {measurement->tractor_steering, measurement->trailer_steering};
 
+    const double ages[] = {measurement->tractor_steering_age, measurement->trailer_steering_age};
+
+    for (int i = 0; i < STEERED; ++i)
+        actuation->ages[i] = ages[i] >= 0.0 && ages[i] <= 1.0 ? ages[i] : 0.0;
     for (int i = 0; i < STEERED; ++i)
         if (actuation->banks[i].begun)
             bank_measured(&actuation->banks[i], &actuation->grid, measured[i]);

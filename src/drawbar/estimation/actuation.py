@@ -8,11 +8,11 @@ from drawbar.estimation.settings import ActuationSettings
 from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 
-_DEAD_TIMES, _LAGS, _PAST = 17, 8, 512
+_DEAD_TIMES, _LAGS, _PAST = 17, 12, 512
 """as in lag_bank.h"""
 _STEP = 0.05
 """s; between two dead times of the bank, or less"""
-_FASTEST, _RATIO = 0.08, 1.5
+_FASTEST, _RATIO = 0.08, 1.3
 """first lag of the bank, s, and of each to the one before"""
 
 
@@ -37,6 +37,7 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
         "grid.shares": -np.expm1(-part / lags),
         "grid.memory": np.exp(-sample_time / settings.memory),
         "grid.repeats": settings.repeats,
+        "grid.between": ((part * delays[1]) ** 2 / 12.0, np.log(_RATIO) ** 2 / 12.0),
         "grid.resolution": settings.resolution,
         "grid.prior_dead_time": _guess(vehicle, settings),
         "grid.prior_dead_time_deviation": settings.guess_deviation,

@@ -15,7 +15,7 @@
 #include "geometry.h"
 
 #define DEAD_TIMES 17
-#define LAGS 8
+#define LAGS 12
 #define MEMBERS (DEAD_TIMES * LAGS)
 #define PAST 512                           /* parts of samples that are kept: more than the longest dead time's */
 #define NO_STEERING 0.15                   /* errors beyond are somebody else's steering, rad */
@@ -27,6 +27,7 @@ struct lag_grid {
     double lags[LAGS], shares[LAGS];       /* s; the share of an error that goes in a part, 1 - exp(-part / lag) */
     double memory;                         /* share of what is known that is kept from sample to sample */
     double repeats;                        /* how many errors in a row say the same */
+    double between[2];                     /* variances of dead time (s2) and of the lag's logarithm between two members */
     double resolution;                     /* least standard deviation of the errors, rad */
     double prior_dead_time, prior_dead_time_deviation, prior_lag_deviation;   /* s, s, of the lag's logarithm */
     int32_t parts;
@@ -37,6 +38,7 @@ struct lag_grid {
     SETTING(type, place.part, 0, 1, 0, 0) SETTING(type, place.dead_times, 0, DEAD_TIMES, 0, 0)               \
     SETTING(type, place.lags, 0, LAGS, 0, 0) SETTING(type, place.shares, 0, LAGS, 0, 0)                      \
     SETTING(type, place.memory, 0, 1, 0, 0) SETTING(type, place.repeats, 0, 1, 0, 0)                         \
+    SETTING(type, place.between, 0, 2, 0, 0)                                                                 \
     SETTING(type, place.resolution, 0, 1, 0, 0) SETTING(type, place.prior_dead_time, 0, 1, 0, 0)             \
     SETTING(type, place.prior_dead_time_deviation, 0, 1, 0, 0)                                               \
     SETTING(type, place.prior_lag_deviation, 0, 1, 0, 0) SETTING(type, place.parts, 1, 1, 0, 0)              \
@@ -142,9 +144,9 @@ static void bank_judge(struct lag_bank *bank, const struct lag_grid *grid)
     }
     const double dead_time = moments[0] / sum, lag = moments[2] / sum;
     bank->dead_time = dead_time;
-    bank->dead_time_deviation = sqrt(fmax(moments[1] / sum - dead_time * dead_time, 0.0));
+    bank->dead_time_deviation = sqrt(fmax(moments[1] / sum - dead_time * dead_time, 0.0) + grid->between[0]);
     bank->lag = exp(lag);
-    bank->lag_deviation = bank->lag * sqrt(fmax(moments[3] / sum - lag * lag, 0.0));
+    bank->lag_deviation = bank->lag * sqrt(fmax(moments[3] / sum - lag * lag, 0.0) + grid->between[1]);
 }
 
 #endif
