@@ -28,6 +28,7 @@ from drawbar.estimation.settings import (
 )
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.safety.sanity import SanitySettings
 from drawbar.settings import Angle, Settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
@@ -107,6 +108,7 @@ class Configuration(Settings):
     ]
     tube: TubeSettings = TubeSettings()
     guidance: GuidanceSettings = GuidanceSettings()
+    sanity: SanitySettings = SanitySettings()
     path: PathSettings = PathSettings()
     start: StartSettings = StartSettings()
     machine: SimulatedMachineSettings = SimulatedMachineSettings()

@@ -67,7 +67,7 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
 
 def bank_lags() -> Floats:
     """Return the lags of the bank's members, s."""
-    lags: Floats = _FASTEST * _RATIO ** np.arange(_LAGS)
+    lags: Floats = _FASTEST * np.power(_RATIO, np.arange(_LAGS), dtype=np.float64)
     return lags
 
 

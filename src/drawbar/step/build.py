@@ -36,6 +36,7 @@ from drawbar.estimation.settings import (
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.guidance.guidance import look_ahead_unit, preview_unit
 from drawbar.safety.gate import PATIENCE, gate_unit
+from drawbar.safety.sanity import sanity_unit
 from drawbar.safety.supervisor import supervisor_unit
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.library import StepLibrary, StepSettings
@@ -87,6 +88,7 @@ def units_of(configuration: Configuration) -> list[Unit]:
         ancillary_unit("trailer_law", tubes.trailer if tubes else None, vehicle.trailer_steering_limit),
         gate_unit(vehicle, speed_limit=configuration.speed, sample_time=configuration.sample_time),
         supervisor_unit(),
+        sanity_unit(vehicle, configuration.sanity),
     ]
 
 

@@ -100,6 +100,11 @@ int drawbar_trailer_law_initialise(struct component *component);
 int drawbar_trailer_law_apply(const struct component *component, const struct drawbar_body_plan *plan,
                               struct drawbar_body_steering *steering);
 
+int drawbar_sanity_initialise(struct component *component);
+int drawbar_sanity_look(struct component *component, const struct drawbar_measurement *measurement,
+                        const struct drawbar_estimate *estimate, const struct drawbar_body_reference *tractor,
+                        const struct drawbar_body_reference *trailer, double *share);
+
 int drawbar_gate_initialise(struct component *component);
 int drawbar_gate_begin(struct component *component, const struct drawbar_measurement *first);
 int drawbar_gate_stop(struct component *component, double time, struct drawbar_command *given);
@@ -147,6 +152,7 @@ struct autopilot {
     double start;                          /* arc length at which the run is to begin, m */
     double wanted_speed;                   /* set speed, m/s */
     double speed;                          /* the one that is commanded, m/s */
+    double sane;                           /* part of the set speed that may be driven, see safety/sanity.h */
     double unsolved;                       /* since estimator and controllers have all had a solution, s */
     double overdue;                        /* by which samples came late, less half of what has passed since, s */
     struct step_settings settings;
@@ -174,6 +180,7 @@ struct autopilot {
     MEMORY(trailer_law, DRAWBAR_TRAILER_LAW_SIZE);
     MEMORY(gate, DRAWBAR_GATE_SIZE);
     MEMORY(supervisor, DRAWBAR_SUPERVISOR_SIZE);
+    MEMORY(sanity, DRAWBAR_SANITY_SIZE);
     MEMORY(work, DRAWBAR_WORK_SIZE);
 #ifdef DRAWBAR_HOSTED
     double times[3][2];                    /* of estimator, tractor, trailer: preparation, feedback, s */

@@ -33,6 +33,7 @@ static void initialise_components(struct autopilot *a)
     drawbar_tractor_law_initialise(COMPONENT(a->tractor_law));
     drawbar_trailer_law_initialise(COMPONENT(a->trailer_law));
     drawbar_supervisor_initialise(COMPONENT(a->supervisor));
+    drawbar_sanity_initialise(COMPONENT(a->sanity));
 #ifdef DRAWBAR_IDENTIFIED
     drawbar_actuation_initialise(COMPONENT(a->actuation));
 #endif
@@ -207,9 +208,14 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     case BLIND:
         return end_run(a, DRAWBAR_BLIND, command);
     default:
-        plan(a, &ahead);
-        a->reached = WITH_PLANS;
+        break;
     }
+    const int insane = drawbar_sanity_look(COMPONENT(a->sanity), &aligned, &made->estimate,
+                                           &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], &a->sane);
+    if (insane)
+        return end_run(a, insane, command);
+    plan(a, &ahead);
+    a->reached = WITH_PLANS;
     const int too_long = pace_step(a, solved(a));
     return too_long ? end_run(a, too_long, command) : steer(a, &ahead, command);
 }

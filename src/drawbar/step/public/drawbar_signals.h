@@ -26,6 +26,10 @@ enum drawbar_status {
     DRAWBAR_STOPPED = 133,              /* stopped: no command could be given for longer than one may be repeated */
     DRAWBAR_UNSOLVED = 134,             /* stopped: estimator or controllers have had no solution for too long */
     DRAWBAR_OVERDUE = 135,              /* stopped: samples came late for too long */
+    DRAWBAR_COARSE = 140,               /* stopped: positions have been coarse for too long */
+    DRAWBAR_OSCILLATION = 141,          /* stopped: errors or steering swing from side to side */
+    DRAWBAR_BACKWARDS = 142,            /* stopped: both antennas move backwards: they are swapped, or the vehicle
+                                         * is driven in reverse */
     DRAWBAR_NULL = 256,                 /* wrong call: a pointer is NULL */
     DRAWBAR_NOT_INITIALISED = 257,      /* wrong call: drawbar_init has not been called on this state */
     DRAWBAR_NO_PATH = 258,              /* wrong call: drawbar_set_path has not been called, or not with success */
