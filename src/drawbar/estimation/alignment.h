@@ -34,6 +34,7 @@ struct component {
     double local[ALIGNED];                 /* share of what was recorded nearby, see ground_slope */
     struct ground_record ground;
     struct reported_fix fixes[ALIGNED];
+    struct coarse_noise noises[ALIGNED];
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -162,11 +163,17 @@ static inline void align_angles(const struct since *since, struct drawbar_measur
                                      now->trailer_steering);
 }
 
-/* Let each fix have the deviation that it is to be reckoned with; take away what is none. */
-static inline void judge_deviations(const struct fix_deviations *known, struct drawbar_measurement *m)
+/* Let each fix, already on the ground, have the deviation that it is to be reckoned with; take away what is none. */
+static inline void judge_deviations(struct component *alignment, const struct drawbar_estimate *expected,
+                                    struct drawbar_measurement *m)
 {
-    m->tractor_fix_deviation = fix_deviation(known, m->tractor_fix_deviation, m->tractor_fix_quality);
-    m->trailer_fix_deviation = fix_deviation(known, m->trailer_fix_deviation, m->trailer_fix_quality);
+    const double tractor[] = {m->tractor_x - expected->tractor.x, m->tractor_y - expected->tractor.y};
+    const double trailer[] = {m->trailer_x - expected->trailer.x, m->trailer_y - expected->trailer.y};
+
+    m->tractor_fix_deviation = fix_deviation(&alignment->deviations, &alignment->noises[ALIGNED_TRACTOR],
+                                             m->tractor_fix_deviation, m->tractor_fix_quality, tractor);
+    m->trailer_fix_deviation = fix_deviation(&alignment->deviations, &alignment->noises[ALIGNED_TRAILER],
+                                             m->trailer_fix_deviation, m->trailer_fix_quality, trailer);
     if (m->tractor_fix_deviation < 0.0)
         m->tractor_x = m->tractor_y = NAN;
     if (m->trailer_fix_deviation < 0.0)
@@ -181,8 +188,10 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
     const double told[] = {first->tractor_roll, first->tractor_pitch, first->trailer_roll, first->trailer_pitch};
     double arms[4], yaws[ALIGNED], lean[4];
 
+    static const struct drawbar_estimate nowhere = {.tractor = {(double)NAN, (double)NAN, (double)NAN}};
+
     *aligned = *first;
-    judge_deviations(&alignment->deviations, aligned);
+    judge_deviations(alignment, &nowhere, aligned);
     const struct drawbar_measurement reported = *aligned;
     for (int i = 0; i < 4; ++i) {
         const struct mast *mast = &alignment->masts[i / 2];
@@ -211,7 +220,6 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     const struct since since = {last, expected, measurement->time, measurement->time - last->time};
 
     *aligned = *measurement;
-    judge_deviations(&alignment->deviations, aligned);
     take_attitude(alignment, ALIGNED_TRACTOR, since.now - aligned->tractor_attitude_age, aligned->tractor_roll,
                   aligned->tractor_pitch);
     take_attitude(alignment, ALIGNED_TRAILER, since.now - aligned->trailer_attitude_age, aligned->trailer_roll,
@@ -224,6 +232,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     aligned->tractor_y = tractor[1];
     aligned->trailer_x = trailer[0];
     aligned->trailer_y = trailer[1];
+    judge_deviations(alignment, expected, aligned);
     align_angles(&since, aligned);
     return 0;
 }

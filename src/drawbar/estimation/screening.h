@@ -17,7 +17,7 @@
 /* What is remembered of one receiver. */
 struct receiver {
     double fix[2], expected[2];            /* what it reports; where the antenna was expected when it first did, m */
-    double accepted;                       /* time of the last accepted fix, s */
+    double accepted;                       /* time of the last accepted fix that was not coarse, s */
     int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
 };
 
@@ -161,6 +161,7 @@ static inline int screening_reject(const struct screening *s, const int *outside
 static inline void screening_accept(struct screening *s, const struct drawbar_measurement *measurement,
                                     struct screened *screened)
 {
+    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
     struct drawbar_measurement *believed = &screened->measurement;
 
     *believed = *measurement;
@@ -169,7 +170,7 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
     if (screened->fixes[1] != DRAWBAR_FIX_ACCEPTED)
         believed->trailer_x = believed->trailer_y = NAN;
     for (int i = 0; i < 2; ++i)
-        if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED) {
+        if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED && !(told[i] > COARSE * s->deviation)) {
             s->receivers[i].accepted = measurement->time;
             s->receivers[i].was_accepted = 1;
         }

@@ -12,6 +12,7 @@
 #define MOTION_TIME 1.0                    /* over which motion is averaged, s */
 #define MOTION_LEAST 0.3                   /* way within it that says which way the vehicle moves, m */
 #define MOTION_SHARE 0.3                   /* of that way, backwards */
+#define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 
 struct component {
     /* settings: safety/sanity.py tells what they mean */
@@ -24,6 +25,7 @@ struct component {
     double fixes[4];                       /* of the last sample, m */
     double way, moved[2];                  /* lately: by the wheels, and of both points along their bodies, m */
     struct swings errors[2], steering;
+    int32_t swinging, spells;              /* it oscillates; how often that has begun */
     int32_t begun;
 };
 
@@ -101,13 +103,16 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *measu
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
 
-    *share = fmin(coarse > sanity->coarse_after ? sanity->coarse_share : 1.0,
-                  swings >= sanity->swings_slow ? sanity->swing_share : 1.0);
+    sanity->spells += swings >= sanity->swings_slow && !sanity->swinging;
+    sanity->swinging = swings >= sanity->swings_slow;
+    *share = coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
+    for (int32_t i = 0; i < sanity->spells; ++i)   /* what has oscillated would again: the speed stays low */
+        *share *= sanity->swing_share;
     if (backwards)
         return DRAWBAR_BACKWARDS;
     if (coarse > sanity->coarse_budget)
         return DRAWBAR_COARSE;
-    return swings >= sanity->swings_stop ? DRAWBAR_OSCILLATION : 0;
+    return swings >= sanity->swings_stop || sanity->spells > MOST_SPELLS ? DRAWBAR_OSCILLATION : 0;
 }
 
 #endif

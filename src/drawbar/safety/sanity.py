@@ -26,7 +26,7 @@ class SanitySettings(Settings):
     steering_swing: PositiveAngle = 0.2
     """the same of the front wheels about the path's curvature, rad"""
     swing_share: Share = 0.5
-    """part of the set speed while it oscillates"""
+    """factor on the speed for the rest of the run, each time that it begins to oscillate"""
     swings_slow: Annotated[int, Field(ge=2)] = 3
     """half waves in a row after which the vehicle is driven slower"""
     swings_stop: Annotated[int, Field(ge=2)] = 6
