@@ -43,6 +43,20 @@ INITIALISE(tractor)
 INITIALISE(trailer)
 INITIALISE(tractor_law)
 INITIALISE(trailer_law)
+INITIALISE(sanity)
+
+int drawbar_sanity_look(struct component *component, const struct drawbar_measurement *measurement,
+                        const struct drawbar_estimate *estimate, const struct drawbar_body_reference *tractor,
+                        const struct drawbar_body_reference *trailer, double *share)
+{
+    (void)component;
+    (void)estimate;
+    (void)tractor;
+    (void)trailer;
+    called(measurement->time == seen.time ? 'w' : '?');
+    *share = 1.0;
+    return 0;
+}
 
 int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
                             struct drawbar_measurement *aligned)
