@@ -1,4 +1,4 @@
-"""How far real ground, delays that nobody told and coarse fixes take both bodies' points on the ground from the path."""
+"""How far real ground, untold delays and coarse fixes take both bodies' points on the ground from the path."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ STRAIGHT = "straight"
 
 
 def figures(result: Result) -> dict[str, float]:
-    """Return mean, standard deviation, 95 % and largest distance of both bodies, cm, and the share of masked fixes, %."""
+    """Return mean, standard deviation, 95 % and largest distance of both bodies, cm, and the share of masked fixes."""
     found: dict[str, float] = {}
     for body in BODIES:
         error, progress = (100.0 * result.columns[f"error.{body}"], result.columns[f"progress.{body}"])
@@ -66,8 +66,8 @@ def _product(measured: MeasuredExperiment) -> Table:
         name="product",
         caption=f"`{PRODUCT}`: distance of the points on the ground from the path after the first {BEGINS:g} m: mean, "
         "standard deviation of the signed distance, that on the straights, 95 %, means over the seeds (largest of all "
-        "seeds), cm; limit of the mean where there is one. Fixes that were not believed, %; dead time and lag that were "
-        "planned with at the end, s.",
+        "seeds), cm; limit of the mean where there is one. Fixes that were not believed, %; dead time and lag that "
+        "were planned with at the end, s.",
         header=["", "finished", *BODIES, "masked, %", "dead time, s", "lag, s"],
         rows=rows,
     )
@@ -102,8 +102,8 @@ def _comparators(measured: MeasuredExperiment) -> Table:
     cases = _cases(measured)
     return Table(
         name="comparators",
-        caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; in "
-        "brackets how many runs came to the end, where not all did.",
+        caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; "
+        "in brackets how many runs came to the end, where not all did.",
         header=["", *cases],
         rows=[[variant, *(_pair(measured, f"{case}: {variant}") for case in cases)] for variant in _compared(measured)],
     )

@@ -38,6 +38,7 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
 {
     filter_constants(&component->filter);
     filter_forget(&component->filter);
+    model_begin(&component->model, component->filter.constants);
     for (int i = 0; i < 4; ++i)
         component->usual[i] = component->filter.noise[fix_output[i]];
     return model_first_guess(&component->model, first, component->filter.x[0]) ? SOLVED : BAD_INPUT;
@@ -71,7 +72,7 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
                  void *work)
 {
     struct screened seen;
-    double y[NY];
+    double y[NY], shift[NX];
 
     (void)work;
     screen(component, measurement, &seen);
@@ -80,6 +81,9 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     const int corrected = filter_update(&component->filter, y), status = corrected == SOLVED ? component->predicted : corrected;
     model_estimate(&component->model, component->filter.x[0], &seen.measurement, status, estimate);
     screened_mark(&seen, estimate);
+    if (status == SOLVED && model_learn(&component->model, component->filter.x[0], component->filter.constants, shift))
+        for (int i = 0; i < NX; ++i)
+            component->filter.x[0][i] += shift[i];
     return status;
 }
 

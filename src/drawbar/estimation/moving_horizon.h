@@ -37,6 +37,7 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
     if (!model_first_guess(&component->model, first, guess))
         return BAD_INPUT;
     fix_weights_reset(&component->weights, &component->rti);
+    model_begin(&component->model, component->rti.constants);
     return component->prepared = window_restart(&component->window, &component->rti, guess);
 }
 
@@ -79,6 +80,21 @@ static void take_in(struct component *component, const struct drawbar_measuremen
                     component->screening.deviation);
 }
 
+/* Let the model learn from the newest estimate, and the whole window know. */
+static void learn(struct component *component)
+{
+    struct rti *rti = &component->rti;
+    double shift[NX];
+
+    if (rti->status != SOLVED || !model_learn(&component->model, newest_state(component), rti->constants, shift))
+        return;
+    for (int i = 0; i < NX; ++i) {
+        rti->prior[i] += shift[i];
+        for (int k = 0; k <= N; ++k)
+            STATE(rti->z, k)[i] += shift[i];
+    }
+}
+
 /* The estimate that is expected at the next measurement, before there is one. Of its time it knows nothing. */
 int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
 {
@@ -96,6 +112,7 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     const int32_t status = component->rti.status != SOLVED ? component->rti.status : component->prepared;
     model_estimate(&component->model, newest_state(component), &component->seen.measurement, status, estimate);
     screened_mark(&component->seen, estimate);
+    learn(component);
     return status;
 }
 

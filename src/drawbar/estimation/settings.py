@@ -171,6 +171,19 @@ class ArticulatedDrift(Settings):
     """m/s"""
 
 
+class SlideSettings(Settings):
+    """What is found of the direction in which a slope draws all axles (slide.h), standard deviations."""
+
+    prior: Annotated[NonNegativeAngle, Field(lt=0.2)] = 0.03
+    """of the slide to the east and to the north at first; 0: none is looked for, rad"""
+    walk: NonNegativeAngle = 2e-4
+    """by which they may change per sample, rad"""
+    constant_prior: PositiveAngle = 0.005
+    """of what is the same in all headings, rad"""
+    noise: PositiveAngle = 0.08
+    """of one estimated side-slip, which is much like the one before, rad"""
+
+
 class ArticulatedEstimatorSettings(Settings):
     """Moving horizon estimation on the exact chain."""
 
@@ -191,6 +204,7 @@ class ArticulatedEstimatorSettings(Settings):
     screening: ScreeningSettings = ScreeningSettings()
     prior: ArticulatedPrior = ArticulatedPrior()
     drift: ArticulatedDrift = ArticulatedDrift()
+    slide: SlideSettings = SlideSettings()
     longitudinal_slip_bounds: SlipBounds = SlipBounds(lower=0.25, upper=1.0)
     """mu"""
     tractor_slip_bounds: SlipBounds = SlipBounds(lower=0.5, upper=1.1)

@@ -108,4 +108,16 @@ static inline void model_estimate(struct estimation_model *model, const double *
     };
 }
 
+/* Nothing is learned besides the state. */
+static inline void model_begin(struct estimation_model *model, double *constants)
+{
+    (void)model, (void)constants;
+}
+
+static inline int model_learn(struct estimation_model *model, const double *state, double *constants, double *shift)
+{
+    (void)model, (void)state, (void)constants, (void)shift;
+    return 0;
+}
+
 #endif
