@@ -77,6 +77,8 @@ class Status(IntEnum):
     COARSE = 140, "stopped: positions have been coarse for too long"
     OSCILLATION = 141, "stopped: errors or steering swing from side to side"
     BACKWARDS = 142, "stopped: both antennas move backwards: they are swapped, or the vehicle is driven in reverse"
+    STEERING = 143, "stopped: a steering does not follow its commands: sensor or actuator fails, or somebody steers"
+    HITCH = 144, "stopped: the hitch angle contradicts the motion of both bodies"
 
     NULL = 256, "wrong call: a pointer is NULL"
     NOT_INITIALISED = 257, "wrong call: drawbar_init has not been called on this state"

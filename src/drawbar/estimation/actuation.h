@@ -21,6 +21,8 @@ struct component {
     double sample_time;                    /* s */
     double slew;                           /* fastest change of what is planned with, per s */
     double dead_time, lags[STEERED];       /* what is planned with, s */
+    double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
+    double odd_for[STEERED];               /* for how long it has, s */
     double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
     int32_t samples;
 };
@@ -30,7 +32,8 @@ struct component {
     LAG_BANK_FIELDS(component, banks[TRAILER_JOINT]) SETTING(component, limits, 0, STEERED, 0, 0)                      \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
     SETTING(component, slew, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                     \
-    SETTING(component, lags, 0, STEERED, 0, 0)
+    SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, odd, 0, 1, 0, 0)                                     \
+    SETTING(component, patience, 0, 1, 0, 0)
 
 /* Let what is planned with approach what is known. */
 static void approach(struct component *actuation)
@@ -45,7 +48,16 @@ static void approach(struct component *actuation)
         actuation->lags[i] += clamped(banks[i].lag - actuation->lags[i], -most, most);
 }
 
-/* Take in the steering angles of a measurement. */
+/* Whether one steering has not followed its commands for too long, whatever its dead time and its lag are. */
+static int does_not_follow(struct component *actuation, int i, double measured)
+{
+    const int odd = bank_unexplained(&actuation->banks[i], measured) > actuation->odd;
+
+    actuation->odd_for[i] = odd ? actuation->odd_for[i] + actuation->sample_time : 0.0;
+    return actuation->odd_for[i] > actuation->patience;
+}
+
+/* Take in the steering angles of a measurement; returns 0 or the status with which the run ends. */
 int UNIT(measured)(struct component *actuation, const struct drawbar_measurement *measurement)
 {
     const double measured[] = {measurement->tractor_steering, measurement->trailer_steering};
@@ -62,7 +74,8 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
     bank_judge(&actuation->banks[actuation->samples % STEERED], &actuation->grid);
     ++actuation->samples;
     approach(actuation);
-    return 0;
+    const int tractor = does_not_follow(actuation, FRONT_WHEELS, measured[FRONT_WHEELS]);
+    return does_not_follow(actuation, TRAILER_JOINT, measured[TRAILER_JOINT]) || tractor ? DRAWBAR_STEERING : 0;
 }
 
 /* Take in the command that was sent. */

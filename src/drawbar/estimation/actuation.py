@@ -46,6 +46,8 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
         "sign": vehicle.joint_sign,
         "sample_time": sample_time,
         "slew": settings.slew,
+        "odd": settings.odd,
+        "patience": settings.patience,
         "dead_time": _guess(vehicle, settings),
         "lags": 2 * [vehicle.steering_lag],
     }

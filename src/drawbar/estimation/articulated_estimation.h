@@ -65,6 +65,12 @@ static inline void model_outputs(const struct estimation_model *model, const str
     y[Y_TRACTOR_STEERING_RATE] = y[Y_TRAILER_STEERING_RATE] = 0.0;
 }
 
+/* The hitch angle, rad. */
+static inline double model_hitch(const double *state)
+{
+    return state[X_TRACTOR_YAW] - state[X_TRAILER_YAW] - state[X_TRAILER_STEERING];
+}
+
 /* Where both antennas are: x, y of the tractor's, x, y of the trailer's, which follows from the chain, m. */
 static inline void model_antennas(const struct estimation_model *model, const double *state, double *antennas)
 {
@@ -141,7 +147,7 @@ static inline void model_estimate(struct estimation_model *model, const double *
         .time = measurement->time,
         .tractor = {antennas[0], antennas[1], state[X_TRACTOR_YAW]},
         .trailer = {antennas[2], antennas[3], state[X_TRAILER_YAW]},
-        .hitch_angle = state[X_TRACTOR_YAW] - state[X_TRAILER_YAW] - state[X_TRAILER_STEERING],
+        .hitch_angle = model_hitch(state),
         .speed = state[X_SPEED],
         .tractor_steering = state[X_TRACTOR_STEERING],
         .trailer_steering = state[X_TRAILER_STEERING],

@@ -19,6 +19,7 @@
 #define MEMBERS (DEAD_TIMES * LAGS)
 #define PAST 512                           /* parts of samples that are kept: more than the longest dead time's */
 #define NO_STEERING 0.15                   /* errors beyond are somebody else's steering, rad */
+#define KNOWN_ZERO 10.0                    /* samples after which the sensor's zero is known */
 
 /* What is the same for both steerings. */
 struct lag_grid {
@@ -108,6 +109,19 @@ static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, do
         bank->error[i] = grid->memory * bank->error[i] + error;
         bank->square[i] = grid->memory * bank->square[i] + error * error;
     }
+}
+
+/* By how much (rad) a measured angle is off that of the member which comes nearest to it, each with the mean error that it
+ * has had: what no dead time and no lag explain. */
+static double bank_unexplained(const struct lag_bank *bank, double measured)
+{
+    double least = isfinite(measured) ? INFINITY : 0.0;
+
+    for (int i = 0; i < MEMBERS; ++i) {
+        const double mean = bank->weight > KNOWN_ZERO ? bank->error[i] / bank->weight : 0.0;
+        least = fmin(least, fabs(measured - bank->angle[i] - mean));
+    }
+    return least;
 }
 
 /* The logarithm of a member's probability, but for a constant. */

@@ -23,7 +23,7 @@ struct receiver {
 
 struct screening {
     /* settings: estimation/settings.py tells what they mean */
-    double lateral, longitudinal, growth, single_growth, shift, release, length, repetition, patience;
+    double lateral, longitudinal, growth, single_growth, shift, release, length, hitch, repetition, patience;
     double deviation;                      /* of one coordinate of a fix at least, m */
     int32_t memory, long_memory;
     /* state */
@@ -39,7 +39,8 @@ struct screening {
     SETTING(type, prefix lateral, 0, 1, 0, 0) SETTING(type, prefix longitudinal, 0, 1, 0, 0)                 \
     SETTING(type, prefix growth, 0, 1, 0, 0) SETTING(type, prefix single_growth, 0, 1, 0, 0)                 \
     SETTING(type, prefix shift, 0, 1, 0, 0) SETTING(type, prefix release, 0, 1, 0, 0)                        \
-    SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix repetition, 0, 1, 0, 0)                    \
+    SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix hitch, 0, 1, 0, 0)                         \
+    SETTING(type, prefix repetition, 0, 1, 0, 0)                    \
     SETTING(type, prefix patience, 0, 1, 0, 0) SETTING(type, prefix deviation, 0, 1, 0, 0)                   \
     SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)
 
@@ -203,6 +204,13 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
         screening_learn(s, error);
     }
     screening_accept(s, measurement, screened);
+}
+
+/* Mask a hitch angle that is too far from the expected one, rad: chain and antennas know it as well. */
+static inline void screening_hitch(const struct screening *s, double expected, struct screened *screened)
+{
+    if (!(fabs(wrapped(screened->measurement.hitch_angle - expected)) <= s->hitch))
+        screened->measurement.hitch_angle = NAN;
 }
 
 /* Let the estimate say what became of the fixes. */

@@ -53,6 +53,8 @@ class ScreeningSettings(Settings):
     """samples over which the deviation and the error of the antennas' distance (wrong lengths) are averaged"""
     length: Positive = 0.2
     """largest change of the antennas' distance with which they still agree with each other, m"""
+    hitch: PositiveAngle = 0.15
+    """furthest that the hitch angle may be from its prediction, rad"""
     repetition: Positive = 0.05
     """a fix that repeats exactly while the vehicle moved by more than this is stale, m"""
     patience: Positive = 1.0
@@ -109,7 +111,9 @@ class TricycleEstimatorSettings(Settings):
     """first guess of mu, kappa and eta"""
     first_yaw_error: Angle = 0.0
     """added to the first guess of both yaws, to see the estimator recover, rad"""
-    screening: ScreeningSettings = ScreeningSettings(lateral=10.0, single_growth=0.1, shift=30.0, release=30.0)
+    screening: ScreeningSettings = ScreeningSettings(
+        lateral=10.0, single_growth=0.1, shift=30.0, release=30.0, hitch=math.pi
+    )
     """wide: nothing ties the two antennas of this model together, so neither can vouch for the other"""
     prior: TricyclePrior = TricyclePrior()
     drift: TricycleDrift = TricycleDrift()
@@ -258,5 +262,9 @@ class ActuationSettings(Settings):
     """how many errors in a row say the same"""
     resolution: PositiveAngle = math.radians(0.3)
     """standard deviation of the measured steering angles, of their rounding for one, rad"""
+    odd: PositiveAngle = 0.1
+    """error of a steering angle that no dead time and no lag explain: the sensor, the actuator or a driver, rad"""
+    patience: Positive = 1.0
+    """for how long it may last before the run ends, s"""
     slew: Positive = 0.1
     """fastest change of the dead time and lags that are planned with, s per s"""

@@ -53,6 +53,12 @@ static inline void model_outputs(const struct estimation_model *model, const str
         y[Y_TRAILER_STEERING] = model->trailer_steering;
 }
 
+/* The hitch angle, rad. */
+static inline double model_hitch(const double *state)
+{
+    return state[X_HITCH_ANGLE];
+}
+
 /* Where both antennas are: x, y of the tractor's; x, y of the trailer's by yaws and joints, which ties it to the
  * tractor's, m. Its own position is a state that would follow any fix. */
 static inline void model_antennas(const struct estimation_model *model, const double *state, double *antennas)

@@ -18,11 +18,13 @@ struct component {
     /* settings: safety/sanity.py tells what they mean */
     double fine, coarse_after, coarse_share, coarse_budget;
     double swing, steering_swing, swing_share;
+    double hitch, hitch_patience;
     double wheelbase;                      /* m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
     double last_fine, time;                /* time of the last fine fix, of the last sample, s */
     double fixes[4];                       /* of the last sample, m */
+    double last_hitch;                     /* time of the last hitch angle that agreed, s */
     double way, moved[2];                  /* lately: by the wheels, and of both points along their bodies, m */
     struct swings errors[2], steering;
     int32_t swinging, spells;              /* it oscillates; how often that has begun */
@@ -33,6 +35,7 @@ struct component {
     SETTING(component, fine, 0, 1, 0, 0) SETTING(component, coarse_after, 0, 1, 0, 0)                                  \
     SETTING(component, coarse_share, 0, 1, 0, 0) SETTING(component, coarse_budget, 0, 1, 0, 0)                         \
     SETTING(component, swing, 0, 1, 0, 0) SETTING(component, steering_swing, 0, 1, 0, 0)                               \
+    SETTING(component, hitch, 0, 1, 0, 0) SETTING(component, hitch_patience, 0, 1, 0, 0)                               \
     SETTING(component, swing_share, 0, 1, 0, 0) SETTING(component, wheelbase, 0, 1, 0, 0)                              \
     SETTING(component, swings_slow, 1, 1, 0, 0) SETTING(component, swings_stop, 1, 1, 0, 0)
 
@@ -95,7 +98,7 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *measu
                const struct drawbar_body_reference *trailer, double *share)
 {
     if (!sanity->begun) {
-        sanity->last_fine = sanity->time = measurement->time;
+        sanity->last_fine = sanity->last_hitch = sanity->time = measurement->time;
         sanity->begun = 1;
     }
     const double coarse = coarse_for(sanity, measurement, estimate);
@@ -110,6 +113,10 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *measu
         *share *= sanity->swing_share;
     if (backwards)
         return DRAWBAR_BACKWARDS;
+    if (!(fabs(measurement->hitch_angle - estimate->hitch_angle) > sanity->hitch))   /* agrees, or is missing */
+        sanity->last_hitch = measurement->time;
+    if (measurement->time - sanity->last_hitch > sanity->hitch_patience)
+        return DRAWBAR_HITCH;
     if (coarse > sanity->coarse_budget)
         return DRAWBAR_COARSE;
     return swings >= sanity->swings_stop || sanity->spells > MOST_SPELLS ? DRAWBAR_OSCILLATION : 0;

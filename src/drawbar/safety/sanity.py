@@ -21,6 +21,10 @@ class SanitySettings(Settings):
     """part of the set speed then"""
     coarse_budget: Positive = 30.0
     """time with coarse fixes only after which the run ends, s"""
+    hitch: PositiveAngle = 0.15
+    """difference of the measured hitch angle from the estimated one that is a contradiction, rad"""
+    hitch_patience: Positive = 1.5
+    """for how long it may last before the run ends, s"""
     swing: Positive = 0.15
     """error to both sides in turn that is an oscillation, m"""
     steering_swing: PositiveAngle = 0.2

@@ -71,18 +71,21 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     return DRAWBAR_OK;
 }
 
-/* Let all who reckon with the actuators know what their angles show of them. */
-static void identify(struct autopilot *a, const struct drawbar_measurement *measurement)
+/* Let all who reckon with the actuators know what their angles show of them; returns 0 or the status with which the run
+ * ends. */
+static int identify(struct autopilot *a, const struct drawbar_measurement *measurement)
 {
 #ifdef DRAWBAR_IDENTIFIED
     struct drawbar_actuation *known = &a->known;
 
-    drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
+    const int odd = drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
     drawbar_actuation_tell(COMPONENT(a->actuation), known);
     drawbar_estimator_actuation(COMPONENT(a->estimator), known->tractor_lag, known->trailer_lag);
     drawbar_predictor_actuation(COMPONENT(a->predictor), known->dead_time, known->tractor_lag, known->trailer_lag);
+    return odd;
 #else
     (void)a, (void)measurement;
+    return 0;
 #endif
 }
 
@@ -189,7 +192,9 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     struct drawbar_measurement aligned;
     struct drawbar_estimate expected, ahead;
 
-    identify(a, measurement);
+    const int odd = identify(a, measurement);
+    if (odd)
+        return end_run(a, odd, command);
     drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
     drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,

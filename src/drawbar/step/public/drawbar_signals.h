@@ -30,6 +30,9 @@ enum drawbar_status {
     DRAWBAR_OSCILLATION = 141,          /* stopped: errors or steering swing from side to side */
     DRAWBAR_BACKWARDS = 142,            /* stopped: both antennas move backwards: they are swapped, or the vehicle
                                          * is driven in reverse */
+    DRAWBAR_STEERING = 143,             /* stopped: a steering does not follow its commands: sensor or actuator
+                                         * fails, or somebody steers */
+    DRAWBAR_HITCH = 144,                /* stopped: the hitch angle contradicts the motion of both bodies */
     DRAWBAR_NULL = 256,                 /* wrong call: a pointer is NULL */
     DRAWBAR_NOT_INITIALISED = 257,      /* wrong call: drawbar_init has not been called on this state */
     DRAWBAR_NO_PATH = 258,              /* wrong call: drawbar_set_path has not been called, or not with success */
