@@ -14,7 +14,7 @@ from estimators import DeadTimePredictor
 from drawbar.estimation.actuation import bank_lags
 from drawbar.estimation.settings import ActuationSettings
 from drawbar.geometry import Floats
-from drawbar.signals import Command, Estimate, Measurement, Pose, SolverStatus
+from drawbar.signals import Command, Estimate, Measurement, Pose, SolverStatus, Status
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -105,7 +105,7 @@ def test_while_nothing_moves_the_guess_stays() -> None:
 
 def test_a_driver_who_steers_does_not_ruin_it() -> None:
     identification = fed(0.2, 0.3)
-    for k in range(15):  # three seconds against all commands
+    for k in range(15):  # three seconds against all commands; a run would have ended after one
         identification.measured(measurement(100.0 + SAMPLE * k, 0.5, -0.3))
         identification.sent(Command(time=100.0, tractor_steering=0.0, trailer_steering=0.0, speed=1.0))
     assert identification.told().tractor.dead_time == pytest.approx(0.2, abs=0.1)
@@ -151,6 +151,22 @@ def identification_after_last(identification: Identification) -> Any:
     for _ in range(2):
         identification.measured(measurement(1000.0, math.nan, math.nan))
     return identification.told()
+
+
+@pytest.mark.parametrize("fault", [lambda angle: -angle, lambda angle: 0.25, lambda angle: 2.5 * angle])
+def test_a_steering_that_does_not_follow_is_named_within_a_second_of_its_swing(fault: Callable[[float], float]) -> None:
+    vehicle, sent = VehicleParameters(), commands(300, size=0.2)
+    identification = Identification(vehicle, ActuationSettings(), SAMPLE)
+    angles = steered(sent[:, 0], 0.2, 0.5, vehicle.tractor_steering_rate)
+    joint = steered(sent[:, 1], 0.2, 0.5, vehicle.trailer_steering_rate)
+    statuses = []
+    for k in range(300):
+        seen = angles[k] if k < 150 else fault(float(angles[k]))
+        statuses.append(identification.measured(measurement(SAMPLE * k, seen, joint[k])))
+        command = Command(time=SAMPLE * k, tractor_steering=sent[k, 0], trailer_steering=sent[k, 1], speed=1.0)
+        identification.sent(command)
+    assert not any(statuses[:150])
+    assert Status.STEERING in statuses[150:175]
 
 
 def estimate(tractor: float, trailer: float) -> Estimate:

@@ -127,12 +127,20 @@ FAULTS = {
         change=moved(lambda t: -2.0 * t, lambda t: 0.0), ends=Status.BACKWARDS, within=1.4
     ),
     "both antennas swing by 40 cm": Fault(
-        change=moved(lambda t: 0.0, lambda t: 0.4 * math.sin(1.2 * t)),
+        change=moved(lambda t: 0.0, lambda t: 0.4 * math.sin(1.6 * t)),
         ends=Status.OSCILLATION,
         within=16.0,
-        distance=0.6,
+        distance=0.3,
         flags=Flag.SLOWED,
     ),
+    "the tractor's steering sensor has the wrong sign": Fault(
+        change=lambda m: replace(m, tractor_steering=-m.tractor_steering), ends=Status.STEERING, within=1.2
+    ),
+    "the tractor's steering sensor is stuck": Fault(change=at(0.2, "tractor_steering"), ends=Status.HITCH, within=10.0),
+    "the hitch sensor has the wrong sign": Fault(
+        change=lambda m: replace(m, hitch_angle=-m.hitch_angle), ends=Status.HITCH, within=4.2
+    ),
+    "the hitch sensor is stuck": Fault(change=at(0.3, "hitch_angle"), ends=Status.HITCH, within=1.8),
     **{
         f"a caller who comes every {0.2 * every:.1f} s": Fault(
             every=every, ends=Status.OVERDUE, within=10.0, flags=Flag.LATE | Flag.SLOWED

@@ -18,9 +18,9 @@ class Identification(Alone):
         """Take what is stated and how to search."""
         super().__init__(actuation_unit(vehicle, settings, sample_time))
 
-    def measured(self, measurement: Measurement) -> None:
-        """Take in the steering angles of a measurement."""
-        self.call("measured", given(measurement))
+    def measured(self, measurement: Measurement) -> int:
+        """Take in the steering angles of a measurement; return 0 or the status with which a run would end."""
+        return self.call("measured", given(measurement))
 
     def sent(self, command: Command) -> None:
         """Take in the command that was sent."""

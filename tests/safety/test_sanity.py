@@ -144,6 +144,19 @@ def test_a_coarse_fix_that_is_not_believed_is_none() -> None:
         assert sanity.look(measurement(k, deviation=0.8), blind, beside(0.0), beside(0.0)) == (0, 1.0)
 
 
+def test_a_hitch_angle_that_contradicts_is_named() -> None:
+    sanity, statuses = Sanity(), []
+    for k in range(30):
+        seen = replace(measurement(k), hitch_angle=0.3 if k > 10 else 0.0)
+        statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+    assert statuses.index(Status.HITCH) == 10 + 8
+    for k in range(100):  # for a while, or missing for good, it is no contradiction
+        angle = 0.3 if k % 6 else 0.0
+        assert not Sanity().look(replace(measurement(k), hitch_angle=angle), estimate(), beside(0.0), beside(0.0))[0]
+        missing = replace(measurement(k), hitch_angle=math.nan)
+        assert not sanity.look(replace(missing, time=100.0 + SAMPLE * k), estimate(), beside(0.0), beside(0.0))[0]
+
+
 def swapped(m: Measurement) -> Measurement:
     return replace(m, tractor_x=m.trailer_x, tractor_y=m.trailer_y, trailer_x=m.tractor_x, trailer_y=m.tractor_y)
 

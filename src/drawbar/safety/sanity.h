@@ -6,6 +6,7 @@
 #include <string.h>
 #include "geometry.h"
 #include "signals.h"
+#include "status.h"
 #include "swings.h"
 #include "unit.h"
 
@@ -113,7 +114,8 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *measu
         *share *= sanity->swing_share;
     if (backwards)
         return DRAWBAR_BACKWARDS;
-    if (!(fabs(measurement->hitch_angle - estimate->hitch_angle) > sanity->hitch))   /* agrees, or is missing */
+    /* it agrees, or is missing, or there is nothing to hold against it */
+    if (!(fabs(measurement->hitch_angle - estimate->hitch_angle) > sanity->hitch) || estimate->status != SOLVED)
         sanity->last_hitch = measurement->time;
     if (measurement->time - sanity->last_hitch > sanity->hitch_patience)
         return DRAWBAR_HITCH;
