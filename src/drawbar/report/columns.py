@@ -12,7 +12,7 @@ def along(log: RunLog, body: str) -> Floats:
 
 
 def track(log: RunLog, body: str) -> Floats:
-    """Return where a body's antenna was, (n, 2) in m: the truth, or the estimate."""
+    """Return where a body's point on the ground was, (n, 2) in m: the truth, or the estimate."""
     source = "truth" if _has_truth(log) else "estimate"
     return np.column_stack([log.column(f"{source}.{body}.{coordinate}") for coordinate in "xy"])
 

@@ -14,6 +14,7 @@ from drawbar.report.figures import (
     steering_figure,
 )
 from drawbar.report.map import map_figure
+from drawbar.report.masts import doubt_text, mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.style import Figure
 
@@ -55,10 +56,17 @@ def _driving(log: RunLog, errors: Bodies[PathErrors]) -> list[Section]:
         Section(
             name="errors",
             title="Distance from the path",
-            note="Of the antennas. Curves are shaded, with their curvature in 1/m where the path gives it.",
+            note="Of the points on the ground. Curves are shaded, with their curvature in 1/m where the path gives it."
+            + _doubt(log),
             figure=error_figure(log, errors),
         ),
     ]
+
+
+def _doubt(log: RunLog) -> str:
+    """Say by how much masts may mislead where nothing tells how the bodies lean."""
+    found = doubt_text(mast_doubt(log, "tractor"), mast_doubt(log, "trailer"))
+    return f" {found[0].upper()}{found[1:]}." if found else ""
 
 
 def _steering(log: RunLog) -> list[Section]:
