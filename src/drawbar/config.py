@@ -23,6 +23,7 @@ from drawbar.control.settings import (
 )
 from drawbar.errors import ConfigurationError
 from drawbar.estimation.settings import (
+    ActuationSettings,
     ArticulatedEstimatorSettings,
     IdealEstimatorSettings,
     TricycleEstimatorSettings,
@@ -30,6 +31,7 @@ from drawbar.estimation.settings import (
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.safety.sanity import SanitySettings
 from drawbar.safety.settings import SafetySettings
 from drawbar.settings import Angle, Settings, Speed
 from drawbar.vehicle.parameters import VehicleParameters
@@ -102,6 +104,7 @@ class Configuration(Settings):
         ArticulatedEstimatorSettings | TricycleEstimatorSettings | IdealEstimatorSettings,
         Field(discriminator="model"),
     ]
+    actuation: ActuationSettings = ActuationSettings()
     controller: Annotated[
         ArticulatedControllerSettings
         | TricycleControllerSettings
@@ -112,6 +115,7 @@ class Configuration(Settings):
     ]
     tube: TubeSettings = TubeSettings()
     guidance: GuidanceSettings = GuidanceSettings()
+    sanity: SanitySettings = SanitySettings()
     path: PathSettings = PathSettings()
     start: StartSettings = StartSettings()
     machine: SimulatedMachineSettings = SimulatedMachineSettings()

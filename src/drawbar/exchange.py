@@ -19,7 +19,9 @@ from typing import Any, get_args, get_type_hints
 
 from drawbar import signals
 from drawbar.signals import (
+    Actuation,
     Array,
+    BodyActuation,
     BodyDiagnostics,
     BodyPlan,
     BodyReference,
@@ -60,12 +62,17 @@ _STRUCTURES: dict[Any, str] = {
     Command: "drawbar_command",
     BodyDiagnostics: "drawbar_body_diagnostics",
     Diagnostics: "drawbar_diagnostics",
+    BodyActuation: "drawbar_body_actuation",
+    Actuation: "drawbar_actuation",
     BodyReference: "drawbar_body_reference",
     BodyPlan: "drawbar_body_plan",
     BodySteering: "drawbar_body_steering",
 }
 _PUBLIC_ENUMERATIONS = (Status, Flag, FixStatus, FixQuality, SolverStatus, GateVerdict, GuidanceStatus)
-_PUBLIC_STRUCTURES = (PathNode, Measurement, Pose, Estimate, Command, BodyDiagnostics, Diagnostics)
+_PUBLIC_STRUCTURES = (
+    *(PathNode, Measurement, Pose, Estimate, Command),
+    *(BodyDiagnostics, Diagnostics, BodyActuation, Actuation),
+)
 _WIDTH = 39
 """columns of a member before its comment"""
 
@@ -292,9 +299,7 @@ _SOLVER = f"""\
 def headers() -> dict[str, str]:
     """Return the text of each generated header by its place in the package."""
     public = [_enumeration(kind) for kind in _PUBLIC_ENUMERATIONS]
-    public += [
-        _structure(kind) for kind in (PathNode, Measurement, Pose, Estimate, Command, BodyDiagnostics, Diagnostics)
-    ]
+    public += [_structure(kind) for kind in _PUBLIC_STRUCTURES]
     inner = [_enumeration(Supervision)]
     inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering)]
     inner += [

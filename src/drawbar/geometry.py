@@ -23,6 +23,24 @@ def nearest_branch(angle: float, target: float) -> float:
     return angle + 2.0 * math.pi * round((target - angle) / (2.0 * math.pi))
 
 
+def arm_offset(yaw: float, roll: float, pitch: float, arm: tuple[float, float, float]) -> tuple[float, float]:
+    """Return how far east and north of a body's point something on an arm stands, m.
+
+    The body's axes are forward, left, up; it is turned by R = Rz(yaw) Ry(-pitch) Rx(roll).
+
+    Args:
+        yaw: rad.
+        roll: right side down positive, rad.
+        pitch: nose up positive, rad.
+        arm: forward, left and up of the point in the body's axes, m.
+    """
+    forward, left, up = arm
+    raised = left * math.sin(roll) + up * math.cos(roll)
+    ahead = forward * math.cos(pitch) - raised * math.sin(pitch)
+    beside = left * math.cos(roll) - up * math.sin(roll)
+    return ahead * math.cos(yaw) - beside * math.sin(yaw), ahead * math.sin(yaw) + beside * math.cos(yaw)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocalFrame:
     """East, north and up from an origin on WGS84: the one frame of recorded lines and of fixes, exact at any distance.
@@ -105,15 +123,3 @@ def geodetic(point: Floats) -> tuple[Floats, Floats, Floats]:
     normal = _AXIS / np.sqrt(1.0 - _ECCENTRICITY_SQUARED * np.sin(phi) ** 2)
     height = across * np.cos(phi) + z * np.sin(phi) - _AXIS**2 / normal
     return np.degrees(phi), np.degrees(np.arctan2(y, x)), height
-
-
-def lever(arm: tuple[float, float, float], yaw: float, roll: float, pitch: float) -> tuple[float, float, float]:
-    """Return an arm (forward, left, up, m) of a body as east, north, up, m: R(yaw) R(pitch) R(roll) arm.
-
-    Roll is right side down positive and pitch front down positive, rad: both turn right-handed about forward and left.
-    """
-    forward, left, up = arm
-    left, up = left * math.cos(roll) - up * math.sin(roll), left * math.sin(roll) + up * math.cos(roll)
-    forward, up = forward * math.cos(pitch) + up * math.sin(pitch), up * math.cos(pitch) - forward * math.sin(pitch)
-    east, north = forward * math.cos(yaw) - left * math.sin(yaw), forward * math.sin(yaw) + left * math.cos(yaw)
-    return east, north, up

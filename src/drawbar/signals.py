@@ -3,7 +3,9 @@
 Each signal is declared here alone: `exchange.py` prints the C structures, enumerations and texts from these
 declarations (`drawbar_signals.h`, `signals.h`) and moves values between the two languages.
 
-Positions are those of the two antennas; yaw is continuous along a run. A missing value is NaN.
+Measured positions are those of the two antennas. Estimates, plans and the truth speak of one point on the ground for
+each body: the middle of the tractor's rear axle, and the trailer's tracked point, `vehicle.trailer_antenna` ahead of
+its axle. Yaw is continuous along a run. A missing value is NaN.
 """
 
 import math
@@ -72,6 +74,11 @@ class Status(IntEnum):
     STOPPED = 133, "stopped: no command could be given for longer than one may be repeated"
     UNSOLVED = 134, "stopped: estimator or controllers have had no solution for too long"
     OVERDUE = 135, "stopped: samples came late for too long"
+    COARSE = 140, "stopped: positions have been coarse for too long"
+    OSCILLATION = 141, "stopped: errors or steering swing from side to side"
+    BACKWARDS = 142, "stopped: both antennas move backwards: they are swapped, or the vehicle is driven in reverse"
+    STEERING = 143, "stopped: a steering does not follow its commands: sensor or actuator fails, or somebody steers"
+    HITCH = 144, "stopped: the hitch angle contradicts the motion of both bodies"
 
     NULL = 256, "wrong call: a pointer is NULL"
     NOT_INITIALISED = 257, "wrong call: drawbar_init has not been called on this state"
@@ -214,13 +221,13 @@ class Measurement:
     tractor_roll: Radians = math.nan
     """right side down positive"""
     tractor_pitch: Radians = math.nan
-    """front down positive"""
+    """nose up positive"""
     tractor_yaw_rate: RadiansPerSecond = math.nan
     """counter-clockwise positive"""
     trailer_roll: Radians = math.nan
     """right side down positive"""
     trailer_pitch: Radians = math.nan
-    """front down positive"""
+    """nose up positive"""
     trailer_yaw_rate: RadiansPerSecond = math.nan
     """counter-clockwise positive"""
     tractor_fix_age: Seconds = 0.0
@@ -245,7 +252,7 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """Position and continuous yaw of one body's antenna."""
+    """Position on the ground and continuous yaw of one body's point."""
 
     x: Metres
     y: Metres
@@ -271,9 +278,9 @@ class Estimate:
     time: Seconds
     """of the measurement"""
     tractor: Pose
-    """of the tractor's antenna"""
+    """of the middle of its rear axle, on the ground"""
     trailer: Pose
-    """of the trailer's antenna"""
+    """of its tracked point, on the ground"""
     hitch_angle: Radians
     """beta"""
     speed: MetresPerSecond
@@ -331,7 +338,7 @@ class BodyPlan:
     steering: Radians
     """nominal steering to apply now"""
     poses: Annotated[Floats, Array(columns=3, rows="N + 1")]
-    """predicted x (m), y (m), yaw (rad) of the antenna"""
+    """predicted x (m), y (m), yaw (rad) of the body's point"""
     steerings: Annotated[Floats, Array(columns=0, rows="N")]
     """planned steering, rad"""
     deviation: Annotated[Floats, Array(columns=0, rows="deviations", counted=True)] = field(
@@ -389,6 +396,14 @@ class Truth:
     """alpha_r, rad"""
     trailer_crab: float
     """alpha_i, rad"""
+    tractor_roll: float = 0.0
+    """right side down positive, rad"""
+    tractor_pitch: float = 0.0
+    """nose up positive, rad"""
+    trailer_roll: float = 0.0
+    """right side down positive, rad"""
+    trailer_pitch: float = 0.0
+    """nose up positive, rad"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -453,6 +468,36 @@ class Diagnostics:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class BodyActuation:
+    """What one steering makes of its commands, as far as its angles show; zero where nobody looks."""
+
+    dead_time: Seconds = 0.0
+    """between a command and the first reaction"""
+    dead_time_deviation: Seconds = 0.0
+    """standard deviation"""
+    lag: Seconds = 0.0
+    """time constant"""
+    lag_deviation: Seconds = 0.0
+    """standard deviation"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Actuation:
+    """What is known of both steerings, and what is planned with; zero where nobody looks."""
+
+    tractor: BodyActuation = BodyActuation()
+    """front wheels"""
+    trailer: BodyActuation = BodyActuation()
+    """actuated joint"""
+    dead_time: Seconds = 0.0
+    """for which is planned"""
+    tractor_lag: Seconds = 0.0
+    """for which is planned"""
+    trailer_lag: Seconds = 0.0
+    """for which is planned"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SolveTimes:
     """Wall-clock time of one solver's two phases, s; NaN where a body has no solver of its own."""
 
@@ -485,3 +530,4 @@ class StepRecord:
     """OK: the command is a new one"""
     flags: Flag
     """what there is to say of the command"""
+    actuation: Actuation = Actuation()

@@ -42,6 +42,7 @@ DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
 
 UNIT = """
 #define NX {states}
+#define CONSTANTS {constants}
 {indices}#include "{name}_estimation.h"
 struct component {{ struct estimation_model model; double state[12], y[12]; }};
 #define COMPONENT_FIELDS MODEL_FIELDS(component, model.) \\
@@ -75,7 +76,9 @@ class CompiledModel(Alone):
     def __init__(self, model: EstimationModel) -> None:
         constants = {f"model.{name}": value for name, value in model.constants.items()}
         names = transcribe(model.problem).names
-        source = UNIT.format(name=model.name, states=len(names["X"]), indices=emit_indices(names))
+        count = len(transcribe(model.problem).constants)
+        states, indices = len(names["X"]), emit_indices(names)
+        source = UNIT.format(name=model.name, states=states, constants=count, indices=indices)
         super().__init__(Unit(name="model", source=source, configure=lambda workspace: workspace.write(constants)))
         self._outputs = names["Y"]
         self.state = self.live.array("state")

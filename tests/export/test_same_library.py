@@ -17,6 +17,14 @@ RUNS = {
     "whole vehicle": ("articulated-centralised",),
     "closed form": ("lqr-pi",),
     "dead time": ("articulated", "vehicle.dead_time=0.3"),
+    "dead time found": ("articulated", "actuation.identify=true", "machine.actuators.dead_time=0.3"),
+    "masts": (
+        "articulated",
+        "vehicle.masts={tractor={up=2.5,left=0.1},trailer={up=2.0}}",
+        "machine.terrain={slope=0.08,unevenness=0.03}",
+        "machine.attitude.tractor.present=true",
+        "machine.events=[{kind='gps_float', start=30.0, duration=10.0}]",
+    ),
 }
 
 

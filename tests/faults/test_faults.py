@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drawbar.signals import Flag, Measurement, Status
+from drawbar.signals import FixQuality, Flag, Measurement, Status
 
 BEGINS = 30.0
 NOTHING = Flag(0)
@@ -59,6 +59,24 @@ def at(value: Any, name: str = "time") -> Change:
     return lambda measurement: replace(measurement, **{name: value})
 
 
+def moved(ahead: Callable[[float], float], left: Callable[[float], float]) -> Change:
+    """Return what moves both fixes along and across the line of both, by metres at a time since BEGINS."""
+
+    def change(m: Measurement) -> Measurement:
+        along = complex(m.tractor_x - m.trailer_x, m.tractor_y - m.trailer_y)
+        shift = along / abs(along) * complex(ahead(m.time - BEGINS), left(m.time - BEGINS))
+        tractor, trailer = complex(m.tractor_x, m.tractor_y) + shift, complex(m.trailer_x, m.trailer_y) + shift
+        return replace(
+            m, tractor_x=tractor.real, tractor_y=tractor.imag, trailer_x=trailer.real, trailer_y=trailer.imag
+        )
+
+    return change
+
+
+def floating(m: Measurement) -> Measurement:
+    return replace(m, tractor_fix_quality=FixQuality.FLOAT, trailer_fix_quality=FixQuality.FLOAT)
+
+
 POSITIONS = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
 EVERYTHING = (*POSITIONS, *SENSORS[2:])
 ANTENNAS = {"tractor": POSITIONS[:2], "trailer": POSITIONS[2:]}
@@ -101,6 +119,28 @@ FAULTS = {
     "everything fails for good": Fault(
         fails=("estimator", "tractor", "trailer"), ends=Status.UNSOLVED, within=3.2, flags=Flag.SOLVER | Flag.SLOWED
     ),
+    "both receivers in float for 20 s": Fault(change=floating, lasts=20.0, flags=Flag.SLOWED),
+    "both receivers in float for good": Fault(
+        change=floating, ends=Status.COARSE, within=30.4, watched=40.0, distance=0.5, flags=Flag.SLOWED
+    ),
+    "both antennas move backwards": Fault(
+        change=moved(lambda t: -2.0 * t, lambda t: 0.0), ends=Status.BACKWARDS, within=1.4
+    ),
+    "both antennas swing by 40 cm": Fault(
+        change=moved(lambda t: 0.0, lambda t: 0.4 * math.sin(1.6 * t)),
+        ends=Status.OSCILLATION,
+        within=16.0,
+        distance=0.3,
+        flags=Flag.SLOWED,
+    ),
+    "the tractor's steering sensor has the wrong sign": Fault(
+        change=lambda m: replace(m, tractor_steering=-m.tractor_steering), ends=Status.STEERING, within=1.2
+    ),
+    "the tractor's steering sensor is stuck": Fault(change=at(0.2, "tractor_steering"), ends=Status.HITCH, within=10.0),
+    "the hitch sensor has the wrong sign": Fault(
+        change=lambda m: replace(m, hitch_angle=-m.hitch_angle), ends=Status.HITCH, within=4.2
+    ),
+    "the hitch sensor is stuck": Fault(change=at(0.3, "hitch_angle"), ends=Status.HITCH, within=1.8),
     **{
         f"a caller who comes every {0.2 * every:.1f} s": Fault(
             every=every, ends=Status.OVERDUE, within=10.0, flags=Flag.LATE | Flag.SLOWED

@@ -25,6 +25,7 @@ NOWHERE_ELSE = ("bounded_errors.estimate", "path.file", "path.track")
 CASES = {
     "product": ("articulated",),
     "product, dead time": ("articulated", "vehicle.dead_time=0.33", "machine.actuators.dead_time=0.33"),
+    "product, dead time found": ("articulated", "actuation.identify=true"),
     "product, centralised": ("articulated-centralised",),
     "product, extended Kalman filter": ("articulated-ekf",),
     "paper": ("paper",),

@@ -1,6 +1,7 @@
 """Estimation on the exact chain (the product's default)."""
 
 from dataclasses import replace
+from typing import Any
 
 import casadi as ca
 
@@ -8,7 +9,7 @@ from drawbar.estimation.description import EstimationModel, by_variable, chain, 
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
-from drawbar.vehicle.model import Model, by_name, variables
+from drawbar.vehicle.model import Model, by_name, constant, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
@@ -44,17 +45,19 @@ class ArticulatedEstimation(EstimationModel):
             "first_slip": settings.first_slip,
             "first_yaw_error": settings.first_yaw_error,
             "sample_time": sample_time,
-            "steering_lag": vehicle.steering_lag,
+            "tractor_lag": vehicle.steering_lag,
+            "trailer_lag": vehicle.steering_lag,
             "tractor_rate": vehicle.tractor_steering_rate,
             "trailer_rate": vehicle.trailer_steering_rate,
             "joint_sign": vehicle.joint_sign,
+            **{f"slide.{name}": value for name, value in settings.slide},
         }
         deviations = (
             sensor_deviations(noise)
             | dict.fromkeys(_CRAB, settings.crab)
             | dict.fromkeys(_RATES, settings.steering_rate)
         )
-        model = _with_crab(articulated(vehicle))
+        model = _with_crab(_on_slide(articulated(vehicle)))
         angle = Bound(lower=-settings.angle_bound, upper=settings.angle_bound)
         self.problem = EstimationProblem(
             model=model,
@@ -70,6 +73,25 @@ class ArticulatedEstimation(EstimationModel):
                 **dict.fromkeys(_ON_A_SLOPE, angle),
             },
         )
+
+
+def _on_slide(model: Model) -> Model:
+    """Return the model on ground that draws every axle in one direction of the world (slide.h): two more constants.
+
+    Crab angles and steering offset are then what is left beside it.
+    """
+    slide = [constant(f"slide_{direction}", "rad", 0.0) for direction in ("east", "north")]
+    east, north = (each.symbol for each in slide)
+    states, known = by_name(model.states, model.x), by_name(model.parameters, model.p)
+
+    def across(body: str) -> Any:
+        yaw = states[f"{body}_yaw"]
+        return north * ca.cos(yaw) - east * ca.sin(yaw)
+
+    drawn = {"steering_offset": "tractor", "tractor_crab": "tractor", "trailer_crab": "trailer"}
+    whole = [known[name] + across(body) for name, body in drawn.items()]
+    derivative, output = ca.substitute([model.derivative, model.output], [known[name] for name in drawn], whole)
+    return replace(model, derivative=derivative, output=output, constants=(*model.constants, *slide))
 
 
 def _with_crab(model: Model) -> Model:

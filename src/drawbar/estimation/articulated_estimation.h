@@ -5,23 +5,29 @@
 
 #include <string.h>
 #include "at_rest.h"
+#include "slide.h"
+
+#define FIRST_SLIDE (CONSTANTS - 3)       /* place among the constants: slide_east, slide_north, then the sample time */
 
 struct estimation_model {
     struct chain chain;
     double first_slip;                     /* first guess of mu and kappa */
     double first_yaw_error;                /* added to the first guess of both yaws, rad */
     double sample_time;                    /* s */
-    double steering_lag;                   /* of both actuators, s */
+    double tractor_lag, trailer_lag;       /* of the actuators, s */
     double tractor_rate, trailer_rate;     /* limits of the actuators' rates, rad/s */
     double joint_sign;                     /* -1 where the joint's actuator is reversed, else 1 */
+    struct slide slide;                    /* beyond which crab angles and steering offset are estimated */
 };
 
 #define MODEL_FIELDS(type, prefix)                                                                           \
     SETTING(type, prefix chain.hitch, 0, 1, 0, 0) SETTING(type, prefix chain.drawbar, 0, 1, 0, 0)            \
     SETTING(type, prefix chain.back, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
     SETTING(type, prefix first_yaw_error, 0, 1, 0, 0) SETTING(type, prefix sample_time, 0, 1, 0, 0)          \
-    SETTING(type, prefix steering_lag, 0, 1, 0, 0) SETTING(type, prefix tractor_rate, 0, 1, 0, 0)            \
-    SETTING(type, prefix trailer_rate, 0, 1, 0, 0) SETTING(type, prefix joint_sign, 0, 1, 0, 0)
+    SETTING(type, prefix tractor_lag, 0, 1, 0, 0) SETTING(type, prefix trailer_lag, 0, 1, 0, 0)              \
+    SETTING(type, prefix tractor_rate, 0, 1, 0, 0)            \
+    SETTING(type, prefix trailer_rate, 0, 1, 0, 0) SETTING(type, prefix joint_sign, 0, 1, 0, 0)              \
+    SLIDE_FIELDS(type, prefix slide)
 
 /* The state at rest that explains one measurement; returns 0 when a position is missing. */
 static inline int model_at_rest(const struct estimation_model *model, const struct drawbar_measurement *measurement,
@@ -59,6 +65,12 @@ static inline void model_outputs(const struct estimation_model *model, const str
     y[Y_TRACTOR_STEERING_RATE] = y[Y_TRAILER_STEERING_RATE] = 0.0;
 }
 
+/* The hitch angle, rad. */
+static inline double model_hitch(const double *state)
+{
+    return state[X_TRACTOR_YAW] - state[X_TRAILER_YAW] - state[X_TRAILER_STEERING];
+}
+
 /* Where both antennas are: x, y of the tractor's, x, y of the trailer's, which follows from the chain, m. */
 static inline void model_antennas(const struct estimation_model *model, const double *state, double *antennas)
 {
@@ -83,19 +95,26 @@ static inline double mean_rate(double error, double lag, double limit, double in
     return copysign(moved, error) / interval;
 }
 
+/* From now on the actuators lag by so much, s. */
+static inline void model_lags(struct estimation_model *model, double tractor, double trailer)
+{
+    model->tractor_lag = tractor;
+    model->trailer_lag = trailer;
+}
+
 /* The mean rates (rad/s) of both lagging, rate-limited actuators until the next sample. */
 static inline double tractor_rate(const struct estimation_model *model, const double *state,
                                   const struct drawbar_command *command)
 {
     const double error = command->tractor_steering - state[X_TRACTOR_STEERING];
-    return mean_rate(error, model->steering_lag, model->tractor_rate, model->sample_time);
+    return mean_rate(error, model->tractor_lag, model->tractor_rate, model->sample_time);
 }
 
 static inline double trailer_rate(const struct estimation_model *model, const double *state,
                                   const struct drawbar_command *command)
 {
     const double error = model->joint_sign * command->trailer_steering - state[X_TRAILER_STEERING];
-    return mean_rate(error, model->steering_lag, model->trailer_rate, model->sample_time);
+    return mean_rate(error, model->trailer_lag, model->trailer_rate, model->sample_time);
 }
 
 /* What a command tells of the outputs until the next sample. */
@@ -128,18 +147,46 @@ static inline void model_estimate(struct estimation_model *model, const double *
         .time = measurement->time,
         .tractor = {antennas[0], antennas[1], state[X_TRACTOR_YAW]},
         .trailer = {antennas[2], antennas[3], state[X_TRAILER_YAW]},
-        .hitch_angle = state[X_TRACTOR_YAW] - state[X_TRAILER_YAW] - state[X_TRAILER_STEERING],
+        .hitch_angle = model_hitch(state),
         .speed = state[X_SPEED],
         .tractor_steering = state[X_TRACTOR_STEERING],
         .trailer_steering = state[X_TRAILER_STEERING],
         .longitudinal_slip = state[X_LONGITUDINAL_SLIP],
         .tractor_slip = state[X_TRACTOR_SLIP],
         .trailer_slip = 1.0,
-        .steering_offset = state[X_STEERING_OFFSET],
-        .tractor_crab = state[X_TRACTOR_CRAB],
-        .trailer_crab = state[X_TRAILER_CRAB],
+        .steering_offset = state[X_STEERING_OFFSET] + slide_across(&model->slide, state[X_TRACTOR_YAW]),
+        .tractor_crab = state[X_TRACTOR_CRAB] + slide_across(&model->slide, state[X_TRACTOR_YAW]),
+        .trailer_crab = state[X_TRAILER_CRAB] + slide_across(&model->slide, state[X_TRAILER_YAW]),
         .status = status,
     };
+}
+
+/* Begin without a slide; `constants` are those of the model. */
+static inline void model_begin(struct estimation_model *model, double *constants)
+{
+    slide_begin(&model->slide);
+    constants[FIRST_SLIDE] = constants[FIRST_SLIDE + 1] = 0.0;
+}
+
+/* Learn the slide from an estimated state, and let the model's constants have it. `shift` becomes what steering offset and
+ * both crab angles are to change by, so that with the slide they stay what they are, rad; returns whether there is any. */
+static inline int model_learn(struct estimation_model *model, const double *state, double *constants, double *shift)
+{
+    struct slide *slide = &model->slide;
+    const double theta = state[X_TRACTOR_YAW], psi = state[X_TRAILER_YAW];
+    const double before[] = {slide_across(slide, theta), slide_across(slide, psi)};
+
+    if (!(slide->prior > 0.0))
+        return 0;
+    slide_walk(slide);
+    slide_take(slide, theta, state[X_TRACTOR_CRAB] + before[0]);
+    slide_take(slide, psi, state[X_TRAILER_CRAB] + before[1]);
+    constants[FIRST_SLIDE] = slide->value[0];
+    constants[FIRST_SLIDE + 1] = slide->value[1];
+    memset(shift, 0, NX * sizeof *shift);
+    shift[X_STEERING_OFFSET] = shift[X_TRACTOR_CRAB] = before[0] - slide_across(slide, theta);
+    shift[X_TRAILER_CRAB] = before[1] - slide_across(slide, psi);
+    return 1;
 }
 
 #endif

@@ -19,8 +19,8 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 _STEPS = 4
 """Runge-Kutta steps per command"""
-_ROOM = 16
-"""Commands under way for which there is always room: their number is data up to here"""
+_ROOM = 17
+"""Commands for which there is always room, one more than can be under way: their number is data up to here"""
 _STEERING = ("tractor_steering", "trailer_steering")
 _MOVED = (
     *(f"{body}_{coordinate}" for body in ("tractor", "trailer") for coordinate in ("x", "y", "yaw")),
@@ -31,6 +31,7 @@ _MOVED = (
 _UNIT = """
 #define LANES 1
 #define MOST_COMMANDS {room}
+#define FIRST_LAG {lag}
 #define STATES {states}
 #define INPUTS {inputs}
 #define PARAMETERS {parameters}
@@ -49,7 +50,7 @@ static void give_estimate(const struct component *work, struct drawbar_estimate 
 """
 
 
-def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float) -> Unit | None:
+def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float, *, found: bool = False) -> Unit | None:
     """Return what remembers the commands under way and moves estimates forward through them; None without dead time.
 
     The speed stays as it is estimated: a drive is slower than any dead time.
@@ -58,21 +59,19 @@ def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float)
         vehicle: lag, rates, sign and dead time of the actuators.
         model: of the whole vehicle, articulated or tricycle.
         sample_time: s.
+        found: dead time and lags are found during the run; then there is always a unit.
     """
     count = math.ceil(round(vehicle.dead_time / sample_time, 9))
-    if not count:
+    if not count and not found:
         return None
-    first = vehicle.dead_time - (count - 1) * sample_time
-    driven, room = actuated(vehicle, model), max(count, _ROOM)
+    driven = actuated(vehicle, model)
     settings = {
         "dead_time": vehicle.dead_time,
+        "sample_time": sample_time,
         "sign": vehicle.joint_sign,
         "constants": [each.value for each in driven.constants],
-        "durations": [first, *[sample_time] * (count - 1), *[0.0] * (room - count)],
-        "count": count,
-        "soon": first < 0.5 * sample_time,
     }
-    source = _source(driven, room)
+    source = _source(driven, len(model.constants), max(count + 1, _ROOM))
     return Unit(name="predictor", source=source, configure=lambda workspace: workspace.write(settings))
 
 
@@ -86,10 +85,11 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
     inner = all(name in states for name in _STEERING)
     steering = variables(tractor_steering="rad", trailer_steering="rad")
     angles = ca.vertcat(*(states[name] for name in _STEERING)) if inner else symbols(steering)
-    lag = constant("steering_lag", "s", vehicle.steering_lag)
+    lags = [constant(f"{name}_lag", "s", vehicle.steering_lag) for name in _STEERING]
+    lag = ca.vertcat(*(each.symbol for each in lags))
     limits = [constant(f"{name}_rate", "rad/s", getattr(vehicle, f"{name}_rate")) for name in _STEERING]
     limit = ca.vertcat(*(each.symbol for each in limits))
-    rates = ca.fmin(ca.fmax((target - angles) / lag.symbol, -limit), limit)
+    rates = ca.fmin(ca.fmax((target - angles) / lag, -limit), limit)
     derivative, output = ca.substitute([model.derivative, model.output], [model.u], [rates if inner else angles])
     return replace(
         model,
@@ -100,16 +100,20 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
         u=target,
         derivative=derivative if inner else ca.vertcat(derivative, rates),
         output=output,
-        constants=(*model.constants, lag, *limits),
+        constants=(*model.constants, *lags, *limits),
     )
 
 
-def _source(model: Model, room: int) -> str:
-    """Return the C unit of the prediction with an actuated model, through so many commands at most."""
+def _source(model: Model, lag: int, room: int) -> str:
+    """Return the C unit of the prediction with an actuated model, whose lags begin at this place among its constants.
+
+    room: how many commands are remembered.
+    """
     x, p, y = (_places(model, letter) for letter in "XPY")
     given = y | x  # a state rather than its measurement
     return _UNIT.format(
         room=room,
+        lag=lag,
         states=len(model.states),
         inputs=len(model.inputs),
         parameters=len(model.parameters),

@@ -19,6 +19,12 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
     return SOLVED;
 }
 
+int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
+{
+    *estimate = component->given;
+    return SOLVED;
+}
+
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement,
                  struct drawbar_estimate *estimate, void *work)
 {
@@ -38,6 +44,12 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
 int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
     return UNIT(ready)(component, acting);
+}
+
+int UNIT(actuation)(struct component *component, double tractor_lag, double trailer_lag)
+{
+    (void)component, (void)tractor_lag, (void)trailer_lag;
+    return 0;
 }
 
 #endif

@@ -6,6 +6,7 @@
 #ifndef DRAWBAR_MOVING_HORIZON_H
 #define DRAWBAR_MOVING_HORIZON_H
 
+#include "fix_weights.h"
 #include "screening.h"
 #include "unit.h"
 #include "window.h"
@@ -15,6 +16,7 @@ struct component {
     struct window window;
     struct estimation_model model;
     struct screening screening;
+    struct fix_weights weights;
     struct screened seen;                  /* the newest measurement */
     int32_t prepared;                      /* outcome of the last preparation, enum qp_status */
 };
@@ -34,6 +36,8 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
 
     if (!model_first_guess(&component->model, first, guess))
         return BAD_INPUT;
+    fix_weights_reset(&component->weights, &component->rti);
+    model_begin(&component->model, component->rti.constants);
     return component->prepared = window_restart(&component->window, &component->rti, guess);
 }
 
@@ -42,8 +46,10 @@ static void overrule(struct component *component, const struct drawbar_measureme
 {
     double guess[NX];
 
-    if (model_new_guess(&component->model, measurement, newest_state(component), guess))
+    if (model_new_guess(&component->model, measurement, newest_state(component), guess)) {
+        fix_weights_reset(&component->weights, &component->rti);
         component->prepared = window_restart(&component->window, &component->rti, guess);
+    }
 }
 
 /* Forget the fixes of an antenna that has just turned out to be wrong, as far back as the disagreement was averaged. */
@@ -67,9 +73,35 @@ static void take_in(struct component *component, const struct drawbar_measuremen
     screening_judge(&component->screening, measurement, antennas, &component->seen);
     if (component->seen.restart)
         overrule(component, measurement);
+    if (!component->seen.restart)
+        screening_hitch(&component->screening, model_hitch(newest_state(component)), &component->seen);
     if (component->seen.exposed != NEITHER)
         disbelieve(component, component->seen.exposed);
     model_outputs(&component->model, &component->seen.measurement, component->rti.y[component->window.newest]);
+    fix_weights_set(&component->weights, &component->rti, component->window.newest, &component->seen.measurement,
+                    component->screening.deviation);
+}
+
+/* Let the model learn from the newest estimate, and the whole window know. */
+static void learn(struct component *component)
+{
+    struct rti *rti = &component->rti;
+    double shift[NX];
+
+    if (rti->status != SOLVED || !model_learn(&component->model, newest_state(component), rti->constants, shift))
+        return;
+    for (int i = 0; i < NX; ++i) {
+        rti->prior[i] += shift[i];
+        for (int k = 0; k <= N; ++k)
+            STATE(rti->z, k)[i] += shift[i];
+    }
+}
+
+/* The estimate that is expected at the next measurement, before there is one. Of its time it knows nothing. */
+int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
+{
+    model_estimate(&component->model, newest_state(component), &nothing_measured, component->prepared, estimate);
+    return SOLVED;
 }
 
 /* The estimate at the measurement's time, which is the window's newest stage. When the solver failed it is the
@@ -82,6 +114,7 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     const int32_t status = component->rti.status != SOLVED ? component->rti.status : component->prepared;
     model_estimate(&component->model, newest_state(component), &component->seen.measurement, status, estimate);
     screened_mark(&component->seen, estimate);
+    learn(component);
     return status;
 }
 
@@ -92,7 +125,10 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
     if (acting != NULL)
         model_told_outputs(&component->model, newest_state(component), acting,
                            component->rti.y[component->window.newest]);
+    const int full = component->window.newest == N;
     WATCHED(WATCHED_SLIDE, window_slide(&component->window, &component->rti));
+    if (full)
+        fix_weights_slide(&component->weights, &component->rti);
     WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
 }
@@ -100,14 +136,15 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
 /* Let a sample pass in which nothing was measured: its stage is what was predicted. */
 int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
-    static const struct drawbar_measurement nothing = {
-        .tractor_x = (double)NAN, .tractor_y = (double)NAN, .trailer_x = (double)NAN, .trailer_y = (double)NAN,
-        .hitch_angle = (double)NAN, .speed = (double)NAN, .tractor_steering = (double)NAN,
-        .trailer_steering = (double)NAN
-    };
-
-    model_outputs(&component->model, &nothing, component->rti.y[component->window.newest]);
+    model_outputs(&component->model, &nothing_measured, component->rti.y[component->window.newest]);
     return UNIT(ready)(component, acting);
+}
+
+/* From now on reckon with other lags of tractor and trailer, s. */
+int UNIT(actuation)(struct component *component, double tractor_lag, double trailer_lag)
+{
+    model_lags(&component->model, tractor_lag, trailer_lag);
+    return 0;
 }
 
 #endif

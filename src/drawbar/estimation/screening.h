@@ -12,16 +12,18 @@
 #include "suspicion.h"
 #include "trust.h"
 
+#define COARSE 3.0                         /* usual deviations; with more a fix vouches for nothing and accuses no one */
+
 /* What is remembered of one receiver. */
 struct receiver {
     double fix[2], expected[2];            /* what it reports; where the antenna was expected when it first did, m */
-    double accepted;                       /* time of the last accepted fix, s */
+    double accepted;                       /* time of the last accepted fix that was not coarse, s */
     int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
 };
 
 struct screening {
     /* settings: estimation/settings.py tells what they mean */
-    double lateral, longitudinal, growth, single_growth, shift, release, length, repetition, patience;
+    double lateral, longitudinal, growth, single_growth, shift, release, length, hitch, repetition, patience;
     double deviation;                      /* of one coordinate of a fix at least, m */
     int32_t memory, long_memory;
     /* state */
@@ -37,7 +39,8 @@ struct screening {
     SETTING(type, prefix lateral, 0, 1, 0, 0) SETTING(type, prefix longitudinal, 0, 1, 0, 0)                 \
     SETTING(type, prefix growth, 0, 1, 0, 0) SETTING(type, prefix single_growth, 0, 1, 0, 0)                 \
     SETTING(type, prefix shift, 0, 1, 0, 0) SETTING(type, prefix release, 0, 1, 0, 0)                        \
-    SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix repetition, 0, 1, 0, 0)                    \
+    SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix hitch, 0, 1, 0, 0)                         \
+    SETTING(type, prefix repetition, 0, 1, 0, 0)                    \
     SETTING(type, prefix patience, 0, 1, 0, 0) SETTING(type, prefix deviation, 0, 1, 0, 0)                   \
     SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)
 
@@ -99,18 +102,21 @@ static inline void screening_compare(struct screening *s, double *offsets, const
         suspicion_forget(&s->suspicion);
 }
 
-/* Find which fixes lie outside their gates, and who is suspect. */
+/* Find which fixes lie outside their gates, and who is suspect.
+ *
+ * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other. */
 static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
-                                  int both, int *outside)
+                                  const double *told, int both, int *outside)
 {
     const double deviation = fmax(noise_deviation(&s->noise), s->deviation);
     double offsets[4], rooms[2];
 
     antenna_offsets(fixes, expected, offsets);
     screening_rooms(s, time, rooms);
-    for (int i = 0; i < 2; ++i)
-        outside[i] = !(fabs(offsets[2 * i + 1]) <= s->lateral * deviation + rooms[i]
-                       && fabs(offsets[2 * i]) <= s->longitudinal + rooms[i]);
+    for (int i = 0; i < 2; ++i) {
+        const double lateral = s->lateral * fmax(deviation, told[i]), longitudinal = fmax(s->longitudinal, s->lateral * told[i]);
+        outside[i] = !(fabs(offsets[2 * i + 1]) <= lateral + rooms[i] && fabs(offsets[2 * i]) <= longitudinal + rooms[i]);
+    }
     if (both) {
         screening_compare(s, offsets, outside, deviation, fmax(rooms[0], rooms[1]));
     } else {
@@ -156,6 +162,7 @@ static inline int screening_reject(const struct screening *s, const int *outside
 static inline void screening_accept(struct screening *s, const struct drawbar_measurement *measurement,
                                     struct screened *screened)
 {
+    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
     struct drawbar_measurement *believed = &screened->measurement;
 
     *believed = *measurement;
@@ -164,7 +171,7 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
     if (screened->fixes[1] != DRAWBAR_FIX_ACCEPTED)
         believed->trailer_x = believed->trailer_y = NAN;
     for (int i = 0; i < 2; ++i)
-        if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED) {
+        if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED && !(told[i] > COARSE * s->deviation)) {
             s->receivers[i].accepted = measurement->time;
             s->receivers[i].was_accepted = 1;
         }
@@ -178,12 +185,14 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 {
     const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
                             measurement->trailer_y};
+    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    const int fine = !(fmax(told[0], told[1]) > COARSE * s->deviation);
     const double error = antenna_length_error(fixes, expected);
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
-    const int both = screening_receive(s, fixes, expected, screened->fixes);
-    screening_gate(s, measurement->time, fixes, expected, both, outside);
+    const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
+    screening_gate(s, measurement->time, fixes, expected, told, both, outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
     const int agreeing = both && screening_plausible(s, error);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
@@ -195,6 +204,13 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
         screening_learn(s, error);
     }
     screening_accept(s, measurement, screened);
+}
+
+/* Mask a hitch angle that is too far from the expected one, rad: chain and antennas know it as well. */
+static inline void screening_hitch(const struct screening *s, double expected, struct screened *screened)
+{
+    if (!(fabs(wrapped(screened->measurement.hitch_angle - expected)) <= s->hitch))
+        screened->measurement.hitch_angle = NAN;
 }
 
 /* Let the estimate say what became of the fixes. */

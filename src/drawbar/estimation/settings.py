@@ -55,6 +55,8 @@ class ScreeningSettings(Settings):
     """samples over which the deviation and the error of the antennas' distance (wrong lengths) are averaged"""
     length: Positive = 0.2
     """largest change of the antennas' distance with which they still agree with each other, m"""
+    hitch: PositiveAngle = 0.15
+    """furthest that the hitch angle may be from its prediction, rad"""
     repetition: Positive = 0.05
     """a fix that repeats exactly while the vehicle moved by more than this is stale, m"""
     patience: Positive = 1.0
@@ -112,7 +114,9 @@ class TricycleEstimatorSettings(Settings):
     """first guess of mu, kappa and eta"""
     first_yaw_error: Angle = 0.0
     """added to the first guess of both yaws, to see the estimator recover, rad"""
-    screening: ScreeningSettings = ScreeningSettings(lateral=10.0, single_growth=0.1, shift=30.0, release=30.0)
+    screening: ScreeningSettings = ScreeningSettings(
+        lateral=10.0, single_growth=0.1, shift=30.0, release=30.0, hitch=math.pi
+    )
     """wide: nothing ties the two antennas of this model together, so neither can vouch for the other"""
     prior: TricyclePrior = TricyclePrior()
     drift: TricycleDrift = TricycleDrift()
@@ -174,6 +178,19 @@ class ArticulatedDrift(Settings):
     """m/s"""
 
 
+class SlideSettings(Settings):
+    """What is found of the direction in which a slope draws all axles (slide.h), standard deviations."""
+
+    prior: Annotated[NonNegativeAngle, Field(lt=0.2)] = 0.03
+    """of the slide to the east and to the north at first; 0: none is looked for, rad"""
+    walk: NonNegativeAngle = 2e-4
+    """by which they may change per sample, rad"""
+    constant_prior: PositiveAngle = 0.005
+    """of what is the same in all headings, rad"""
+    noise: PositiveAngle = 0.08
+    """of one estimated side-slip, which is much like the one before, rad"""
+
+
 class ArticulatedEstimatorSettings(Settings):
     """Moving horizon estimation on the exact chain."""
 
@@ -195,6 +212,7 @@ class ArticulatedEstimatorSettings(Settings):
     screening: ScreeningSettings = ScreeningSettings()
     prior: ArticulatedPrior = ArticulatedPrior()
     drift: ArticulatedDrift = ArticulatedDrift()
+    slide: SlideSettings = SlideSettings()
     longitudinal_slip_bounds: SlipBounds = SlipBounds(lower=0.25, upper=1.0)
     """mu"""
     tractor_slip_bounds: SlipBounds = SlipBounds(lower=0.5, upper=1.1)
@@ -228,3 +246,29 @@ class IdealEstimatorSettings(Settings):
     def bounds_by_estimate(self) -> dict[str, tuple[float, float]]:
         """Return no bounds: nothing is estimated."""
         return {}
+
+
+class ActuationSettings(Settings):
+    """What is found of the steerings' dead times and lags during the run (docs/theory/identification.md)."""
+
+    identify: bool = False
+    """find them, and plan with what was found; else they are what the vehicle section states"""
+    guess: Annotated[NonNegative, Field(le=0.8)] = 0.2
+    """what the dead time is taken for until something shows it, unless `vehicle.dead_time` is more: to overstate it
+    costs little, s"""
+    guess_deviation: Positive = 0.15
+    """of that guess, s"""
+    lag_deviation: Positive = 0.7
+    """of the logarithm of the lags about `vehicle.steering_lag`, before something shows them"""
+    memory: Positive = 60.0
+    """time in which what was seen is forgotten, s"""
+    repeats: Positive = 5.0
+    """how many errors in a row say the same"""
+    resolution: PositiveAngle = math.radians(0.3)
+    """standard deviation of the measured steering angles, of their rounding for one, rad"""
+    odd: PositiveAngle = 0.1
+    """error of a steering angle that no dead time and no lag explain: the sensor, the actuator or a driver, rad"""
+    patience: Positive = 1.0
+    """for how long it may last before the run ends, s"""
+    slew: Positive = 0.1
+    """fastest change of the dead time and lags that are planned with, s per s"""

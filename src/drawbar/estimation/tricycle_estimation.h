@@ -53,6 +53,12 @@ static inline void model_outputs(const struct estimation_model *model, const str
         y[Y_TRAILER_STEERING] = model->trailer_steering;
 }
 
+/* The hitch angle, rad. */
+static inline double model_hitch(const double *state)
+{
+    return state[X_HITCH_ANGLE];
+}
+
 /* Where both antennas are: x, y of the tractor's; x, y of the trailer's by yaws and joints, which ties it to the
  * tractor's, m. Its own position is a state that would follow any fix. */
 static inline void model_antennas(const struct estimation_model *model, const double *state, double *antennas)
@@ -70,6 +76,11 @@ static inline void model_told_outputs(const struct estimation_model *model, cons
                                       const struct drawbar_command *command, double *y)
 {
     (void)model, (void)state, (void)command, (void)y;
+}
+
+static inline void model_lags(struct estimation_model *model, double tractor, double trailer)
+{
+    (void)model, (void)tractor, (void)trailer;
 }
 
 static inline void model_told_inputs(const struct estimation_model *model, const double *state,
@@ -101,6 +112,18 @@ static inline void model_estimate(struct estimation_model *model, const double *
         .trailer_slip = state[X_TRAILER_SLIP],
         .status = status,
     };
+}
+
+/* Nothing is learned besides the state. */
+static inline void model_begin(struct estimation_model *model, double *constants)
+{
+    (void)model, (void)constants;
+}
+
+static inline int model_learn(struct estimation_model *model, const double *state, double *constants, double *shift)
+{
+    (void)model, (void)state, (void)constants, (void)shift;
+    return 0;
 }
 
 #endif

@@ -85,6 +85,7 @@ def _source_files(configuration: Configuration, components: Sequence[Component])
     version = f"{__version__} {configuration_hash(configuration)[:16]}"
     constants = {
         **({"DRAWBAR_CENTRALISED": ""} if "controller" in names else {}),
+        **({"DRAWBAR_IDENTIFIED": ""} if "actuation" in names else {}),
         **({"DRAWBAR_DEAD_TIME": ""} if "predictor" in names else {}),
         "DRAWBAR_STEP_SETTINGS": _initialiser(step_settings(configuration)),
         "DRAWBAR_VERSION": f'"drawbar {version}"',

@@ -29,8 +29,8 @@ class Motion(ABC):
     """(11,) of the plant (machine/plant.py), now"""
 
     @abstractmethod
-    def advance(self, commands: Floats, effects: Floats) -> None:
-        """Move on by the steps of one sample.
+    def advance(self, commands: Floats, effects: Floats) -> Floats:
+        """Move on by the steps of one sample, and return the state after each, (steps, 11).
 
         Args:
             commands: (steps, 3) delta_t, joint (rad), wheel speed (m/s).
@@ -47,12 +47,13 @@ class LagMotion(Motion):
         self._plant.constants[:] = plant_constants(vehicle, settings)
         self.state = self._plant.state
 
-    def advance(self, commands: Floats, effects: Floats) -> None:
+    def advance(self, commands: Floats, effects: Floats) -> Floats:
         """Let the compiled plant take all steps at once."""
         self._plant.inputs[:, :COMMANDS] = commands
         self._plant.inputs[:, COMMANDS:] = effects
         self._plant()
         self.state[:] = self._plant.states[-1]
+        return self._plant.states
 
 
 class ValveMotion(Motion):
@@ -69,8 +70,9 @@ class ValveMotion(Motion):
         self._drives: Floats = np.zeros((delay + 1, COMMANDS))
         self._time = 0.0
 
-    def advance(self, commands: Floats, effects: Floats) -> None:
+    def advance(self, commands: Floats, effects: Floats) -> Floats:
         """Sense, actuate and move, step by step."""
+        states = []
         for command, effect in zip(commands, effects, strict=True):
             self._drives[:-1] = self._drives[1:]
             self._drives[-1] = self._actuate(*command.tolist()).drives
@@ -79,6 +81,8 @@ class ValveMotion(Motion):
             self._plant()
             self.state[:] = self._plant.states[0]
             self._time += self._settings.step
+            states.append(self.state.copy())
+        return np.array(states)
 
     def _actuate(self, front: float, joint: float, speed: float) -> ActuateOutput:
         _, _, _, _, joint_angle, front_angle, wheel_speed, pedal, *_ = self.state.tolist()

@@ -66,7 +66,8 @@ def _lag_actuation(
     vehicle: VehicleParameters, settings: SimulatedMachineSettings, state: ca.SX, command: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return what closed loops amount to."""
-    actuators, lag = settings.actuators, vehicle.steering_lag
+    actuators = settings.actuators
+    lag = actuators.lag_factor * vehicle.steering_lag
     wheels_rate = steering_rate(state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop)
     joint_rate = steering_rate(state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
     return wheels_rate, joint_rate, hydrostat_rates(settings.hydrostat, state[6:], command[2])

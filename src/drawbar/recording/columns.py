@@ -37,6 +37,7 @@ REPORTED: tuple[str, ...] = (
     *(f"truth.{body}.{name}" for body in _BODIES for name in _POSE),
     *(f"truth.{name}" for name in (*_SLIPS, *_STEERINGS)),
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
+    *(f"measurement.{body}_roll" for body in _BODIES),
     "solver_failures",
     "gate",
     "flags",

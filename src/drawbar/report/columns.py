@@ -12,7 +12,7 @@ def along(log: Columns, body: str) -> Floats:
 
 
 def track(log: Columns, body: str) -> Floats:
-    """Return where a body's antenna was, (n, 2) in m: the truth, or the estimate."""
+    """Return where a body's point on the ground was, (n, 2) in m: the truth, or the estimate."""
     source = "truth" if log.has_truth else "estimate"
     return np.column_stack([log.column(f"{source}.{body}.{coordinate}") for coordinate in "xy"])
 

@@ -7,6 +7,7 @@ from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
 from drawbar.report.live import LiveLine
+from drawbar.report.masts import doubt_text
 from drawbar.report.metrics import Metrics
 from drawbar.report.tables import (
     ERROR_COLUMNS,
@@ -65,12 +66,14 @@ def summary(metrics: Metrics) -> RenderableType:
     ending = Text("finished", "green") if metrics.finished else Text(f"stopped: {metrics.outcome}", "bold red")
     distance, duration = number(metrics.length_m, 1, " m"), number(metrics.duration_s, 1, " s")
     pace = number(metrics.real_time_factor, 0, "× real time")
+    doubt = doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer)
     return Group(
         "",
         Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
         f"{distance} in {duration}, {pace}",
         f"solver failures: {metrics.solver_failures}, commands limited: {metrics.limited_commands}, "
         f"refused: {metrics.refused_commands}",
+        *([Text(doubt, "bold yellow")] if doubt else []),
         "",
         _table("error, cm", error_columns, error_rows(metrics)),
         "",

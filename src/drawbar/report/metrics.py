@@ -13,6 +13,7 @@ import numpy as np
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
 from drawbar.report.columns import actual_steering, along
+from drawbar.report.masts import mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.signals import FixStatus, GateVerdict
 
@@ -78,7 +79,9 @@ class Metrics:
     real_time_factor: float
     """duration over the wall-clock time it took"""
     error_m: Bodies[Mapping[str, ErrorStatistics]]
-    """absolute distance of the true antenna position to the path, by class of the path"""
+    """absolute distance of the body's true point on the ground to the path, by class of the path"""
+    mast_doubt_m: Bodies[float]
+    """by how much masts may mislead for want of an attitude sensor, see masts.py; NaN: there is one, or no mast"""
     yaw_rmse_rad: Bodies[float]
     """estimate against truth"""
     steering_rate_mean_rad_s: Bodies[float]
@@ -198,6 +201,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
             tractor=_errors_by_class(errors.tractor, classes),
             trailer=_errors_by_class(errors.trailer, classes),
         ),
+        mast_doubt_m=_of_both(mast_doubt, log),
         yaw_rmse_rad=_of_both(_yaw_rmse, log),
         steering_rate_mean_rad_s=_of_both(_steering_rate, log),
         ancillary_share=_of_both(_ancillary_share, log),

@@ -42,7 +42,7 @@ def tractor_outline(pose: Pose, steering: float, vehicle: VehicleParameters) -> 
 
 
 def trailer_outline(pose: Pose, vehicle: VehicleParameters) -> Floats:
-    """Return the trailer from above, (n, 2) in m, shapes separated by NaN; pose is that of the antenna."""
+    """Return the trailer from above, (n, 2) in m, shapes separated by NaN; pose is that of the tracked point."""
     axle = -vehicle.trailer_antenna
     joint = axle + vehicle.trailer_length
     bed_front = axle + 0.6 * vehicle.trailer_length

@@ -1,4 +1,4 @@
-"""How far both bodies were from the path: their antennas' positions, projected on it."""
+"""How far both bodies were from the path: their points on the ground, projected on it."""
 
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -27,7 +27,7 @@ class Bodies(Generic[T]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PathErrors:
-    """Where one body's antenna truly was with respect to the path: n steps."""
+    """Where one body's point on the ground truly was with respect to the path: n steps."""
 
     progress: Floats
     """(n,): arc length of the closest point, m; NaN where it is not known"""

@@ -17,6 +17,7 @@ from drawbar.report.figures import (
     steering_figure,
 )
 from drawbar.report.map import map_figure
+from drawbar.report.masts import doubt_text, mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.style import Figure
 
@@ -57,7 +58,8 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
         Section(
             name="errors",
             title="Distance from the path",
-            note="Of the antennas. Curves are shaded, with their curvature in 1/m where the path gives it.",
+            note="Of the points on the ground. Curves are shaded, with their curvature in 1/m where the path gives it."
+            + _doubt(log),
             figure=error_figure(log, errors),
         ),
         Section(
@@ -79,6 +81,12 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
             figure=hitch_figure(log),
         ),
     ]
+
+
+def _doubt(log: Columns) -> str:
+    """Say by how much masts may mislead where nothing tells how the bodies lean."""
+    found = doubt_text(mast_doubt(log, "tractor"), mast_doubt(log, "trailer"))
+    return f" {found[0].upper()}{found[1:]}." if found else ""
 
 
 def _steering(log: Columns) -> list[Section]:

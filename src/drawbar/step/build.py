@@ -20,6 +20,8 @@ from drawbar.control.settings import (
 )
 from drawbar.control.tricycle import tricycle_tractor_unit, tricycle_trailer_unit
 from drawbar.control.tube.tube import Tubes, tubes_of
+from drawbar.estimation.actuation import actuation_unit
+from drawbar.estimation.alignment import alignment_unit
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.dead_time import dead_time_unit
 from drawbar.estimation.description import EstimationModel
@@ -34,6 +36,7 @@ from drawbar.estimation.settings import (
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.guidance.guidance import look_ahead_unit, preview_unit
 from drawbar.safety.gate import PATIENCE, gate_unit
+from drawbar.safety.sanity import sanity_unit
 from drawbar.safety.supervisor import supervisor_unit
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.library import StepLibrary, StepSettings
@@ -73,16 +76,19 @@ def step_settings(configuration: Configuration) -> StepSettings:
 def units_of(configuration: Configuration) -> list[Unit]:
     """Return the components' units, in the order of struct autopilot (components.h)."""
     vehicle, tubes = configuration.vehicle, build_tubes(configuration)
-    predictor = _predictor(configuration)
+    predictor, identified = _predictor(configuration), configuration.actuation.identify
     return [
+        alignment_unit(vehicle, configuration.sensors),
         _estimator(configuration),
         _guidance(configuration),
+        *([actuation_unit(vehicle, configuration.actuation, configuration.sample_time)] if identified else []),
         *([predictor] if predictor else []),
         *_controllers(configuration, tubes),
         ancillary_unit("tractor_law", tubes.tractor if tubes else None, vehicle.tractor_steering_limit),
         ancillary_unit("trailer_law", tubes.trailer if tubes else None, vehicle.trailer_steering_limit),
         gate_unit(vehicle, speed_limit=configuration.speed, sample_time=configuration.sample_time),
         supervisor_unit(),
+        sanity_unit(vehicle, configuration.sanity),
     ]
 
 
@@ -144,7 +150,8 @@ def _controllers(configuration: Configuration, tubes: Tubes | None) -> list[Unit
 def _predictor(configuration: Configuration) -> Unit | None:
     tricycles = isinstance(configuration.estimator, TricycleEstimatorSettings)
     model = tricycle if tricycles else articulated
-    return dead_time_unit(configuration.vehicle, model(configuration.vehicle), configuration.sample_time)
+    vehicle, identified = configuration.vehicle, configuration.actuation.identify
+    return dead_time_unit(vehicle, model(vehicle), configuration.sample_time, found=identified)
 
 
 def _guidance(configuration: Configuration) -> Unit:

@@ -3,7 +3,8 @@
  * A component's memory is given to it; its content is its own business. `work` is lent to it for the length of the call,
  * and to all others after it.
  *
- * drawbar_components.h is generated. It tells which components there are (DRAWBAR_CENTRALISED, DRAWBAR_DEAD_TIME) and, in
+ * drawbar_components.h is generated. It tells which components there are (DRAWBAR_CENTRALISED, DRAWBAR_IDENTIFIED,
+ * DRAWBAR_DEAD_TIME) and, in
  * an exported library, the bytes that each needs (DRAWBAR_<COMPONENT>_SIZE), the bytes lent to all (DRAWBAR_WORK_SIZE) and
  * the numbers of struct step_settings (DRAWBAR_STEP_SETTINGS). In Python's own library (DRAWBAR_HOSTED) memory and numbers
  * are the caller's; see hosted_step.h.
@@ -25,12 +26,31 @@
 
 struct component;                          /* another one in each unit */
 
+int drawbar_alignment_initialise(struct component *component);
+int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
+                            struct drawbar_measurement *aligned);
+int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
+                            const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
+                            struct drawbar_measurement *aligned);
+
 int drawbar_estimator_initialise(struct component *component);
 int drawbar_estimator_begin(struct component *component, const struct drawbar_measurement *first);
+int drawbar_estimator_expected(struct component *component, struct drawbar_estimate *estimate);
 int drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
                              struct drawbar_estimate *estimate, void *work);
 int drawbar_estimator_ready(struct component *component, const struct drawbar_command *acting);
 int drawbar_estimator_skip(struct component *component, const struct drawbar_command *acting);
+
+#ifdef DRAWBAR_IDENTIFIED
+int drawbar_estimator_actuation(struct component *component, double tractor_lag, double trailer_lag);
+int drawbar_actuation_initialise(struct component *component);
+int drawbar_actuation_measured(struct component *component, const struct drawbar_measurement *measurement);
+int drawbar_actuation_sent(struct component *component, const struct drawbar_command *command);
+int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double *tractor,
+                            double *trailer);
+int drawbar_actuation_tell(const struct component *component, struct drawbar_actuation *told);
+int drawbar_predictor_actuation(struct component *component, double dead_time, double tractor_lag, double trailer_lag);
+#endif
 
 #ifdef DRAWBAR_DEAD_TIME
 int drawbar_predictor_initialise(struct component *component);
@@ -80,6 +100,11 @@ int drawbar_trailer_law_initialise(struct component *component);
 int drawbar_trailer_law_apply(const struct component *component, const struct drawbar_body_plan *plan,
                               struct drawbar_body_steering *steering);
 
+int drawbar_sanity_initialise(struct component *component);
+int drawbar_sanity_look(struct component *component, const struct drawbar_measurement *measurement,
+                        const struct drawbar_estimate *estimate, const struct drawbar_body_reference *tractor,
+                        const struct drawbar_body_reference *trailer, double *share);
+
 int drawbar_gate_initialise(struct component *component);
 int drawbar_gate_begin(struct component *component, const struct drawbar_measurement *first);
 int drawbar_gate_stop(struct component *component, double time, struct drawbar_command *given);
@@ -128,15 +153,21 @@ struct autopilot {
     double start;                          /* arc length at which the run is to begin, m */
     double wanted_speed;                   /* set speed, m/s */
     double speed;                          /* the one that is commanded, m/s */
+    double sane;                           /* part of the set speed that may be driven, see safety/sanity.h */
     double unsolved;                       /* since estimator and controllers have all had a solution, s */
     double overdue;                        /* by which samples came late, less half of what has passed since, s */
     struct step_settings settings;
     struct path path;                      /* count 0: none */
     struct decisions made;
     struct drawbar_command acting;         /* the command that acts until the next measurement */
+    struct drawbar_actuation known;        /* of both steerings */
     struct drawbar_diagnostics diagnostics;
+    MEMORY(alignment, DRAWBAR_ALIGNMENT_SIZE);
     MEMORY(estimator, DRAWBAR_ESTIMATOR_SIZE);
     MEMORY(guidance, DRAWBAR_GUIDANCE_SIZE);
+#ifdef DRAWBAR_IDENTIFIED
+    MEMORY(actuation, DRAWBAR_ACTUATION_SIZE);
+#endif
 #ifdef DRAWBAR_DEAD_TIME
     MEMORY(predictor, DRAWBAR_PREDICTOR_SIZE);
 #endif
@@ -150,6 +181,7 @@ struct autopilot {
     MEMORY(trailer_law, DRAWBAR_TRAILER_LAW_SIZE);
     MEMORY(gate, DRAWBAR_GATE_SIZE);
     MEMORY(supervisor, DRAWBAR_SUPERVISOR_SIZE);
+    MEMORY(sanity, DRAWBAR_SANITY_SIZE);
     MEMORY(work, DRAWBAR_WORK_SIZE);
 #ifdef DRAWBAR_HOSTED
     double times[3][2];                    /* of estimator, tractor, trailer: preparation, feedback, s */

@@ -37,11 +37,16 @@ static void initialise_controllers(struct autopilot *a)
 
 static void initialise_components(struct autopilot *a)
 {
+    drawbar_alignment_initialise(COMPONENT(a->alignment));
     drawbar_estimator_initialise(COMPONENT(a->estimator));
     drawbar_guidance_initialise(COMPONENT(a->guidance));
     drawbar_tractor_law_initialise(COMPONENT(a->tractor_law));
     drawbar_trailer_law_initialise(COMPONENT(a->trailer_law));
     drawbar_supervisor_initialise(COMPONENT(a->supervisor));
+    drawbar_sanity_initialise(COMPONENT(a->sanity));
+#ifdef DRAWBAR_IDENTIFIED
+    drawbar_actuation_initialise(COMPONENT(a->actuation));
+#endif
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_initialise(COMPONENT(a->predictor));
 #endif
@@ -49,22 +54,44 @@ static void initialise_components(struct autopilot *a)
 }
 
 /* Let all start from the first measurement. Until it is complete the vehicle stands. */
-static int begin_run(struct autopilot *a, const struct drawbar_measurement *first)
+static int begin_run(struct autopilot *a, const struct drawbar_measurement *reported)
 {
+    struct drawbar_measurement first;
     double start[4];
 
-    path_sample(&a->path, a->start, start);
-    a->diagnostics.start_distance = hypot(first->tractor_x - start[0], first->tractor_y - start[1]);
     initialise_components(a);
-    if (drawbar_estimator_begin(COMPONENT(a->estimator), first) == BAD_INPUT)
+    drawbar_alignment_begin(COMPONENT(a->alignment), reported, &first);
+    path_sample(&a->path, a->start, start);
+    a->diagnostics.start_distance = hypot(first.tractor_x - start[0], first.tractor_y - start[1]);
+    if (drawbar_estimator_begin(COMPONENT(a->estimator), &first) == BAD_INPUT)
         return DRAWBAR_POSITION;
-    a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, first);
+    a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, &first);
     if (a->diagnostics.guidance != DRAWBAR_GUIDANCE_FINE)
         return DRAWBAR_START;
-    drawbar_gate_begin(COMPONENT(a->gate), first);
+    drawbar_gate_begin(COMPONENT(a->gate), &first);
+    drawbar_estimator_expected(COMPONENT(a->estimator), &a->made.estimate);
+    a->made.estimate.time = first.time;
     pace_begin(a);
     a->begun = 1;
     return DRAWBAR_OK;
+}
+
+/* Let all who reckon with the actuators know what their angles show of them; returns 0 or the status with which the run
+ * ends. */
+static int identify(struct autopilot *a, const struct drawbar_measurement *measurement)
+{
+#ifdef DRAWBAR_IDENTIFIED
+    struct drawbar_actuation *known = &a->known;
+
+    const int odd = drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
+    drawbar_actuation_tell(COMPONENT(a->actuation), known);
+    drawbar_estimator_actuation(COMPONENT(a->estimator), known->tractor_lag, known->trailer_lag);
+    drawbar_predictor_actuation(COMPONENT(a->predictor), known->dead_time, known->tractor_lag, known->trailer_lag);
+    return odd;
+#else
+    (void)a, (void)measurement;
+    return 0;
+#endif
 }
 
 /* Where the vehicle is when the next command begins to act, and at what speed plans take it from there. */
@@ -84,6 +111,9 @@ static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 /* The command that acts during most of the sample that now begins. */
 static void send(struct autopilot *a, const struct drawbar_command *command)
 {
+#ifdef DRAWBAR_IDENTIFIED
+    drawbar_actuation_sent(COMPONENT(a->actuation), command);
+#endif
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_sent(COMPONENT(a->predictor), command, &a->acting);
 #else
@@ -132,7 +162,7 @@ static int solved(const struct autopilot *a)
 }
 
 /* Both ancillary laws. */
-static void hold_to_plans(struct autopilot *a)
+static void hold_to_plans(struct autopilot *a, const struct drawbar_estimate *ahead)
 {
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct decisions *made = &a->made;
@@ -140,6 +170,12 @@ static void hold_to_plans(struct autopilot *a)
 
     drawbar_tractor_law_apply(COMPONENT(a->tractor_law), &made->plans[TRACTOR_BODY], &steerings[TRACTOR_BODY]);
     drawbar_trailer_law_apply(COMPONENT(a->trailer_law), &made->plans[TRAILER_BODY], &steerings[TRAILER_BODY]);
+#ifdef DRAWBAR_IDENTIFIED
+    drawbar_actuation_adapt(COMPONENT(a->actuation), ahead, &steerings[TRACTOR_BODY].command,
+                            &steerings[TRAILER_BODY].command);
+#else
+    (void)ahead;
+#endif
     diagnose(&d->tractor, made, TRACTOR_BODY, made->estimate.tractor_fix);
     diagnose(&d->trailer, made, TRAILER_BODY, made->estimate.trailer_fix);
 }
@@ -189,10 +225,16 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
 {
     struct decisions *made = &a->made;
     struct drawbar_diagnostics *d = &a->diagnostics;
-    struct drawbar_estimate ahead;
+    struct drawbar_measurement aligned;
+    struct drawbar_estimate expected, ahead;
 
+    const int odd = identify(a, measurement);
+    if (odd)
+        return end_run(a, odd, command);
+    drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
+    drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
-          drawbar_estimator_update(COMPONENT(a->estimator), measurement, &made->estimate, a->work));
+          drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, a->work));
     d->estimator = made->estimate.status;
     a->reached = WITH_ESTIMATE;
     look_ahead(a, &ahead);
@@ -207,13 +249,18 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     case BLIND:
         return end_run(a, DRAWBAR_BLIND, command);
     default:
-        plan(a, &ahead);
-        a->reached = WITH_PLANS;
+        break;
     }
+    const int insane = drawbar_sanity_look(COMPONENT(a->sanity), &aligned, &made->estimate,
+                                           &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], &a->sane);
+    if (insane)
+        return end_run(a, insane, command);
+    plan(a, &ahead);
+    a->reached = WITH_PLANS;
     const int too_long = pace_step(a, solved(a));
     if (too_long)
         return end_run(a, too_long, command);
-    hold_to_plans(a);
+    hold_to_plans(a, &ahead);
     return a->released ? look_on(a, command) : steer(a, command);
 }
 

@@ -25,6 +25,7 @@ struct drawbar_record {
     struct recorded_reference references[BOTH_BODIES];
     struct recorded_plan plans[BOTH_BODIES];
     double times[3][2];
+    struct drawbar_actuation actuation;
     double samples[BOTH_BODIES][DRAWBAR_STAGES + 1][4];
     double poses[BOTH_BODIES][DRAWBAR_STAGES + 1][3];
     double planned[BOTH_BODIES][DRAWBAR_STAGES];
@@ -97,6 +98,7 @@ DRAWBAR_API int drawbar_get_record(const struct drawbar_state *state, struct dra
         record_plan(a, i, record);
     }
     memcpy(record->times, a->times, sizeof record->times);
+    record->actuation = a->known;
     return DRAWBAR_OK;
 }
 
@@ -112,7 +114,7 @@ DRAWBAR_API int32_t drawbar_record_size(void)
 DRAWBAR_API int drawbar_host(struct drawbar_state *state, double *const *memory, const struct step_settings *settings)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const size_t first = offsetof(struct autopilot, estimator), last = offsetof(struct autopilot, work);
+    const size_t first = offsetof(struct autopilot, alignment), last = offsetof(struct autopilot, work);
 
     memcpy((char *)a + first, memory, last + sizeof a->work - first);
     a->settings = *settings;

@@ -87,6 +87,7 @@ def library_files(units: Sequence[Unit], horizon: int) -> dict[str, str]:
     names = {unit.name for unit in units}
     lines = [
         *(["#define DRAWBAR_CENTRALISED"] if "controller" in names else []),
+        *(["#define DRAWBAR_IDENTIFIED"] if "actuation" in names else []),
         *(["#define DRAWBAR_DEAD_TIME"] if "predictor" in names else []),
         f"#define DRAWBAR_STAGES {horizon}",
         f'#define DRAWBAR_VERSION "drawbar {__version__}"',

@@ -17,6 +17,7 @@
 static inline void pace_begin(struct autopilot *a)
 {
     a->speed = a->wanted_speed;
+    a->sane = 1.0;
     a->unsolved = a->overdue = 0.0;
 }
 
@@ -24,7 +25,8 @@ static inline void pace_begin(struct autopilot *a)
  * just started, and creeps, would steer too much too late. */
 static inline double pace_planned(const struct autopilot *a)
 {
-    return a->wanted_speed > 0.0 ? fmin(a->settings.planned_speed, a->wanted_speed) : a->settings.planned_speed;
+    const double wanted = a->sane * a->wanted_speed;
+    return wanted > 0.0 ? fmin(a->settings.planned_speed, wanted) : a->settings.planned_speed;
 }
 
 /* Let somebody else drive at a speed (m/s): what is commanded later begins with it. Returns the speed that plans may reckon
@@ -55,7 +57,7 @@ static inline int pace_step(struct autopilot *a, int solved)
 {
     const struct step_settings *settings = &a->settings;
     const double change = settings->acceleration * settings->sample_time;
-    const double ramped = a->speed + clamped(a->wanted_speed - a->speed, -change, change);
+    const double ramped = a->speed + clamped(a->sane * a->wanted_speed - a->speed, -change, change);
     struct drawbar_diagnostics *d = &a->diagnostics;
 
     a->unsolved = solved ? 0.0 : a->unsolved + settings->sample_time;
@@ -65,7 +67,7 @@ static inline int pace_step(struct autopilot *a, int solved)
     d->speed = a->speed;
     d->unsolved = a->unsolved;
     d->overdue = a->overdue;
-    d->flags |= (solved ? 0 : DRAWBAR_SOLVER) | (share < 1.0 ? DRAWBAR_SLOWED : 0);
+    d->flags |= (solved ? 0 : DRAWBAR_SOLVER) | (fmin(share, a->sane) < 1.0 ? DRAWBAR_SLOWED : 0);
     if (share > 0.0)
         return 0;
     return a->unsolved >= a->overdue ? DRAWBAR_UNSOLVED : DRAWBAR_OVERDUE;

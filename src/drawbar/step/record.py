@@ -7,6 +7,7 @@ import numpy as np
 from drawbar.exchange import Layout
 from drawbar.geometry import Floats
 from drawbar.signals import (
+    Actuation,
     BodyPlan,
     BodyReference,
     BodySteering,
@@ -27,6 +28,7 @@ from drawbar.signals import (
 from drawbar.step.library import StepLibrary
 
 _ESTIMATE, _DIAGNOSTICS, _STEERING = Layout(Estimate), Layout(Diagnostics), Layout(BodySteering)
+_ACTUATION = Layout(Actuation)
 _TOLD = Struct("6i")
 """the numbers at the end of the diagnostics"""
 _REFERENCE, _PLAN, _TIMES = Struct("6d"), Struct("5d2i"), Struct("6d")
@@ -45,7 +47,8 @@ class RecordReader:
         self._references = self._steerings + 2 * _STEERING.size
         self._plans = self._references + 2 * _REFERENCE.size
         self._times = self._plans + 2 * _PLAN.size
-        arrays = self._times + _TIMES.size
+        self._actuation = self._times + _TIMES.size
+        arrays = self._actuation + _ACTUATION.size
         shapes = ((2, horizon + 1, 4), (2, horizon + 1, 3), (2, horizon))
         self._samples, self._poses, self._planned = shapes
         sizes = [8 * int(np.prod(shape)) for shape in shapes]
@@ -80,6 +83,7 @@ class RecordReader:
             gate=GateVerdict(gate),
             status=Status.OK if status < Status.REFUSED else Status(status),
             flags=Flag(flags),
+            actuation=_ACTUATION.unpack(data, self._actuation),
         )
 
     def _array(self, data: bytes, which: int, shape: tuple[int, ...]) -> Floats:

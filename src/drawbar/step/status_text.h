@@ -36,6 +36,16 @@ const char *drawbar_status_text(int status)
         return "stopped: estimator or controllers have had no solution for too long";
     case DRAWBAR_OVERDUE:
         return "stopped: samples came late for too long";
+    case DRAWBAR_COARSE:
+        return "stopped: positions have been coarse for too long";
+    case DRAWBAR_OSCILLATION:
+        return "stopped: errors or steering swing from side to side";
+    case DRAWBAR_BACKWARDS:
+        return "stopped: both antennas move backwards: they are swapped, or the vehicle is driven in reverse";
+    case DRAWBAR_STEERING:
+        return "stopped: a steering does not follow its commands: sensor or actuator fails, or somebody steers";
+    case DRAWBAR_HITCH:
+        return "stopped: the hitch angle contradicts the motion of both bodies";
     case DRAWBAR_NULL:
         return "wrong call: a pointer is NULL";
     case DRAWBAR_NOT_INITIALISED:

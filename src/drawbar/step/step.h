@@ -32,7 +32,7 @@ static void forget(struct autopilot *a)
 {
 #ifdef DRAWBAR_HOSTED
     memset(a, 0, offsetof(struct autopilot, settings));
-    memset(&a->path, 0, offsetof(struct autopilot, estimator) - offsetof(struct autopilot, path));
+    memset(&a->path, 0, offsetof(struct autopilot, alignment) - offsetof(struct autopilot, path));
 #else
     memset(a, 0, sizeof *a);
     a->settings = (struct step_settings)DRAWBAR_STEP_SETTINGS;
@@ -206,6 +206,18 @@ int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_di
     if (a->magic != INITIALISED)
         return DRAWBAR_NOT_INITIALISED;
     *diagnostics = a->diagnostics;
+    return DRAWBAR_OK;
+}
+
+int drawbar_get_actuation(const struct drawbar_state *state, struct drawbar_actuation *actuation)
+{
+    const struct autopilot *a = (const struct autopilot *)state;
+
+    if (state == NULL || actuation == NULL)
+        return DRAWBAR_NULL;
+    if (a->magic != INITIALISED)
+        return DRAWBAR_NOT_INITIALISED;
+    *actuation = a->known;
     return DRAWBAR_OK;
 }
 

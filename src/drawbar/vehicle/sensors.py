@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from drawbar.settings import PositiveAngle, Settings
+from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
 from drawbar.vehicle.model import variables
 
 MEASURED = variables(
@@ -24,6 +24,25 @@ AngleDeviation = Annotated[PositiveAngle, Field(ge=1e-5)]
 """Less than any sensor has would make the others weigh nothing."""
 
 
+class FixSettings(Settings):
+    """How far off fixes may be, by what their receivers tell; where they tell nothing it is `sensors.position`."""
+
+    age: Annotated[NonNegative, Field(le=1.0)] = 0.0
+    """of a position whose receiver does not tell, s"""
+    floor: Positive = 0.01
+    """no fix is taken to be better than this, whatever its receiver tells, m"""
+    optimism: Annotated[float, Field(ge=1.0)] = 1.5
+    """factor on the standard deviation that a receiver tells"""
+    floating: Positive = 0.4
+    """of a fix in RTK float, m"""
+    differential: Positive = 0.8
+    """of a differential fix, m"""
+    single: Positive = 2.5
+    """of a fix without corrections, m"""
+    lasting: Annotated[float, Field(ge=1.0)] = 4.0
+    """factor on the last three: such errors last for many samples, which do not average them out"""
+
+
 class SensorNoise(Settings):
     """Standard deviations of the measurements (section IV-A of the paper)."""
 
@@ -37,3 +56,4 @@ class SensorNoise(Settings):
     """delta_t, rad"""
     trailer_steering: AngleDeviation = 0.0175
     """delta_i, rad"""
+    fixes: FixSettings = FixSettings()

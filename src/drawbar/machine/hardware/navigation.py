@@ -83,6 +83,6 @@ class Navigation:
             f"{name}_speed": epoch.speed if epoch else nan,
             f"{name}_course": epoch.course if epoch else nan,
             f"{name}_roll": epoch.roll if epoch else nan,
-            f"{name}_pitch": epoch.pitch if epoch else nan,
+            f"{name}_pitch": -epoch.pitch if epoch else nan,  # nose up positive
             f"{name}_correction_age": epoch.correction_age if epoch else nan,
         }

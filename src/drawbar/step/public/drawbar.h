@@ -88,6 +88,10 @@ DRAWBAR_API int drawbar_step(struct drawbar_state *state, const struct drawbar_m
 DRAWBAR_API int drawbar_get_estimate(const struct drawbar_state *state, struct drawbar_estimate *estimate);
 DRAWBAR_API int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_diagnostics *diagnostics);
 
+/* What both steerings make of their commands, as far as the run has shown; all zero where the configuration does not ask
+ * for it (actuation.identify). */
+DRAWBAR_API int drawbar_get_actuation(const struct drawbar_state *state, struct drawbar_actuation *actuation);
+
 /* What a status means, in one line. */
 DRAWBAR_API const char *drawbar_status_text(int status);
 

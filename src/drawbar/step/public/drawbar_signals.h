@@ -26,6 +26,13 @@ enum drawbar_status {
     DRAWBAR_STOPPED = 133,              /* stopped: no command could be given for longer than one may be repeated */
     DRAWBAR_UNSOLVED = 134,             /* stopped: estimator or controllers have had no solution for too long */
     DRAWBAR_OVERDUE = 135,              /* stopped: samples came late for too long */
+    DRAWBAR_COARSE = 140,               /* stopped: positions have been coarse for too long */
+    DRAWBAR_OSCILLATION = 141,          /* stopped: errors or steering swing from side to side */
+    DRAWBAR_BACKWARDS = 142,            /* stopped: both antennas move backwards: they are swapped, or the vehicle
+                                         * is driven in reverse */
+    DRAWBAR_STEERING = 143,             /* stopped: a steering does not follow its commands: sensor or actuator
+                                         * fails, or somebody steers */
+    DRAWBAR_HITCH = 144,                /* stopped: the hitch angle contradicts the motion of both bodies */
     DRAWBAR_NULL = 256,                 /* wrong call: a pointer is NULL */
     DRAWBAR_NOT_INITIALISED = 257,      /* wrong call: drawbar_init has not been called on this state */
     DRAWBAR_NO_PATH = 258,              /* wrong call: drawbar_set_path has not been called, or not with success */
@@ -119,10 +126,10 @@ struct drawbar_measurement {
     double tractor_fix_deviation;       /* standard deviation of each coordinate of the tractor's fix, m */
     double trailer_fix_deviation;       /* standard deviation of each coordinate of the trailer's fix, m */
     double tractor_roll;                /* right side down positive, rad */
-    double tractor_pitch;               /* front down positive, rad */
+    double tractor_pitch;               /* nose up positive, rad */
     double tractor_yaw_rate;            /* counter-clockwise positive, rad/s */
     double trailer_roll;                /* right side down positive, rad */
-    double trailer_pitch;               /* front down positive, rad */
+    double trailer_pitch;               /* nose up positive, rad */
     double trailer_yaw_rate;            /* counter-clockwise positive, rad/s */
     double tractor_fix_age;             /* of the tractor's position at the time of the sample, s */
     double trailer_fix_age;             /* of the trailer's position at the time of the sample, s */
@@ -136,7 +143,7 @@ struct drawbar_measurement {
     int32_t trailer_fix_quality;        /* enum drawbar_quality */
 };
 
-/* Position and continuous yaw of one body's antenna. */
+/* Position on the ground and continuous yaw of one body's point. */
 struct drawbar_pose {
     double x;                           /* m */
     double y;                           /* m */
@@ -146,8 +153,8 @@ struct drawbar_pose {
 /* What the estimator believes now. */
 struct drawbar_estimate {
     double time;                        /* of the measurement, s */
-    struct drawbar_pose tractor;        /* of the tractor's antenna */
-    struct drawbar_pose trailer;        /* of the trailer's antenna */
+    struct drawbar_pose tractor;        /* of the middle of its rear axle, on the ground */
+    struct drawbar_pose trailer;        /* of its tracked point, on the ground */
     double hitch_angle;                 /* beta, rad */
     double speed;                       /* v, of the wheels, m/s */
     double tractor_steering;            /* delta_t, rad */
@@ -205,6 +212,23 @@ struct drawbar_diagnostics {
     int32_t guidance;                   /* enum drawbar_guidance */
     int32_t missing;                    /* measured values that were infinite or beyond what their sensors can
                                          * mean */
+};
+
+/* What one steering makes of its commands, as far as its angles show; zero where nobody looks. */
+struct drawbar_body_actuation {
+    double dead_time;                   /* between a command and the first reaction, s */
+    double dead_time_deviation;         /* standard deviation, s */
+    double lag;                         /* time constant, s */
+    double lag_deviation;               /* standard deviation, s */
+};
+
+/* What is known of both steerings, and what is planned with; zero where nobody looks. */
+struct drawbar_actuation {
+    struct drawbar_body_actuation tractor; /* front wheels */
+    struct drawbar_body_actuation trailer; /* actuated joint */
+    double dead_time;                   /* for which is planned, s */
+    double tractor_lag;                 /* for which is planned, s */
+    double trailer_lag;                 /* for which is planned, s */
 };
 
 #endif

@@ -1,0 +1,137 @@
+"""How far real ground, untold delays and coarse fixes take both bodies' points on the ground from the path."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from drawbar.experiment.measured import MeasuredExperiment
+from drawbar.experiment.parts import Part, Table, Text
+from drawbar.experiment.task import Result
+
+PRODUCT = "articulated"
+BODIES = ("tractor", "trailer")
+BEGINS = 5.0
+"""way along the path that is left out at the start, m"""
+STRAIGHT = "straight"
+
+
+def figures(result: Result) -> dict[str, float]:
+    """Return mean, standard deviation, 95 % and largest distance of both bodies, cm, and the share of masked fixes."""
+    found: dict[str, float] = {}
+    for body in BODIES:
+        error, progress = (100.0 * result.columns[f"error.{body}"], result.columns[f"progress.{body}"])
+        error = error[progress - np.nanmin(progress) > BEGINS]
+        found |= {f"{body} {name}": value for name, value in _summary(error).items()}
+        found[f"{body} straight SD"] = _straight_deviation(result, body)
+    steps = 2 * len(result.columns["measurement.time"])
+    found["masked"] = 100.0 * result.metrics.rejected_fixes / steps
+    found["dead time"] = float(result.columns["actuation.dead_time"][-1])
+    found["lag"] = float(result.columns["actuation.tractor_lag"][-1])
+    return found
+
+
+def _summary(error: np.ndarray) -> dict[str, float]:
+    size = np.abs(error)
+    if not size.size:
+        return dict.fromkeys(("mean", "SD", "95 %", "largest"), float("nan"))
+    return {
+        "mean": float(size.mean()),
+        "SD": float(error.std()),
+        "95 %": float(np.percentile(size, 95.0)),
+        "largest": float(size.max()),
+    }
+
+
+def _straight_deviation(result: Result, body: str) -> float:
+    """Return the standard deviation of the error on the straights, root of the mean over them of its square, cm."""
+    statistics = getattr(result.metrics.error_m, body)[STRAIGHT]
+    return 100.0 * float(statistics.rms)
+
+
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
+    """Yield the product's table, the comparators' and who is nearer than the product."""
+    yield _product(measured)
+    yield _comparators(measured)
+    yield Text(text=_nearer(measured))
+
+
+def _product(measured: MeasuredExperiment) -> Table:
+    rows = []
+    for variant in _variants(measured):
+        case = f"{PRODUCT}: {variant}"
+        cells = [_body(measured, case, body) for body in BODIES]
+        found = [measured.statistic(case, name) for name in ("masked", "dead time", "lag")]
+        rows.append([variant, measured.finished(case), *cells, *(f"{each.mean:.2f}" for each in found)])
+    return Table(
+        name="product",
+        caption=f"`{PRODUCT}`: distance of the points on the ground from the path after the first {BEGINS:g} m: mean, "
+        "standard deviation of the signed distance, that on the straights, 95 %, means over the seeds (largest of all "
+        "seeds), cm; limit of the mean where there is one. Fixes that were not believed, %; dead time and lag that "
+        "were planned with at the end, s.",
+        header=["", "finished", *BODIES, "masked, %", "dead time, s", "lag, s"],
+        rows=rows,
+    )
+
+
+def _body(measured: MeasuredExperiment, case: str, body: str) -> str:
+    """Return mean / SD / SD on straights / 95 % (largest), and the limit; bold where it is missed."""
+    names = ("mean", "SD", "straight SD", "95 %")
+    mean, *others = (measured.statistic(case, f"{body} {name}").mean for name in names)
+    largest = measured.statistic(case, f"{body} largest").largest
+    expected = measured.experiment.settings.expected.get(case, {}).get(f"{body} mean")
+    text = " / ".join(f"{value:.1f}" for value in (mean, *others)) + f" ({largest:.0f})"
+    if expected is None:
+        return text
+    return f"{text if expected.holds(mean) else f'**{text}**'} {expected}"
+
+
+def _variants(measured: MeasuredExperiment) -> list[str]:
+    return [variant.name for variant in measured.experiment.settings.variants]
+
+
+def _cases(measured: MeasuredExperiment) -> list[str]:
+    return [case.name for case in measured.experiment.settings.cases]
+
+
+def _compared(measured: MeasuredExperiment) -> list[str]:
+    others = _cases(measured)[1:]
+    return [each for each in _variants(measured) if any(f"{case}: {each}" in measured.runs for case in others)]
+
+
+def _comparators(measured: MeasuredExperiment) -> Table:
+    cases = _cases(measured)
+    return Table(
+        name="comparators",
+        caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; "
+        "in brackets how many runs came to the end, where not all did.",
+        header=["", *cases],
+        rows=[[variant, *(_pair(measured, f"{case}: {variant}") for case in cases)] for variant in _compared(measured)],
+    )
+
+
+def _pair(measured: MeasuredExperiment, name: str) -> str:
+    if name not in measured.runs:
+        return ""
+    text = " / ".join(f"{measured.statistic(name, f'{body} mean').mean:.1f}" for body in BODIES)
+    finished = measured.finished(name)
+    return text if finished == f"{measured.seeds}/{measured.seeds}" else f"{text} ({finished})"
+
+
+def _nearer(measured: MeasuredExperiment) -> str:
+    """Say which comparator is nearer to the path than the product with both bodies, and where."""
+    lines = [f"Comparators whose mean distance is below that of `{PRODUCT}` on both bodies:", ""]
+    for case in _cases(measured)[1:]:
+        nearer = [variant for variant in _compared(measured) if _beats(measured, case, variant)]
+        lines.append(f"- `{case}`: {'; '.join(nearer) or 'never'}")
+    return "\n".join([*lines, "", "`…-ideal` knows the true state, which no machine does: it shows the limit."])
+
+
+def _beats(measured: MeasuredExperiment, case: str, variant: str) -> bool:
+    name = f"{case}: {variant}"
+    if name not in measured.runs:
+        return False
+    margins = [
+        measured.statistic(f"{PRODUCT}: {variant}", f"{body} mean").mean - measured.statistic(name, f"{body} mean").mean
+        for body in BODIES
+    ]
+    return all(margin > 0.0 for margin in margins)

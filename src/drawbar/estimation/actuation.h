@@ -1,0 +1,134 @@
+/* What both steerings make of their commands: dead time and lag as far as they are known, from the run itself.
+ *
+ * Plans are made for the later of both dead times, approached gradually, and commands lead the steering by the lags that
+ * were found: a controller's command moves an actuator of the stated lag from the angle at which it will find it, and is
+ * stretched about that angle for one of another lag.
+ */
+#ifndef DRAWBAR_ACTUATION_H
+#define DRAWBAR_ACTUATION_H
+
+#include "lag_bank.h"
+#include "signals.h"
+#include "unit.h"
+
+enum { FRONT_WHEELS, TRAILER_JOINT, STEERED };
+
+struct component {
+    struct lag_grid grid;
+    struct lag_bank banks[STEERED];
+    double limits[STEERED];                /* largest commands, rad */
+    double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
+    double sample_time;                    /* s */
+    double slew;                           /* fastest change of what is planned with, per s */
+    double dead_time, lags[STEERED];       /* what is planned with, s */
+    double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
+    double odd_for[STEERED];               /* for how long it has, s */
+    double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
+    int32_t samples;
+};
+
+#define COMPONENT_FIELDS                                                                                          \
+    LAG_GRID_FIELDS(component, grid) LAG_BANK_FIELDS(component, banks[FRONT_WHEELS])                                   \
+    LAG_BANK_FIELDS(component, banks[TRAILER_JOINT]) SETTING(component, limits, 0, STEERED, 0, 0)                      \
+    SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
+    SETTING(component, slew, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                     \
+    SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, odd, 0, 1, 0, 0)                                     \
+    SETTING(component, patience, 0, 1, 0, 0)
+
+/* Let what is planned with approach what is known. */
+static void approach(struct component *actuation)
+{
+    const struct lag_bank *banks = actuation->banks;
+    const double most = actuation->slew * actuation->sample_time;
+    const double wanted = fmax(fmax(banks[FRONT_WHEELS].dead_time - actuation->ages[FRONT_WHEELS],
+                                    banks[TRAILER_JOINT].dead_time - actuation->ages[TRAILER_JOINT]), 0.0);
+
+    actuation->dead_time += clamped(wanted - actuation->dead_time, -most, most);
+    for (int i = 0; i < STEERED; ++i)
+        actuation->lags[i] += clamped(banks[i].lag - actuation->lags[i], -most, most);
+}
+
+/* Whether one steering has not followed its commands for too long, whatever its dead time and its lag are. */
+static int does_not_follow(struct component *actuation, int i, double measured)
+{
+    const int odd = bank_unexplained(&actuation->banks[i], measured) > actuation->odd;
+
+    actuation->odd_for[i] = odd ? actuation->odd_for[i] + actuation->sample_time : 0.0;
+    return actuation->odd_for[i] > actuation->patience;
+}
+
+/* Take in the steering angles of a measurement; returns 0 or the status with which the run ends. */
+int UNIT(measured)(struct component *actuation, const struct drawbar_measurement *measurement)
+{
+    const double measured[] = {measurement->tractor_steering, measurement->trailer_steering};
+
+    const double ages[] = {measurement->tractor_steering_age, measurement->trailer_steering_age};
+
+    for (int i = 0; i < STEERED; ++i)
+        actuation->ages[i] = ages[i] >= 0.0 && ages[i] <= 1.0 ? ages[i] : 0.0;
+    for (int i = 0; i < STEERED; ++i)
+        if (actuation->banks[i].begun)
+            bank_measured(&actuation->banks[i], &actuation->grid, measured[i]);
+        else
+            bank_begin(&actuation->banks[i], measured[i]);
+    bank_judge(&actuation->banks[actuation->samples % STEERED], &actuation->grid);
+    ++actuation->samples;
+    approach(actuation);
+    const int tractor = does_not_follow(actuation, FRONT_WHEELS, measured[FRONT_WHEELS]);
+    return does_not_follow(actuation, TRAILER_JOINT, measured[TRAILER_JOINT]) || tractor ? DRAWBAR_STEERING : 0;
+}
+
+/* Take in the command that was sent. */
+int UNIT(sent)(struct component *actuation, const struct drawbar_command *command)
+{
+    if (!actuation->banks[FRONT_WHEELS].begun)
+        return 0;
+    bank_command(&actuation->banks[FRONT_WHEELS], &actuation->grid, command->tractor_steering);
+    bank_command(&actuation->banks[TRAILER_JOINT], &actuation->grid, actuation->sign * command->trailer_steering);
+    return 0;
+}
+
+/* By how much a command leads a lagging steering per angle that it is to move in a sample. */
+static inline double lead(double sample_time, double lag)
+{
+    return -1.0 / expm1(-sample_time / lag);
+}
+
+/* Stretch a command, made for the stated lag, about the angle at which it will find the steering, rad. */
+static inline double stretched(const struct component *actuation, int i, double command, double found)
+{
+    const double share = lead(actuation->sample_time, actuation->lags[i])
+        / lead(actuation->sample_time, actuation->banks[i].prior_lag);
+    const double wanted = found + share * (command - found);
+
+    return isfinite(wanted) ? clamped(wanted, -actuation->limits[i], actuation->limits[i]) : command;
+}
+
+/* Make commands for the stated lags ones for the lags that were found; `then` is the estimate when they begin to act. */
+int UNIT(adapt)(const struct component *actuation, const struct drawbar_estimate *then, double *tractor, double *trailer)
+{
+    *tractor = stretched(actuation, FRONT_WHEELS, *tractor, then->tractor_steering);
+    *trailer = stretched(actuation, TRAILER_JOINT, *trailer, actuation->sign * then->trailer_steering);
+    return 0;
+}
+
+static inline void tell_body(const struct lag_bank *bank, struct drawbar_body_actuation *body)
+{
+    body->dead_time = bank->dead_time;
+    body->dead_time_deviation = bank->dead_time_deviation;
+    body->lag = bank->lag;
+    body->lag_deviation = bank->lag_deviation;
+}
+
+/* Tell what is known, and what is planned with. */
+int UNIT(tell)(const struct component *actuation, struct drawbar_actuation *told)
+{
+    tell_body(&actuation->banks[FRONT_WHEELS], &told->tractor);
+    tell_body(&actuation->banks[TRAILER_JOINT], &told->trailer);
+    told->dead_time = actuation->dead_time;
+    told->tractor_lag = actuation->lags[FRONT_WHEELS];
+    told->trailer_lag = actuation->lags[TRAILER_JOINT];
+    return 0;
+}
+
+#endif

@@ -1,0 +1,77 @@
+"""Actuation: dead times and lags of both steerings, found during the run (actuation.h, lag_bank.h)."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drawbar.codegen import Unit
+from drawbar.estimation.settings import ActuationSettings
+from drawbar.geometry import Floats
+from drawbar.vehicle.parameters import VehicleParameters
+
+_DEAD_TIMES, _LAGS, _PAST = 17, 12, 512
+"""as in lag_bank.h"""
+_STEP = 0.05
+"""s; between two dead times of the bank, or less"""
+_FASTEST, _RATIO = 0.08, 1.3
+"""first lag of the bank, s, and of each to the one before"""
+
+
+def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float) -> Unit:
+    """Return what finds dead times and lags, and makes commands for the stated lag ones for the lag that was found.
+
+    Args:
+        vehicle: stated lag, rates, limits and dead time of the actuators.
+        settings: of the search.
+        sample_time: s.
+    """
+    parts = max(1, round(sample_time / _STEP))
+    part = sample_time / parts
+    delays = max(1, min(round(_STEP / part), (_PAST - parts) // _DEAD_TIMES)) * np.arange(_DEAD_TIMES)
+    lags = bank_lags()
+    values: dict[str, ArrayLike] = {
+        "grid.part": part,
+        "grid.parts": parts,
+        "grid.delays": delays,
+        "grid.dead_times": part * delays,
+        "grid.lags": lags,
+        "grid.shares": -np.expm1(-part / lags),
+        "grid.memory": np.exp(-sample_time / settings.memory),
+        "grid.repeats": settings.repeats,
+        "grid.between": ((part * delays[1]) ** 2 / 12.0, np.log(_RATIO) ** 2 / 12.0),
+        "grid.resolution": settings.resolution,
+        "grid.prior_dead_time": _guess(vehicle, settings),
+        "grid.prior_dead_time_deviation": settings.guess_deviation,
+        "grid.prior_lag_deviation": settings.lag_deviation,
+        "limits": (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit),
+        "sign": vehicle.joint_sign,
+        "sample_time": sample_time,
+        "slew": settings.slew,
+        "odd": settings.odd,
+        "patience": settings.patience,
+        "dead_time": _guess(vehicle, settings),
+        "lags": 2 * [vehicle.steering_lag],
+    }
+    for bank, rate in (
+        ("FRONT_WHEELS", vehicle.tractor_steering_rate),
+        ("TRAILER_JOINT", vehicle.trailer_steering_rate),
+    ):
+        known = {
+            "prior_lag": vehicle.steering_lag,
+            "rate": rate,
+            "dead_time": _guess(vehicle, settings),
+            "dead_time_deviation": settings.guess_deviation,
+            "lag": vehicle.steering_lag,
+            "lag_deviation": settings.lag_deviation * vehicle.steering_lag,
+        }
+        values |= {f"banks[{bank}].{name}": value for name, value in known.items()}
+    return Unit(name="actuation", source='#include "actuation.h"', configure=lambda workspace: workspace.write(values))
+
+
+def bank_lags() -> Floats:
+    """Return the lags of the bank's members, s."""
+    lags: Floats = _FASTEST * np.power(_RATIO, np.arange(_LAGS), dtype=np.float64)
+    return lags
+
+
+def _guess(vehicle: VehicleParameters, settings: ActuationSettings) -> float:
+    return max(vehicle.dead_time, settings.guess)

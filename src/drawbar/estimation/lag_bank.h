@@ -1,0 +1,166 @@
+/* Dead time and lag of one steering, from what it was commanded and what it did: a bank of models (Magill 1965).
+ *
+ * Each member is a lag of limited rate behind a dead time, driven by the commands alone. The errors of its angle against the
+ * measured one are averaged over the last minute; a constant error is nobody's fault (the sensor's zero). With unknown
+ * noise the likelihood of a member is its error's variance to the power of minus half the number of independent errors;
+ * with a prior it gives the mean and the deviation of dead time and lag. While nothing moves all members are right alike,
+ * and the prior stays.
+ */
+#ifndef DRAWBAR_LAG_BANK_H
+#define DRAWBAR_LAG_BANK_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+#include "geometry.h"
+
+#define DEAD_TIMES 17
+#define LAGS 12
+#define MEMBERS (DEAD_TIMES * LAGS)
+#define PAST 512                           /* parts of samples that are kept: more than the longest dead time's */
+#define NO_STEERING 0.15                   /* errors beyond are somebody else's steering, rad */
+#define KNOWN_ZERO 10.0                    /* samples after which the sensor's zero is known */
+
+/* What is the same for both steerings. */
+struct lag_grid {
+    double part;                           /* s; a sample has `parts` of them */
+    double dead_times[DEAD_TIMES];         /* s */
+    double lags[LAGS], shares[LAGS];       /* s; the share of an error that goes in a part, 1 - exp(-part / lag) */
+    double memory;                         /* share of what is known that is kept from sample to sample */
+    double repeats;                        /* how many errors in a row say the same */
+    double between[2];                     /* variances of dead time (s2) and of the lag's logarithm between two members */
+    double resolution;                     /* least standard deviation of the errors, rad */
+    double prior_dead_time, prior_dead_time_deviation, prior_lag_deviation;   /* s, s, of the lag's logarithm */
+    int32_t parts;
+    int32_t delays[DEAD_TIMES];            /* dead times in parts */
+};
+
+#define LAG_GRID_FIELDS(type, place)                                                                         \
+    SETTING(type, place.part, 0, 1, 0, 0) SETTING(type, place.dead_times, 0, DEAD_TIMES, 0, 0)               \
+    SETTING(type, place.lags, 0, LAGS, 0, 0) SETTING(type, place.shares, 0, LAGS, 0, 0)                      \
+    SETTING(type, place.memory, 0, 1, 0, 0) SETTING(type, place.repeats, 0, 1, 0, 0)                         \
+    SETTING(type, place.between, 0, 2, 0, 0)                                                                 \
+    SETTING(type, place.resolution, 0, 1, 0, 0) SETTING(type, place.prior_dead_time, 0, 1, 0, 0)             \
+    SETTING(type, place.prior_dead_time_deviation, 0, 1, 0, 0)                                               \
+    SETTING(type, place.prior_lag_deviation, 0, 1, 0, 0) SETTING(type, place.parts, 1, 1, 0, 0)              \
+    SETTING(type, place.delays, 1, DEAD_TIMES, 0, 0)
+
+struct lag_bank {
+    double prior_lag, rate;                /* s; of the steering at most, rad/s */
+    double dead_time, dead_time_deviation, lag, lag_deviation;   /* what is known, s */
+    double past[PAST];                     /* commands of the last parts of samples, a ring, rad */
+    double angle[MEMBERS];                 /* of each member, rad */
+    double weight, error[MEMBERS], square[MEMBERS];   /* sums over the samples: 1, rad, rad2 */
+    int32_t newest, begun;
+};
+
+#define LAG_BANK_FIELDS(type, place)                                                                         \
+    SETTING(type, place.prior_lag, 0, 1, 0, 0) SETTING(type, place.rate, 0, 1, 0, 0)                         \
+    SETTING(type, place.dead_time, 0, 1, 0, 0) SETTING(type, place.dead_time_deviation, 0, 1, 0, 0)          \
+    SETTING(type, place.lag, 0, 1, 0, 0) SETTING(type, place.lag_deviation, 0, 1, 0, 0)
+
+/* Begin with a steering that rests at an angle, rad. */
+static void bank_begin(struct lag_bank *bank, double angle)
+{
+    const double first = isfinite(angle) ? angle : 0.0;
+
+    for (int i = 0; i < PAST; ++i)
+        bank->past[i] = first;
+    for (int i = 0; i < MEMBERS; ++i)
+        bank->angle[i] = first;
+    bank->begun = 1;
+}
+
+/* Let one member follow the commands of a sample. */
+static inline double bank_follow(const struct lag_bank *bank, const struct lag_grid *grid, double angle, int32_t delay,
+                                 double share)
+{
+    const double most = bank->rate * grid->part;
+
+    for (int32_t part = grid->parts - 1; part >= 0; --part) {
+        const double command = bank->past[(bank->newest + 2 * PAST - part - delay) % PAST];
+        angle += clamped(share * (command - angle), -most, most);
+    }
+    return angle;
+}
+
+/* Let a sample pass under a command, rad. */
+static void bank_command(struct lag_bank *bank, const struct lag_grid *grid, double command)
+{
+    for (int32_t part = 0; part < grid->parts; ++part) {
+        bank->newest = (bank->newest + 1) % PAST;
+        bank->past[bank->newest] = command;
+    }
+    for (int d = 0; d < DEAD_TIMES; ++d)
+        for (int l = 0; l < LAGS; ++l) {
+            double *angle = &bank->angle[d * LAGS + l];
+            *angle = bank_follow(bank, grid, *angle, grid->delays[d], grid->shares[l]);
+        }
+}
+
+/* Take in a measured angle, rad. */
+static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, double measured)
+{
+    if (!isfinite(measured))
+        return;
+    bank->weight = grid->memory * bank->weight + 1.0;
+    for (int i = 0; i < MEMBERS; ++i) {
+        const double error = clamped(measured - bank->angle[i], -NO_STEERING, NO_STEERING);
+        bank->error[i] = grid->memory * bank->error[i] + error;
+        bank->square[i] = grid->memory * bank->square[i] + error * error;
+    }
+}
+
+/* By how much (rad) a measured angle is off that of the member which comes nearest to it, each with the mean error that it
+ * has had: what no dead time and no lag explain. */
+static double bank_unexplained(const struct lag_bank *bank, double measured)
+{
+    double least = isfinite(measured) ? INFINITY : 0.0;
+
+    for (int i = 0; i < MEMBERS; ++i) {
+        const double mean = bank->weight > KNOWN_ZERO ? bank->error[i] / bank->weight : 0.0;
+        least = fmin(least, fabs(measured - bank->angle[i] - mean));
+    }
+    return least;
+}
+
+/* The logarithm of a member's probability, but for a constant. */
+static inline double bank_likelihood(const struct lag_bank *bank, const struct lag_grid *grid, int d, int l)
+{
+    const double mean = bank->error[d * LAGS + l] / bank->weight;
+    const double spread = bank->square[d * LAGS + l] / bank->weight - mean * mean;
+    const double early = (grid->dead_times[d] - grid->prior_dead_time) / grid->prior_dead_time_deviation;
+    const double slow = log(grid->lags[l] / bank->prior_lag) / grid->prior_lag_deviation;
+
+    return -0.5 * (bank->weight / grid->repeats * log(fmax(spread, 0.0) + grid->resolution * grid->resolution)
+                   + early * early + slow * slow);
+}
+
+/* Find what is known of dead time and lag. */
+static void bank_judge(struct lag_bank *bank, const struct lag_grid *grid)
+{
+    double log_probability[MEMBERS], most = -INFINITY, sum = 0.0, moments[4] = {0.0, 0.0, 0.0, 0.0};
+
+    if (!(bank->weight > 0.0))
+        return;
+    for (int i = 0; i < MEMBERS; ++i) {
+        log_probability[i] = bank_likelihood(bank, grid, i / LAGS, i % LAGS);
+        most = fmax(most, log_probability[i]);
+    }
+    for (int i = 0; i < MEMBERS; ++i) {
+        const double probability = exp(log_probability[i] - most);
+        const double dead_time = grid->dead_times[i / LAGS], lag = log(grid->lags[i % LAGS]);
+        sum += probability;
+        moments[0] += probability * dead_time;
+        moments[1] += probability * dead_time * dead_time;
+        moments[2] += probability * lag;
+        moments[3] += probability * lag * lag;
+    }
+    const double dead_time = moments[0] / sum, lag = moments[2] / sum;
+    bank->dead_time = dead_time;
+    bank->dead_time_deviation = sqrt(fmax(moments[1] / sum - dead_time * dead_time, 0.0) + grid->between[0]);
+    bank->lag = exp(lag);
+    bank->lag_deviation = bank->lag * sqrt(fmax(moments[3] / sum - lag * lag, 0.0) + grid->between[1]);
+}
+
+#endif

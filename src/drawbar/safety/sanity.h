@@ -1,0 +1,127 @@
+/* What shows in a run that no controller can mend, and that drives slower or ends it: positions that stay coarse, a loop
+ * that oscillates, a vehicle that moves against the way it faces. */
+#ifndef DRAWBAR_SANITY_H
+#define DRAWBAR_SANITY_H
+
+#include <string.h>
+#include "geometry.h"
+#include "signals.h"
+#include "status.h"
+#include "swings.h"
+#include "unit.h"
+
+#define MOTION_TIME 1.0                    /* over which motion is averaged, s */
+#define MOTION_LEAST 0.3                   /* way within it that says which way the vehicle moves, m */
+#define MOTION_SHARE 0.3                   /* of that way, backwards */
+#define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
+
+struct component {
+    /* settings: safety/sanity.py tells what they mean */
+    double fine, coarse_after, coarse_share, coarse_budget;
+    double swing, steering_swing, swing_share;
+    double hitch, hitch_patience;
+    double wheelbase;                      /* m */
+    int32_t swings_slow, swings_stop;      /* half waves */
+    /* state */
+    double last_fine, time;                /* time of the last fine fix, of the last sample, s */
+    double fixes[4];                       /* of the last sample, m */
+    double last_hitch;                     /* time of the last hitch angle that agreed, s */
+    double way, moved[2];                  /* lately: by the wheels, and of both points along their bodies, m */
+    struct swings errors[2], steering;
+    int32_t swinging, spells;              /* it oscillates; how often that has begun */
+    int32_t begun;
+};
+
+#define COMPONENT_FIELDS                                                                                          \
+    SETTING(component, fine, 0, 1, 0, 0) SETTING(component, coarse_after, 0, 1, 0, 0)                                  \
+    SETTING(component, coarse_share, 0, 1, 0, 0) SETTING(component, coarse_budget, 0, 1, 0, 0)                         \
+    SETTING(component, swing, 0, 1, 0, 0) SETTING(component, steering_swing, 0, 1, 0, 0)                               \
+    SETTING(component, hitch, 0, 1, 0, 0) SETTING(component, hitch_patience, 0, 1, 0, 0)                               \
+    SETTING(component, swing_share, 0, 1, 0, 0) SETTING(component, wheelbase, 0, 1, 0, 0)                              \
+    SETTING(component, swings_slow, 1, 1, 0, 0) SETTING(component, swings_stop, 1, 1, 0, 0)
+
+/* For how long fixes have been coarse, s: there are some, but none that is fine. */
+static inline double coarse_for(struct component *sanity, const struct drawbar_measurement *measurement,
+                                const struct drawbar_estimate *estimate)
+{
+    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    const int32_t fixes[] = {estimate->tractor_fix, estimate->trailer_fix};
+    int coarse = 0;
+
+    for (int i = 0; i < 2; ++i)
+        if (fixes[i] == DRAWBAR_FIX_ACCEPTED) {
+            if (!(told[i] > sanity->fine))
+                sanity->last_fine = measurement->time;
+            else
+                coarse = 1;
+        }
+    return coarse ? measurement->time - sanity->last_fine : 0.0;
+}
+
+/* Whether both points move against the way their bodies face, although the wheels turn. */
+static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m,
+                                  const struct drawbar_estimate *estimate)
+{
+    const double fixes[] = {m->tractor_x, m->tractor_y, m->trailer_x, m->trailer_y};
+    const double yaws[] = {estimate->tractor.yaw, estimate->trailer.yaw};
+    const double elapsed = m->time - sanity->time, kept = exp(-elapsed / MOTION_TIME);
+    const double way = isfinite(m->speed) ? m->speed * elapsed : 0.0;
+
+    sanity->way = kept * sanity->way + way;
+    for (int i = 0; i < 2; ++i) {
+        const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
+        const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(way);
+        sanity->moved[i] = kept * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);
+    }
+    memcpy(sanity->fixes, fixes, sizeof fixes);
+    const double limit = -MOTION_SHARE * sanity->way;
+    return sanity->way > MOTION_LEAST && sanity->moved[0] < limit && sanity->moved[1] < limit;
+}
+
+/* How many half waves in a row either error or the steering has swung. */
+static inline int32_t swings_of(struct component *sanity, const struct drawbar_estimate *estimate,
+                                const struct drawbar_body_reference *tractor,
+                                const struct drawbar_body_reference *trailer)
+{
+    const double beside = estimate->tractor_steering - atan(sanity->wheelbase * tractor->closest[AT_CURVATURE]);
+    const int32_t one = swings_update(&sanity->errors[0], sanity->time, tractor->lateral_error, sanity->swing);
+    const int32_t other = swings_update(&sanity->errors[1], sanity->time, trailer->lateral_error, sanity->swing);
+    const int32_t steering = swings_update(&sanity->steering, sanity->time, beside, sanity->steering_swing);
+    const int32_t errors = one > other ? one : other;
+
+    return errors > steering ? errors : steering;
+}
+
+/* Look at one step: returns 0 or the status with which the run ends; `share` becomes the part of the set speed that may be
+ * driven. */
+int UNIT(look)(struct component *sanity, const struct drawbar_measurement *measurement,
+               const struct drawbar_estimate *estimate, const struct drawbar_body_reference *tractor,
+               const struct drawbar_body_reference *trailer, double *share)
+{
+    if (!sanity->begun) {
+        sanity->last_fine = sanity->last_hitch = sanity->time = measurement->time;
+        sanity->begun = 1;
+    }
+    const double coarse = coarse_for(sanity, measurement, estimate);
+    const int backwards = moves_backwards(sanity, measurement, estimate);
+    sanity->time = measurement->time;
+    const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
+
+    sanity->spells += swings >= sanity->swings_slow && !sanity->swinging;
+    sanity->swinging = swings >= sanity->swings_slow;
+    *share = coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
+    for (int32_t i = 0; i < sanity->spells; ++i)   /* what has oscillated would again: the speed stays low */
+        *share *= sanity->swing_share;
+    if (backwards)
+        return DRAWBAR_BACKWARDS;
+    /* it agrees, or is missing, or there is nothing to hold against it */
+    if (!(fabs(measurement->hitch_angle - estimate->hitch_angle) > sanity->hitch) || estimate->status != SOLVED)
+        sanity->last_hitch = measurement->time;
+    if (measurement->time - sanity->last_hitch > sanity->hitch_patience)
+        return DRAWBAR_HITCH;
+    if (coarse > sanity->coarse_budget)
+        return DRAWBAR_COARSE;
+    return swings >= sanity->swings_stop || sanity->spells > MOST_SPELLS ? DRAWBAR_OSCILLATION : 0;
+}
+
+#endif

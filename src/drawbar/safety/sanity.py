@@ -1,0 +1,43 @@
+"""Sanity: what shows in a run that no controller can mend, and that drives slower or ends it (sanity.h)."""
+
+from typing import Annotated
+
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from drawbar.codegen import Unit
+from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings, Share
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+class SanitySettings(Settings):
+    """When a run is driven slower, and when it ends, for what its sensors show."""
+
+    fine: Positive = 0.1
+    """standard deviation up to which a fix is fine, m; RTK float is coarse"""
+    coarse_after: NonNegative = 0.5
+    """time with coarse fixes only after which the vehicle is driven slower, s"""
+    coarse_share: Share = 0.5
+    """part of the set speed then"""
+    coarse_budget: Positive = 30.0
+    """time with coarse fixes only after which the run ends, s"""
+    hitch: PositiveAngle = 0.15
+    """difference of the measured hitch angle from the estimated one that is a contradiction, rad"""
+    hitch_patience: Positive = 1.5
+    """for how long it may last before the run ends, s"""
+    swing: Positive = 0.15
+    """error to both sides in turn that is an oscillation, m"""
+    steering_swing: PositiveAngle = 0.2
+    """the same of the front wheels about the path's curvature, rad"""
+    swing_share: Share = 0.5
+    """factor on the speed for the rest of the run, each time that it begins to oscillate"""
+    swings_slow: Annotated[int, Field(ge=2)] = 3
+    """half waves in a row after which the vehicle is driven slower"""
+    swings_stop: Annotated[int, Field(ge=2)] = 6
+    """half waves in a row after which the run ends"""
+
+
+def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings) -> Unit:
+    """Return what watches a run from its first step on."""
+    values: dict[str, ArrayLike] = {**settings.model_dump(), "wheelbase": vehicle.wheelbase}
+    return Unit(name="sanity", source='#include "sanity.h"', configure=lambda workspace: workspace.write(values))

@@ -1,0 +1,46 @@
+/* Swings to both sides of a signal that ought to be near zero: a loop that oscillates rather than settles.
+ *
+ * A half wave ends where the signal is on the other side of zero by half of the threshold. One counts if its peak is beyond
+ * the threshold, if it did not take longer than LONGEST_SWING, and if it is not clearly smaller than the one before: what
+ * dies away by itself (a bump, the way onto the line) is no oscillation.
+ */
+#ifndef DRAWBAR_SWINGS_H
+#define DRAWBAR_SWINGS_H
+
+#include <math.h>
+#include <stdint.h>
+
+#define LONGEST_SWING 8.0                  /* s */
+#define STILL_SWINGING 0.7                 /* least share of the peak before it */
+
+struct swings {
+    double peak, before;                   /* of this half wave, so far, and of the one before */
+    double since;                          /* when this half wave began, s */
+    int32_t side;                          /* 1: it is to the left, -1: to the right, 0: none yet */
+    int32_t count;                         /* half waves in a row that count */
+};
+
+/* Take in the signal at a time (s); returns how many half waves in a row are swings. */
+static inline int32_t swings_update(struct swings *swings, double time, double signal, double threshold)
+{
+    const int32_t side = signal > 0.5 * threshold ? 1 : signal < -0.5 * threshold ? -1 : 0;
+
+    if (!isfinite(signal) || time - swings->since > LONGEST_SWING) {
+        swings->count = swings->side = 0;
+        swings->peak = swings->before = 0.0;
+        swings->since = time;
+    }
+    if (side != 0 && side != swings->side) {
+        const int counts = swings->peak > threshold && swings->peak >= STILL_SWINGING * swings->before;
+        swings->count = counts ? swings->count + 1 : 0;
+        swings->before = swings->peak;
+        swings->peak = 0.0;
+        swings->since = time;
+        swings->side = side;
+    }
+    if (swings->side != 0)
+        swings->peak = fmax(swings->peak, swings->side * signal);
+    return swings->count;
+}
+
+#endif

@@ -1,0 +1,224 @@
+"""Dead time and lag of the steerings: against an independent simulation of both, and in closed loop."""
+
+import math
+from collections.abc import Callable
+from ctypes import c_double
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from actuation import Identification
+from estimators import DeadTimePredictor
+
+from drawbar.estimation.actuation import bank_lags
+from drawbar.estimation.settings import ActuationSettings
+from drawbar.geometry import Floats
+from drawbar.signals import Command, Estimate, Measurement, Pose, SolverStatus, Status
+from drawbar.vehicle.articulated import articulated
+from drawbar.vehicle.parameters import VehicleParameters
+
+SAMPLE, FINE = 0.2, 0.001
+DEGREE = math.radians(1.0)
+
+
+def commands(samples: int, seed: int = 0, size: float = 0.08) -> Floats:
+    """Return commands (n, 2), rad: slow weaves and noise, as a drive has them."""
+    rng, time = np.random.default_rng(seed), SAMPLE * np.arange(samples)
+    weave = np.column_stack([np.sin(0.7 * time), np.sin(0.5 * time + 1.0)])
+    return size * (weave + 0.3 * rng.standard_normal((samples, 2)))
+
+
+def steered(sent: Floats, dead_time: float, lag: float, rate: float) -> Floats:
+    """Return the angle (n,) at each sample, before the command of that sample is sent; at rest at zero before."""
+    angle, angles, steps = 0.0, [], round(SAMPLE / FINE)
+    delay = round(dead_time / FINE)
+    fine = np.concatenate((np.zeros(delay), np.repeat(sent, steps)))
+    for k in range(len(sent)):
+        angles.append(angle)
+        for command in fine[k * steps : (k + 1) * steps]:
+            angle += FINE * np.clip((command - angle) / lag, -rate, rate)
+    return np.array(angles)
+
+
+def measurement(time: float, tractor: float, trailer: float, age: float = 0.0) -> Measurement:
+    missing = dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y", "hitch_angle", "speed"), math.nan)
+    ages = {"tractor_steering_age": age, "trailer_steering_age": age}
+    return Measurement(time=time, tractor_steering=tractor, trailer_steering=trailer, **missing, **ages)
+
+
+def fed(
+    dead_time: float,
+    lag: float,
+    *,
+    samples: int = 300,
+    size: float = 0.08,
+    offset: float = 0.0,
+    age: float = 0.0,
+    resolution: float = DEGREE,
+    settings: ActuationSettings | None = None,
+) -> Identification:
+    """Return an identification that has seen a drive."""
+    vehicle, sent = VehicleParameters(), commands(samples, size=size)
+    identification = Identification(vehicle, settings or ActuationSettings(), SAMPLE)
+    rates = vehicle.tractor_steering_rate, vehicle.trailer_steering_rate
+    angles = np.column_stack([steered(sent[:, i], dead_time, lag, rates[i]) for i in range(2)])
+    measured = resolution * np.round((angles + offset) / resolution)
+    for k in range(samples):
+        identification.measured(measurement(SAMPLE * k, *measured[k], age))
+        identification.sent(
+            Command(time=SAMPLE * k, tractor_steering=sent[k, 0], trailer_steering=sent[k, 1], speed=1.0)
+        )
+    return identification
+
+
+@pytest.mark.parametrize(
+    ("dead_time", "lag"), [(0.0, 0.3), (0.2, 0.3), (0.4, 0.3), (0.15, 0.4), (0.1, 1.0), (0.3, 0.12)]
+)
+def test_dead_time_and_lag_are_found_within_a_minute(dead_time: float, lag: float) -> None:
+    told = fed(dead_time, lag).told()
+    for body in (told.tractor, told.trailer):
+        assert body.dead_time == pytest.approx(dead_time, abs=max(0.03, 2.0 * body.dead_time_deviation))
+        assert body.lag == pytest.approx(lag, rel=0.2)
+        assert body.dead_time_deviation < 0.09
+        assert body.lag_deviation < 0.3 * lag
+    assert told.dead_time == pytest.approx(max(told.tractor.dead_time, told.trailer.dead_time), abs=0.02)
+
+
+def test_a_wrong_zero_of_the_sensor_costs_nothing() -> None:
+    straight, askew = fed(0.2, 0.3).told().tractor, fed(0.2, 0.3, offset=3.0 * DEGREE).told().tractor
+    assert (askew.dead_time, askew.lag) == pytest.approx((straight.dead_time, straight.lag), abs=0.01)
+
+
+def test_an_age_that_is_told_is_no_dead_time() -> None:
+    told = fed(0.4, 0.3, age=0.2).told()
+    assert told.dead_time == pytest.approx(0.2, abs=0.04)
+
+
+def test_while_nothing_moves_the_guess_stays() -> None:
+    settings = ActuationSettings(guess=0.3, guess_deviation=0.1)
+    told = fed(0.0, 0.3, size=0.0, settings=settings).told()
+    assert told.tractor.dead_time == pytest.approx(0.3, abs=0.01)
+    assert told.tractor.dead_time_deviation == pytest.approx(0.1, abs=0.02)
+    assert told.dead_time == pytest.approx(0.3, abs=0.01)
+
+
+def test_a_driver_who_steers_does_not_ruin_it() -> None:
+    identification = fed(0.2, 0.3)
+    for k in range(15):  # three seconds against all commands; a run would have ended after one
+        identification.measured(measurement(100.0 + SAMPLE * k, 0.5, -0.3))
+        identification.sent(Command(time=100.0, tractor_steering=0.0, trailer_steering=0.0, speed=1.0))
+    assert identification.told().tractor.dead_time == pytest.approx(0.2, abs=0.1)
+
+
+def test_the_bank_is_bayes_rule() -> None:
+    """Means and deviations are those of the posterior that an independent simulation of every member gives."""
+    settings, vehicle, samples = ActuationSettings(memory=20.0), VehicleParameters(), 60
+    identification = fed(0.2, 0.35, samples=samples, settings=settings)
+    sent = commands(samples)[:, 0]
+    measured = DEGREE * np.round(steered(sent, 0.2, 0.35, vehicle.tractor_steering_rate) / DEGREE)
+    part, dead_times, lags = 0.05, 0.05 * np.arange(17), bank_lags()
+    weights = np.exp(-SAMPLE / settings.memory) ** np.arange(samples - 2, -1, -1)
+    logs = np.empty((17, len(lags)))
+    for d, dead_time in enumerate(dead_times):
+        for j, lag in enumerate(lags):
+            fine = np.concatenate((np.zeros(d), np.repeat(sent, 4)))
+            angle, angles = 0.0, []
+            for k in range(samples):
+                angles.append(angle)
+                for command in fine[4 * k : 4 * k + 4]:
+                    step = (1.0 - math.exp(-part / lag)) * (command - angle)
+                    angle += float(
+                        np.clip(step, -part * vehicle.tractor_steering_rate, part * vehicle.tractor_steering_rate)
+                    )
+            errors = (measured - angles)[1:]
+            spread = np.average(errors**2, weights=weights) - np.average(errors, weights=weights) ** 2
+            early, slow = (dead_time - 0.2) / settings.guess_deviation, math.log(lag / 0.3) / settings.lag_deviation
+            count = weights.sum() / settings.repeats
+            logs[d, j] = -0.5 * (count * math.log(spread + settings.resolution**2) + early**2 + slow**2)
+    probability = np.exp(logs - logs.max())
+    probability /= probability.sum()
+    dead_time = float((probability.sum(axis=1) * dead_times).sum())
+    lag = math.exp(float((probability.sum(axis=0) * np.log(lags)).sum()))
+    spread = float((probability.sum(axis=1) * dead_times**2).sum()) - dead_time**2
+    told = identification_after_last(identification).tractor
+    assert (told.dead_time, told.lag) == pytest.approx((dead_time, lag), rel=1e-9)
+    assert told.dead_time_deviation == pytest.approx(math.sqrt(spread + part**2 / 12.0), rel=1e-9)
+
+
+def identification_after_last(identification: Identification) -> Any:
+    """Judge the tractor's bank once more, on what it has seen: a sample without angles, one for each steering."""
+    for _ in range(2):
+        identification.measured(measurement(1000.0, math.nan, math.nan))
+    return identification.told()
+
+
+@pytest.mark.parametrize("fault", [lambda angle: -angle, lambda angle: 0.25, lambda angle: 2.5 * angle])
+def test_a_steering_that_does_not_follow_is_named_within_a_second_of_its_swing(fault: Callable[[float], float]) -> None:
+    vehicle, sent = VehicleParameters(), commands(300, size=0.2)
+    identification = Identification(vehicle, ActuationSettings(), SAMPLE)
+    angles = steered(sent[:, 0], 0.2, 0.5, vehicle.tractor_steering_rate)
+    joint = steered(sent[:, 1], 0.2, 0.5, vehicle.trailer_steering_rate)
+    statuses = []
+    for k in range(300):
+        seen = angles[k] if k < 150 else fault(float(angles[k]))
+        statuses.append(identification.measured(measurement(SAMPLE * k, seen, joint[k])))
+        command = Command(time=SAMPLE * k, tractor_steering=sent[k, 0], trailer_steering=sent[k, 1], speed=1.0)
+        identification.sent(command)
+    assert not any(statuses[:150])
+    assert Status.STEERING in statuses[150:175]
+
+
+def estimate(tractor: float, trailer: float) -> Estimate:
+    slips = dict.fromkeys(("longitudinal_slip", "tractor_slip", "trailer_slip", "speed"), 1.0)
+    angles = dict.fromkeys(("hitch_angle", "steering_offset", "tractor_crab", "trailer_crab"), 0.0)
+    pose = Pose(x=0.0, y=0.0, yaw=0.0)
+    known = {"tractor_steering": tractor, "trailer_steering": trailer}
+    return Estimate(time=0.0, tractor=pose, trailer=pose, status=SolverStatus.SOLVED, **slips, **angles, **known)
+
+
+def test_an_adapted_command_moves_the_slow_actuator_as_the_stated_one() -> None:
+    identification = fed(0.0, 0.9, samples=600)
+    told = identification.told()
+    assert told.tractor_lag == pytest.approx(0.9, rel=0.1)
+    for sign in (1.0, -1.0):
+        found, wanted = 0.05 * sign, 0.08 * sign
+        adapted, _ = identification.adapt(estimate(found, 0.0), wanted, 0.0)
+        meant = found + (wanted - found) * -math.expm1(-SAMPLE / 0.3)
+        moved = found + (adapted - found) * -math.expm1(-SAMPLE / told.tractor_lag)
+        assert moved == pytest.approx(meant, abs=1e-12)
+    far, _ = identification.adapt(estimate(0.0, 0.0), 0.5, 0.0)
+    assert far == pytest.approx(VehicleParameters().tractor_steering_limit)
+
+
+def test_a_dead_time_found_during_the_run_is_predicted_over_as_one_that_was_stated() -> None:
+    stated = VehicleParameters(dead_time=0.5, steering_lag=0.6)
+    guessed = VehicleParameters(dead_time=0.2)
+    one = DeadTimePredictor(stated, articulated(stated), SAMPLE)
+    other = DeadTimePredictor(guessed, articulated(guessed), SAMPLE)
+    for angle in (0.1, -0.2, 0.3, 0.05):
+        command = Command(time=0.0, tractor_steering=angle, trailer_steering=-angle, speed=1.0)
+        one.sent(command)
+        other.sent(command)
+    other.call("actuation", c_double(0.5), c_double(0.6), c_double(0.6))
+    now = estimate(0.02, -0.03)
+    assert repr(one.ahead(now)) == repr(other.ahead(now))
+    command = replace(command, speed=0.5)
+    assert repr(one.sent(command)) == repr(other.sent(command))
+
+
+UNTOLD = {
+    "dead time 0.2 s at 2 m/s": ("speed=2.0", "machine.actuators.dead_time=0.2"),
+    "dead time 0.4 s": ("machine.actuators.dead_time=0.4",),
+    "lag 1 s": ("machine.actuators.lag_factor=3.3333",),
+    "all of them at 2 m/s": ("speed=2.0", "machine.actuators.dead_time=0.15", "machine.actuators.lag_factor=1.3333"),
+}
+
+
+@pytest.mark.parametrize("case", UNTOLD)
+def test_what_nobody_told_is_driven_with_from_the_first_metre(case: str, simulate: Callable) -> None:
+    run = simulate("articulated", "path.radii=[8.0]", "actuation.identify=true", *UNTOLD[case])
+    for body, mean in (("tractor", 0.03), ("trailer", 0.032)):
+        error = np.abs(run.true_errors(body).error)
+        assert error.mean() < mean
+        assert error.max() < 0.15

@@ -1,0 +1,27 @@
+"""What watches a run's sense, by itself."""
+
+from ctypes import byref
+
+from alone import Alone
+from c_signals import CBodyReference, Real, given
+
+from drawbar.safety.sanity import SanitySettings, sanity_unit
+from drawbar.signals import BodyReference, Estimate, Measurement
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+class Sanity(Alone):
+    """Slower, or the end of a run, for what its sensors show."""
+
+    def __init__(self, settings: SanitySettings | None = None) -> None:
+        """Take when to do what."""
+        super().__init__(sanity_unit(VehicleParameters(), settings or SanitySettings()))
+
+    def look(
+        self, measurement: Measurement, estimate: Estimate, tractor: BodyReference, trailer: BodyReference
+    ) -> tuple[int, float]:
+        """Return 0 or the status with which the run ends, and the part of the set speed that may be driven."""
+        share = Real()
+        references = [byref(CBodyReference.of(each)) for each in (tractor, trailer)]
+        status = self.call("look", given(measurement), given(estimate), *references, byref(share))
+        return status, share.value

@@ -1,0 +1,190 @@
+"""What ends a run, or slows it, for what its sensors show: coarse positions, oscillation, motion backwards."""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sanity import Sanity
+
+from drawbar.config import load_configuration
+from drawbar.experiment.alteration import InterceptedMachine
+from drawbar.safety.sanity import SanitySettings
+from drawbar.signals import BodyReference, Estimate, FixStatus, Measurement, Pose, SolverStatus, Status
+from drawbar.simulation import Simulation
+
+SAMPLE = 0.2
+NUMBERS = ("hitch_angle", "trailer_steering", "longitudinal_slip", "tractor_slip", "trailer_slip", "steering_offset")
+NUMBERS = (*NUMBERS, "tractor_crab", "trailer_crab", "tractor_steering", "speed")
+
+
+def estimate(yaw: float = 0.0, steering: float = 0.0) -> Estimate:
+    pose = Pose(x=0.0, y=0.0, yaw=yaw)
+    known = {**dict.fromkeys(NUMBERS, 0.0), "tractor_steering": steering}
+    return Estimate(time=0.0, tractor=pose, trailer=pose, status=SolverStatus.SOLVED, **known)
+
+
+def beside(error: float, curvature: float = 0.0) -> BodyReference:
+    closest = np.array([0.0, 0.0, 0.0, curvature])
+    return BodyReference(progress=0.0, lateral_error=error, closest=closest, samples=np.zeros((2, 4)))
+
+
+def measurement(k: int, speed: float = 1.0, moved: float | None = None, deviation: float = math.nan) -> Measurement:
+    """Return sample k of a vehicle that drives east by the wheels' speed, or so far (m) at this sample."""
+    x = SAMPLE * k * speed if moved is None else moved
+    fixes = dict(zip(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), (x, 0.0, x - 2.0, 0.0), strict=True))
+    told = dict.fromkeys(("tractor_fix_deviation", "trailer_fix_deviation"), deviation)
+    others = dict.fromkeys(("hitch_angle", "tractor_steering", "trailer_steering"), 0.0)
+    return Measurement(time=SAMPLE * k, speed=speed, **fixes, **others, **told)
+
+
+def watched(errors: Iterable[float], steerings: Iterable[float] | None = None) -> list[tuple[int, float]]:
+    """Return status and share after each sample with these errors of the tractor, or these front wheels."""
+    sanity, values = Sanity(), list(errors)
+    angles = list(steerings) if steerings is not None else [0.0] * len(values)
+    return [
+        sanity.look(measurement(k), estimate(steering=angle), beside(error), beside(0.0))
+        for k, (error, angle) in enumerate(zip(values, angles, strict=True))
+    ]
+
+
+def sine(samples: int, period: float, size: float = 1.0) -> list[float]:
+    return [size * math.sin(2.0 * math.pi * SAMPLE * k / period) for k in range(samples)]
+
+
+@pytest.mark.parametrize("period", [1.6, 4.0, 10.0])
+def test_an_oscillation_slows_within_two_periods_and_then_ends_the_run(period: float) -> None:
+    for seen in (watched(sine(200, period, 0.3)), watched([0.0] * 200, sine(200, period, 0.3))):
+        slow = next(k for k, (_, share) in enumerate(seen) if share < 1.0)
+        assert SAMPLE * slow <= 2.0 * period + SAMPLE
+        end = next(k for k, (status, _) in enumerate(seen) if status)
+        assert seen[end][0] == Status.OSCILLATION
+        assert slow < end
+        assert SAMPLE * end <= 3.7 * period + SAMPLE
+
+
+def test_a_growing_oscillation_ends_the_run_too() -> None:
+    seen = watched([0.05 * 1.02**k * value for k, value in enumerate(sine(300, 4.0))])
+    assert seen[-1][0] == Status.OSCILLATION
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [
+        [0.1 * value for value in sine(300, 4.0)],  # below the threshold
+        [1.5 * math.exp(-k / 12.0) * value for k, value in enumerate(sine(300, 5.0))],  # dies away
+        sine(300, 20.0),  # so slow that it is the line
+        [0.3 + 0.2 * value for value in sine(300, 4.0)],  # on one side
+        np.random.default_rng(0).normal(0.0, 0.04, 300).tolist(),
+    ],
+)
+def test_what_dies_away_or_stays_small_is_no_oscillation(errors: list[float]) -> None:
+    assert {status for status, _ in watched(errors)} == {0}
+    assert min(share for _, share in watched(errors)) == 1.0
+
+
+def test_what_has_oscillated_stays_slow() -> None:
+    swung = [0.3 * value for value in sine(45, 4.0)]
+    seen = watched([*swung, *[0.0] * 200])
+    assert seen[-1] == (0, SanitySettings().swing_share)
+
+
+def test_steering_along_a_curve_is_no_swing() -> None:
+    sanity, wheelbase = Sanity(), 1.4
+    for k, curvature in enumerate(sine(200, 6.0, 0.25)):
+        angle = math.atan(wheelbase * curvature)
+        seen = sanity.look(measurement(k), estimate(steering=angle), beside(0.0, curvature), beside(0.0))
+        assert seen == (0, 1.0)
+
+
+def test_motion_backwards_is_seen_within_a_second() -> None:
+    sanity, statuses = Sanity(), []
+    for k in range(12):
+        seen = measurement(k, moved=-SAMPLE * k)
+        statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+    first = statuses.index(Status.BACKWARDS)
+    assert SAMPLE * first <= 1.0
+
+
+@pytest.mark.parametrize("jump", [-100.0, -2.0, 5.0])
+def test_a_jump_of_both_antennas_is_no_motion(jump: float) -> None:
+    sanity = Sanity()
+    for k in range(40):
+        seen = measurement(k, moved=SAMPLE * k + (jump if k > 20 else 0.0))
+        assert sanity.look(seen, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
+
+
+def test_noise_at_standstill_and_at_a_creep_is_no_motion() -> None:
+    rng = np.random.default_rng(1)
+    for speed in (0.0, 0.3):
+        sanity = Sanity()
+        for k in range(500):
+            seen = measurement(k, speed=speed, moved=SAMPLE * k * speed + float(rng.normal(0.0, 0.03)))
+            assert sanity.look(seen, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
+
+
+def test_coarse_positions_slow_and_then_end_the_run() -> None:
+    settings = SanitySettings(coarse_after=0.5, coarse_budget=5.0, coarse_share=0.4)
+    sanity, seen = Sanity(settings), []
+    for k in range(60):
+        deviation = math.nan if k <= 10 else 0.8
+        seen.append(sanity.look(measurement(k, deviation=deviation), estimate(), beside(0.0), beside(0.0)))
+    assert all(each == (0, 1.0) for each in seen[:13])
+    assert all(share == 0.4 for _, share in seen[14:])
+    assert [status for status, _ in seen].index(Status.COARSE) == 10 + 26
+    one_is_fine = replace(measurement(60, deviation=0.8), tractor_fix_deviation=0.03)
+    assert sanity.look(one_is_fine, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
+
+
+def test_a_coarse_fix_that_is_not_believed_is_none() -> None:
+    sanity = Sanity()
+    blind = replace(estimate(), tractor_fix=FixStatus.REJECTED, trailer_fix=FixStatus.MISSING)
+    for k in range(100):
+        assert sanity.look(measurement(k, deviation=0.8), blind, beside(0.0), beside(0.0)) == (0, 1.0)
+
+
+def test_a_hitch_angle_that_contradicts_is_named() -> None:
+    sanity, statuses = Sanity(), []
+    for k in range(30):
+        seen = replace(measurement(k), hitch_angle=0.3 if k > 10 else 0.0)
+        statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+    assert statuses.index(Status.HITCH) == 10 + 8
+    for k in range(100):  # for a while, or missing for good, it is no contradiction
+        angle = 0.3 if k % 6 else 0.0
+        assert not Sanity().look(replace(measurement(k), hitch_angle=angle), estimate(), beside(0.0), beside(0.0))[0]
+        missing = replace(measurement(k), hitch_angle=math.nan)
+        assert not sanity.look(replace(missing, time=100.0 + SAMPLE * k), estimate(), beside(0.0), beside(0.0))[0]
+
+
+def swapped(m: Measurement) -> Measurement:
+    return replace(m, tractor_x=m.trailer_x, tractor_y=m.trailer_y, trailer_x=m.tractor_x, trailer_y=m.tractor_y)
+
+
+def test_swapped_antennas_are_named_within_a_second() -> None:
+    with Simulation(load_configuration("articulated", ["path.radii=[8.0]"])) as simulation:
+        simulation.machine = InterceptedMachine(simulation.machine, swapped)
+        log = simulation.log()
+    assert "swapped" in log.outcome.reason
+    assert log.records[-1].measurement.time <= 1.0
+
+
+def test_a_limit_cycle_is_recognised() -> None:
+    with Simulation(
+        load_configuration(
+            "articulated",
+            ["path.radii=[8.0]", "speed=2.0", "machine.actuators.dead_time=0.2", "actuation.identify=false"],
+        )
+    ) as simulation:
+        log = simulation.log()
+    assert "swing" in log.outcome.reason
+
+
+def test_float_is_driven_through_slowly_and_near_the_line(simulate: Callable) -> None:
+    event = "machine.events=[{kind='gps_float', start=25.0, duration=20.0}]"
+    run = simulate("articulated", "path.radii=[8.0]", event)
+    for body in ("tractor", "trailer"):
+        assert np.abs(run.true_errors(body).error).max() < 0.15
+    time, speed = run.column("measurement", "time"), run.column("command", "speed")
+    assert speed[(time > 28.0) & (time < 44.0)].max() == pytest.approx(0.5)
+    assert speed[-1] == pytest.approx(1.0)
