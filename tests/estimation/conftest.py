@@ -20,6 +20,7 @@ from drawbar.estimation.description import EstimationModel
 from drawbar.estimation.settings import (
     ArticulatedEstimatorSettings,
     ScreeningSettings,
+    SlideSettings,
     SlipBounds,
     TricycleDrift,
     TricycleEstimatorSettings,
@@ -35,8 +36,10 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
 SAMPLE_TIME = 0.2
-OPEN = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, release=1e9, repetition=1e9)
+OPEN = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, release=1e9, repetition=1e9, hitch=math.pi)
 """Lets every fix pass: what the estimators themselves do is tested without it."""
+UNKNOWN_SLIDE = SlideSettings(prior=0.0)
+"""Nothing is learned beside the estimators' states: they themselves are tested."""
 DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
 
 
@@ -117,7 +120,9 @@ def estimation(name: str, **tricycle: Settings) -> EstimationModel:
         )
         return TricycleEstimation(VehicleParameters(), SensorNoise(), paper, SAMPLE_TIME)
     # nothing is believed of crab angles, nor of steering rates, of which no command tells here
-    settings = ArticulatedEstimatorSettings(model="articulated", screening=OPEN, crab=3.0, steering_rate=1.5)
+    settings = ArticulatedEstimatorSettings(
+        model="articulated", screening=OPEN, crab=3.0, steering_rate=1.5, slide=UNKNOWN_SLIDE
+    )
     return ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, SAMPLE_TIME)
 
 

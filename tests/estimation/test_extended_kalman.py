@@ -14,6 +14,7 @@ from drawbar.estimation.settings import (
     ArticulatedDrift,
     ArticulatedEstimatorSettings,
     ScreeningSettings,
+    SlideSettings,
     SlipBounds,
     TricycleDrift,
     TricycleEstimatorSettings,
@@ -29,7 +30,8 @@ VEHICLE, NOISE, SAMPLE_TIME = VehicleParameters(), SensorNoise(), 0.2
 L_T, L_I, L, D, C = 1.4, 1.3, 1.1, 0.2, 0.25
 MASKED = dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
 YAWS = {"tricycle": (2, 5), "articulated": (2, 3)}
-CREDULOUS = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, repetition=1e9)
+CREDULOUS = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, repetition=1e9, hitch=math.pi)
+UNKNOWN_SLIDE = SlideSettings(prior=0.0)
 NOTHING = MASKED | dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), math.nan)
 
 
@@ -127,6 +129,7 @@ def dense_filter(model, measurements):
 def make(name, *, still=False, **changes):
     """Return an estimation model that believes every fix; `still` without process noise."""
     changes = {"screening": CREDULOUS} | changes
+    slide = {"slide": UNKNOWN_SLIDE} if name == "articulated" else {}
     if name == "tricycle":
         drift = TricycleDrift(position=0.0, yaw=0.0, slip=0.0, hitch_angle=0.0, speed=0.0)
         tricycle = TricycleEstimatorSettings.model_validate(
@@ -135,7 +138,7 @@ def make(name, *, still=False, **changes):
         return TricycleEstimation(VEHICLE, NOISE, tricycle, SAMPLE_TIME)
     none = ArticulatedDrift(**dict.fromkeys(ArticulatedDrift.model_fields, 0.0))
     settings = ArticulatedEstimatorSettings.model_validate(
-        {"model": name} | ({"drift": none} if still else {}) | changes
+        {"model": name} | slide | ({"drift": none} if still else {}) | changes
     )
     return ArticulatedEstimation(VEHICLE, NOISE, settings, SAMPLE_TIME)
 

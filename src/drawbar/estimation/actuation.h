@@ -19,7 +19,7 @@ struct component {
     double limits[STEERED];                /* largest commands, rad */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double sample_time;                    /* s */
-    double slew;                           /* fastest change of what is planned with, per s */
+    double settling;                       /* share of a difference by which what is planned with changes in a sample */
     double dead_time, lags[STEERED];       /* what is planned with, s */
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
@@ -31,7 +31,7 @@ struct component {
     LAG_GRID_FIELDS(component, grid) LAG_BANK_FIELDS(component, banks[FRONT_WHEELS])                                   \
     LAG_BANK_FIELDS(component, banks[TRAILER_JOINT]) SETTING(component, limits, 0, STEERED, 0, 0)                      \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
-    SETTING(component, slew, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                     \
+    SETTING(component, settling, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                     \
     SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, odd, 0, 1, 0, 0)                                     \
     SETTING(component, patience, 0, 1, 0, 0)
 
@@ -39,13 +39,12 @@ struct component {
 static void approach(struct component *actuation)
 {
     const struct lag_bank *banks = actuation->banks;
-    const double most = actuation->slew * actuation->sample_time;
     const double wanted = fmax(fmax(banks[FRONT_WHEELS].dead_time - actuation->ages[FRONT_WHEELS],
                                     banks[TRAILER_JOINT].dead_time - actuation->ages[TRAILER_JOINT]), 0.0);
 
-    actuation->dead_time += clamped(wanted - actuation->dead_time, -most, most);
+    actuation->dead_time += actuation->settling * (wanted - actuation->dead_time);
     for (int i = 0; i < STEERED; ++i)
-        actuation->lags[i] += clamped(banks[i].lag - actuation->lags[i], -most, most);
+        actuation->lags[i] += actuation->settling * (banks[i].lag - actuation->lags[i]);
 }
 
 /* Whether one steering has not followed its commands for too long, whatever its dead time and its lag are. */

@@ -45,7 +45,7 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
         "limits": (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit),
         "sign": vehicle.joint_sign,
         "sample_time": sample_time,
-        "slew": settings.slew,
+        "settling": -np.expm1(-sample_time / settings.settling),
         "odd": settings.odd,
         "patience": settings.patience,
         "dead_time": _guess(vehicle, settings),

@@ -117,12 +117,14 @@ static inline double trailer_rate(const struct estimation_model *model, const do
     return mean_rate(error, model->trailer_lag, model->trailer_rate, model->sample_time);
 }
 
-/* What a command tells of the outputs until the next sample. */
+/* What a command tells of the outputs until the next sample; before any has arrived the wheels rest. */
 static inline void model_told_outputs(const struct estimation_model *model, const double *state,
                                       const struct drawbar_command *command, double *y)
 {
-    y[Y_TRACTOR_STEERING_RATE] = tractor_rate(model, state, command);
-    y[Y_TRAILER_STEERING_RATE] = trailer_rate(model, state, command);
+    const double tractor = tractor_rate(model, state, command), trailer = trailer_rate(model, state, command);
+
+    y[Y_TRACTOR_STEERING_RATE] = isfinite(tractor) ? tractor : 0.0;
+    y[Y_TRAILER_STEERING_RATE] = isfinite(trailer) ? trailer : 0.0;
 }
 
 /* What a command tells of the inputs until the next sample; one that is not finite tells nothing. */

@@ -270,5 +270,5 @@ class ActuationSettings(Settings):
     """error of a steering angle that no dead time and no lag explain: the sensor, the actuator or a driver, rad"""
     patience: Positive = 1.0
     """for how long it may last before the run ends, s"""
-    slew: Positive = 0.1
-    """fastest change of the dead time and lags that are planned with, s per s"""
+    settling: Positive = 1.0
+    """time constant with which the dead time and lags that are planned with follow what is known, s"""

@@ -62,17 +62,25 @@ static inline void slide_take(struct slide *slide, double yaw, double crab)
     if (!isfinite(error))
         return;
     for (int i = 0; i < SLIDE_TERMS; ++i) {
-        slide->value[i] = clamped(slide->value[i] + gain[i] * error / spread, -MOST_SLIDE, MOST_SLIDE);
+        slide->value[i] += gain[i] * error / spread;
         for (int j = 0; j < SLIDE_TERMS; ++j)
             slide->covariance[i][j] -= gain[i] * gain[j] / spread;
     }
+    const double size = hypot(slide->value[0], slide->value[1]), share = size > MOST_SLIDE ? MOST_SLIDE / size : 1.0;
+    slide->value[0] *= share;              /* the same in all directions of the world */
+    slide->value[1] *= share;
 }
 
-/* Let a sample pass. */
+/* Let a sample pass: what is known goes back towards the prior, so that east and north walk by `walk`. */
 static inline void slide_walk(struct slide *slide)
 {
-    for (int i = 0; i < 2; ++i)
-        slide->covariance[i][i] = fmin(slide->covariance[i][i] + slide->walk * slide->walk, slide->prior * slide->prior);
+    const double share = slide->walk / slide->prior, fresh = fmin(share * share, 1.0);
+
+    for (int i = 0; i < SLIDE_TERMS; ++i) {
+        const double deviation = i < 2 ? slide->prior : slide->constant_prior;
+        for (int j = 0; j < SLIDE_TERMS; ++j)
+            slide->covariance[i][j] += fresh * ((i == j ? deviation * deviation : 0.0) - slide->covariance[i][j]);
+    }
 }
 
 #endif
