@@ -1,11 +1,13 @@
+import csv
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drawbar.geometry import east_north, nearest_branch, wrap
+from drawbar.geometry import arm_offset, east_north, nearest_branch, wrap
 
 angles = st.floats(-1e3, 1e3)
 
@@ -65,3 +67,30 @@ def test_east_and_north_are_where_the_words_say() -> None:
     assert north[0] > 100.0
     assert north[1] == 0.0
     assert east[1] > 60.0
+
+
+_GOLDEN = Path(__file__).parents[2] / "shared" / "vectors" / "lever_arm.csv"
+
+
+@pytest.mark.skipif(not _GOLDEN.is_file(), reason="the golden lever arms are not on this machine")
+def test_arms_are_those_of_the_golden_file() -> None:
+    for row in csv.DictReader(_GOLDEN.read_text("utf-8").splitlines()):
+        value = {key: float(text) for key, text in row.items()}
+        arm = (value["arm_forward_m"], value["arm_left_m"], value["arm_up_m"])
+        east, north = arm_offset(value["yaw_rad"], value["roll_right_rad"], value["pitch_up_rad"], arm)
+        ground = value["antenna_east_m"] - east, value["antenna_north_m"] - north
+        assert ground == pytest.approx((value["ground_east_m"], value["ground_north_m"]), abs=1e-6)
+
+
+@given(angles, st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.tuples(*[st.floats(-3.0, 3.0)] * 3))
+def test_an_arm_is_turned_as_three_rotations_turn_it(
+    yaw: float, roll: float, pitch: float, arm: tuple[float, float, float]
+) -> None:
+    def about(axis: int, angle: float) -> np.ndarray:
+        turn, (i, j) = np.eye(3), ((axis + 1) % 3, (axis + 2) % 3)
+        turn[i, i] = turn[j, j] = math.cos(angle)
+        turn[i, j], turn[j, i] = -math.sin(angle), math.sin(angle)
+        return turn
+
+    expected = about(2, yaw) @ about(1, -pitch) @ about(0, roll) @ np.array(arm)
+    assert arm_offset(yaw, roll, pitch, arm) == pytest.approx(expected[:2].tolist(), abs=1e-9)

@@ -18,6 +18,24 @@ def nearest_branch(angle: float, target: float) -> float:
     return angle + 2.0 * math.pi * round((target - angle) / (2.0 * math.pi))
 
 
+def arm_offset(yaw: float, roll: float, pitch: float, arm: tuple[float, float, float]) -> tuple[float, float]:
+    """Return how far east and north of a body's point something on an arm stands, m.
+
+    The body's axes are forward, left, up; it is turned by R = Rz(yaw) Ry(-pitch) Rx(roll).
+
+    Args:
+        yaw: rad.
+        roll: right side down positive, rad.
+        pitch: nose up positive, rad.
+        arm: forward, left and up of the point in the body's axes, m.
+    """
+    forward, left, up = arm
+    raised = left * math.sin(roll) + up * math.cos(roll)
+    ahead = forward * math.cos(pitch) - raised * math.sin(pitch)
+    beside = left * math.cos(roll) - up * math.sin(roll)
+    return ahead * math.cos(yaw) - beside * math.sin(yaw), ahead * math.sin(yaw) + beside * math.cos(yaw)
+
+
 def east_north(latitude: Floats, longitude: Floats, origin: tuple[float, float]) -> tuple[Floats, Floats]:
     """Project WGS84 degrees onto the local tangent plane at origin (latitude, longitude in degrees).
 

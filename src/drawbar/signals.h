@@ -29,7 +29,7 @@ struct drawbar_body_reference {
 /* One nominal controller's answer. */
 struct drawbar_body_plan {
     double steering;                    /* nominal steering to apply now, rad */
-    const double (*poses)[3];           /* (N + 1) predicted x (m), y (m), yaw (rad) of the antenna */
+    const double (*poses)[3];           /* (N + 1) predicted x (m), y (m), yaw (rad) of the body's point */
     const double *steerings;            /* (N) planned steering, rad */
     const double *deviation;            /* (deviations) x^ - x- in the error coordinates of this body's
                                          * controller; empty where there is no nominal state */

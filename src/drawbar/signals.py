@@ -3,7 +3,9 @@
 Each signal is declared here alone: `exchange.py` prints the C structures, enumerations and texts from these
 declarations (`drawbar_signals.h`, `signals.h`) and moves values between the two languages.
 
-Positions are those of the two antennas; yaw is continuous along a run. A missing value is NaN.
+Measured positions are those of the two antennas. Estimates, plans and the truth speak of one point on the ground for
+each body: the middle of the tractor's rear axle, and the trailer's tracked point, `vehicle.trailer_antenna` ahead of
+its axle. Yaw is continuous along a run. A missing value is NaN.
 """
 
 import math
@@ -214,13 +216,13 @@ class Measurement:
     tractor_roll: Radians = math.nan
     """right side down positive"""
     tractor_pitch: Radians = math.nan
-    """front down positive"""
+    """nose up positive"""
     tractor_yaw_rate: RadiansPerSecond = math.nan
     """counter-clockwise positive"""
     trailer_roll: Radians = math.nan
     """right side down positive"""
     trailer_pitch: Radians = math.nan
-    """front down positive"""
+    """nose up positive"""
     trailer_yaw_rate: RadiansPerSecond = math.nan
     """counter-clockwise positive"""
     tractor_fix_age: Seconds = 0.0
@@ -245,7 +247,7 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """Position and continuous yaw of one body's antenna."""
+    """Position on the ground and continuous yaw of one body's point."""
 
     x: Metres
     y: Metres
@@ -271,9 +273,9 @@ class Estimate:
     time: Seconds
     """of the measurement"""
     tractor: Pose
-    """of the tractor's antenna"""
+    """of the middle of its rear axle, on the ground"""
     trailer: Pose
-    """of the trailer's antenna"""
+    """of its tracked point, on the ground"""
     hitch_angle: Radians
     """beta"""
     speed: MetresPerSecond
@@ -331,7 +333,7 @@ class BodyPlan:
     steering: Radians
     """nominal steering to apply now"""
     poses: Annotated[Floats, Array(columns=3, rows="N + 1")]
-    """predicted x (m), y (m), yaw (rad) of the antenna"""
+    """predicted x (m), y (m), yaw (rad) of the body's point"""
     steerings: Annotated[Floats, Array(columns=0, rows="N")]
     """planned steering, rad"""
     deviation: Annotated[Floats, Array(columns=0, rows="deviations", counted=True)] = field(
@@ -389,6 +391,14 @@ class Truth:
     """alpha_r, rad"""
     trailer_crab: float
     """alpha_i, rad"""
+    tractor_roll: float = 0.0
+    """right side down positive, rad"""
+    tractor_pitch: float = 0.0
+    """nose up positive, rad"""
+    trailer_roll: float = 0.0
+    """right side down positive, rad"""
+    trailer_pitch: float = 0.0
+    """nose up positive, rad"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,16 +14,32 @@ struct component {
     struct filter filter;
     struct estimation_model model;
     struct screening screening;
+    double usual[4];                       /* deviations of the positions among the filter's outputs */
     int32_t predicted;                     /* outcome of the last prediction, enum qp_status */
 };
 
 #define COMPONENT_FIELDS FILTER_FIELDS(component, filter.) MODEL_FIELDS(component, model.) SCREENING_FIELDS(component, screening.)
+
+static const int fix_output[4] = {Y_TRACTOR_X, Y_TRACTOR_Y, Y_TRAILER_X, Y_TRAILER_Y};
+
+/* Let the fixes of a measurement count by their deviations. */
+static void weigh(struct component *component, const struct drawbar_measurement *measurement)
+{
+    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+
+    for (int i = 0; i < 4; ++i) {
+        const double ratio = told[i / 2] > 0.0 ? told[i / 2] / component->screening.deviation : 1.0;
+        component->filter.noise[fix_output[i]] = component->usual[i] * ratio;
+    }
+}
 
 /* Start from the first measurement; BAD_INPUT where it lacks a position. */
 int UNIT(begin)(struct component *component, const struct drawbar_measurement *first)
 {
     filter_constants(&component->filter);
     filter_forget(&component->filter);
+    for (int i = 0; i < 4; ++i)
+        component->usual[i] = component->filter.noise[fix_output[i]];
     return model_first_guess(&component->model, first, component->filter.x[0]) ? SOLVED : BAD_INPUT;
 }
 
@@ -40,6 +56,13 @@ static void screen(struct component *component, const struct drawbar_measurement
     }
 }
 
+/* The estimate that is expected at the next measurement, before there is one. Of its time it knows nothing. */
+int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
+{
+    model_estimate(&component->model, component->filter.x[0], &nothing_measured, component->predicted, estimate);
+    return SOLVED;
+}
+
 /* The estimate at the measurement's time; returns its status.
  *
  * When the result is not finite the estimate is the prediction, and its status says so; a failure of the prediction
@@ -53,6 +76,7 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     (void)work;
     screen(component, measurement, &seen);
     model_outputs(&component->model, &seen.measurement, y);
+    weigh(component, &seen.measurement);
     const int corrected = filter_update(&component->filter, y), status = corrected == SOLVED ? component->predicted : corrected;
     model_estimate(&component->model, component->filter.x[0], &seen.measurement, status, estimate);
     screened_mark(&seen, estimate);

@@ -19,6 +19,12 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
     return SOLVED;
 }
 
+int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
+{
+    *estimate = component->given;
+    return SOLVED;
+}
+
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement,
                  struct drawbar_estimate *estimate, void *work)
 {

@@ -6,6 +6,7 @@
 #ifndef DRAWBAR_MOVING_HORIZON_H
 #define DRAWBAR_MOVING_HORIZON_H
 
+#include "fix_weights.h"
 #include "screening.h"
 #include "unit.h"
 #include "window.h"
@@ -15,6 +16,7 @@ struct component {
     struct window window;
     struct estimation_model model;
     struct screening screening;
+    struct fix_weights weights;
     struct screened seen;                  /* the newest measurement */
     int32_t prepared;                      /* outcome of the last preparation, enum qp_status */
 };
@@ -34,6 +36,7 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
 
     if (!model_first_guess(&component->model, first, guess))
         return BAD_INPUT;
+    fix_weights_reset(&component->weights, &component->rti);
     return component->prepared = window_restart(&component->window, &component->rti, guess);
 }
 
@@ -42,8 +45,10 @@ static void overrule(struct component *component, const struct drawbar_measureme
 {
     double guess[NX];
 
-    if (model_new_guess(&component->model, measurement, newest_state(component), guess))
+    if (model_new_guess(&component->model, measurement, newest_state(component), guess)) {
+        fix_weights_reset(&component->weights, &component->rti);
         component->prepared = window_restart(&component->window, &component->rti, guess);
+    }
 }
 
 /* Forget the fixes of an antenna that has just turned out to be wrong, as far back as the disagreement was averaged. */
@@ -70,6 +75,15 @@ static void take_in(struct component *component, const struct drawbar_measuremen
     if (component->seen.exposed != NEITHER)
         disbelieve(component, component->seen.exposed);
     model_outputs(&component->model, &component->seen.measurement, component->rti.y[component->window.newest]);
+    fix_weights_set(&component->weights, &component->rti, component->window.newest, &component->seen.measurement,
+                    component->screening.deviation);
+}
+
+/* The estimate that is expected at the next measurement, before there is one. Of its time it knows nothing. */
+int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
+{
+    model_estimate(&component->model, newest_state(component), &nothing_measured, component->prepared, estimate);
+    return SOLVED;
 }
 
 /* The estimate at the measurement's time, which is the window's newest stage. When the solver failed it is the
@@ -92,7 +106,10 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
     if (acting != NULL)
         model_told_outputs(&component->model, newest_state(component), acting,
                            component->rti.y[component->window.newest]);
+    const int full = component->window.newest == N;
     WATCHED(WATCHED_SLIDE, window_slide(&component->window, &component->rti));
+    if (full)
+        fix_weights_slide(&component->weights, &component->rti);
     WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
 }
@@ -100,13 +117,7 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
 /* Let a sample pass in which nothing was measured: its stage is what was predicted. */
 int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
-    static const struct drawbar_measurement nothing = {
-        .tractor_x = (double)NAN, .tractor_y = (double)NAN, .trailer_x = (double)NAN, .trailer_y = (double)NAN,
-        .hitch_angle = (double)NAN, .speed = (double)NAN, .tractor_steering = (double)NAN,
-        .trailer_steering = (double)NAN
-    };
-
-    model_outputs(&component->model, &nothing, component->rti.y[component->window.newest]);
+    model_outputs(&component->model, &nothing_measured, component->rti.y[component->window.newest]);
     return UNIT(ready)(component, acting);
 }
 

@@ -12,6 +12,8 @@
 #include "suspicion.h"
 #include "trust.h"
 
+#define COARSE 3.0                         /* usual deviations; with more a fix vouches for nothing and accuses no one */
+
 /* What is remembered of one receiver. */
 struct receiver {
     double fix[2], expected[2];            /* what it reports; where the antenna was expected when it first did, m */
@@ -99,18 +101,21 @@ static inline void screening_compare(struct screening *s, double *offsets, const
         suspicion_forget(&s->suspicion);
 }
 
-/* Find which fixes lie outside their gates, and who is suspect. */
+/* Find which fixes lie outside their gates, and who is suspect.
+ *
+ * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other. */
 static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
-                                  int both, int *outside)
+                                  const double *told, int both, int *outside)
 {
     const double deviation = fmax(noise_deviation(&s->noise), s->deviation);
     double offsets[4], rooms[2];
 
     antenna_offsets(fixes, expected, offsets);
     screening_rooms(s, time, rooms);
-    for (int i = 0; i < 2; ++i)
-        outside[i] = !(fabs(offsets[2 * i + 1]) <= s->lateral * deviation + rooms[i]
-                       && fabs(offsets[2 * i]) <= s->longitudinal + rooms[i]);
+    for (int i = 0; i < 2; ++i) {
+        const double lateral = s->lateral * fmax(deviation, told[i]), longitudinal = fmax(s->longitudinal, s->lateral * told[i]);
+        outside[i] = !(fabs(offsets[2 * i + 1]) <= lateral + rooms[i] && fabs(offsets[2 * i]) <= longitudinal + rooms[i]);
+    }
     if (both) {
         screening_compare(s, offsets, outside, deviation, fmax(rooms[0], rooms[1]));
     } else {
@@ -178,12 +183,14 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 {
     const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
                             measurement->trailer_y};
+    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    const int fine = !(fmax(told[0], told[1]) > COARSE * s->deviation);
     const double error = antenna_length_error(fixes, expected);
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
-    const int both = screening_receive(s, fixes, expected, screened->fixes);
-    screening_gate(s, measurement->time, fixes, expected, both, outside);
+    const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
+    screening_gate(s, measurement->time, fixes, expected, told, both, outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
     const int agreeing = both && screening_plausible(s, error);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);

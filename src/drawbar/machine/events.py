@@ -79,7 +79,22 @@ class GpsJump(_Event):
     """shift, m"""
 
 
-Event = Annotated[SlipStep | SideSlope | Bump | GpsLoss | GpsJump, Field(discriminator="kind")]
+class GpsFloat(_Event):
+    """RTK without resolved ambiguities: fixes are noisier for a while."""
+
+    kind: Literal["gps_float"] = "gps_float"
+    duration: Positive
+    """s"""
+    antenna: Antenna = "both"
+    deviation: Positive = 0.3
+    """of each coordinate, in place of the usual noise, m"""
+    correlation: NonNegative = 0.0
+    """time constant of that noise; 0: white, s"""
+    honest: bool = True
+    """the receiver reports float and the deviation; else it goes on as before"""
+
+
+Event = Annotated[SlipStep | SideSlope | Bump | GpsLoss | GpsJump | GpsFloat, Field(discriminator="kind")]
 
 
 def active(times: Floats, start: float, duration: float = np.inf) -> NDArray[np.bool_]:

@@ -56,7 +56,8 @@ def plant_step() -> ca.Function:
 def _rates(vehicle: VehicleParameters, settings: SimulatedMachineSettings, constants: ca.SX) -> ca.Function:
     """Return the right-hand side f(state (11,), command (3,), effect (8,), constants (c,)) -> d state/dt (11,)."""
     state, command, effect = ca.SX.sym("x", STATES), ca.SX.sym("u", COMMANDS), ca.SX.sym("w", EFFECTS)
-    actuators, lag = settings.actuators, vehicle.steering_lag
+    actuators = settings.actuators
+    lag = actuators.lag_factor * vehicle.steering_lag
     wheels_rate = steering_rate(state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop)
     joint_rate = steering_rate(state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
     speed, wheel_angle = effect[0] * state[6], effect[1] * state[5] + effect[2]

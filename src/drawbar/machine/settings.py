@@ -7,7 +7,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
-from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings
+from drawbar.settings import Angle, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -15,7 +15,7 @@ _NOISE = SensorNoise()
 
 
 class ActuatorSettings(Settings):
-    """The two PI-controlled steering cylinders; their lag is `VehicleParameters.steering_lag`."""
+    """The two PI-controlled steering cylinders."""
 
     tractor_rate: PositiveAngle = math.radians(25.0)
     """largest |delta_t'|, rad/s"""
@@ -27,6 +27,8 @@ class ActuatorSettings(Settings):
     """mechanical stop of the actuated joint, rad"""
     dead_time: NonNegative = 0.0
     """between a command and the first reaction of any actuator, a multiple of the integration step, s"""
+    lag_factor: Positive = 1.0
+    """true lag of both cylinders per the one that `vehicle.steering_lag` states"""
 
 
 class PidGains(Settings):
@@ -110,6 +112,117 @@ class SensorSettings(Settings):
     """of both steering angles, before they are rounded, rad"""
     steering_resolution: PositiveAngle = math.radians(1.0)
     """both steering angles are rounded to multiples of this, rad"""
+    quality: bool = False
+    """the receivers say how they found a fix and how far off it may be"""
+
+
+class TerrainSettings(Settings):
+    """The ground's height, see machine/terrain.py; the defaults are a plane without slope."""
+
+    slope: Annotated[NonNegativeAngle, Field(lt=0.5)] = 0.0
+    """rad"""
+    downhill: Angle = -0.5 * math.pi
+    """where the slope falls to, counter-clockwise from east, rad"""
+    creep: Annotated[float, Field(ge=0.0, le=2.0)] = 0.0
+    """side-slip of every axle per angle of the slope across it, 1; soft ground: 0.36"""
+    unevenness: NonNegative = 0.0
+    """standard deviation of the height about the slope, m"""
+    shortest: Positive = 2.0
+    """wavelengths of the unevenness, whose power is spread evenly from this one, m"""
+    longest: Positive = 20.0
+    """to this one, m"""
+
+    @model_validator(mode="after")
+    def _wavelengths_in_order(self) -> Self:
+        if not self.shortest <= self.longest:
+            raise ValueError(
+                f"shortest = {self.shortest} m must not be above longest = {self.longest} m; exchange them"
+            )
+        return self
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether both bodies always stand level."""
+        return self.slope == 0.0 and self.unevenness == 0.0
+
+
+class BodySettings(Settings):
+    """How both bodies stand on the ground, see machine/attitude.py."""
+
+    tractor_track: Positive = 1.2
+    """between the wheels of the rear axle, m"""
+    trailer_track: Positive = 1.2
+    """between the trailer's wheels, m"""
+    tractor_suspension: Positive = 0.1
+    """time constant with which roll and pitch follow the ground, s"""
+    trailer_suspension: Positive = 0.1
+    """time constant with which roll and pitch follow the ground, s"""
+
+
+class MastError(Settings):
+    """How far an antenna truly stands from where `vehicle.masts` says, along its body's axes."""
+
+    forward: float = 0.0
+    """m"""
+    left: float = 0.0
+    """m"""
+    up: float = 0.0
+    """m"""
+
+
+class MastErrors(Settings):
+    """How far both antennas truly stand from where `vehicle.masts` says."""
+
+    tractor: MastError = MastError()
+    trailer: MastError = MastError()
+
+
+class AttitudeSensorSettings(Settings):
+    """The attitude sensor of one body: roll, pitch, yaw rate."""
+
+    present: bool = False
+    """without it all three are missing"""
+    noise: NonNegativeAngle = math.radians(0.3)
+    """white part of roll and pitch, standard deviation, rad"""
+    roll_bias: Angle = 0.0
+    """constant part of the roll: the sensor is mounted askew, rad"""
+    pitch_bias: Angle = 0.0
+    """constant part of the pitch, rad"""
+    yaw_rate_noise: NonNegativeAngle = math.radians(0.3)
+    """white part of the yaw rate, standard deviation, rad/s"""
+    yaw_rate_bias: Angle = 0.0
+    """constant part of the yaw rate, rad/s"""
+
+
+class AttitudeSensors(Settings):
+    """The attitude sensors of both bodies."""
+
+    tractor: AttitudeSensorSettings = AttitudeSensorSettings()
+    trailer: AttitudeSensorSettings = AttitudeSensorSettings()
+
+
+class Delay(Settings):
+    """How old what a sensor reports is."""
+
+    latency: Annotated[NonNegative, Field(le=1.0)] = 0.0
+    """constant part, s"""
+    jitter: Annotated[NonNegative, Field(le=0.5)] = 0.0
+    """standard deviation of what comes on top, never below an age of zero, s"""
+
+
+class DelaySettings(Settings):
+    """How old what the sensors report is."""
+
+    fix: Delay = Delay()
+    """of both positions"""
+    hitch_angle: Delay = Delay()
+    speed: Delay = Delay()
+    steering: Delay = Delay()
+    """of both steering angles"""
+    attitude: Delay = Delay()
+    """of both bodies' roll, pitch and yaw rate"""
+    told: bool = True
+    """the measurement says how old its values are"""
 
 
 class LengthFactors(Settings):
@@ -150,6 +263,11 @@ class SimulatedMachineSettings(Settings):
     lengths: LengthFactors = LengthFactors()
     ground: GroundSettings = GroundSettings()
     sensors: SensorSettings = SensorSettings()
+    terrain: TerrainSettings = TerrainSettings()
+    bodies: BodySettings = BodySettings()
+    masts: MastErrors = MastErrors()
+    attitude: AttitudeSensors = AttitudeSensors()
+    delays: DelaySettings = DelaySettings()
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
 
     @model_validator(mode="after")

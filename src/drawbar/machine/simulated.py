@@ -2,18 +2,27 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from drawbar.codegen import CompiledRecurrence
 from drawbar.errors import ConfigurationError, HardwareError
-from drawbar.geometry import Floats
+from drawbar.geometry import Floats, arm_offset
+from drawbar.machine.attitude import ANGLES, Attitude
 from drawbar.machine.base import Machine
+from drawbar.machine.floating import Floating
 from drawbar.machine.ground import Ground
+from drawbar.machine.history import History, Moment
 from drawbar.machine.plant import COMMANDS, EFFECTS, plant_constants, plant_step
 from drawbar.machine.sensing import Sensing
-from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
-from drawbar.signals import Command, Measurement, Pose, Truth
+from drawbar.machine.settings import (
+    AttitudeSensorSettings,
+    SimulatedMachineSettings,
+    whole_steps,
+)
+from drawbar.machine.terrain import Terrain
+from drawbar.signals import Command, FixQuality, Measurement, Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
 _BLOCK = 64
@@ -66,9 +75,21 @@ class SimulatedMachine(Machine):
         self._unknown = unknown
         self._sample = 0
         self._fix = [math.nan] * 4
+        self._settle(seed)
         self._newest = (0.0, 0.0, 0.0)
         self._begun = False
         self._draw()
+
+    def _settle(self, seed: int) -> None:
+        """Let the machine stand on its ground. The randomness of all this is apart from what was there before it."""
+        settings, first = self._settings, np.array(self._state)
+        terrain_rng, history_rng, self._attitude_rng, floating_rng = (
+            np.random.default_rng((seed, stream)) for stream in range(1, 5)
+        )
+        self._terrain = Terrain(settings.terrain, terrain_rng)
+        self._attitude = Attitude(self._vehicle, settings.bodies, self._terrain, settings.step, first)
+        self._history = History(settings.step, np.concatenate((first, self._attitude.angles)), history_rng)
+        self._floating = Floating(settings.events, self._sample_time, floating_rng)
 
     def read(self) -> Measurement:
         """Let one sample period pass under the newest command, and return what the sensors report then.
@@ -102,19 +123,35 @@ class SimulatedMachine(Machine):
         self._commands[-self._steps :] = self._newest
         self._inputs[:, :COMMANDS] = self._commands[: self._steps]
         self._inputs[:, COMMANDS:] = self._effects[self._sample % _BLOCK]
+        self._inputs[:, COMMANDS + 2 : COMMANDS + 5] += self._creep()
         if self._unknown is not None:
             self._inputs[:, COMMANDS : COMMANDS + 5] += self._unknown()
         self._plant()
         self._state[:] = self._states[-1]
+        self._remember()
         self._sample += 1
         if self._sample % _BLOCK == 0:
             self._draw()
 
+    def _creep(self) -> tuple[float, float, float]:
+        """Return what the slope adds to b, alpha_r and alpha_i now, rad."""
+        creep, across = self._settings.terrain.creep, self._terrain.across
+        tractor, trailer = creep * across(self._state[2]), creep * across(self._state[3])
+        return tractor, tractor, trailer
+
+    def _remember(self) -> None:
+        """Let the bodies settle on the ground, and keep all that sensors may report late."""
+        states, flat = np.array(self._states), self._settings.terrain.is_flat
+        angles = np.zeros((len(states), ANGLES)) if flat else self._attitude.advance(states)
+        self._history.append(np.hstack((states, angles)))
+
     def truth(self) -> Truth:
         """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""
         x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
-        mu, kappa, offset, tractor_crab, trailer_crab, *_ = self._effects[self._sample % _BLOCK, 0].tolist()
-        trailer_x, trailer_y = _trailer_antenna(self._vehicle, x, y, yaw, trailer_yaw, joint)
+        mu, kappa, *slides = self._effects[self._sample % _BLOCK, 0, :5].tolist()
+        offset, tractor_crab, trailer_crab = map(sum, zip(slides, self._creep(), strict=True))
+        tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = self._attitude.angles.tolist()
+        trailer_x, trailer_y = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
         return Truth(
             time=self._sample * self._sample_time,
             tractor=Pose(x=x, y=y, yaw=yaw),
@@ -127,30 +164,79 @@ class SimulatedMachine(Machine):
             steering_offset=offset,
             tractor_crab=tractor_crab,
             trailer_crab=trailer_crab,
+            tractor_roll=tractor_roll,
+            tractor_pitch=tractor_pitch,
+            trailer_roll=trailer_roll,
+            trailer_pitch=trailer_pitch,
         )
 
     def _sense(self) -> Measurement:
         """Look at the world through the sensors."""
-        row = self._sample % _BLOCK
-        x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
-        errors = self._errors[row].tolist()
-        antennas = (x, y, *_trailer_antenna(self._vehicle, x, y, yaw, trailer_yaw, joint))
-        self._fix = [
-            last if held else true + error
-            for last, held, true, error in zip(self._fix, self._held[row], antennas, errors, strict=False)
-        ]
-        resolution = self._settings.sensors.steering_resolution
+        settings, errors = self._settings, self._errors[self._sample % _BLOCK].tolist()
+        delays, resolution = settings.delays, settings.sensors.steering_resolution
+        fixes = self._find(errors)
+        hitch, speed, steering = map(self._history.seen, (delays.hitch_angle, delays.speed, delays.steering))
+        told = delays.told
         return Measurement(
             time=self._sample * self._sample_time,
-            tractor_x=self._fix[0],
-            tractor_y=self._fix[1],
-            trailer_x=self._fix[2],
-            trailer_y=self._fix[3],
-            hitch_angle=yaw - trailer_yaw - joint + errors[4],
-            speed=speed + errors[5],
-            tractor_steering=_rounded(steering + errors[6], resolution),
-            trailer_steering=_rounded(joint + errors[7], resolution),
+            hitch_angle=hitch.yaw - hitch.trailer_yaw - hitch.joint + errors[4],
+            speed=speed.speed + errors[5],
+            tractor_steering=_rounded(steering.steering + errors[6], resolution),
+            trailer_steering=_rounded(steering.joint + errors[7], resolution),
+            hitch_angle_age=told * hitch.age,
+            speed_age=told * speed.age,
+            tractor_steering_age=told * steering.age,
+            trailer_steering_age=told * steering.age,
+            **fixes,
+            **self._balance("tractor", settings.attitude.tractor),
+            **self._balance("trailer", settings.attitude.trailer),
         )
+
+    def _find(self, errors: list[float]) -> dict[str, Any]:
+        """Return what both receivers report: position, age, deviation, quality."""
+        delays, sensors = self._settings.delays, self._settings.sensors
+        seen = [self._history.seen(delays.fix) for _ in range(2)]
+        true = [*self._antenna("tractor", seen[0]), *self._antenna("trailer", seen[1])]
+        floating, deviations = (each.tolist() for each in self._floating.sample(self._sample * self._sample_time))
+        for i, held in enumerate(self._held[self._sample % _BLOCK]):
+            error = errors[i] if math.isnan(floating[i] + errors[i]) else floating[i]
+            self._fix[i] = self._fix[i] if held else true[i] + error
+        report: dict[str, Any] = {}
+        for i, body in enumerate(("tractor", "trailer")):
+            report[f"{body}_x"], report[f"{body}_y"] = self._fix[2 * i : 2 * i + 2]
+            report[f"{body}_fix_age"] = delays.told * seen[i].age
+            in_float = not math.isnan(deviations[2 * i])
+            if in_float or sensors.quality:
+                report[f"{body}_fix_quality"] = FixQuality.FLOAT if in_float else FixQuality.FIXED
+                report[f"{body}_fix_deviation"] = deviations[2 * i] if in_float else sensors.position
+        return report
+
+    def _antenna(self, body: str, seen: Moment) -> tuple[float, float]:
+        """Return where a body's antenna truly was, m."""
+        stated, wrong = getattr(self._vehicle.masts, body), getattr(self._settings.masts, body)
+        arm = (stated.forward + wrong.forward, stated.left + wrong.left, stated.up + wrong.up)
+        if body == "tractor":
+            point, angles = (seen.x, seen.y), (seen.yaw, seen.tractor_roll, seen.tractor_pitch)
+        else:
+            point = _trailer_point(self._vehicle, seen.x, seen.y, seen.yaw, seen.trailer_yaw, seen.joint)
+            angles = seen.trailer_yaw, seen.trailer_roll, seen.trailer_pitch
+        east, north = arm_offset(*angles, arm)
+        return point[0] + east, point[1] + north
+
+    def _balance(self, body: str, sensor: AttitudeSensorSettings) -> dict[str, Any]:
+        """Return what a body's attitude sensor reports; nothing where there is none."""
+        if not sensor.present:
+            return {}
+        delays = self._settings.delays
+        seen, noise = self._history.seen(delays.attitude), self._attitude_rng.standard_normal(3).tolist()
+        return {
+            f"{body}_roll": getattr(seen, f"{body}_roll") + sensor.roll_bias + sensor.noise * noise[0],
+            f"{body}_pitch": getattr(seen, f"{body}_pitch") + sensor.pitch_bias + sensor.noise * noise[1],
+            f"{body}_yaw_rate": getattr(seen, f"{body}_yaw_rate")
+            + sensor.yaw_rate_bias
+            + sensor.yaw_rate_noise * noise[2],
+            f"{body}_attitude_age": delays.told * seen.age,
+        }
 
     def _draw(self) -> None:
         """Draw the randomness of the next block of samples, always as much and in the same order."""
@@ -180,10 +266,10 @@ def _within(name: str, value: float, limit: float, unit: str) -> None:
         )
 
 
-def _trailer_antenna(
+def _trailer_point(
     vehicle: VehicleParameters, x: float, y: float, theta: float, psi: float, joint: float
 ) -> tuple[float, float]:
-    """Return the position of the trailer's antenna, m; joint = phi - psi."""
+    """Return the position of the trailer's tracked point, m; joint = phi - psi."""
     phi, length = psi + joint, vehicle.trailer_length - vehicle.trailer_antenna
     a, d = vehicle.free_joint_offset, vehicle.drawbar_length
     return (

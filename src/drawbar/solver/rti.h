@@ -62,6 +62,12 @@ static int rti_note_missing(struct rti *s)
     return changed;
 }
 
+/* Weights have changed: let the next feedback make the Hessian anew. */
+static inline void rti_reweighted(struct rti *s)
+{
+    s->missing[0][0] = 2;                  /* neither missing nor there, so that something has changed */
+}
+
 static void rti_hessian(struct rti *s)
 {
 #if FREE_INITIAL

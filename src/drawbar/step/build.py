@@ -20,6 +20,7 @@ from drawbar.control.settings import (
 )
 from drawbar.control.tricycle import tricycle_tractor_unit, tricycle_trailer_unit
 from drawbar.control.tube.tube import Tubes, tubes_of
+from drawbar.estimation.alignment import alignment_unit
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.dead_time import dead_time_unit
 from drawbar.estimation.description import EstimationModel
@@ -75,6 +76,7 @@ def units_of(configuration: Configuration) -> list[Unit]:
     vehicle, tubes = configuration.vehicle, build_tubes(configuration)
     predictor = _predictor(configuration)
     return [
+        alignment_unit(vehicle, configuration.sensors),
         _estimator(configuration),
         _guidance(configuration),
         *([predictor] if predictor else []),

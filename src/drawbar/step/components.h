@@ -25,8 +25,16 @@
 
 struct component;                          /* another one in each unit */
 
+int drawbar_alignment_initialise(struct component *component);
+int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
+                            struct drawbar_measurement *aligned);
+int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
+                            const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
+                            struct drawbar_measurement *aligned);
+
 int drawbar_estimator_initialise(struct component *component);
 int drawbar_estimator_begin(struct component *component, const struct drawbar_measurement *first);
+int drawbar_estimator_expected(struct component *component, struct drawbar_estimate *estimate);
 int drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
                              struct drawbar_estimate *estimate, void *work);
 int drawbar_estimator_ready(struct component *component, const struct drawbar_command *acting);
@@ -135,6 +143,7 @@ struct autopilot {
     struct decisions made;
     struct drawbar_command acting;         /* the command that acts until the next measurement */
     struct drawbar_diagnostics diagnostics;
+    MEMORY(alignment, DRAWBAR_ALIGNMENT_SIZE);
     MEMORY(estimator, DRAWBAR_ESTIMATOR_SIZE);
     MEMORY(guidance, DRAWBAR_GUIDANCE_SIZE);
 #ifdef DRAWBAR_DEAD_TIME

@@ -37,6 +37,7 @@ static void initialise_controllers(struct autopilot *a)
 
 static void initialise_components(struct autopilot *a)
 {
+    drawbar_alignment_initialise(COMPONENT(a->alignment));
     drawbar_estimator_initialise(COMPONENT(a->estimator));
     drawbar_guidance_initialise(COMPONENT(a->guidance));
     drawbar_tractor_law_initialise(COMPONENT(a->tractor_law));
@@ -49,19 +50,23 @@ static void initialise_components(struct autopilot *a)
 }
 
 /* Let all start from the first measurement. Until it is complete the vehicle stands. */
-static int begin_run(struct autopilot *a, const struct drawbar_measurement *first)
+static int begin_run(struct autopilot *a, const struct drawbar_measurement *reported)
 {
+    struct drawbar_measurement first;
     double start[4];
 
-    path_sample(&a->path, a->start, start);
-    a->diagnostics.start_distance = hypot(first->tractor_x - start[0], first->tractor_y - start[1]);
     initialise_components(a);
-    if (drawbar_estimator_begin(COMPONENT(a->estimator), first) == BAD_INPUT)
+    drawbar_alignment_begin(COMPONENT(a->alignment), reported, &first);
+    path_sample(&a->path, a->start, start);
+    a->diagnostics.start_distance = hypot(first.tractor_x - start[0], first.tractor_y - start[1]);
+    if (drawbar_estimator_begin(COMPONENT(a->estimator), &first) == BAD_INPUT)
         return DRAWBAR_POSITION;
-    a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, first);
+    a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, &first);
     if (a->diagnostics.guidance != DRAWBAR_GUIDANCE_FINE)
         return DRAWBAR_START;
-    drawbar_gate_begin(COMPONENT(a->gate), first);
+    drawbar_gate_begin(COMPONENT(a->gate), &first);
+    drawbar_estimator_expected(COMPONENT(a->estimator), &a->made.estimate);
+    a->made.estimate.time = first.time;
     pace_begin(a);
     a->begun = 1;
     return DRAWBAR_OK;
@@ -189,10 +194,13 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
 {
     struct decisions *made = &a->made;
     struct drawbar_diagnostics *d = &a->diagnostics;
-    struct drawbar_estimate ahead;
+    struct drawbar_measurement aligned;
+    struct drawbar_estimate expected, ahead;
 
+    drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
+    drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
-          drawbar_estimator_update(COMPONENT(a->estimator), measurement, &made->estimate, a->work));
+          drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, a->work));
     d->estimator = made->estimate.status;
     a->reached = WITH_ESTIMATE;
     look_ahead(a, &ahead);

@@ -112,7 +112,7 @@ DRAWBAR_API int32_t drawbar_record_size(void)
 DRAWBAR_API int drawbar_host(struct drawbar_state *state, double *const *memory, const struct step_settings *settings)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const size_t first = offsetof(struct autopilot, estimator), last = offsetof(struct autopilot, work);
+    const size_t first = offsetof(struct autopilot, alignment), last = offsetof(struct autopilot, work);
 
     memcpy((char *)a + first, memory, last + sizeof a->work - first);
     a->settings = *settings;

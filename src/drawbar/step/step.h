@@ -32,7 +32,7 @@ static void forget(struct autopilot *a)
 {
 #ifdef DRAWBAR_HOSTED
     memset(a, 0, offsetof(struct autopilot, settings));
-    memset(&a->path, 0, offsetof(struct autopilot, estimator) - offsetof(struct autopilot, path));
+    memset(&a->path, 0, offsetof(struct autopilot, alignment) - offsetof(struct autopilot, path));
 #else
     memset(a, 0, sizeof *a);
     a->settings = (struct step_settings)DRAWBAR_STEP_SETTINGS;

@@ -5,10 +5,39 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
+from drawbar.settings import Angle, NonNegative, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
+
+
+class Mast(Settings):
+    """Where an antenna stands, from its body's point on the ground, along the body's axes."""
+
+    forward: float = 0.0
+    """m"""
+    left: float = 0.0
+    """m"""
+    up: NonNegative = 0.0
+    """height above the ground; 0: it is not known, and roll and pitch are not corrected for, m"""
+    roll_offset: Angle = 0.0
+    """what the body's attitude sensor shows as roll while the body stands level, rad"""
+    pitch_offset: Angle = 0.0
+    """what it shows as pitch, rad"""
+
+    @property
+    def arm(self) -> tuple[float, float, float]:
+        """Forward, left, up, m."""
+        return self.forward, self.left, self.up
+
+
+class Masts(Settings):
+    """Where both antennas stand."""
+
+    tractor: Mast = Mast()
+    """from the middle of the rear axle"""
+    trailer: Mast = Mast()
+    """from the tracked point, `vehicle.trailer_antenna` ahead of the axle"""
 
 
 class VehicleParameters(Settings):
@@ -23,7 +52,8 @@ class VehicleParameters(Settings):
     trailer_length: Positive = 1.3
     """L_i, RJ2 to the trailer axle, m"""
     trailer_antenna: NonNegative = 0.25
-    """c, trailer antenna ahead of the trailer axle, m"""
+    """c, the trailer's tracked point ahead of its axle, m; its antenna stands above it unless `masts` says otherwise"""
+    masts: Masts = Masts()
     joint_sign: Literal[-1, 1] = 1
     """+1: a positive trailer command drives phi - psi positive; -1: the actuator (not the sensor) is reversed"""
     tractor_steering_limit: SteeringAngle = math.radians(30.0)
@@ -45,7 +75,7 @@ class VehicleParameters(Settings):
     def _joints_in_order(self) -> Self:
         if not self.trailer_antenna <= self.trailer_length:
             raise ValueError(
-                f"trailer_antenna = {self.trailer_antenna} m puts the antenna ahead of the actuated joint; it must be "
+                f"trailer_antenna = {self.trailer_antenna} m is ahead of the actuated joint; it must be "
                 f"at most trailer_length = {self.trailer_length} m"
             )
         if not self.drawbar_length < self.hitch_length + self.wheelbase:

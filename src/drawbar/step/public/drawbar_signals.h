@@ -119,10 +119,10 @@ struct drawbar_measurement {
     double tractor_fix_deviation;       /* standard deviation of each coordinate of the tractor's fix, m */
     double trailer_fix_deviation;       /* standard deviation of each coordinate of the trailer's fix, m */
     double tractor_roll;                /* right side down positive, rad */
-    double tractor_pitch;               /* front down positive, rad */
+    double tractor_pitch;               /* nose up positive, rad */
     double tractor_yaw_rate;            /* counter-clockwise positive, rad/s */
     double trailer_roll;                /* right side down positive, rad */
-    double trailer_pitch;               /* front down positive, rad */
+    double trailer_pitch;               /* nose up positive, rad */
     double trailer_yaw_rate;            /* counter-clockwise positive, rad/s */
     double tractor_fix_age;             /* of the tractor's position at the time of the sample, s */
     double trailer_fix_age;             /* of the trailer's position at the time of the sample, s */
@@ -136,7 +136,7 @@ struct drawbar_measurement {
     int32_t trailer_fix_quality;        /* enum drawbar_quality */
 };
 
-/* Position and continuous yaw of one body's antenna. */
+/* Position on the ground and continuous yaw of one body's point. */
 struct drawbar_pose {
     double x;                           /* m */
     double y;                           /* m */
@@ -146,8 +146,8 @@ struct drawbar_pose {
 /* What the estimator believes now. */
 struct drawbar_estimate {
     double time;                        /* of the measurement, s */
-    struct drawbar_pose tractor;        /* of the tractor's antenna */
-    struct drawbar_pose trailer;        /* of the trailer's antenna */
+    struct drawbar_pose tractor;        /* of the middle of its rear axle, on the ground */
+    struct drawbar_pose trailer;        /* of its tracked point, on the ground */
     double hitch_angle;                 /* beta, rad */
     double speed;                       /* v, of the wheels, m/s */
     double tractor_steering;            /* delta_t, rad */

@@ -1,0 +1,231 @@
+/* From what the sensors reported to what they would report of the points on the ground, now.
+ *
+ * Each position goes from its antenna to the ground with the yaw and the attitude of its own time, and from there as far as
+ * the body has moved since; the other sensors' values by what they have changed since. Between two samples everything is
+ * taken to move evenly, as the estimator predicts it. A fix that its receiver repeats is corrected as before, so that it
+ * stays recognisable as a repetition.
+ */
+#ifndef DRAWBAR_ALIGNMENT_H
+#define DRAWBAR_ALIGNMENT_H
+
+#include "attitude_track.h"
+#include "fix_deviation.h"
+#include "ground_record.h"
+#include "lever_arm.h"
+#include "unit.h"
+#include "yaws_at_rest.h"
+
+#define OLDEST 1.0                         /* what is older is missing, s */
+
+enum { ALIGNED_TRACTOR, ALIGNED_TRAILER, ALIGNED };
+
+struct reported_fix {
+    double reported[2], aligned[2];        /* m */
+    int32_t known;
+};
+
+struct component {
+    struct mast masts[ALIGNED];
+    struct fix_deviations deviations;
+    struct chain chain;
+    double to_axle;                        /* from the trailer's tracked point back to its axle, m */
+    double fix_age;                        /* of positions whose receiver does not tell, s */
+    struct attitude_track tracks[ALIGNED];
+    double local[ALIGNED];                 /* share of what was recorded nearby, see ground_slope */
+    struct ground_record ground;
+    struct reported_fix fixes[ALIGNED];
+};
+
+#define COMPONENT_FIELDS                                                                                          \
+    MAST_FIELDS(component, masts[ALIGNED_TRACTOR]) MAST_FIELDS(component, masts[ALIGNED_TRAILER])                      \
+    FIX_DEVIATIONS_FIELDS(component, deviations) SETTING(component, chain.hitch, 0, 1, 0, 0)                           \
+    SETTING(component, chain.drawbar, 0, 1, 0, 0) SETTING(component, chain.back, 0, 1, 0, 0)                           \
+    SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
+    SETTING(component, ground.spacing, 0, 1, 0, 0)
+
+/* One sample of alignment: what was estimated last, and what is expected now. */
+struct since {
+    const struct drawbar_estimate *last, *expected;
+    double now, elapsed;                   /* s */
+};
+
+/* Where something that is `then` (0) and `now` (1) was at an age (s). */
+static inline double at_age(const struct since *since, double age, double then, double now)
+{
+    return age > 0.0 && since->elapsed > 0.0 ? now - age / since->elapsed * (now - then) : now;
+}
+
+/* How old a fix is, s; NaN: too old, or of the future. */
+static inline double age_of_fix(const struct component *alignment, double told)
+{
+    const double age = told == 0.0 || isnan(told) ? alignment->fix_age : told;
+    return age >= 0.0 && age <= OLDEST ? age : NAN;
+}
+
+/* Roll and pitch of a body's sensor, without its offsets. */
+static inline void take_attitude(struct component *alignment, int body, double time, double roll, double pitch)
+{
+    const struct mast *mast = &alignment->masts[body];
+    attitude_take(&alignment->tracks[body], time, roll - mast->roll_offset, pitch - mast->pitch_offset);
+}
+
+/* Record the ground below the tractor, or else below the trailer, as its newest attitude shows it. */
+static inline void record_ground(struct component *alignment, const struct since *since)
+{
+    const int body = attitude_is_new(&alignment->tracks[ALIGNED_TRACTOR], since->now) ? ALIGNED_TRACTOR : ALIGNED_TRAILER;
+    const struct attitude_track *track = &alignment->tracks[body];
+    const struct drawbar_pose *last = body == ALIGNED_TRACTOR ? &since->last->tractor : &since->last->trailer;
+    const struct drawbar_pose *now = body == ALIGNED_TRACTOR ? &since->expected->tractor : &since->expected->trailer;
+    double slope[2];
+
+    if (!attitude_is_new(track, since->now))
+        return;
+    const double age = since->now - track->time[track->count - 1], yaw = at_age(since, age, last->yaw, now->yaw);
+    const double back = body == ALIGNED_TRAILER ? alignment->to_axle : 0.0;
+    slope_below(yaw, track->roll[track->count - 1], track->pitch[track->count - 1], slope);
+    ground_take(&alignment->ground, at_age(since, age, last->x, now->x) - back * cos(yaw),
+                at_age(since, age, last->y, now->y) - back * sin(yaw), slope);
+}
+
+/* How a body leaned at an age (s): by its own sensor, and by the ground that was recorded as far as that is not there. */
+static inline void lean(struct component *alignment, int body, const struct since *since, double age,
+                        const struct drawbar_pose *pose, double *roll, double *pitch)
+{
+    struct attitude_track *track = &alignment->tracks[body];
+    const double own = attitude_trust(track, since->now);
+    const double back = body == ALIGNED_TRAILER ? alignment->to_axle : 0.0;
+    const int follows = body == ALIGNED_TRAILER && attitude_is_new(&alignment->tracks[ALIGNED_TRACTOR], since->now);
+    double slope[2], recorded[2];
+
+    attitude_at(track, since->now - age, roll, pitch);
+    ground_slope(&alignment->ground, pose->x - back * cos(pose->yaw), pose->y - back * sin(pose->yaw), follows,
+                 since->elapsed, &alignment->local[body], slope);
+    lean_on(slope, pose->yaw, &recorded[0], &recorded[1]);
+    *roll = recorded[0] + own * (*roll - recorded[0]);
+    *pitch = recorded[1] + own * (*pitch - recorded[1]);
+}
+
+/* Align one body's fix in place; NaN where it is too old or none. */
+static inline void align_fix(struct component *alignment, int body, const struct since *since, double age, double *fix)
+{
+    const struct drawbar_pose *last = body == ALIGNED_TRACTOR ? &since->last->tractor : &since->last->trailer;
+    const struct drawbar_pose *now = body == ALIGNED_TRACTOR ? &since->expected->tractor : &since->expected->trailer;
+    const struct mast *mast = &alignment->masts[body];
+    struct reported_fix *known = &alignment->fixes[body];
+    const double reported[] = {fix[0], fix[1]};
+    double roll, pitch, arm[2];
+
+    const struct drawbar_pose then = {at_age(since, age, last->x, now->x), at_age(since, age, last->y, now->y),
+                                      at_age(since, age, last->yaw, now->yaw)};
+    if (!mast_is_none(mast))
+        lean(alignment, body, since, age, &then, &roll, &pitch);
+    if (isnan(age)) {
+        fix[0] = fix[1] = NAN;
+        return;
+    }
+    if (known->known && reported[0] == known->reported[0] && reported[1] == known->reported[1]) {
+        memcpy(fix, known->aligned, sizeof known->aligned);
+        return;
+    }
+    if (!mast_is_none(mast)) {
+        lever_arm(mast, then.yaw, roll, pitch, arm);
+        fix[0] -= arm[0];
+        fix[1] -= arm[1];
+    }
+    if (age > 0.0) {
+        fix[0] += now->x - then.x;
+        fix[1] += now->y - then.y;
+    }
+    memcpy(known->reported, reported, sizeof reported);
+    memcpy(known->aligned, fix, sizeof known->aligned);
+    known->known = isfinite(fix[0] + fix[1]);
+}
+
+/* What a sensor would report now that reported `value` at an age (s): as its quantity changes from last to expected. */
+static inline double brought_up(const struct since *since, double value, double age, double last, double expected)
+{
+    if (age == 0.0 || isnan(age))
+        return value;
+    return age > 0.0 && age <= OLDEST ? value + expected - at_age(since, age, last, expected) : NAN;
+}
+
+/* Bring the values of all sensors but the receivers up to now, in place. */
+static inline void align_angles(const struct since *since, struct drawbar_measurement *m)
+{
+    const struct drawbar_estimate *last = since->last, *now = since->expected;
+
+    m->hitch_angle = brought_up(since, m->hitch_angle, m->hitch_angle_age, last->hitch_angle, now->hitch_angle);
+    m->speed = brought_up(since, m->speed, m->speed_age, last->speed, now->speed);
+    m->tractor_steering = brought_up(since, m->tractor_steering, m->tractor_steering_age, last->tractor_steering,
+                                     now->tractor_steering);
+    m->trailer_steering = brought_up(since, m->trailer_steering, m->trailer_steering_age, last->trailer_steering,
+                                     now->trailer_steering);
+}
+
+/* Let each fix have the deviation that it is to be reckoned with; take away what is none. */
+static inline void judge_deviations(const struct fix_deviations *known, struct drawbar_measurement *m)
+{
+    m->tractor_fix_deviation = fix_deviation(known, m->tractor_fix_deviation, m->tractor_fix_quality);
+    m->trailer_fix_deviation = fix_deviation(known, m->trailer_fix_deviation, m->trailer_fix_quality);
+    if (m->tractor_fix_deviation < 0.0)
+        m->tractor_x = m->tractor_y = NAN;
+    if (m->trailer_fix_deviation < 0.0)
+        m->trailer_x = m->trailer_y = NAN;
+}
+
+/* The measurement that a run begins with: of a vehicle at rest, so that only the masts matter. Its yaws follow from where
+ * both points are, and these from the yaws: the arms are short, three rounds are enough. */
+int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *first,
+                struct drawbar_measurement *aligned)
+{
+    const double told[] = {first->tractor_roll, first->tractor_pitch, first->trailer_roll, first->trailer_pitch};
+    double arms[4], yaws[ALIGNED], lean[4];
+
+    *aligned = *first;
+    judge_deviations(&alignment->deviations, aligned);
+    const struct drawbar_measurement reported = *aligned;
+    for (int i = 0; i < 4; ++i) {
+        const struct mast *mast = &alignment->masts[i / 2];
+        const double angle = told[i] - (i % 2 ? mast->pitch_offset : mast->roll_offset);
+        lean[i] = fabs(angle) <= MOST_LEAN ? angle : 0.0;
+    }
+    for (int round = 0; round < 3; ++round) {
+        if (!yaws_at_rest(&alignment->chain, aligned, &yaws[ALIGNED_TRACTOR], &yaws[ALIGNED_TRAILER]))
+            return 0;
+        for (int i = 0; i < ALIGNED; ++i)
+            lever_arm(&alignment->masts[i], yaws[i], lean[2 * i], lean[2 * i + 1], arms + 2 * i);
+        aligned->tractor_x = reported.tractor_x - arms[0];
+        aligned->tractor_y = reported.tractor_y - arms[1];
+        aligned->trailer_x = reported.trailer_x - arms[2];
+        aligned->trailer_y = reported.trailer_y - arms[3];
+    }
+    return 0;
+}
+
+/* Align a measurement. last: the newest estimate; expected: the one that is expected at the measurement's time, before it
+ * is taken in. */
+int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *measurement,
+                const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
+                struct drawbar_measurement *aligned)
+{
+    const struct since since = {last, expected, measurement->time, measurement->time - last->time};
+
+    *aligned = *measurement;
+    judge_deviations(&alignment->deviations, aligned);
+    take_attitude(alignment, ALIGNED_TRACTOR, since.now - aligned->tractor_attitude_age, aligned->tractor_roll,
+                  aligned->tractor_pitch);
+    take_attitude(alignment, ALIGNED_TRAILER, since.now - aligned->trailer_attitude_age, aligned->trailer_roll,
+                  aligned->trailer_pitch);
+    record_ground(alignment, &since);
+    double tractor[] = {aligned->tractor_x, aligned->tractor_y}, trailer[] = {aligned->trailer_x, aligned->trailer_y};
+    align_fix(alignment, ALIGNED_TRACTOR, &since, age_of_fix(alignment, aligned->tractor_fix_age), tractor);
+    align_fix(alignment, ALIGNED_TRAILER, &since, age_of_fix(alignment, aligned->trailer_fix_age), trailer);
+    aligned->tractor_x = tractor[0];
+    aligned->tractor_y = tractor[1];
+    aligned->trailer_x = trailer[0];
+    aligned->trailer_y = trailer[1];
+    align_angles(&since, aligned);
+    return 0;
+}
+
+#endif

@@ -1,0 +1,38 @@
+"""Alignment: measurements as sensors of the points on the ground would make them, all at one time (alignment.h)."""
+
+from numpy.typing import ArrayLike
+
+from drawbar.codegen import Unit
+from drawbar.estimation.description import chain
+from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.sensors import SensorNoise
+
+_RECORDED_LENGTHS = 1.5
+"""How many lengths of the vehicle the record of the ground holds at least"""
+_PLACES = 64
+"""Records of the ground, as in ground_record.h"""
+
+
+def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
+    """Return what brings positions from antennas to the ground, and all values to the time of the sample.
+
+    Args:
+        vehicle: its lengths and masts.
+        sensors: how old and how far off fixes are.
+    """
+    fixes = sensors.fixes
+    settings: dict[str, ArrayLike] = {
+        **{
+            f"masts[ALIGNED_{body.upper()}].{name}": value
+            for body, mast in vehicle.masts
+            for name, value in mast.model_dump().items()
+        },
+        **{f"deviations.{name}": value for name, value in fixes.model_dump(exclude={"age"}).items()},
+        **chain(vehicle),
+        "to_axle": vehicle.trailer_antenna,
+        "fix_age": fixes.age,
+        "ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,
+    }
+    return Unit(
+        name="alignment", source='#include "alignment.h"', configure=lambda workspace: workspace.write(settings)
+    )

@@ -1,0 +1,79 @@
+/* One body's roll and pitch over the last samples, and how far they are to be relied on.
+ *
+ * A fix is corrected by the attitude at its own time. What is older than LAST_ATTITUDE fades out within FADE, and what
+ * comes back fades in: a correction of decimetres that jumps would look like a false fix.
+ */
+#ifndef DRAWBAR_ATTITUDE_TRACK_H
+#define DRAWBAR_ATTITUDE_TRACK_H
+
+#include <stdint.h>
+#include <string.h>
+#include "geometry.h"
+
+#define ATTITUDES 8                        /* samples that are kept */
+#define LAST_ATTITUDE 0.5                  /* for how long the newest attitude counts as the present one, s */
+#define FADE 2.0                           /* time in which a correction fades out or in, s */
+#define MOST_LEAN 0.45                     /* roll and pitch beyond are no vehicle that drives, rad */
+
+struct attitude_track {
+    double time[ATTITUDES], roll[ATTITUDES], pitch[ATTITUDES];   /* oldest first; s, rad */
+    double trust, asked;                   /* share of the correction that is applied; when that was last set, s */
+    int32_t count, begun;
+};
+
+/* Take in an attitude (rad) of a time (s). What is not finite, leans too far or is not newer than the last is dropped; a
+ * pitch that is missing counts as level. */
+static inline void attitude_take(struct attitude_track *track, double time, double roll, double pitch)
+{
+    const double level = isfinite(pitch) ? pitch : 0.0;
+    const int32_t last = track->count - 1;
+
+    if (!isfinite(time) || !(fabs(roll) <= MOST_LEAN) || !(fabs(level) <= MOST_LEAN)
+        || (last >= 0 && !(time > track->time[last])))
+        return;
+    if (track->count == ATTITUDES) {
+        memmove(track->time, track->time + 1, (ATTITUDES - 1) * sizeof(double));
+        memmove(track->roll, track->roll + 1, (ATTITUDES - 1) * sizeof(double));
+        memmove(track->pitch, track->pitch + 1, (ATTITUDES - 1) * sizeof(double));
+        --track->count;
+    }
+    track->time[track->count] = time;
+    track->roll[track->count] = roll;
+    track->pitch[track->count++] = level;
+}
+
+/* Roll and pitch at a time (s): between the two nearest attitudes, or the nearest one. Zero where there is none. */
+static inline void attitude_at(const struct attitude_track *track, double time, double *roll, double *pitch)
+{
+    int32_t k = track->count - 1;
+
+    *roll = *pitch = 0.0;
+    if (k < 0)
+        return;
+    while (k > 0 && track->time[k] > time)
+        --k;
+    const int32_t next = k + 1 < track->count ? k + 1 : k;
+    const double gap = track->time[next] - track->time[k];
+    const double share = gap > 0.0 ? clamped((time - track->time[k]) / gap, 0.0, 1.0) : 0.0;
+    *roll = track->roll[k] + share * (track->roll[next] - track->roll[k]);
+    *pitch = track->pitch[k] + share * (track->pitch[next] - track->pitch[k]);
+}
+
+static inline int attitude_is_new(const struct attitude_track *track, double now)
+{
+    return track->count > 0 && now - track->time[track->count - 1] <= LAST_ATTITUDE;
+}
+
+/* Which share of the correction by this track is to be applied now (s); to be asked once in each sample. */
+static inline double attitude_trust(struct attitude_track *track, double now)
+{
+    const double target = attitude_is_new(track, now) ? 1.0 : 0.0;
+    const double change = (now - track->asked) / FADE;
+
+    track->trust = track->begun ? track->trust + clamped(target - track->trust, -change, change) : target;
+    track->begun = 1;
+    track->asked = now;
+    return track->trust;
+}
+
+#endif

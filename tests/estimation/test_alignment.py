@@ -1,0 +1,235 @@
+"""Alignment: lever arms, attitude that fades, the ground's record, ages, deviations; against closed forms and truth."""
+
+import csv
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from alignment import Alignment
+
+from drawbar.config import load_configuration
+from drawbar.geometry import arm_offset
+from drawbar.report.path_errors import true_path_errors
+from drawbar.signals import Estimate, FixQuality, Measurement, Pose, SolverStatus
+from drawbar.simulation import Simulation
+from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
+from drawbar.vehicle.sensors import FixSettings, SensorNoise
+
+GOLDEN = Path(__file__).parents[3] / "shared" / "vectors" / "lever_arm.csv"
+SAMPLE = 0.2
+
+
+def estimate(time: float, tractor: Pose, trailer: Pose, **values: float) -> Estimate:
+    slips = dict.fromkeys(("longitudinal_slip", "tractor_slip", "trailer_slip"), 1.0)
+    angles = dict.fromkeys(
+        ("hitch_angle", "tractor_steering", "trailer_steering", "steering_offset", "tractor_crab", "trailer_crab"), 0.0
+    )
+    numbers: dict[str, Any] = {**slips, **angles, "speed": 1.0, **values}
+    return Estimate(time=time, tractor=tractor, trailer=trailer, status=SolverStatus.SOLVED, **numbers)
+
+
+def measurement(time: float, fixes: tuple[float, float, float, float], **values: Any) -> Measurement:
+    names = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
+    others = dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), 0.0)
+    return Measurement(time=time, **dict(zip(names, fixes, strict=True)), **{**others, **values})
+
+
+def straight(time: float, yaw: float = 0.0, speed: float = 1.0) -> Estimate:
+    """Return the estimate of a vehicle that drives straight away from the origin."""
+    ahead = math.cos(yaw), math.sin(yaw)
+    at = [speed * time - back for back in (0.0, 2.15)]
+    poses = [Pose(x=s * ahead[0], y=s * ahead[1], yaw=yaw) for s in at]
+    return estimate(time, *poses)
+
+
+def standing(yaw: float, trailer_yaw: float) -> Estimate:
+    return estimate(0.0, Pose(x=0.0, y=0.0, yaw=yaw), Pose(x=-2.0, y=0.0, yaw=trailer_yaw))
+
+
+@pytest.mark.skipif(not GOLDEN.is_file(), reason="the golden lever arms are not on this machine")
+def test_lever_arms_are_those_of_the_golden_file() -> None:
+    for row in csv.DictReader(GOLDEN.read_text("utf-8").splitlines()):
+        value = {key: float(text) for key, text in row.items()}
+        mast = Mast(forward=value["arm_forward_m"], left=value["arm_left_m"], up=value["arm_up_m"])
+        antenna = value["antenna_east_m"], value["antenna_north_m"]
+        for body in ("tractor", "trailer"):
+            vehicle = VehicleParameters(masts=Masts.model_validate({body: mast.model_dump()}))
+            lean = {f"{body}_roll": value["roll_right_rad"], f"{body}_pitch": value["pitch_up_rad"]}
+            pose = standing(value["yaw_rad"], value["yaw_rad"])
+            aligned = Alignment(vehicle).apply(measurement(0.0, (*antenna, *antenna), **lean), pose, pose)
+            ground = getattr(aligned, f"{body}_x"), getattr(aligned, f"{body}_y")
+            assert ground == pytest.approx((value["ground_east_m"], value["ground_north_m"]), abs=1e-6)
+
+
+def test_without_masts_and_ages_nothing_changes() -> None:
+    first, last = straight(0.0, 0.3), straight(0.2, 0.3)
+    given = measurement(0.2, (0.1, 0.2, -2.0, 0.3), tractor_roll=0.1, speed=1.02)
+    assert repr(Alignment(VehicleParameters()).apply(given, first, last)) == repr(given)
+
+
+def test_values_of_any_age_are_brought_to_now() -> None:
+    yaw, rate, ages = 0.4, 0.1, (0.1, 0.2, 0.5)
+    for age in ages:
+        before, now = straight(1.0, yaw), straight(1.2, yaw)
+        before = replace(before, tractor_steering=-rate * SAMPLE, hitch_angle=0.3 - rate * SAMPLE)
+        now = replace(now, tractor_steering=0.0, hitch_angle=0.3)
+        then = straight(1.2 - age, yaw)
+        fixes = (then.tractor.x, then.tractor.y, then.trailer.x, then.trailer.y)
+        names = ("tractor_fix", "trailer_fix", "tractor_steering", "hitch_angle")
+        told = {f"{name}_age": age for name in names}
+        late = measurement(1.2, fixes, tractor_steering=-rate * age, hitch_angle=0.3 - rate * age, **told)
+        aligned = Alignment(VehicleParameters()).apply(late, before, now)
+        assert (aligned.tractor_x, aligned.tractor_y) == pytest.approx((now.tractor.x, now.tractor.y), abs=1e-12)
+        assert (aligned.trailer_x, aligned.trailer_y) == pytest.approx((now.trailer.x, now.trailer.y), abs=1e-12)
+        assert (aligned.tractor_steering, aligned.hitch_angle) == pytest.approx((0.0, 0.3), abs=1e-12)
+
+
+@pytest.mark.parametrize("age", [-0.1, 1.1, math.inf])
+def test_values_too_old_or_of_the_future_are_missing(age: float) -> None:
+    late = measurement(1.2, (1.0, 0.0, -1.0, 0.0), tractor_fix_age=age, hitch_angle_age=age)
+    aligned = Alignment(VehicleParameters()).apply(late, straight(1.0), straight(1.2))
+    assert math.isnan(aligned.tractor_x + aligned.tractor_y)
+    assert math.isnan(aligned.hitch_angle)
+    assert aligned.trailer_x == -1.0
+
+
+def test_a_receiver_that_does_not_tell_its_age_has_the_configured_one() -> None:
+    sensors = SensorNoise(fixes=FixSettings(age=0.1))
+    given = measurement(1.2, (1.1, 0.0, -1.05, 0.0), trailer_fix_age=0.2)
+    aligned = Alignment(VehicleParameters(), sensors).apply(given, straight(1.0), straight(1.2))
+    assert (aligned.tractor_x, aligned.trailer_x) == pytest.approx((1.2, -0.85))
+
+
+LEANING = VehicleParameters(masts=Masts(tractor=Mast(up=2.5), trailer=Mast(up=2.0)))
+
+
+def corrections(alignment: Alignment, rolls: list[float], yaw: float = 0.0) -> list[tuple[float, float]]:
+    """Return what is added to both fixes' north while a vehicle drives east, one per sample."""
+    added = []
+    for k, roll in enumerate(rolls):
+        last, now = straight(SAMPLE * max(k - 1, 0), yaw), straight(SAMPLE * k, yaw)
+        north = 1e-6 * k  # no fix repeats the last one
+        fixes = (now.tractor.x, now.tractor.y + north, now.trailer.x, now.trailer.y + north)
+        aligned = alignment.apply(measurement(SAMPLE * k, fixes, tractor_roll=roll, tractor_pitch=0.0), last, now)
+        added.append((aligned.tractor_y - fixes[1], aligned.trailer_y - fixes[3]))
+    return added
+
+
+def test_attitude_that_ends_fades_out_and_one_that_returns_fades_in() -> None:
+    missing = math.nan
+    rolls = [0.1] * 20 + [missing] * 30 + [-0.1] * 30
+    vehicle = VehicleParameters(masts=Masts(tractor=Mast(up=2.5)))
+    added = [tractor for tractor, _ in corrections(Alignment(vehicle), rolls)]
+    full = 2.5 * math.sin(0.1)
+    assert added[:22] == pytest.approx([full] * 22)  # up to half a second
+    assert abs(added[-1] + full) < 0.01 * full
+    # what was recorded of the ground takes the sensor's place; the way from one side to the other takes two seconds
+    assert max(abs(np.diff(added))) < 0.3 * full
+
+
+def test_the_trailer_leans_where_the_tractor_leaned() -> None:
+    profile = [0.1 * math.sin(0.9 * SAMPLE * k) for k in range(100)]
+    added = corrections(Alignment(LEANING), profile)
+    behind = 1.1 + 1.3  # from the tractor's axle to the trailer's, both recorded straight
+    for k in range(30, 100):
+        then = 0.1 * math.sin(0.9 * (SAMPLE * k - behind))
+        assert added[k][1] == pytest.approx(2.0 * math.sin(then), abs=0.003)
+
+
+def test_the_recorded_slope_is_the_same_whichever_way_it_is_driven() -> None:
+    """A plane is recorded to the east; a trailer that stands across it pitches as the tractor rolled."""
+    alignment = Alignment(LEANING)
+    corrections(alignment, [0.1] * 40)
+    end = straight(SAMPLE * 39)
+    turned = replace(end, trailer=Pose(x=end.trailer.x, y=end.trailer.y, yaw=0.5 * math.pi))
+    fixes = (end.tractor.x, 0.01, end.trailer.x, 0.01)
+    aligned = alignment.apply(measurement(SAMPLE * 40, fixes, tractor_roll=0.1), turned, turned)
+    # rolled to the right facing east: the ground rises to the north, so facing north the nose is up
+    assert aligned.trailer_y - 0.01 == pytest.approx(2.0 * math.sin(0.1), abs=0.005)
+    assert aligned.trailer_x - fixes[2] == pytest.approx(0.0, abs=0.005)
+
+
+def test_a_repeated_fix_stays_a_repetition() -> None:
+    alignment, seen = Alignment(LEANING), set()
+    for k, roll in enumerate((0.1, 0.05, -0.02)):
+        now = straight(SAMPLE * k)
+        aligned = alignment.apply(measurement(SAMPLE * k, (0.0, 0.0, -2.0, 0.0), tractor_roll=roll), now, now)
+        seen.add((aligned.tractor_x, aligned.tractor_y))
+    assert len(seen) == 1
+
+
+def test_a_run_begins_on_the_ground() -> None:
+    masts = Masts(tractor=Mast(forward=0.3, left=0.2, up=2.5), trailer=Mast(left=-0.3, up=2.0))
+    yaw, joint, lean = 0.7, 0.2, (0.08, -0.03)
+    hitch = 0.3
+    trailer_yaw = yaw - hitch - joint
+    point = (
+        100.0 - 0.9 * math.cos(yaw) - 0.2 * math.cos(trailer_yaw + joint) - 1.05 * math.cos(trailer_yaw),
+        50.0 - 0.9 * math.sin(yaw) - 0.2 * math.sin(trailer_yaw + joint) - 1.05 * math.sin(trailer_yaw),
+    )
+    tractor = np.add((100.0, 50.0), arm_offset(yaw, *lean, masts.tractor.arm))
+    trailer = np.add(point, arm_offset(trailer_yaw, *lean, masts.trailer.arm))
+    attitude = dict(
+        zip(("tractor_roll", "tractor_pitch", "trailer_roll", "trailer_pitch"), (*lean, *lean), strict=True)
+    )
+    first = measurement(0.0, (*tractor, *trailer), hitch_angle=hitch, trailer_steering=joint, **attitude)
+    aligned = Alignment(VehicleParameters(masts=masts)).begin(first)
+    assert (aligned.tractor_x, aligned.tractor_y) == pytest.approx((100.0, 50.0), abs=0.005)
+    assert (aligned.trailer_x, aligned.trailer_y) == pytest.approx(point, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("quality", "told", "expected"),
+    [
+        (FixQuality.UNKNOWN, math.nan, math.nan),
+        (FixQuality.FIXED, math.nan, math.nan),
+        (FixQuality.FIXED, 0.02, 0.03),
+        (FixQuality.FIXED, 0.001, 0.01),
+        (FixQuality.UNKNOWN, 0.3, 0.45),
+        (FixQuality.FLOAT, math.nan, 0.8),
+        (FixQuality.FLOAT, 0.01, 0.8),
+        (FixQuality.FLOAT, 0.6, 1.2),
+        (FixQuality.DIFFERENTIAL, math.nan, 1.6),
+        (FixQuality.SINGLE, 3.0, 6.0),
+    ],
+)
+def test_fixes_count_by_what_they_are(quality: FixQuality, told: float, expected: float) -> None:
+    sensors = SensorNoise(fixes=FixSettings(lasting=2.0))
+    given = measurement(0.0, (1.0, 0.0, -1.0, 0.0), tractor_fix_quality=quality, tractor_fix_deviation=told)
+    aligned = Alignment(VehicleParameters(), sensors).apply(given, straight(0.0), straight(0.0))
+    assert aligned.tractor_fix_deviation == pytest.approx(expected, nan_ok=True)
+    assert aligned.tractor_x == 1.0
+
+
+@pytest.mark.parametrize(
+    ("quality", "told"), [(FixQuality.NONE, 0.02), (FixQuality.FIXED, 0.0), (FixQuality.FLOAT, -1.0)]
+)
+def test_fixes_without_a_meaning_are_missing(quality: FixQuality, told: float) -> None:
+    given = measurement(0.0, (1.0, 0.0, -1.0, 0.0), trailer_fix_quality=quality, trailer_fix_deviation=told)
+    aligned = Alignment(VehicleParameters()).apply(given, straight(0.0), straight(0.0))
+    assert math.isnan(aligned.trailer_x + aligned.trailer_y)
+    assert aligned.tractor_x == 1.0
+
+
+MASTS = "vehicle.masts={tractor={up=2.5},trailer={up=2.0}}"
+FIELD = ("path.radii=[8.0]", MASTS, "machine.terrain={slope=0.0873,creep=0.36,unevenness=0.02}")
+
+
+def mean_errors(*changes: str) -> tuple[float, float]:
+    """Return the mean distance of both bodies' points on the ground from the path after the first 5 m, cm."""
+    with Simulation(load_configuration("articulated", [*FIELD, *changes])) as simulation:
+        errors = true_path_errors(simulation.log())
+    return tuple(100.0 * np.abs(each.error[each.progress > 5.0]).mean() for each in (errors.tractor, errors.trailer))
+
+
+def test_attitude_holds_the_ground_point_in_the_field() -> None:
+    none = mean_errors()
+    both = mean_errors("machine.attitude={tractor={present=true},trailer={present=true}}")
+    tractor = mean_errors("machine.attitude.tractor.present=true")
+    assert none[0] > 10.0
+    assert both[0] < 3.0
+    assert both[1] < 4.0
+    assert tractor == pytest.approx(both, abs=1.0)
