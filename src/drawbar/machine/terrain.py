@@ -36,6 +36,20 @@ class Terrain:
             height = height + self._amplitude * np.cos(phases).sum(axis=-1)
         return height
 
+    def tangents(self, x: Floats, y: Floats) -> Floats:
+        """Return the planes (n, 3) that touch the ground at the places x, y (n,).
+
+        Columns: height at the origin (m), slope to the east, slope to the north.
+        """
+        height = self._plane[0] * x + self._plane[1] * y
+        east, north = np.full_like(height, self._plane[0]), np.full_like(height, self._plane[1])
+        if self._amplitude:
+            phases = np.multiply.outer(x, self._east) + np.multiply.outer(y, self._north) + self._phases
+            height = height + self._amplitude * np.cos(phases).sum(axis=-1)
+            falling = -self._amplitude * np.sin(phases)
+            east, north = east + falling @ self._east, north + falling @ self._north
+        return np.column_stack((height - east * x - north * y, east, north))
+
     def across(self, yaw: float) -> float:
         """Return the angle at which the plane falls to the left of a yaw, rad."""
         return math.atan(self._plane[0] * math.sin(yaw) - self._plane[1] * math.cos(yaw))
