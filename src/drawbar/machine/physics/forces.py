@@ -11,6 +11,7 @@ from drawbar.geometry import Floats
 from drawbar.machine.actuators import hydrostat_rates, steering_rate
 from drawbar.machine.physics.model import CONTROLS, DRIVE_DAMPING, WHEELS
 from drawbar.machine.physics.settings import PhysicsMachineSettings
+from drawbar.machine.physics.statics import GRAVITY, static_loads
 from drawbar.machine.physics.tyres import Tyre, Wheel, contact
 from drawbar.machine.symbols import numbers, symbolic
 from drawbar.vehicle.parameters import VehicleParameters
@@ -72,14 +73,14 @@ def _forces_step() -> ca.Function:
     state = ca.SX.sym("x", sum(outputs))
     actuators, bristles, *_ = _split(state, outputs)
     moved = _moved(vehicle, settings, actuators, commands, step)
-    tyre, radii = _tyre(settings), _radii(settings)
+    tyres, radii = _tyres(vehicle, settings), _radii(settings)
     bent, wrenches = [], []
     for index in range(_COUNT):
         of3, of6 = slice(3 * index, 3 * index + 3), slice(6 * index, 6 * index + 6)
         turning, centre = velocities[of6][:3], centres[of3]
         velocity = velocities[of6][3:] + ca.cross(turning, centre - root)
         wheel = Wheel(centre, axes[of3], velocity, turning, planes[of3], radii[index])
-        after, force, torque = contact(wheel, tyre, bristles[2 * index : 2 * index + 2], step)
+        after, force, torque = contact(wheel, tyres[index], bristles[2 * index : 2 * index + 2], step)
         bent.append(after)
         wrenches += [force, torque]
     end = ca.vertcat(moved, *bent, _controls(vehicle, settings, moved), *wrenches)
@@ -112,16 +113,21 @@ def _controls(vehicle: VehicleParameters, settings: PhysicsMachineSettings, move
     return ca.vertcat(left, right, moved[1], moved[7] + DRIVE_DAMPING * moved[2] / settings.tractor.radius)
 
 
-def _tyre(settings: PhysicsMachineSettings) -> Tyre:
+def _tyres(vehicle: VehicleParameters, settings: PhysicsMachineSettings) -> list[Tyre]:
+    """Return the tyre of each wheel, in the order of WHEELS."""
     tyres = settings.tyres
-    return Tyre(
-        stiffness=tyres.stiffness,
-        damping=tyres.damping,
-        slip_stiffness=1.0 / (1.0 / tyres.cornering + settings.terrain.creep),
-        friction=tyres.friction,
-        relaxation=tyres.relaxation,
-        rolling_resistance=tyres.rolling_resistance,
-    )
+    return [
+        Tyre(
+            stiffness=load / tyres.deflection,
+            damping=2.0 * tyres.damping * load / ca.sqrt(GRAVITY * tyres.deflection),
+            slip_stiffness=1.0 / (1.0 / tyres.cornering + settings.terrain.creep),
+            friction=tyres.friction,
+            relaxation=tyres.relaxation,
+            rolling_resistance=tyres.rolling_resistance,
+        )
+        for load in static_loads(vehicle, settings)
+        for _ in range(2)
+    ]
 
 
 def _radii(settings: PhysicsMachineSettings) -> list[Any]:

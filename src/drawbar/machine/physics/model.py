@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from drawbar.machine.physics.settings import FRONT_AXLE, PhysicsMachineSettings
+from drawbar.machine.physics.statics import GRAVITY
 from drawbar.vehicle.parameters import VehicleParameters
 
 WHEELS = ("rear_left", "rear_right", "front_left", "front_right", "trailer_left", "trailer_right")
@@ -41,7 +42,7 @@ def mjcf(vehicle: VehicleParameters, settings: PhysicsMachineSettings) -> str:
     timestep = settings.step / settings.substeps
     return f"""<mujoco model="drawbar">
 <compiler angle="radian" inertiafromgeom="false"/>
-<option timestep="{timestep:.9g}" integrator="implicitfast" gravity="0 0 -9.81"><flag contact="disable"/></option>
+<option timestep="{timestep:.9g}" integrator="implicitfast" gravity="0 0 {-GRAVITY}"><flag contact="disable"/></option>
 <worldbody>{_tractor(vehicle, settings)}</worldbody>
 <tendon><fixed name="differential"><joint joint="rear_left" coef="0.5"/><joint joint="rear_right" coef="0.5"/></fixed>
 </tendon>

@@ -11,6 +11,7 @@ from drawbar.machine.physics.forces import Forces
 from drawbar.machine.physics.model import BODIES, JOINTS, WHEELS, mjcf
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.physics.stance import Stance, stance
+from drawbar.machine.physics.statics import static_loads
 from drawbar.machine.terrain import Terrain
 from drawbar.signals import Pose
 from drawbar.vehicle.parameters import VehicleParameters
@@ -28,7 +29,12 @@ def engine() -> ModuleType:
             f'machine.kind = "physics" needs MuJoCo, which cannot be imported here ({error}). '
             f'Run: pip install "drawbar[physics]"; or use machine.kind = "simulated"'
         ) from error
+    mujoco.set_mju_user_warning(_unheard)  # Multibody looks at the counts; by itself MuJoCo would write a file
     return mujoco  # type: ignore[no-any-return]
+
+
+def _unheard(text: str) -> None:
+    """Leave a warning alone."""
 
 
 class Multibody:
@@ -37,10 +43,19 @@ class Multibody:
     def __init__(
         self, vehicle: VehicleParameters, settings: PhysicsMachineSettings, terrain: Terrain, start: Pose
     ) -> None:
-        """Put it on the ground, at rest, the trailer straight behind. vehicle: as it truly is."""
+        """Put it on the ground, at rest, the trailer straight behind.
+
+        vehicle is as it truly is. Raises ConfigurationError when the machine cannot stand, or MuJoCo is not installed.
+        """
+        if not min(static_loads(vehicle, settings)) > 0.0:
+            raise ConfigurationError(
+                "the physics machine would tip over: on level ground an axle carries nothing; change "
+                "machine.tractor.ahead, machine.trailer.ahead or their masses"
+            )
         self._mujoco, self._settings, self._terrain = engine(), settings, terrain
         self._model = self._mujoco.MjModel.from_xml_string(mjcf(vehicle, settings))
         self._data = data = self._mujoco.MjData(self._model)
+        self._warnings = data.warning.number
         self._forces = Forces(vehicle, settings)
         wheels = [self._model.body(name).id for name in WHEELS]
         self._wheels, self._spins = np.array(wheels), np.array([self._model.joint(name).id for name in WHEELS])
@@ -53,7 +68,10 @@ class Multibody:
         self._place(start)
 
     def advance(self, command: Floats) -> None:
-        """Move on by one step under a command (3,): angles of front wheels and joint (rad), wheel speed (m/s)."""
+        """Move on by one step under a command (3,): angles of front wheels and joint (rad), wheel speed (m/s).
+
+        Raises ConfigurationError when the physics diverges.
+        """
         mujoco, model, data, forces = self._mujoco, self._model, self._data, self._forces
         forces.commands[:] = command
         forces.planes[:] = self._terrain.tangents(*data.xpos[self._wheels, :2].T)
@@ -68,6 +86,11 @@ class Multibody:
             data.xfrc_applied[self._wheels] = forces.wrenches
             mujoco.mj_step2(model, data)
         mujoco.mj_kinematics(model, data)
+        if self._warnings.any():
+            raise ConfigurationError(
+                "the physics has diverged: masses, stiffnesses and machine.substeps do not fit each other; raise "
+                f"machine.substeps (now {self._settings.substeps}) or come nearer to the defaults"
+            )
 
     def stances(self) -> list[Stance]:
         """Return how tractor and trailer stand."""
@@ -117,10 +140,8 @@ class Multibody:
 
 def _feet(vehicle: VehicleParameters, settings: PhysicsMachineSettings) -> tuple[tuple[float, float], ...]:
     """Return where the points on the ground are in the frames of tractor and trailer: forward and up, m."""
-    tractor, trailer, gravity = settings.tractor, settings.trailer, 9.81
-    rear = tractor.mass * (1.0 - tractor.ahead / vehicle.wheelbase)
-    sunk = [0.5 * gravity * mass / settings.tyres.stiffness for mass in (rear, trailer.mass)]
+    sunk, tractor = settings.tyres.deflection, settings.tractor
     return (
-        (0.0, sunk[0] - tractor.radius),
-        (vehicle.trailer_antenna - vehicle.trailer_length, sunk[1] - tractor.hitch_height),
+        (0.0, sunk - tractor.radius),
+        (vehicle.trailer_antenna - vehicle.trailer_length, sunk - tractor.hitch_height),
     )

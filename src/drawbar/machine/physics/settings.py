@@ -69,10 +69,10 @@ class TrailerBodySettings(Settings):
 class TyreSettings(Settings):
     """All tyres, see machine/physics/tyres.py."""
 
-    stiffness: Positive = 2.0e5
-    """vertical, N/m"""
-    damping: NonNegative = 2.5e3
-    """vertical, N s/m"""
+    deflection: Annotated[float, Field(ge=0.002, le=0.2)] = 0.012
+    """of every tyre under what it carries on level ground, m: a tyre is as stiff as its axle is heavy"""
+    damping: Annotated[float, Field(ge=0.0, le=1.0)] = 0.2
+    """of bouncing on the tyres, per critical"""
     cornering: Positive = 20.0
     """side force per wheel load and slip angle, and drive force per wheel load and slip, on firm ground, 1/rad; the
     terrain's creep adds its compliance: one over 1/cornering + creep"""

@@ -36,12 +36,14 @@ class Wheel(NamedTuple):
 
 
 class Tyre(NamedTuple):
-    """The numbers of TyreSettings, or symbols in their place, with the ground's creep in the slip stiffness."""
+    """One tyre's numbers, or symbols in their place."""
 
     stiffness: float
+    """vertical, N/m"""
     damping: float
+    """vertical, N s/m"""
     slip_stiffness: float
-    """c, 1/rad"""
+    """c, of tyre and ground together, 1/rad"""
     friction: float
     relaxation: float
     rolling_resistance: float
