@@ -100,13 +100,13 @@ def test_inner_wheels_steer_more_and_spin_slower(build: Build, drive: Drive) -> 
     assert fast / slow == pytest.approx((rear + half) / (rear - half), rel=0.01)
 
 
-@pytest.mark.parametrize("creep", [0.0, 0.31])
+@pytest.mark.parametrize("creep", [0.0, 0.36])
 @pytest.mark.parametrize("downhill", [-1.0, 1.0])
 def test_crab_on_a_side_slope(build: Build, drive: Drive, creep: float, downhill: float) -> None:
-    """Side force and load of every axle are the same shares of the weight: tan(crab) = tan(slope) (1/c + creep)."""
+    """Side force and load of every axle are the same shares of the weight: tan(crab) = tan(slope) / c."""
     terrain = {"slope": SLOPE, "downhill": 0.5 * math.pi * downhill, "creep": creep}
     truths = drive(build(terrain=terrain, tyres={"rolling_resistance": 0.0}), 50)[20:]
-    expected = downhill * math.atan(math.tan(SLOPE) * (1.0 / TYRES.cornering + creep))
+    expected = downhill * math.atan(math.tan(SLOPE) * max(1.0 / TYRES.cornering, creep))
     assert np.mean([truth.tractor_crab for truth in truths]) == pytest.approx(expected, rel=0.02)
     assert np.mean([truth.trailer_crab for truth in truths]) == pytest.approx(expected, rel=0.02)
     if creep:
@@ -169,7 +169,7 @@ def test_stopping_distance_on_slippery_ground(build: Build, drive: Drive) -> Non
 
 @pytest.mark.parametrize("yaw", [0.0, 0.5 * math.pi, -0.5 * math.pi])
 def test_stands_still_when_told_on_any_slope(build: Build, drive: Drive, yaw: float) -> None:
-    machine = build(terrain={"slope": math.radians(8.0), "creep": 0.31}, yaw=yaw)
+    machine = build(terrain={"slope": math.radians(8.0), "creep": 0.36}, yaw=yaw)
     drive(machine, 30, tractor=0.1)
     first, *_, last = drive(machine, 200, tractor=0.1, speed=0.0)[100:]  # the drive settles with a time constant of 2 s
     for body in ("tractor", "trailer"):

@@ -65,8 +65,8 @@ class PhysicsMachine(MachineWithTruth):
             attitude_rng=attitude_rng,
             floating_rng=floating_rng,
         )
-        self._last = self._newest_state = self._state()
-        self._history = History(settings.step, np.array(self._newest_state), history_rng, _moment)
+        self._before = self._now = self._state()
+        self._history = History(settings.step, np.array(self._now), history_rng, _moment)
         delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
         self._commands = np.zeros((delay + self._steps, COMMANDS))
         self._newest = (0.0, 0.0, 0.0)
@@ -95,9 +95,9 @@ class PhysicsMachine(MachineWithTruth):
         self._newest = *self._newest[:2], 0.0
 
     def truth(self) -> Truth:
-        """Return the true state. Slips and side-slips are what the wheels did during the last step."""
-        state = self._newest_state
-        slid = slides(state, self._last, self._settings.step, self._vehicle)
+        """Return the true state. Slips and side-slips are what the wheels did on average during the last sample."""
+        state = self._now
+        slid = slides(state, self._before, self._sample_time, self._vehicle)
         return Truth(
             time=self._sample * self._sample_time,
             tractor=Pose(x=state.tractor_x, y=state.tractor_y, yaw=state.tractor_yaw),
@@ -123,10 +123,11 @@ class PhysicsMachine(MachineWithTruth):
         self._commands[: -self._steps] = self._commands[self._steps :]
         self._commands[-self._steps :] = self._newest
         rows: Floats = np.empty((self._steps, len(State._fields)))
+        self._before = self._now
         for step in range(self._steps):
             self.multibody.advance(self._commands[step])
-            self._last, self._newest_state = self._newest_state, self._state()
-            rows[step] = self._newest_state
+            self._now = self._state()
+            rows[step] = self._now
         self._history.append(rows)
         self._sample += 1
         if self._sample % _BLOCK == 0:

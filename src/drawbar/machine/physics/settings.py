@@ -74,8 +74,8 @@ class TyreSettings(Settings):
     damping: Annotated[float, Field(ge=0.0, le=1.0)] = 0.2
     """of bouncing on the tyres, per critical"""
     cornering: Positive = 20.0
-    """side force per wheel load and slip angle, and drive force per wheel load and slip, on firm ground, 1/rad; the
-    terrain's creep adds its compliance: one over 1/cornering + creep"""
+    """side force per wheel load and slip angle, and drive force per wheel load and slip, on firm ground, 1/rad; on
+    ground that creeps it is 1 / terrain.creep, where that is less"""
     friction: Positive = 0.8
     """largest force along the ground per wheel load"""
     relaxation: Positive = 0.3

@@ -43,13 +43,13 @@ class Slides(NamedTuple):
     """alpha_i, rad"""
 
 
-def slides(state: State, before: State, step: float, vehicle: VehicleParameters) -> Slides:
-    """Return how the wheels slid between two states, one step (s) apart; nothing is said of a vehicle that stands."""
-    ahead, aside, turn = _motion(state, before, "tractor", step)
+def slides(state: State, before: State, duration: float, vehicle: VehicleParameters) -> Slides:
+    """Return how the wheels slid between two states (s apart); nothing is said of a vehicle that stands."""
+    ahead, aside, turn = _motion(state, before, "tractor", duration)
     if not abs(ahead) > _ROLLING:
         return Slides(1.0, 0.0, 0.0, 0.0)
     front = math.atan((aside + vehicle.wheelbase * turn) / ahead)
-    trailer_ahead, trailer_aside, trailer_turn = _motion(state, before, "trailer", step)
+    trailer_ahead, trailer_aside, trailer_turn = _motion(state, before, "trailer", duration)
     rolls = abs(state.speed) > _ROLLING
     return Slides(
         longitudinal_slip=ahead / state.speed if rolls else 1.0,
@@ -59,11 +59,11 @@ def slides(state: State, before: State, step: float, vehicle: VehicleParameters)
     )
 
 
-def _motion(state: State, before: State, body: str, step: float) -> tuple[float, float, float]:
-    """Return a body's speed along and across itself, m/s, and its yaw rate, rad/s."""
+def _motion(state: State, before: State, body: str, duration: float) -> tuple[float, float, float]:
+    """Return a body's mean speed along and across itself, m/s, and its yaw rate, rad/s."""
     x, y, yaw = (
-        (getattr(state, f"{body}_{name}") - getattr(before, f"{body}_{name}")) / step for name in ("x", "y", "yaw")
+        (getattr(state, f"{body}_{name}") - getattr(before, f"{body}_{name}")) / duration for name in ("x", "y", "yaw")
     )
-    heading = getattr(state, f"{body}_yaw") - 0.5 * step * yaw
+    heading = getattr(state, f"{body}_yaw") - 0.5 * duration * yaw
     cos, sin = math.cos(heading), math.sin(heading)
     return x * cos + y * sin, y * cos - x * sin, yaw
