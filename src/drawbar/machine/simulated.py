@@ -60,9 +60,7 @@ class SimulatedMachine(MachineWithTruth):
             raise ConfigurationError(f"the simulated machine cannot start at {start}; give finite m and rad")
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
-        terrain_rng, history_rng, attitude_rng, floating_rng = (
-            np.random.default_rng((seed, stream)) for stream in range(1, 5)
-        )
+        history_rng, attitude_rng, floating_rng = (np.random.default_rng((seed, stream)) for stream in range(2, 5))
         self._senses = Senses(
             vehicle=self._vehicle,
             settings=settings,
@@ -79,15 +77,15 @@ class SimulatedMachine(MachineWithTruth):
         self._commands = np.zeros((delay + self._steps, COMMANDS))
         self._unknown = unknown
         self._sample = 0
-        self._settle(terrain_rng, history_rng)
+        self._terrain = Terrain.of_seed(settings.terrain, seed)
+        self._settle(history_rng)
         self._newest = (0.0, 0.0, 0.0)
         self._begun = False
         self._draw()
 
-    def _settle(self, terrain_rng: np.random.Generator, history_rng: np.random.Generator) -> None:
+    def _settle(self, history_rng: np.random.Generator) -> None:
         """Let the machine stand on its ground. The randomness of all this is apart from what was there before it."""
         settings, first = self._settings, np.array(self._state)
-        self._terrain = Terrain(settings.terrain, terrain_rng)
         self._attitude = Attitude(self._vehicle, settings.bodies, self._terrain, settings.step, first)
         begun = np.concatenate((first, self._attitude.angles))
         self._history = History(settings.step, begun, history_rng, self._moment)

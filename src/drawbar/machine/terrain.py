@@ -1,6 +1,7 @@
 """The ground's height: a slope, and unevenness with a stated spectrum."""
 
 import math
+from typing import Self
 
 import numpy as np
 
@@ -8,6 +9,8 @@ from drawbar.geometry import Floats
 from drawbar.machine.settings import TerrainSettings
 
 _WAVES = 160
+_STREAM = 1
+"""of a run's seed that is the ground's own"""
 
 
 class Terrain:
@@ -17,6 +20,11 @@ class Terrain:
     such a field has a power spectral density that falls with the square of the wave number, as roads and fields have it
     (ISO 8608, w = 2), between these two wavelengths.
     """
+
+    @classmethod
+    def of_seed(cls, settings: TerrainSettings, seed: int) -> Self:
+        """Return the ground of a run: the same in every machine."""
+        return cls(settings, np.random.default_rng((seed, _STREAM)))
 
     def __init__(self, settings: TerrainSettings, rng: np.random.Generator) -> None:
         """Draw directions and phases of the waves."""
@@ -49,6 +57,11 @@ class Terrain:
             falling = -self._amplitude * np.sin(phases)
             east, north = east + falling @ self._east, north + falling @ self._north
         return np.column_stack((height - east * x - north * y, east, north))
+
+    def unevenness(self, x: Floats, y: Floats) -> Floats:
+        """Return how far the ground at the places x, y (n,) is above the slope, m."""
+        height: Floats = self.height(x, y) - self._plane[0] * x - self._plane[1] * y
+        return height
 
     def across(self, yaw: float) -> float:
         """Return the angle at which the plane falls to the left of a yaw, rad."""

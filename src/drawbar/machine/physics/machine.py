@@ -12,13 +12,16 @@ from drawbar.machine.history import BodyMoment, History, Moment
 from drawbar.machine.physics.forces import COMMANDS
 from drawbar.machine.physics.multibody import Multibody
 from drawbar.machine.physics.settings import PhysicsMachineSettings
-from drawbar.machine.physics.state import State, slides
+from drawbar.machine.physics.state import Slides, State, slides
 from drawbar.machine.senses import Senses
 from drawbar.machine.settings import steps_per_sample, whole_steps
 from drawbar.machine.terrain import Terrain
 from drawbar.signals import Command, Measurement, Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
+_SMOOTHED = 2.0
+"""time constant of the slips and side-slips that the truth tells, s: the controllers' models hold them for constant,
+while on tyres they follow every motion of the wheels; who believes their momentary values steers against himself"""
 _BLOCK = 64
 """Samples whose randomness is drawn at once. Part of what a seed means: another value gives another run."""
 
@@ -54,8 +57,8 @@ class PhysicsMachine(MachineWithTruth):
         self._steps = steps_per_sample(sample_time, settings.step)
         if not all(map(math.isfinite, (start.x, start.y, start.yaw))):
             raise ConfigurationError(f"the physics machine cannot start at {start}; give finite m and rad")
-        rng, terrain_rng, history_rng, attitude_rng, floating_rng = _streams(seed)
-        self.terrain = Terrain(settings.terrain, terrain_rng)
+        rng, history_rng, attitude_rng, floating_rng = _streams(seed)
+        self.terrain = Terrain.of_seed(settings.terrain, seed)
         self.multibody = Multibody(self._vehicle, settings, self.terrain, start)
         self._senses = Senses(
             vehicle=self._vehicle,
@@ -65,7 +68,8 @@ class PhysicsMachine(MachineWithTruth):
             attitude_rng=attitude_rng,
             floating_rng=floating_rng,
         )
-        self._before = self._now = self._state()
+        self._now = self._state()
+        self._slides = Slides(longitudinal_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0)
         self._history = History(settings.step, np.array(self._now), history_rng, _moment)
         delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
         self._commands = np.zeros((delay + self._steps, COMMANDS))
@@ -95,9 +99,8 @@ class PhysicsMachine(MachineWithTruth):
         self._newest = *self._newest[:2], 0.0
 
     def truth(self) -> Truth:
-        """Return the true state. Slips and side-slips are what the wheels did on average during the last sample."""
-        state = self._now
-        slid = slides(state, self._before, self._sample_time, self._vehicle)
+        """Return the true state. Slips and side-slips are averages over the last seconds, see _SMOOTHED."""
+        state, slid = self._now, self._slides
         return Truth(
             time=self._sample * self._sample_time,
             tractor=Pose(x=state.tractor_x, y=state.tractor_y, yaw=state.tractor_yaw),
@@ -123,15 +126,21 @@ class PhysicsMachine(MachineWithTruth):
         self._commands[: -self._steps] = self._commands[self._steps :]
         self._commands[-self._steps :] = self._newest
         rows: Floats = np.empty((self._steps, len(State._fields)))
-        self._before = self._now
+        before = self._now
         for step in range(self._steps):
             self.multibody.advance(self._commands[step])
             self._now = self._state()
             rows[step] = self._now
         self._history.append(rows)
+        self._smooth(slides(self._now, before, self._sample_time, self._vehicle))
         self._sample += 1
         if self._sample % _BLOCK == 0:
             self._draw()
+
+    def _smooth(self, slid: Slides) -> None:
+        """Take what the wheels did during a sample into the averages."""
+        keep = math.exp(-self._sample_time / _SMOOTHED)
+        self._slides = Slides(*(keep * old + (1.0 - keep) * new for old, new in zip(self._slides, slid, strict=True)))
 
     def _state(self) -> State:
         tractor, trailer = self.multibody.stances()
@@ -180,4 +189,4 @@ def _moment(age: float, row: Floats, rates: tuple[float, float]) -> Moment:
 
 def _streams(seed: int) -> list[np.random.Generator]:
     """Return a stream for each kind of randomness: the sensors', then those numbered as the simulated machine does."""
-    return [np.random.default_rng(seed), *(np.random.default_rng((seed, stream)) for stream in range(1, 5))]
+    return [np.random.default_rng(seed), *(np.random.default_rng((seed, stream)) for stream in range(2, 5))]
