@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import tomli_w
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 
 from drawbar.bounded import BoundedErrors
 from drawbar.configurations import shipped_names, shipped_text
@@ -30,6 +30,7 @@ from drawbar.estimation.settings import (
 )
 from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.settings import SimulatedMachineSettings
 from drawbar.safety.sanity import SanitySettings
 from drawbar.safety.settings import SafetySettings
@@ -86,6 +87,18 @@ class TuningSettings(Settings):
     """runs of everything that the search found, with the seeds that follow: what it owes to luck does not come again"""
 
 
+def _kind(section: Any) -> str:
+    """Return which machine a section describes: the simulated one where it does not say."""
+    kind = section.get("kind", "simulated") if isinstance(section, dict) else getattr(section, "kind", "simulated")
+    return str(kind)
+
+
+MachineSettings = Annotated[
+    Annotated[SimulatedMachineSettings, Tag("simulated")] | Annotated[PhysicsMachineSettings, Tag("physics")],
+    Discriminator(_kind),
+]
+
+
 class Configuration(Settings):
     """Everything that makes a run, and what to tune it for."""
 
@@ -118,7 +131,7 @@ class Configuration(Settings):
     sanity: SanitySettings = SanitySettings()
     path: PathSettings = PathSettings()
     start: StartSettings = StartSettings()
-    machine: SimulatedMachineSettings = SimulatedMachineSettings()
+    machine: MachineSettings = SimulatedMachineSettings()
     devices: DeviceSettings | None = None
     """of a real machine; none: `drawbar drive` uses stand-ins on this computer"""
     safety: SafetySettings = SafetySettings()
@@ -162,6 +175,11 @@ class Configuration(Settings):
 
     @model_validator(mode="after")
     def _errors_of_what_is_there(self) -> Self:
+        if self.machine.kind == "physics" and any(bound for _, bound in self.bounded_errors.ground):
+            raise ValueError(
+                'bounded_errors.ground needs machine.kind = "simulated", in the physics the ground acts through '
+                "forces; leave these bounds zero"
+            )
         if self.estimator.model != "ideal" and any(bound for _, bound in self.bounded_errors.estimate):
             raise ValueError(
                 f'bounded_errors.estimate needs estimator.model = "ideal", which is "{self.estimator.model}"; '
@@ -235,6 +253,10 @@ def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], 
     return _merged(basis, data), origin
 
 
+_TAGS = ("model", "kind")
+"""keys that say which one of several a section describes"""
+
+
 def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
     """Return the basis with data on top; a section of another model starts anew, an empty one at its defaults."""
     merged = dict(basis)
@@ -246,7 +268,7 @@ def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
 def _goes_on(old: Any, new: Any) -> bool:
     """Return whether both are sections of the same model and the new one says anything."""
     both = isinstance(old, dict) and isinstance(new, dict) and new
-    return bool(both) and new.get("model") in (None, old.get("model"))
+    return bool(both) and all(new.get(tag) in (None, old.get(tag)) for tag in _TAGS)
 
 
 def _read(source: str) -> tuple[str, str]:
@@ -322,8 +344,8 @@ def _apply(data: dict[str, Any], change: str) -> None:
             f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys; set it as a whole."
         )
     value = _value(text)
-    if last == "model" and data.get(last) != value:
-        data.clear()  # another model has other keys: they start at their defaults
+    if last in _TAGS and data.get(last) != value:
+        data.clear()  # another model or machine has other keys: they start at their defaults
     data[last] = value
 
 

@@ -404,6 +404,10 @@ class Truth:
     """right side down positive, rad"""
     trailer_pitch: float = 0.0
     """nose up positive, rad"""
+    tractor_height: float = 0.0
+    """of the tractor's point on the ground, m"""
+    trailer_height: float = 0.0
+    """of the trailer's point on the ground, m"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

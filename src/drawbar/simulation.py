@@ -21,7 +21,8 @@ from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.path import Path
 from drawbar.guidance.smoothing import DrivablePath, make_drivable
-from drawbar.machine.base import Machine
+from drawbar.machine.base import Machine, MachineWithTruth
+from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.recording.header import run_header
 from drawbar.recording.log import Outcome, RunHeader, RunLog
@@ -75,7 +76,7 @@ def drive(
             autopilot.prepare()
             if status in (Status.POSITION, Status.START):
                 raise _refusal(autopilot, measurement)
-            record = autopilot.record(machine.truth() if isinstance(machine, SimulatedMachine) else None)
+            record = autopilot.record(machine.truth() if isinstance(machine, MachineWithTruth) else None)
             yield record
             if status.has_ended:
                 raise RunAborted(_reason(status, record, autopilot))
@@ -200,19 +201,28 @@ def _shaped_path(configuration: Configuration) -> tuple[Path, DrivablePath | Non
     return drivable.path, drivable
 
 
-def build_machine(configuration: Configuration, path: Path, seed: int) -> SimulatedMachine:
-    """Return the simulated machine, standing where the configuration's start says."""
+def build_machine(configuration: Configuration, path: Path, seed: int) -> MachineWithTruth:
+    """Return the machine that the configuration asks for, standing where its start says.
+
+    Raises ConfigurationError when it cannot be built, or needs what is not installed.
+    """
     x, y, yaw, _ = path.sample(np.zeros(1))[0].tolist()
-    start = configuration.start
+    start, settings = configuration.start, configuration.machine
+    pose = Pose(
+        x=x + start.ahead * math.cos(yaw) - start.left * math.sin(yaw),
+        y=y + start.ahead * math.sin(yaw) + start.left * math.cos(yaw),
+        yaw=yaw + start.yaw,
+    )
+    vehicle, sample_time = configuration.vehicle, configuration.sample_time
+    if isinstance(settings, PhysicsMachineSettings):
+        from drawbar.machine.physics.machine import PhysicsMachine
+
+        return PhysicsMachine(vehicle=vehicle, settings=settings, sample_time=sample_time, start=pose, seed=seed)
     return SimulatedMachine(
-        vehicle=configuration.vehicle,
-        settings=configuration.machine,
-        sample_time=configuration.sample_time,
-        start=Pose(
-            x=x + start.ahead * math.cos(yaw) - start.left * math.sin(yaw),
-            y=y + start.ahead * math.sin(yaw) + start.left * math.cos(yaw),
-            yaw=yaw + start.yaw,
-        ),
+        vehicle=vehicle,
+        settings=settings,
+        sample_time=sample_time,
+        start=pose,
         seed=seed,
         unknown=_bounded_errors(configuration, "ground", seed),
     )

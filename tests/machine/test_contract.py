@@ -46,6 +46,11 @@ def simulated() -> Machine:
     return Simulation(load_configuration("articulated")).machine
 
 
+def physics() -> Machine:
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install 'drawbar[physics]'")
+    return Simulation(load_configuration("articulated", ["machine.kind=physics"])).machine
+
+
 def replayed() -> Machine:
     machine = simulated()
     return ReplayedMachine([machine.read() for _ in range(60)])
@@ -55,7 +60,7 @@ def recording() -> Machine:
     return RecordingMachine(simulated())
 
 
-@pytest.fixture(params=[simulated, replayed, recording], ids=lambda make: make.__name__)
+@pytest.fixture(params=[simulated, physics, replayed, recording], ids=lambda make: make.__name__)
 def machine(request: pytest.FixtureRequest) -> Machine:
     make: Callable[[], Machine] = request.param
     return make()

@@ -61,3 +61,13 @@ def test_bodies_follow_the_ground_through_their_lag() -> None:
     share = -np.expm1(-0.01 * np.arange(1, 51) / 0.5)
     np.testing.assert_allclose(angles[:, 0], 0.08 * share, atol=1e-9)
     np.testing.assert_allclose(attitude.angles, angles[-1])
+
+
+def test_tangents_touch_the_ground() -> None:
+    settings = TerrainSettings(slope=0.1, downhill=0.7, unevenness=0.05)
+    terrain, step = Terrain(settings, np.random.default_rng(1)), 1e-5
+    x, y = np.random.default_rng(2).uniform(-30.0, 30.0, (2, 40))
+    height, east, north = terrain.tangents(x, y).T
+    assert height + east * x + north * y == pytest.approx(terrain.height(x, y), abs=1e-12)
+    assert east == pytest.approx((terrain.height(x + step, y) - terrain.height(x - step, y)) / (2.0 * step), abs=1e-7)
+    assert north == pytest.approx((terrain.height(x, y + step) - terrain.height(x, y - step)) / (2.0 * step), abs=1e-7)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from drawbar.errors import ConfigurationError
-from drawbar.machine.simulated import SimulatedMachine
-from drawbar.signals import Measurement
+from drawbar.machine.base import MachineWithTruth
+from drawbar.signals import Command, Measurement, Truth
 from drawbar.simulation import Simulation
 
 FILE_NAME = "alterations.py"
@@ -47,14 +47,29 @@ def find_alteration(folder: Path, name: str) -> Alteration:
     return Alteration(name=name, source=source)
 
 
-class InterceptedMachine(SimulatedMachine):
-    """A simulated machine whose measurements pass through a function on their way to the autopilot."""
+class InterceptedMachine(MachineWithTruth):
+    """A machine in a computer whose measurements pass through a function on their way to the autopilot."""
 
-    def __init__(self, machine: SimulatedMachine, change: Callable[[Measurement], Measurement]) -> None:
+    def __init__(self, machine: MachineWithTruth, change: Callable[[Measurement], Measurement]) -> None:
         """Take a machine over, which is not used by itself again."""
-        vars(self).update(vars(machine))
-        self._change = change
+        self._machine, self._change = machine, change
 
     def read(self) -> Measurement:
         """Return what the function makes of the next measurement."""
-        return self._change(super().read())
+        return self._change(self._machine.read())
+
+    def write(self, command: Command) -> None:
+        """Pass the command on."""
+        self._machine.write(command)
+
+    def stop(self) -> None:
+        """Stop the machine."""
+        self._machine.stop()
+
+    def close(self) -> None:
+        """Close the machine."""
+        self._machine.close()
+
+    def truth(self) -> Truth:
+        """Return the machine's truth."""
+        return self._machine.truth()

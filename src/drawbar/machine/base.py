@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from types import TracebackType
 from typing import Self
 
-from drawbar.signals import Command, Measurement
+from drawbar.signals import Command, Measurement, Truth
 
 
 class Machine(ABC):
@@ -48,6 +48,14 @@ class Machine(ABC):
             self.stop()
         finally:
             self.close()
+
+
+class MachineWithTruth(Machine):
+    """A machine in a computer, which knows what its sensors cannot tell."""
+
+    @abstractmethod
+    def truth(self) -> Truth:
+        """Return the true state at the time of the newest measurement."""
 
 
 class EndOfMeasurements(Exception):  # noqa: N818 -- an end, not a mistake

@@ -97,6 +97,8 @@ class GpsFloat(_Event):
 
 
 Event = Annotated[SlipStep | SideSlope | Bump | GpsLoss | GpsJump | GpsFloat, Field(discriminator="kind")]
+ReceiverEvent = Annotated[GpsLoss | GpsJump | GpsFloat, Field(discriminator="kind")]
+"""those that happen to the receivers alone"""
 
 
 def active(times: Floats, start: float, duration: float = np.inf) -> NDArray[np.bool_]:

@@ -1,5 +1,6 @@
 """What was true a little while ago: sensors report it late."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,22 @@ from drawbar.machine.settings import Delay
 
 _REACH = 3.0
 """How far back it goes, s: the longest latency and four times the largest jitter"""
+YAWS = slice(2, 4)
+"""columns of a row that hold both bodies' yaws, rad; the others are the machine's own affair"""
+
+
+class BodyMoment(NamedTuple):
+    """One body at one moment."""
+
+    x: float
+    """of its point on the ground, m"""
+    y: float
+    yaw: float
+    """rad"""
+    roll: float
+    pitch: float
+    yaw_rate: float
+    """rad/s"""
 
 
 class Moment(NamedTuple):
@@ -16,36 +33,31 @@ class Moment(NamedTuple):
 
     age: float
     """s"""
-    x: float
-    """of the tractor's rear axle, m"""
-    y: float
-    yaw: float
-    """rad"""
-    trailer_yaw: float
+    tractor: BodyMoment
+    trailer: BodyMoment
+    hitch_angle: float
+    """beta, rad"""
     joint: float
     """phi - psi, rad"""
     steering: float
     speed: float
-    """m/s"""
-    tractor_roll: float
-    tractor_pitch: float
-    trailer_roll: float
-    trailer_pitch: float
-    tractor_yaw_rate: float
-    """rad/s"""
-    trailer_yaw_rate: float
+    """of the wheels, m/s"""
+
+
+Read = Callable[[float, Floats, tuple[float, float]], Moment]
+"""makes a moment of its age, a machine's row (n,), and the yaw rates of both bodies then"""
 
 
 class History:
-    """The true states and attitudes of the last seconds, at every integration step."""
+    """The true machine of the last seconds, a row of numbers at every integration step."""
 
-    def __init__(self, step: float, first: Floats, rng: np.random.Generator) -> None:
-        """Begin with a machine that has always stood in its first state and attitude (15,)."""
-        self._step, self._rng = step, rng
+    def __init__(self, step: float, first: Floats, rng: np.random.Generator, read: Read) -> None:
+        """Begin with a machine that has always stood as its first row (n,) says."""
+        self._step, self._rng, self._read = step, rng, read
         self._rows = np.tile(first, (round(_REACH / step) + 2, 1))
 
     def append(self, rows: Floats) -> None:
-        """Take in states and attitudes (m, 15) after the newest integration steps."""
+        """Take in the rows (m, n) after the newest integration steps."""
         self._rows = np.concatenate((self._rows, rows))[len(rows) :]
 
     def seen(self, delay: Delay) -> Moment:
@@ -53,5 +65,5 @@ class History:
         age = delay.latency + (delay.jitter * self._rng.standard_normal() if delay.jitter else 0.0)
         steps = min(max(round(age / self._step), 0), len(self._rows) - 2)
         row, before = self._rows[-1 - steps], self._rows[-2 - steps]
-        turned = (row[2:4] - before[2:4]) / self._step
-        return Moment(steps * self._step, *row[:7].tolist(), *row[-4:].tolist(), *turned.tolist())
+        tractor_rate, trailer_rate = ((row[YAWS] - before[YAWS]) / self._step).tolist()
+        return self._read(steps * self._step, row, (tractor_rate, trailer_rate))

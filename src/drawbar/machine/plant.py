@@ -1,8 +1,8 @@
 """The simulated world over one sample period: chain, steering and drive, by RK4 at its own fixed step."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
-from typing import Any, Literal, TypeVar
+from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -11,7 +11,7 @@ from drawbar.geometry import Floats
 from drawbar.machine.actuators import hydrostat_rates, pedal_rates, steering_rate, valve_rates
 from drawbar.machine.chain import chain_rates
 from drawbar.machine.settings import SimulatedMachineSettings
-from drawbar.settings import Settings
+from drawbar.machine.symbols import numbers, symbolic
 from drawbar.vehicle.parameters import VehicleParameters
 
 STATES = 11
@@ -20,12 +20,11 @@ COMMANDS = 3
 """delta_t, joint, wheel speed"""
 EFFECTS = 8
 """mu, kappa, b, alpha_r, alpha_i, and the kicks of a bump: to the left, of theta, of psi"""
-_Section = TypeVar("_Section", bound=Settings)
 
 
 def plant_constants(vehicle: VehicleParameters, settings: SimulatedMachineSettings) -> Floats:
     """Return all numbers of both sections in order, (c,): those of the plant among them."""
-    return np.array([*_numbers(vehicle), *_numbers(settings)])
+    return np.array([*numbers(vehicle), *numbers(settings)])
 
 
 @cache
@@ -40,7 +39,7 @@ def plant_step(kind: Literal["lag", "valve"] = "lag") -> ca.Function:
     state, inputs = ca.SX.sym("x", STATES), ca.SX.sym("i", COMMANDS + EFFECTS)
     constants = ca.SX.sym("c", len(plant_constants(*stated)))
     symbols = iter(ca.vertsplit(constants))
-    vehicle, settings = _symbolic(stated[0], symbols), _symbolic(stated[1], symbols)
+    vehicle, settings = symbolic(stated[0], symbols), symbolic(stated[1], symbols)
     actuation, step = _ACTUATIONS[kind], settings.step
     rates = _rates(vehicle, settings, constants, actuation)
     held = (inputs[:COMMANDS], inputs[COMMANDS:], constants)
@@ -102,26 +101,6 @@ def _rates(
     speed, wheel_angle = effect[0] * state[6], effect[1] * state[5] + effect[2]
     chain = chain_rates(vehicle, state[:5], joint_rate, speed, wheel_angle, effect[3:5])
     return ca.Function("rates", [state, command, effect, constants], [ca.vertcat(chain, wheels_rate, drive)])
-
-
-def _numbers(settings: Settings) -> Iterator[float]:
-    """Yield the numbers of a section and of the sections in it."""
-    for _, value in settings:
-        if isinstance(value, Settings):
-            yield from _numbers(value)
-        elif isinstance(value, float):
-            yield value
-
-
-def _symbolic(settings: _Section, symbols: Iterator[ca.SX]) -> _Section:
-    """Return a section with the next symbols in place of its numbers, for equations that are written for numbers."""
-
-    def replaced(value: Any) -> Any:
-        if isinstance(value, Settings):
-            return _symbolic(value, symbols)
-        return next(symbols) if isinstance(value, float) else value
-
-    return type(settings).model_construct(**{name: replaced(value) for name, value in settings})
 
 
 def _kicked(state: ca.SX, effect: ca.SX) -> ca.SX:

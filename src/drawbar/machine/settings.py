@@ -1,7 +1,7 @@
 """Settings of the simulated machine; the defaults are those of docs/theory/simulated-machine.md."""
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -258,6 +258,8 @@ class LengthFactors(Settings):
 class SimulatedMachineSettings(Settings):
     """Everything about the simulated machine that is not the vehicle's geometry."""
 
+    kind: Literal["simulated"] = "simulated"
+    """a kinematic chain; "physics": a multibody with tyres, see machine/physics/settings.py"""
     step: Annotated[float, Field(ge=1e-4, le=0.1)] = 0.01
     """integration step of the world; the sample period must be a multiple, s"""
     actuators: ActuatorSettings = ActuatorSettings()
@@ -294,3 +296,17 @@ def whole_steps(duration: float, step: float) -> int | None:
     """Return how many steps make up the duration, or None when it is not a multiple of the step."""
     steps = round(duration / step)
     return steps if math.isclose(steps * step, duration, rel_tol=1e-9, abs_tol=1e-12) else None
+
+
+def steps_per_sample(sample_time: float, step: float) -> int:
+    """Return how many integration steps make up a sample.
+
+    Raises ConfigurationError when the sample time is not a positive multiple of the step.
+    """
+    steps = whole_steps(sample_time, step)
+    if not steps:
+        raise ConfigurationError(
+            f"the sample time {sample_time} s is not a positive multiple of the simulated machine's step of "
+            f"{step} s; change that step so that it divides the sample time"
+        )
+    return steps

@@ -1,6 +1,7 @@
 """The ground's height: a slope, and unevenness with a stated spectrum."""
 
 import math
+from typing import Self
 
 import numpy as np
 
@@ -8,6 +9,8 @@ from drawbar.geometry import Floats
 from drawbar.machine.settings import TerrainSettings
 
 _WAVES = 160
+_STREAM = 1
+"""of a run's seed that is the ground's own"""
 
 
 class Terrain:
@@ -17,6 +20,11 @@ class Terrain:
     such a field has a power spectral density that falls with the square of the wave number, as roads and fields have it
     (ISO 8608, w = 2), between these two wavelengths.
     """
+
+    @classmethod
+    def of_seed(cls, settings: TerrainSettings, seed: int) -> Self:
+        """Return the ground of a run: the same in every machine."""
+        return cls(settings, np.random.default_rng((seed, _STREAM)))
 
     def __init__(self, settings: TerrainSettings, rng: np.random.Generator) -> None:
         """Draw directions and phases of the waves."""
@@ -34,6 +42,25 @@ class Terrain:
         if self._amplitude:
             phases = np.multiply.outer(x, self._east) + np.multiply.outer(y, self._north) + self._phases
             height = height + self._amplitude * np.cos(phases).sum(axis=-1)
+        return height
+
+    def tangents(self, x: Floats, y: Floats) -> Floats:
+        """Return the planes (n, 3) that touch the ground at the places x, y (n,).
+
+        Columns: height at the origin (m), slope to the east, slope to the north.
+        """
+        height = self._plane[0] * x + self._plane[1] * y
+        east, north = np.full_like(height, self._plane[0]), np.full_like(height, self._plane[1])
+        if self._amplitude:
+            phases = np.multiply.outer(x, self._east) + np.multiply.outer(y, self._north) + self._phases
+            height = height + self._amplitude * np.cos(phases).sum(axis=-1)
+            falling = -self._amplitude * np.sin(phases)
+            east, north = east + falling @ self._east, north + falling @ self._north
+        return np.column_stack((height - east * x - north * y, east, north))
+
+    def unevenness(self, x: Floats, y: Floats) -> Floats:
+        """Return how far the ground at the places x, y (n,) is above the slope, m."""
+        height: Floats = self.height(x, y) - self._plane[0] * x - self._plane[1] * y
         return height
 
     def across(self, yaw: float) -> float:

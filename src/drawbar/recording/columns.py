@@ -36,6 +36,7 @@ REPORTED: tuple[str, ...] = (
     "command.speed",
     *(f"truth.{body}.{name}" for body in _BODIES for name in _POSE),
     *(f"truth.{name}" for name in (*_SLIPS, *_STEERINGS)),
+    *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
     *(f"measurement.{body}_roll" for body in _BODIES),
     "solver_failures",

@@ -35,12 +35,12 @@ def polyline(path: PathTable) -> Floats:
 
 def outlines(log: Columns) -> tuple[Floats, Floats]:
     """Return the outlines of tractor and trailer at moments spread over the run, (n, 2) each in m."""
-    pairs = _outline_pairs(log, _outlined_steps(log))
+    pairs = _outline_pairs(log, outlined_steps(log))
     tractors, trailers = zip(*pairs, strict=True) if pairs else ([np.empty((0, 2))], [np.empty((0, 2))])
     return np.vstack(tractors), np.vstack(trailers)
 
 
-def _outlined_steps(log: Columns) -> list[int]:
+def outlined_steps(log: Columns) -> list[int]:
     """Return steps at equal distances along the tractor's track, the last one first."""
     if not log.steps:
         return []

@@ -51,7 +51,7 @@ def _tables(metrics: Metrics) -> str:
 
 
 def _section_html(section: Section) -> str:
-    kind = "figure map" if section.name == "map" else "figure"
+    kind = "figure map" if section.name in ("map", "scene") else "figure"
     heading = f"<h2>{escape(section.title)}</h2><p>{escape(section.note)}</p>"
     return f'<section>{heading}<div class="{kind}" id="{section.name}"></div></section>'
 

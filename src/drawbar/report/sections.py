@@ -19,6 +19,7 @@ from drawbar.report.figures import (
 from drawbar.report.map import map_figure
 from drawbar.report.masts import doubt_text, mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.scene import scene_figure
 from drawbar.report.style import Figure
 
 _FACTORS = {
@@ -53,6 +54,14 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
             note=f"{whose} Scroll to zoom, drag to move; the outlines show the machine at a few moments, "
             "dots follow the pointer in the figures below.",
             figure=map_figure(log),
+            along_path=False,
+        ),
+        Section(
+            name="scene",
+            title="On the ground",
+            note="Heights are to scale; colours show how far the ground is above or below the slope. Drag to turn, "
+            "scroll to come nearer. Thin lines are the antennas on their masts, thick ones the points on the ground.",
+            figure=scene_figure(log),
             along_path=False,
         ),
         Section(

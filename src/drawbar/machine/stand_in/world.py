@@ -2,7 +2,7 @@
 
 import math
 
-from drawbar.machine.simulated import SimulatedMachine
+from drawbar.machine.base import MachineWithTruth
 from drawbar.signals import Command, Measurement, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -13,7 +13,7 @@ TICK = 0.02
 class World:
     """A simulated tractor and trailer at ticks."""
 
-    def __init__(self, machine: SimulatedMachine, vehicle: VehicleParameters) -> None:
+    def __init__(self, machine: MachineWithTruth, vehicle: VehicleParameters) -> None:
         """Take the machine, whose sample time is TICK, and the vehicle with its limits."""
         self._machine, self._vehicle = machine, vehicle
         self.measurement: Measurement = machine.read()

@@ -1,0 +1,88 @@
+"""How far the product is from the path in the physics, beside what an independent physics plant measured."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from drawbar.experiment.measured import MeasuredExperiment
+from drawbar.experiment.parts import Part, Table
+from drawbar.experiment.task import Result
+
+PRODUCT = "articulated"
+BODIES = ("tractor", "trailer")
+BEGINS = 5.0
+"""way along the path that is left out at the start, m"""
+VALIDATION = {
+    "flat, 1 m/s": ("0.9 / 2.4 / 4", "1.0 / 3.0 / 7"),
+    "flat, 2 m/s": ("1.6 / 3.7 / 6", "1.7 / 5.1 / 9"),
+    "flat, 3 m/s": ("1.9 / 4.8 / 6", "2.5 / 7.0 / 13"),
+    "slope 5°, no attitude": ("14.2", "12.1"),
+    "slope 5° soft, masts of 0 m": ("1.8 / 4.4 / 7", "3.6 / 10 / 12"),
+    "uneven 4 cm, no attitude": ("8.3 / 21 / 43", "6.9 / 18 / 36"),
+    "uneven 4 cm, attitude on both": ("1.1 / 2.5 / 7", "1.3 / 3.6 / 5"),
+    "field, no attitude": ("12.9 / 23 / 27", "9.9 / 19 / 21"),
+    "field, attitude on the tractor": ("1.8 / 4.1 / 6", "6.2 / 12 / 14"),
+    "field, attitude on both": ("1.8 / 4.3 / 6", "3.4 / 9.5 / 14"),
+    "field, attitude on both, 2 m/s": ("2.0 / 5.3 / 9", "2.5 / 5.4 / 9"),
+}
+"""mean / 95 % / max of an independent validation's own plant, commit da1c574, two seeds; attitude there: ideal lever
+arm before the autopilot, with noise of 0.3° in the field; on the tractor alone: nothing predicts the trailer's roll"""
+
+
+def figures(result: Result) -> dict[str, float]:
+    """Return mean, standard deviation, 95 % and largest distance of both bodies, cm, masked fixes, %, and roll, °."""
+    found: dict[str, float] = {}
+    for body in BODIES:
+        error, progress = 100.0 * result.columns[f"error.{body}"], result.columns[f"progress.{body}"]
+        error = error[progress - np.nanmin(progress) > BEGINS]
+        size = np.abs(error)
+        found |= {
+            f"{body} mean": float(size.mean()),
+            f"{body} SD": float(error.std()),
+            f"{body} 95 %": float(np.percentile(size, 95.0)),
+            f"{body} largest": float(size.max()),
+        }
+    found["masked"] = 100.0 * result.metrics.rejected_fixes / (2 * len(result.columns["measurement.time"]))
+    found["roll"] = float(np.degrees(np.sqrt(np.mean(result.columns["truth.tractor_roll"] ** 2))))
+    return found
+
+
+def report(measured: MeasuredExperiment) -> Iterator[Part]:
+    """Yield the product's table and the comparators'."""
+    variants = [variant.name for variant in measured.experiment.settings.variants]
+    yield Table(
+        name="product",
+        caption=f"`{PRODUCT}`: distance of the points on the ground from the path after the first {BEGINS:g} m: mean / "
+        "95 % (means over the seeds) / largest of all seeds, standard deviation of the signed distance in brackets, "
+        "cm, beside the independent validation's mean / 95 % / max of two seeds. Fixes that were not believed, %; "
+        "root mean square of the tractor's roll, °.",
+        header=["", "finished", "tractor", "validation", "trailer", "validation", "masked, %", "roll, °"],
+        rows=[_row(measured, variant) for variant in variants],
+    )
+    cases = [case.name for case in measured.experiment.settings.cases]
+    compared = [variant for variant in variants if any(f"{case}: {variant}" in measured.runs for case in cases[1:])]
+    yield Table(
+        name="comparators",
+        caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; "
+        "in brackets how many runs came to the end, where not all did.",
+        header=["", *cases],
+        rows=[[variant, *(_pair(measured, f"{case}: {variant}") for case in cases)] for variant in compared],
+    )
+
+
+def _row(measured: MeasuredExperiment, variant: str) -> list[str]:
+    case = f"{PRODUCT}: {variant}"
+    cells = [variant, measured.finished(case)]
+    for body, validated in zip(BODIES, VALIDATION.get(variant, ("", "")), strict=True):
+        mean, high, spread = (measured.statistic(case, f"{body} {name}").mean for name in ("mean", "95 %", "SD"))
+        largest = measured.statistic(case, f"{body} largest").largest
+        cells += [f"{mean:.1f} / {high:.1f} / {largest:.0f} ({spread:.1f})", validated]
+    return [*cells, *(f"{measured.statistic(case, name).mean:.2f}" for name in ("masked", "roll"))]
+
+
+def _pair(measured: MeasuredExperiment, name: str) -> str:
+    if name not in measured.runs:
+        return ""
+    text = " / ".join(f"{measured.statistic(name, f'{body} mean').mean:.1f}" for body in BODIES)
+    finished = measured.finished(name)
+    return text if finished == f"{measured.seeds}/{measured.seeds}" else f"{text} ({finished})"

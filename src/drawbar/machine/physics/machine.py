@@ -1,0 +1,192 @@
+"""The physics machine: a multibody on uneven ground, moved from sample to sample, seen through faulty sensors."""
+
+import math
+
+import numpy as np
+
+from drawbar.errors import ConfigurationError
+from drawbar.geometry import Floats
+from drawbar.machine.base import MachineWithTruth
+from drawbar.machine.command import accepted
+from drawbar.machine.history import BodyMoment, History, Moment
+from drawbar.machine.physics.forces import COMMANDS
+from drawbar.machine.physics.multibody import Multibody
+from drawbar.machine.physics.settings import PhysicsMachineSettings
+from drawbar.machine.physics.state import Slides, State, slides
+from drawbar.machine.senses import Senses
+from drawbar.machine.settings import steps_per_sample, whole_steps
+from drawbar.machine.terrain import Terrain
+from drawbar.signals import Command, Measurement, Pose, Truth
+from drawbar.vehicle.parameters import VehicleParameters
+
+_SMOOTHED = 2.0
+"""time constant of the slips and side-slips that the truth tells, s: the controllers' models hold them for constant,
+while on tyres they follow every motion of the wheels; who believes their momentary values steers against himself"""
+_BLOCK = 64
+"""Samples whose randomness is drawn at once. Part of what a seed means: another value gives another run."""
+
+
+class PhysicsMachine(MachineWithTruth):
+    """A tractor and trailer with masses, tyres and ground. Same settings and seed: the identical run.
+
+    It starts at rest with the trailer straight behind it; its lengths are the vehicle's times `settings.lengths`.
+    Raises ConfigurationError when MuJoCo is not installed, the sample time is not a multiple of the step, the start is
+    not finite, or no vehicle has such lengths.
+    """
+
+    def __init__(
+        self,
+        *,
+        vehicle: VehicleParameters,
+        settings: PhysicsMachineSettings,
+        sample_time: float,
+        start: Pose,
+        seed: int,
+    ) -> None:
+        """Place the machine on its ground.
+
+        Args:
+            vehicle: lengths as stated, and limits.
+            settings: everything else.
+            sample_time: s.
+            start: of the tractor.
+            seed: of everything random; the same seed is the same ground as the simulated machine's.
+        """
+        self._vehicle = settings.lengths.applied_to(vehicle)
+        self._settings, self._sample_time = settings, sample_time
+        self._steps = steps_per_sample(sample_time, settings.step)
+        if not all(map(math.isfinite, (start.x, start.y, start.yaw))):
+            raise ConfigurationError(f"the physics machine cannot start at {start}; give finite m and rad")
+        rng, history_rng, attitude_rng, floating_rng = _streams(seed)
+        self.terrain = Terrain.of_seed(settings.terrain, seed)
+        self.multibody = Multibody(self._vehicle, settings, self.terrain, start)
+        self._senses = Senses(
+            vehicle=self._vehicle,
+            settings=settings,
+            sample_time=sample_time,
+            rng=rng,
+            attitude_rng=attitude_rng,
+            floating_rng=floating_rng,
+        )
+        self._now = self._state()
+        self._slides = Slides(longitudinal_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0)
+        self._history = History(settings.step, np.array(self._now), history_rng, _moment)
+        delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
+        self._commands = np.zeros((delay + self._steps, COMMANDS))
+        self._newest = (0.0, 0.0, 0.0)
+        self._sample, self._begun = 0, False
+        self._draw()
+
+    def read(self) -> Measurement:
+        """Let one sample period pass under the newest command, and return what the sensors report then.
+
+        The first measurement is that of the machine where it was placed.
+        """
+        if self._begun:
+            self._let_pass()
+        self._begun = True
+        return self._senses.measure(self._sample, self._history)
+
+    def write(self, command: Command) -> None:
+        """Take over the command, which acts from now on.
+
+        Raises HardwareError when the command is not finite or beyond the limits; then the last one goes on to act.
+        """
+        self._newest = accepted(command, self._vehicle, self._settings.hydrostat.full_speed)
+
+    def stop(self) -> None:
+        """Stop with the steering held."""
+        self._newest = *self._newest[:2], 0.0
+
+    def truth(self) -> Truth:
+        """Return the true state. Slips and side-slips are averages over the last seconds, see _SMOOTHED."""
+        state, slid = self._now, self._slides
+        return Truth(
+            time=self._sample * self._sample_time,
+            tractor=Pose(x=state.tractor_x, y=state.tractor_y, yaw=state.tractor_yaw),
+            trailer=Pose(x=state.trailer_x, y=state.trailer_y, yaw=state.trailer_yaw),
+            speed=state.speed,
+            tractor_steering=state.steering,
+            trailer_steering=state.joint,
+            longitudinal_slip=slid.longitudinal_slip,
+            tractor_slip=1.0,
+            steering_offset=slid.steering_offset,
+            tractor_crab=slid.tractor_crab,
+            trailer_crab=slid.trailer_crab,
+            tractor_roll=state.tractor_roll,
+            tractor_pitch=state.tractor_pitch,
+            trailer_roll=state.trailer_roll,
+            trailer_pitch=state.trailer_pitch,
+            tractor_height=state.tractor_z,
+            trailer_height=state.trailer_z,
+        )
+
+    def _let_pass(self) -> None:
+        """Move on by one sample period."""
+        self._commands[: -self._steps] = self._commands[self._steps :]
+        self._commands[-self._steps :] = self._newest
+        rows: Floats = np.empty((self._steps, len(State._fields)))
+        before = self._now
+        for step in range(self._steps):
+            self.multibody.advance(self._commands[step])
+            self._now = self._state()
+            rows[step] = self._now
+        self._history.append(rows)
+        self._smooth(slides(self._now, before, self._sample_time, self._vehicle))
+        self._sample += 1
+        if self._sample % _BLOCK == 0:
+            self._draw()
+
+    def _smooth(self, slid: Slides) -> None:
+        """Take what the wheels did during a sample into the averages."""
+        keep = math.exp(-self._sample_time / _SMOOTHED)
+        self._slides = Slides(*(keep * old + (1.0 - keep) * new for old, new in zip(self._slides, slid, strict=True)))
+
+    def _state(self) -> State:
+        tractor, trailer = self.multibody.stances()
+        hitch, joint, steering = self.multibody.angles()
+        return State(
+            tractor_x=tractor.x,
+            tractor_y=tractor.y,
+            tractor_yaw=tractor.yaw,
+            trailer_yaw=trailer.yaw,
+            trailer_x=trailer.x,
+            trailer_y=trailer.y,
+            tractor_z=tractor.z,
+            trailer_z=trailer.z,
+            tractor_roll=tractor.roll,
+            tractor_pitch=tractor.pitch,
+            trailer_roll=trailer.roll,
+            trailer_pitch=trailer.pitch,
+            hitch_angle=hitch,
+            joint=joint,
+            steering=steering,
+            speed=self.multibody.speed,
+        )
+
+    def _draw(self) -> None:
+        """Draw the sensors' errors of the next block of samples."""
+        self._senses.draw(self._sample + np.arange(_BLOCK, dtype=np.float64))
+
+
+def _moment(age: float, row: Floats, rates: tuple[float, float]) -> Moment:
+    """Return what sensors see of a state."""
+    state = State(*row.tolist())
+    return Moment(
+        age=age,
+        tractor=BodyMoment(
+            state.tractor_x, state.tractor_y, state.tractor_yaw, state.tractor_roll, state.tractor_pitch, rates[0]
+        ),
+        trailer=BodyMoment(
+            state.trailer_x, state.trailer_y, state.trailer_yaw, state.trailer_roll, state.trailer_pitch, rates[1]
+        ),
+        hitch_angle=state.hitch_angle,
+        joint=state.joint,
+        steering=state.steering,
+        speed=state.speed,
+    )
+
+
+def _streams(seed: int) -> list[np.random.Generator]:
+    """Return a stream for each kind of randomness: the sensors', then those numbered as the simulated machine does."""
+    return [np.random.default_rng(seed), *(np.random.default_rng((seed, stream)) for stream in range(2, 5))]

@@ -1,0 +1,136 @@
+"""The sensors of a machine in a computer: its true past in, a measurement out."""
+
+import math
+from typing import Any, Protocol
+
+import numpy as np
+
+from drawbar.geometry import Floats, arm_offset
+from drawbar.machine.events import Event
+from drawbar.machine.floating import Floating
+from drawbar.machine.history import BodyMoment, History
+from drawbar.machine.sensing import Sensing
+from drawbar.machine.settings import (
+    AttitudeSensors,
+    AttitudeSensorSettings,
+    DelaySettings,
+    MastErrors,
+    SensorSettings,
+)
+from drawbar.signals import FixQuality, Measurement
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+class Sensed(Protocol):
+    """The sections of a machine's settings that speak of its sensors."""
+
+    @property
+    def sensors(self) -> SensorSettings: ...  # noqa: D102 -- as in the settings
+    @property
+    def masts(self) -> MastErrors: ...  # noqa: D102
+    @property
+    def attitude(self) -> AttitudeSensors: ...  # noqa: D102
+    @property
+    def delays(self) -> DelaySettings: ...  # noqa: D102
+    @property
+    def events(self) -> tuple[Event, ...]: ...  # noqa: D102
+
+
+class Senses:
+    """All sensors; each kind draws its errors from a stream of its own, so that another kind leaves them alone."""
+
+    def __init__(
+        self,
+        *,
+        vehicle: VehicleParameters,
+        settings: Sensed,
+        sample_time: float,
+        rng: np.random.Generator,
+        attitude_rng: np.random.Generator,
+        floating_rng: np.random.Generator,
+    ) -> None:
+        """Put the sensors on a vehicle; nothing is measured before the first draw().
+
+        Args:
+            vehicle: as it truly is; its masts as they are stated.
+            settings: of the sensors.
+            sample_time: s.
+            rng: of positions, hitch angle, speed and steering.
+            attitude_rng: of roll, pitch and yaw rate.
+            floating_rng: of fixes in float.
+        """
+        self._vehicle, self._settings, self._sample_time = vehicle, settings, sample_time
+        self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
+        self._floating = Floating(settings.events, sample_time, floating_rng)
+        self._attitude_rng = attitude_rng
+        self._fix = [math.nan] * 4
+
+    def draw(self, samples: Floats) -> None:
+        """Draw the errors of the next block of samples (n,), given by their numbers."""
+        self._errors, self._held = self._sensing.block(self._sample_time * samples)
+
+    def measure(self, sample: int, history: History) -> Measurement:
+        """Look at the machine through the sensors, as it was when each of them looked."""
+        settings, errors = self._settings, self._errors[sample % len(self._errors)].tolist()
+        delays, resolution = settings.delays, settings.sensors.steering_resolution
+        fixes = self._find(sample, errors, history)
+        hitch, speed, steering = map(history.seen, (delays.hitch_angle, delays.speed, delays.steering))
+        told = delays.told
+        return Measurement(
+            time=sample * self._sample_time,
+            hitch_angle=hitch.hitch_angle + errors[4],
+            speed=speed.speed + errors[5],
+            tractor_steering=_rounded(steering.steering + errors[6], resolution),
+            trailer_steering=_rounded(steering.joint + errors[7], resolution),
+            hitch_angle_age=told * hitch.age,
+            speed_age=told * speed.age,
+            tractor_steering_age=told * steering.age,
+            trailer_steering_age=told * steering.age,
+            **fixes,
+            **self._balance("tractor", settings.attitude.tractor, history),
+            **self._balance("trailer", settings.attitude.trailer, history),
+        )
+
+    def _find(self, sample: int, errors: list[float], history: History) -> dict[str, Any]:
+        """Return what both receivers report: position, age, deviation, quality."""
+        delays, sensors = self._settings.delays, self._settings.sensors
+        seen = [history.seen(delays.fix) for _ in range(2)]
+        true = [*self._antenna("tractor", seen[0].tractor), *self._antenna("trailer", seen[1].trailer)]
+        floating, deviations = (each.tolist() for each in self._floating.sample(sample * self._sample_time))
+        for i, held in enumerate(self._held[sample % len(self._held)]):
+            error = errors[i] if math.isnan(floating[i] + errors[i]) else floating[i]
+            self._fix[i] = self._fix[i] if held else true[i] + error
+        report: dict[str, Any] = {}
+        for i, body in enumerate(("tractor", "trailer")):
+            report[f"{body}_x"], report[f"{body}_y"] = self._fix[2 * i : 2 * i + 2]
+            report[f"{body}_fix_age"] = delays.told * seen[i].age
+            in_float = not math.isnan(deviations[2 * i])
+            if in_float or sensors.quality:
+                report[f"{body}_fix_quality"] = FixQuality.FLOAT if in_float else FixQuality.FIXED
+                report[f"{body}_fix_deviation"] = deviations[2 * i] if in_float else sensors.position
+        return report
+
+    def _antenna(self, body: str, seen: BodyMoment) -> tuple[float, float]:
+        """Return where a body's antenna truly was, m."""
+        stated, wrong = getattr(self._vehicle.masts, body), getattr(self._settings.masts, body)
+        arm = (stated.forward + wrong.forward, stated.left + wrong.left, stated.up + wrong.up)
+        east, north = arm_offset(seen.yaw, seen.roll, seen.pitch, arm)
+        return seen.x + east, seen.y + north
+
+    def _balance(self, body: str, sensor: AttitudeSensorSettings, history: History) -> dict[str, Any]:
+        """Return what a body's attitude sensor reports; nothing where there is none."""
+        if not sensor.present:
+            return {}
+        delays, noise = self._settings.delays, self._attitude_rng.standard_normal(3).tolist()
+        moment = history.seen(delays.attitude)
+        seen: BodyMoment = getattr(moment, body)
+        return {
+            f"{body}_roll": seen.roll + sensor.roll_bias + sensor.noise * noise[0],
+            f"{body}_pitch": seen.pitch + sensor.pitch_bias + sensor.noise * noise[1],
+            f"{body}_yaw_rate": seen.yaw_rate + sensor.yaw_rate_bias + sensor.yaw_rate_noise * noise[2],
+            f"{body}_attitude_age": delays.told * moment.age,
+        }
+
+
+def _rounded(angle: float, resolution: float) -> float:
+    return resolution * round(angle / resolution)
