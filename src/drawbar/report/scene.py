@@ -53,15 +53,14 @@ def _truths(log: Columns) -> list[Truth]:
         body: [log.column(f"truth.{body}.{name}").tolist() for name in ("x", "y", "yaw")] for body in style.BODY_COLOURS
     }
     known = {name: log.column(f"truth.{name}").tolist() for name in (*angles, "tractor_steering", "trailer_steering")}
-    unknown = {field.name: math.nan for field in fields(Truth) if field.name not in (*poses, *known)}
-    return [
-        Truth(
-            **{body: Pose(x=x[i], y=y[i], yaw=yaw[i]) for body, (x, y, yaw) in poses.items()},
-            **{name: values[i] for name, values in known.items()},
-            **unknown,
-        )
-        for i in range(log.steps)
-    ]
+    values: dict[str, Any] = {field.name: math.nan for field in fields(Truth)}
+    return [Truth(**values | _of_step(poses, known, i)) for i in range(log.steps)]
+
+
+def _of_step(poses: dict[str, list[list[float]]], known: dict[str, list[float]], step: int) -> dict[str, Any]:
+    """Return the poses and the numbers of one step."""
+    places = {body: Pose(x=x[step], y=y[step], yaw=yaw[step]) for body, (x, y, yaw) in poses.items()}
+    return places | {name: column[step] for name, column in known.items()}
 
 
 def _configuration(log: Columns) -> Configuration | None:
