@@ -198,7 +198,8 @@ def follow() -> Callable[..., list[Estimate]]:
 @pytest.fixture(scope="session")
 def recording() -> list[Measurement]:
     """Return 60 s of a real drive: the simulated machine's own noise, slips and rounding on the first curve."""
-    with Simulation(load_configuration("articulated"), seed=5) as simulation:
+    plain = load_configuration("articulated", ["actuation.identify=false", "estimator.slide.prior=0.0"])
+    with Simulation(plain, seed=5) as simulation:
         return [record.measurement for record in islice(simulation.steps(), 300)]
 
 
