@@ -57,7 +57,7 @@ def test_every_number_has_a_meaning() -> None:
 
 def test_events_are_the_kinds_that_may_happen() -> None:
     assert [section.variant for section in events()] == [
-        f'kind = "{kind}"' for kind in ("slip_step", "side_slope", "bump", "gps_loss", "gps_jump")
+        f'kind = "{kind}"' for kind in ("slip_step", "side_slope", "bump", "gps_loss", "gps_jump", "gps_float")
     ]
 
 

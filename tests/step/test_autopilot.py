@@ -101,13 +101,9 @@ def test_a_record_holds_the_whole_step(simulate):
             reference, plan = getattr(record.reference, body), getattr(record.plan, body)
             assert (reference.samples.shape, plan.poses.shape, plan.steerings.shape) == ((21, 4), (21, 3), (20,))
             assert np.isfinite(reference.samples).all()
-            distance = math.hypot(
-                *(
-                    np.array([getattr(record.estimate, body).x, getattr(record.estimate, body).y])
-                    - reference.closest[:2]
-                )
-            )
-            assert distance == pytest.approx(abs(reference.lateral_error), abs=1e-6)
+            # what is planned begins where the body will be when the command acts
+            distance = math.hypot(*(plan.poses[0][:2] - reference.closest[:2]))
+            assert distance == pytest.approx(abs(reference.lateral_error), abs=0.02)
             steering = getattr(record, f"{body}_steering")
             assert steering.nominal == plan.steering
         assert record.command.tractor_steering == pytest.approx(record.tractor_steering.command, abs=0.05)
@@ -186,9 +182,8 @@ def test_while_it_is_not_engaged_the_command_is_the_steering_as_it_is(build):
         assert record.flags & Flag.RELEASED
         assert record.command.speed == 0.0
         assert record.command.tractor_steering == pytest.approx(record.estimate.tractor_steering, abs=1e-12)
-        assert abs(record.command.tractor_steering - record.truth.tractor_steering) < math.radians(
-            2.0
-        )  # rounded to 1°, while the wheels turn
+        # rounded to 1°, while the wheels turn, seen through a dead time
+        assert abs(record.command.tractor_steering - record.truth.tractor_steering) < math.radians(3.0)
     estimated, true = records[-1].estimate.trailer, records[-1].truth.trailer
     assert math.hypot(estimated.x - true.x, estimated.y - true.y) < 0.1
 

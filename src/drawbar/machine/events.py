@@ -88,6 +88,7 @@ class GpsFloat(_Event):
     duration: Positive
     """s"""
     antenna: Antenna = "both"
+    """which of them is affected"""
     deviation: Positive = 0.3
     """of each coordinate, in place of the usual noise, m"""
     correlation: NonNegative = 0.0

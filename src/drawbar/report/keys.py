@@ -55,7 +55,8 @@ def sections(configuration: Configuration | None = None) -> list[Section]:
 
 def events() -> list[Section]:
     """Return the kinds of events that may happen to the simulated machine."""
-    return [section for section in sections() if section.name == "machine.events"]
+    found = {section.variant: section for section in sections() if section.name == "machine.events"}
+    return list(found.values())
 
 
 def _sections(kind: type[BaseModel], name: str, variant: str, value: BaseModel | None) -> Iterator[Section]:

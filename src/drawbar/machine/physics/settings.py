@@ -116,6 +116,7 @@ class PhysicsMachineSettings(Settings):
     attitude: AttitudeSensors = AttitudeSensors()
     delays: DelaySettings = DelaySettings()
     events: Annotated[tuple[ReceiverEvent, ...], Field(strict=False)] = ()
+    """what happens to the receivers during a run, by kind"""
 
     @model_validator(mode="after")
     def _dead_time_on_grid(self) -> Self:
