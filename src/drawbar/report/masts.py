@@ -7,8 +7,8 @@ import numpy as np
 from drawbar.recording.log import Columns
 
 SOFT = 0.18
-"""Estimated side-slip per angle of a slope on soft soil. The true one is 0.36; leaning masts hide half of it, as seen in
-the simulated machine (tests/report/test_masts.py). On firm soil the slope is steeper than that suggests."""
+"""Estimated side-slip per angle of a slope on soft soil. The true one is 0.36; leaning masts hide half of it, as seen
+in the simulated machine (tests/report/test_masts.py). On firm soil the slope is steeper than that suggests."""
 
 
 def mast_doubt(log: Columns, body: str) -> float:
