@@ -24,7 +24,7 @@ def mast_doubt(log: RunLog, body: str) -> float:
     or predicted from the tractor's, and where the mast has no height.
     """
     vehicle = log.header.vehicle
-    height = getattr(vehicle.masts, body).up
+    height: float = getattr(vehicle.masts, body).up
     if height == 0.0 or any(_measured(log, each) for each in {"tractor", body}):
         return math.nan
     slope = _side_slip(log) / (SOFT * _shown(vehicle))
