@@ -4,27 +4,31 @@ import math
 
 import numpy as np
 
+from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
+from drawbar.vehicle.parameters import VehicleParameters
 
-SOFT = 0.18
-"""Estimated side-slip per angle of a slope on soft soil. The true one is 0.36; leaning masts hide half of it, as seen
-in the simulated machine (tests/report/test_masts.py). On firm soil the slope is steeper than that suggests."""
+SOFT = 0.36
+"""Side-slip per angle of a slope on soft soil, which the estimated side-slips are taken for; on firm soil the slope is
+steeper than that suggests"""
+_TURNED = 0.3
+"""Standard deviation of the headings' cosines and sines from which on the world's part of the side-slips shows"""
+_LEAST = 0.3
+"""Smallest share of a side-slip that is taken to show behind masts of different heights"""
 
 
 def mast_doubt(log: Columns, body: str) -> float:
     """Return by how much the point on the ground may be beside where the antenna puts it, m, root mean square.
 
-    It is the height of the mast times the slope that the estimated side-slip suggests. NaN where the lean was measured,
+    It is the height of the mast times the slope that the estimated side-slips suggest. NaN where the lean was measured,
     or predicted from the tractor's, and where the mast has no height.
     """
-    height = getattr(log.header.vehicle.masts, body).up
+    vehicle = log.header.vehicle
+    height: float = getattr(vehicle.masts, body).up
     if height == 0.0 or any(_measured(log, each) for each in {"tractor", body}):
         return math.nan
-    crabs = np.array([log.column(f"estimate.{each}_crab") for each in ("tractor", "trailer")])
-    present = crabs[np.isfinite(crabs)]
-    if not present.size:
-        return math.nan
-    return float(height * math.sin(min(math.sqrt(np.mean(present**2)) / SOFT, 0.5 * math.pi)))
+    slope = _side_slip(log) / (SOFT * _shown(vehicle))
+    return height * math.sin(min(slope, 0.5 * math.pi))
 
 
 def doubt_text(tractor: float, trailer: float) -> str:
@@ -36,3 +40,32 @@ def doubt_text(tractor: float, trailer: float) -> str:
 
 def _measured(log: Columns, body: str) -> bool:
     return bool(np.isfinite(log.column(f"measurement.{body}_roll")).any())
+
+
+def _shown(vehicle: VehicleParameters) -> float:
+    """Return which share of a side-slip shows: masts of different heights lean apart, which turns the line of both."""
+    masts, apart = vehicle.masts, vehicle.hitch_length + vehicle.trailer_length - vehicle.trailer_antenna
+    return max(1.0 - (masts.tractor.up - masts.trailer.up) / (apart * SOFT), _LEAST)
+
+
+def _side_slip(log: Columns) -> float:
+    """Return the root mean square of the side-slips, rad: of what is the same in the world, if that shows."""
+    bodies = [_seen(log, body) for body in _BODIES]
+    yaw, crab = np.concatenate([yaw for yaw, _ in bodies]), np.concatenate([crab for _, crab in bodies])
+    if not crab.size:
+        return math.nan
+    rows = np.column_stack([-np.sin(yaw), np.cos(yaw), np.ones_like(yaw)])
+    if min(rows[:, :2].std(axis=0)) < _TURNED:
+        return float(np.sqrt(np.mean(crab**2)))
+    east, north, _ = np.linalg.lstsq(rows, crab, rcond=None)[0]
+    return math.hypot(east, north) / math.sqrt(2.0)
+
+
+_BODIES = ("tractor", "trailer")
+
+
+def _seen(log: Columns, body: str) -> tuple[Floats, Floats]:
+    """Return yaws and side-slips (n,) of one body, without what is missing, rad."""
+    yaw, crab = log.column(f"estimate.{body}.yaw"), log.column(f"estimate.{body}_crab")
+    known = np.isfinite(yaw + crab)
+    return yaw[known], crab[known]

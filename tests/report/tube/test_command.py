@@ -21,7 +21,7 @@ SHORT = ("path.radii=[8.0]", "path.straight_length=1.0")
 @pytest.fixture(scope="session")
 def log(tmp_path_factory):
     """Return the log of a short run of the product, seed 0."""
-    config = load_configuration("articulated", SHORT)
+    config = load_configuration("articulated", [*SHORT, "actuation.identify=false"])
     file = tmp_path_factory.mktemp("tube") / "log.mcap"
     simulation = Simulation(config)
     with Recorder(file, simulation.header()) as recorder:
