@@ -63,6 +63,7 @@ def test_records_have_fixed_sizes_that_a_pipe_takes_whole():
     sizes = {cls.__name__: LAYOUTS[kind].size for kind, cls in KINDS.items()}
     assert sizes == {
         "CommandMessage": 53, "ControllerState": 131, "GateState": 169, "OperatorMessage": 65, "Heartbeat": 31,
+        "Fixes": 206,
     }  # fmt: skip
     for cls in KINDS.values():
         assert len(encode(sample(cls))) == sizes[cls.__name__]

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.messages import CommandMessage, Mode
+from drawbar.safety import envelope, selftest
 from drawbar.safety.envelope import LOST, SEQUENCES, Bounds, Envelope
 from drawbar.safety.following import Following
 from drawbar.safety.selftest import limits_hold
@@ -253,12 +254,12 @@ def test_limits_that_do_not_limit_fail_the_selftest(monkeypatch, method, result)
 
 @pytest.mark.parametrize("name", ["_clamped", "_towards"])
 def test_a_limit_that_lets_everything_through_fails_the_selftest(monkeypatch, name):
-    monkeypatch.setattr(f"drawbar.safety.envelope.{name}", lambda *given: given[1] if len(given) == 3 else given[0])
+    monkeypatch.setattr(envelope, name, lambda *given: given[1] if len(given) == 3 else given[0])
     assert not limits_hold(SETTINGS, BOUNDS)
 
 
 def test_records_that_are_not_checked_fail_the_selftest(monkeypatch):
-    monkeypatch.setattr("drawbar.safety.selftest.decode", lambda *given: None)
+    monkeypatch.setattr(selftest, "decode", lambda *given: None)
     assert not limits_hold(SETTINGS, BOUNDS)
 
 

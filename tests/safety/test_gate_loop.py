@@ -79,13 +79,11 @@ def test_it_says_off_for_a_second_and_ends(loop, how, code, capsys):
     assert "gate: memory is not locked" in capsys.readouterr().err
 
 
-def test_its_pace_is_kept_and_missed_ticks_are_left_out(loop):
+def test_its_pace_counts_from_the_last_tick_and_missed_ticks_are_left_out(loop):
     bench = Bench()
     end_at(bench, 2.0, lambda: setattr(bench.gate.watch.troubles, "ended", True))
     _, _ = loop(bench, {40: 0.33})
     ticks = [time for time, _ in bench.tractor.requests]
-    phases = [(time - ticks[0]) / 0.05 for time in ticks]
-    assert sum(abs(phase - round(phase)) > 0.05 for phase in phases) <= 1, "only the late one is out of phase"
     assert 0.3 < max(after - before for before, after in itertools.pairwise(ticks)) < 0.4
     assert min(after - before for before, after in itertools.pairwise(ticks)) > 0.01, "no burst"
 

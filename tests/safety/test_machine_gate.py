@@ -399,7 +399,8 @@ def test_a_look_is_urgent_only_while_it_steers():
     bench.ask(Action.STOP)
     assert not bench.hear()
     bench = driving()
-    assert not bench.hear()
+    assert bench.hear(), "a new command does not wait"
+    assert not bench.gate.hear(bench.time)
     for action in (Action.STOP, Action.RELEASE, Action.EMERGENCY):
         bench.ask(action)
         assert bench.gate.hear(bench.time)
