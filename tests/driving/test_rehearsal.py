@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.drive.rehearsal import Rehearsal
+from drawbar.driving.rehearsal import Rehearsal
 from drawbar.messages import Action, SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality, Flag

@@ -3,7 +3,7 @@
 import math
 
 from drawbar.config import Configuration
-from drawbar.drive.certainty import certainty
+from drawbar.driving.certainty import certainty
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
