@@ -108,7 +108,7 @@ class Controller:
             configuration=self._fingerprint,
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(measurement.trailer_fix_quality),
-            wiggled=1,
+            wiggled=0,  # nothing here tries the actuators yet
             status=int(self._status),
             flags=int(record.flags),
             solved=self._solved,

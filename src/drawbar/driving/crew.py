@@ -81,7 +81,9 @@ class Crew:
             self._await("stand_in", "driver")
         ours, theirs = controller_pair()
         with ours, theirs:
-            self._start("gate", "driving.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,))
+            self._start(
+                "gate", "driving.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,)
+            )
             self._start("controller", "driving.controller_main", orders, str(ours.fileno()), ends=(ours,))
         self._start("recorder", "driving.recorder_main", orders)
         self._start("receivers", "driving.receivers_main", orders)
