@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from drawbar.cli import main as cli
+from drawbar.cli import options
 from drawbar.config import load_configuration
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.recording.log import read_log
@@ -377,7 +378,7 @@ def test_a_process_that_is_stopped_leaves_a_readable_log(tmp_path: Path, sent: s
 
 @pytest.mark.parametrize("width", [40, 60, 79])
 def test_a_narrow_terminal_shows_every_figure(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch, width: int) -> None:
-    monkeypatch.setenv("COLUMNS", str(width))
+    monkeypatch.setattr(options.console, "width", width)
     code, said = drawbar("run", *SHORT, "--out", "out")
     assert code == 0
     assert "…" not in said

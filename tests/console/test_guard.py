@@ -14,7 +14,7 @@ from nicegui import core
 from drawbar.console.guard import BURST, LARGEST, SOCKETS, Guard
 from drawbar.console.passwords import load_users, save_user, verify
 from drawbar.console.visitors import COOKIE, LIFE, Rank, Visitors
-from drawbar.drive.console_orders import ConsoleOrders
+from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.errors import ConfigurationError
 from drawbar.messages import Action
 

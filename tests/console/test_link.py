@@ -16,10 +16,10 @@ from console_stage import Stage
 
 from drawbar.config import load_configuration
 from drawbar.console.drawing import moving, standing
-from drawbar.drive.console_orders import ConsoleOrders
-from drawbar.drive.letters import Step, pack
-from drawbar.drive.mail import Mailbox
-from drawbar.drive.orders import CONSOLE, GATE
+from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.letters import Step, pack
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.orders import CONSOLE, GATE
 from drawbar.messages import Action, OperatorMessage, decode
 from drawbar.recording.log import encode_special
 from drawbar.simulation import build_path, simulate

@@ -16,7 +16,7 @@ from drawbar.console.audit import Audit
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.pages import Pages
-from drawbar.drive.console_orders import ConsoleOrders
+from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.messages import ControllerState, encode
 from drawbar.safety.causes import Cause
 from drawbar.safety.desk import Desk

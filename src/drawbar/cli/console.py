@@ -12,7 +12,7 @@ from drawbar.cli.options import console as terminal
 from drawbar.errors import ConfigurationError, HardwareError
 
 if TYPE_CHECKING:
-    from drawbar.drive.console_orders import ConsoleOrders
+    from drawbar.driving.console_orders import ConsoleOrders
 
 Host = Annotated[str, typer.Option(help="address to listen at; other than this computer's own needs TLS and passwords")]
 Port = Annotated[int, typer.Option(min=0, max=65535, help="0: a free one")]
@@ -36,8 +36,8 @@ def console(
     drive: Annotated[Path | None, typer.Option(help="folder of the drive's sockets; default: the newest drive")] = None,
 ) -> None:
     """Serve the operator's pages for a drive that is on already; `drawbar drive --console` does both."""
-    from drawbar.drive.console_orders import ConsoleOrders
-    from drawbar.drive.orders import CONSOLE, ORDERS_NAME, Orders
+    from drawbar.driving.console_orders import ConsoleOrders
+    from drawbar.driving.orders import CONSOLE, ORDERS_NAME, Orders
 
     folder = drive or _newest_drive()
     try:
@@ -125,7 +125,7 @@ def free_port(host: str) -> int:
 
 
 def _newest_drive() -> Path:
-    from drawbar.drive.orders import ORDERS_NAME
+    from drawbar.driving.orders import ORDERS_NAME
 
     found = [each for each in Path(tempfile.gettempdir()).glob(f"drawbar-*/{ORDERS_NAME}") if each.is_file()]
     if not found:

@@ -24,8 +24,8 @@ def check(
     """Listen to every device that the configuration names, and say what is missing. Nothing is moved."""
     from rich.text import Text
 
-    from drawbar.drive import check as checking
-    from drawbar.drive.place import local_frame
+    from drawbar.driving import check as checking
+    from drawbar.driving.place import local_frame
 
     config = _with_devices(configuration, changes)
     assert config.devices is not None
@@ -42,8 +42,8 @@ def check(
 
 def stand_in(configuration: ConfigurationName, changes: Changes = None) -> None:
     """Be the machine: the simulated one behind the receivers, boards and sensors that the configuration names."""
-    from drawbar.drive.orders import Orders
-    from drawbar.drive.stand_in_main import serve
+    from drawbar.driving.orders import Orders
+    from drawbar.driving.stand_in_main import serve
 
     config = _with_devices(configuration, changes)
     with tempfile.TemporaryDirectory(prefix="drawbar-") as folder:

@@ -23,7 +23,7 @@ from drawbar.cli.options import ConfigurationName, console
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
-    from drawbar.drive.crew import Crew
+    from drawbar.driving.crew import Crew
 
 
 def drive(
@@ -51,9 +51,9 @@ def drive(
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
     from drawbar.config import load_configuration
-    from drawbar.drive.console_orders import ConsoleOrders
-    from drawbar.drive.crew import Crew
-    from drawbar.drive.demonstration import with_stand_ins
+    from drawbar.driving.console_orders import ConsoleOrders
+    from drawbar.driving.crew import Crew
+    from drawbar.driving.demonstration import with_stand_ins
     from drawbar.report.console import summary
     from drawbar.report.folder import write_report
     from drawbar.step.build import build_autopilot
@@ -96,8 +96,8 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
     """Show the drive until it is over; return whether it failed."""
     from rich.live import Live
 
-    from drawbar.drive.display import headline, picture
-    from drawbar.drive.front_end import FrontEnd, Keyboard
+    from drawbar.driving.display import headline, picture
+    from drawbar.driving.front_end import FrontEnd, Keyboard
     from drawbar.messages import SupervisorState
 
     front, end = FrontEnd(crew, demonstrates=demonstrates), time.monotonic() + (seconds or float("inf"))

@@ -8,7 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from drawbar.drive.console_orders import ConsoleOrders
+from drawbar.driving.console_orders import ConsoleOrders
 
 PERIOD = 0.1
 """between two pictures, s; a step that is heard is shown at once"""
@@ -34,8 +34,8 @@ def _serve(orders: ConsoleOrders) -> int:
     from drawbar.console.link import Link
     from drawbar.console.pages import Pages
     from drawbar.console.passwords import load_users
-    from drawbar.drive.mail import Mailbox
-    from drawbar.drive.orders import CONSOLE, GATE, Orders
+    from drawbar.driving.mail import Mailbox
+    from drawbar.driving.orders import CONSOLE, GATE, Orders
     from drawbar.messages import encode
     from drawbar.simulation import build_path
 

@@ -10,8 +10,8 @@ from drawbar.console.audit import Audit
 from drawbar.console.drawing import Moving, moving
 from drawbar.console.session import Session
 from drawbar.console.visitors import Visitor
-from drawbar.drive.letters import Step, unpack
-from drawbar.drive.operator import Operator
+from drawbar.driving.letters import Step, unpack
+from drawbar.driving.operator import Operator
 from drawbar.messages import Action, ControllerState, GateState, OperatorMessage, decode
 from drawbar.recording.log import decode_step
 from drawbar.safety.desk import ALWAYS

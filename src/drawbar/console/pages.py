@@ -19,7 +19,7 @@ from drawbar.console.login import Login
 from drawbar.console.passwords import User
 from drawbar.console.runs_page import report_of, runs_page
 from drawbar.console.visitors import Visitor, Visitors
-from drawbar.drive.console_orders import LOOPBACK, ConsoleOrders
+from drawbar.driving.console_orders import LOOPBACK, ConsoleOrders
 
 _STATIC = Path(__file__).parent / "static"
 _LANGUAGE = "drawbar-language"

@@ -105,6 +105,7 @@ _BOARD = ("-M", "mps2-an500", "-nographic", "-semihosting-config", "enable=on,ta
 HOSTS = {
     "linux-x86_64": Host(triple="x86_64-linux-gnu", library="libdrawbar.so"),
     "linux-aarch64": Host(triple="aarch64-linux-musl", flags=("-static",), runner=("qemu-aarch64",)),
+    "linux-armv7": Host(triple="arm-linux-musleabihf", flags=("-static", "-mcpu=cortex_a7"), runner=("qemu-arm",)),
     "windows-x86_64": Host(triple="x86_64-windows-gnu", library="drawbar.lib", runner=("wine",)),
     "cortex-m7": Host(
         triple="thumb-linux-musleabihf",

@@ -5,7 +5,6 @@ from collections import Counter
 
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
-from drawbar.protocols.gnss.stream import EpochStream
 from drawbar.transports.base import Transport
 
 
@@ -30,6 +29,8 @@ class Receiver:
         self.transport = transport
         self.heard = -math.inf
         self.last = None
+        from drawbar.protocols.gnss.stream import EpochStream  # its parsers come with an extra
+
         self._stream = EpochStream(settings)
         self._sender = settings.sender
         self._others: Counter[str] = Counter()

@@ -8,10 +8,10 @@ import math
 from collections.abc import Iterator
 
 from drawbar.config import Configuration
-from drawbar.drive.control_loop import ControlLoop
-from drawbar.drive.controller import Controller
-from drawbar.drive.operator import DemonstrationOperator, Operator
-from drawbar.drive.stand_ins import stand_in_machine
+from drawbar.driving.control_loop import ControlLoop
+from drawbar.driving.controller import Controller
+from drawbar.driving.operator import DemonstrationOperator, Operator
+from drawbar.driving.stand_ins import stand_in_machine
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.machine.hardware.navigation import Navigation

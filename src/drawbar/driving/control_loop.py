@@ -5,7 +5,7 @@ Everything comes with its time (monotonic, ns) and leaves by the functions given
 
 from collections.abc import Callable
 
-from drawbar.drive.controller import Controller
+from drawbar.driving.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import CommandMessage, Fixes, GateState, Message
 from drawbar.signals import Measurement, StepRecord

@@ -3,7 +3,7 @@
 import math
 
 from drawbar.config import Configuration
-from drawbar.drive.certainty import certainty
+from drawbar.driving.certainty import certainty
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
@@ -108,7 +108,7 @@ class Controller:
             configuration=self._fingerprint,
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(measurement.trailer_fix_quality),
-            wiggled=1,
+            wiggled=0,  # nothing here tries the actuators yet
             status=int(self._status),
             flags=int(record.flags),
             solved=self._solved,

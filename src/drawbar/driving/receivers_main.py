@@ -1,6 +1,6 @@
 """The receivers' process as a program: reads the receivers, and sends what they say of each instant to the controller.
 
-`python -m drawbar.drive.receivers_main`, with its orders on standard input.
+`python -m drawbar.driving.receivers_main`, with its orders on standard input.
 """
 
 import math
@@ -9,12 +9,12 @@ import sys
 import time
 
 from drawbar.config import load_configuration
-from drawbar.drive.beat import Beat
-from drawbar.drive.ending import Ending
-from drawbar.drive.letters import Device, Raw, pack
-from drawbar.drive.mail import Mailbox
-from drawbar.drive.orders import CONTROLLER, GATE, RECORDER, Orders
-from drawbar.drive.place import local_frame
+from drawbar.driving.beat import Beat
+from drawbar.driving.ending import Ending
+from drawbar.driving.letters import Device, Raw, pack
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.orders import CONTROLLER, GATE, RECORDER, Orders
+from drawbar.driving.place import local_frame
 from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation

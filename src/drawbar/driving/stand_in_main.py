@@ -1,6 +1,6 @@
 """The stand-in as a program: the simulated machine behind real sockets, in real time.
 
-`python -m drawbar.drive.stand_in_main`, with its orders on standard input. It serves what the configuration's `devices`
+`python -m drawbar.driving.stand_in_main`, its orders on standard input. It serves what the configuration's `devices`
 name: a receiver at `tcp://` listens there, one at `udp://` is sent to; a board answers at its address.
 """
 
@@ -11,11 +11,11 @@ import time
 from urllib.parse import urlsplit
 
 from drawbar.config import Configuration, load_configuration
-from drawbar.drive.ending import Ending
-from drawbar.drive.mail import Mailbox
-from drawbar.drive.orders import DRIVER, Orders
-from drawbar.drive.place import local_frame
-from drawbar.drive.stand_ins import stand_in_machine
+from drawbar.driving.ending import Ending
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.orders import DRIVER, Orders
+from drawbar.driving.place import local_frame
+from drawbar.driving.stand_ins import stand_in_machine
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output

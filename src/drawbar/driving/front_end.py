@@ -9,10 +9,10 @@ import tty
 from types import TracebackType
 from typing import Self
 
-from drawbar.drive.crew import Crew
-from drawbar.drive.mail import Mailbox
-from drawbar.drive.operator import DemonstrationOperator, Operator
-from drawbar.drive.orders import FRONT_END, GATE
+from drawbar.driving.crew import Crew
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.operator import DemonstrationOperator, Operator
+from drawbar.driving.orders import FRONT_END, GATE
 from drawbar.messages import Action, ControllerState, GateState, SupervisorState, decode, encode
 
 LOOK = 200_000_000

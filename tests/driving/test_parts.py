@@ -8,10 +8,10 @@ import pytest
 from rich.console import Console
 
 from drawbar.config import load_configuration
-from drawbar.drive.certainty import across
-from drawbar.drive.display import KEYS, picture
-from drawbar.drive.letters import Device, Event, Level, Raw, Step, pack, unpack
-from drawbar.drive.mail import Mailbox
+from drawbar.driving.certainty import across
+from drawbar.driving.display import KEYS, picture
+from drawbar.driving.letters import Device, Event, Level, Raw, Step, pack, unpack
+from drawbar.driving.mail import Mailbox
 from drawbar.recording.schema import json_schema
 from drawbar.signals import Estimate, Pose, SolverStatus, StepRecord
 from drawbar.transports.tapped import Direction

@@ -1,10 +1,10 @@
-"""The gate's process as a program: `python -m drawbar.drive.gate_main`, with its orders on standard input."""
+"""The gate's process as a program: `python -m drawbar.driving.gate_main`, with its orders on standard input."""
 
 import socket
 import sys
 from pathlib import Path
 
-from drawbar.drive.orders import DRIVER, GATE, RECORDER, GateOrders
+from drawbar.driving.orders import DRIVER, GATE, RECORDER, GateOrders
 from drawbar.machine.hardware.shared_socket import own_sources, share
 from drawbar.protocols.agopengps.network import COMPUTER_PORT
 from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk

@@ -33,7 +33,9 @@ def with_stand_ins(configuration: Configuration) -> Configuration:
             pulses_per_metre=PULSES,
         ),
     )
-    return configuration.model_copy(update={"devices": devices})
+    engage = configuration.safety.engage.model_copy(update={"wiggle_test": False})  # stand-ins turn the right way
+    safety = configuration.safety.model_copy(update={"engage": engage})
+    return configuration.model_copy(update={"devices": devices, "safety": safety})
 
 
 def _free_ports(kind: int, count: int) -> list[int]:

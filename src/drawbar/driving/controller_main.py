@@ -1,6 +1,6 @@
 """The controller's process as a program: fixes and the gate's states in, commands out.
 
-`python -m drawbar.drive.controller_main DESCRIPTOR`, its end of the pair with the gate; its orders on standard input.
+`python -m drawbar.driving.controller_main DESCRIPTOR`, its end of the pair with the gate; its orders on standard input.
 """
 
 import select
@@ -11,13 +11,13 @@ import time
 import msgspec
 
 from drawbar.config import load_configuration
-from drawbar.drive.beat import Beat
-from drawbar.drive.control_loop import ControlLoop
-from drawbar.drive.controller import Controller
-from drawbar.drive.ending import Ending
-from drawbar.drive.letters import Step, pack
-from drawbar.drive.mail import Mailbox
-from drawbar.drive.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
+from drawbar.driving.beat import Beat
+from drawbar.driving.control_loop import ControlLoop
+from drawbar.driving.controller import Controller
+from drawbar.driving.ending import Ending
+from drawbar.driving.letters import Step, pack
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
 from drawbar.realtime import prepare

@@ -1,6 +1,6 @@
 """The recorder's process as a program: writes the log of a drive. It may die without consequence for the drive.
 
-`python -m drawbar.drive.recorder_main`, with its orders on standard input.
+`python -m drawbar.driving.recorder_main`, with its orders on standard input.
 """
 
 import select
@@ -9,12 +9,12 @@ import time
 from pathlib import Path
 
 from drawbar.config import Configuration, load_configuration
-from drawbar.drive.beat import Beat
-from drawbar.drive.ending import Ending
-from drawbar.drive.letters import Event, Raw, Step, unpack
-from drawbar.drive.mail import Mailbox
-from drawbar.drive.orders import GATE, RECORDER, Orders
-from drawbar.drive.place import local_frame
+from drawbar.driving.beat import Beat
+from drawbar.driving.ending import Ending
+from drawbar.driving.letters import Event, Raw, Step, unpack
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.orders import GATE, RECORDER, Orders
+from drawbar.driving.place import local_frame
 from drawbar.errors import DrawbarError
 from drawbar.messages import KINDS as RECORDS
 from drawbar.messages import Flaw, GateState, Message, Role, decode

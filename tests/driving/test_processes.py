@@ -11,9 +11,9 @@ from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
 
 from drawbar.config import load_configuration
-from drawbar.drive.crew import CONFIGURATION_NAME, Crew
-from drawbar.drive.demonstration import with_stand_ins
-from drawbar.drive.front_end import FrontEnd
+from drawbar.driving.crew import CONFIGURATION_NAME, Crew
+from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.front_end import FrontEnd
 from drawbar.messages import SupervisorState
 from drawbar.recording.log import read_log
 from drawbar.report.folder import write_report
@@ -110,5 +110,5 @@ def test_a_gate_that_is_killed_is_told_and_takes_the_controller_with_it(crew):
 def test_the_gates_process_loads_no_numpy():
     import subprocess
 
-    words = "import sys, drawbar.drive.gate_main; sys.exit('numpy' in sys.modules or 'casadi' in sys.modules)"
+    words = "import sys, drawbar.driving.gate_main; sys.exit('numpy' in sys.modules or 'casadi' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", words]).returncode == 0

@@ -1,6 +1,6 @@
 """Beat: a process tells the gate that it is alive, at 4 Hz."""
 
-from drawbar.drive.mail import Mailbox
+from drawbar.driving.mail import Mailbox
 from drawbar.messages import Heartbeat, Role, SupervisorState, encode
 
 PERIOD = 250_000_000

@@ -12,8 +12,8 @@ from types import TracebackType
 from typing import IO, Self
 
 from drawbar.config import Configuration
-from drawbar.drive.console_orders import ConsoleOrders
-from drawbar.drive.orders import CONSOLE, ORDERS_NAME, GateOrders, Orders
+from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.orders import CONSOLE, ORDERS_NAME, GateOrders, Orders
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
@@ -77,14 +77,16 @@ class Crew:
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
         if self._stand_ins:
-            self._start("stand_in", "drive.stand_in_main", orders)
+            self._start("stand_in", "driving.stand_in_main", orders)
             self._await("stand_in", "driver")
         ours, theirs = controller_pair()
         with ours, theirs:
-            self._start("gate", "drive.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,))
-            self._start("controller", "drive.controller_main", orders, str(ours.fileno()), ends=(ours,))
-        self._start("recorder", "drive.recorder_main", orders)
-        self._start("receivers", "drive.receivers_main", orders)
+            self._start(
+                "gate", "driving.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,)
+            )
+            self._start("controller", "driving.controller_main", orders, str(ours.fileno()), ends=(ours,))
+        self._start("recorder", "driving.recorder_main", orders)
+        self._start("receivers", "driving.receivers_main", orders)
         for name in ("gate", "controller", "recorder", "receivers"):
             self._await(name, name)
         (Path(self._folder.name) / ORDERS_NAME).write_text(orders, "utf-8")
