@@ -81,7 +81,7 @@ class Metrics:
     error_m: Bodies[Mapping[str, ErrorStatistics]]
     """absolute distance of the body's true point on the ground to the path, by class of the path"""
     mast_doubt_m: Bodies[float]
-    """by how much masts may mislead for want of an attitude sensor, see masts.py; NaN: there is one, or no mast"""
+    """by how much masts may mislead for want of an attitude sensor, see masts.py; 0: there is one, or no mast"""
     yaw_rmse_rad: Bodies[float]
     """estimate against truth"""
     steering_rate_mean_rad_s: Bodies[float]

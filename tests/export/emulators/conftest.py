@@ -16,8 +16,6 @@ import pytest
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.exchange import Layout
 from drawbar.experiment.alteration import InterceptedMachine
-from drawbar.export.targets import find_target
-from drawbar.export.toolchain import Built, build_target
 from drawbar.geometry import Floats
 from drawbar.signals import Measurement, StepRecord
 from drawbar.simulation import Simulation
@@ -170,27 +168,19 @@ def native(exported: Callable[..., FilePath]) -> Callable[[str], Player]:
 
 
 @pytest.fixture(scope="session")
-def built(exported: Callable[..., FilePath]) -> Callable[[str], Built]:
-    """Return a function that builds the product's library for a target."""
-    return cache(lambda target: build_target(find_target(target), exported("articulated")))
-
-
-@pytest.fixture(scope="session")
-def player(
-    exported: Callable[..., FilePath], built: Callable[[str], Built], tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[str], Player]:
-    """Return a function that builds the product's library for a target, and a program that plays it there."""
+def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Player]:
+    """Return a function that builds a program that plays the product's library for a target."""
 
     @cache
     def player(target: str) -> Player:
         host = HOSTS[target]
         if host.runner and shutil.which(host.runner[0]) is None:
             pytest.skip(f"{host.runner[0]} is not installed")
-        library = built(target).files[0].parent
+        library = for_targets / "lib" / target
         sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), "-lm"]
         zig = [sys.executable, "-m", "ziglang", "cc", "-target", host.triple, "-std=gnu99", "-O2", *host.flags]
         # beside the library: where Windows looks for it, and Linux is told to
-        program = linked([*zig, f"-I{exported('articulated') / 'include'}", *sources], library / "replay.exe")
+        program = linked([*zig, f"-I{for_targets / 'include'}", *sources], library / f"replay-{os.getpid()}.exe")
         environment = {
             "LD_LIBRARY_PATH": str(library),
             "WINEDEBUG": "-all",
