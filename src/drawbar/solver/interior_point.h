@@ -10,6 +10,7 @@
 
 #include "active_set.h"
 #include "farkas.h"
+#include "held_set.h"
 #include "ip_start.h"
 
 #ifndef IP_ITERATIONS
@@ -296,6 +297,16 @@ static int qp_damped(struct qp *s, struct interior_point *ip, int reason)
     return status == SOLVED || status == INFEASIBLE ? status : reason;
 }
 
+/* Back to the solution without bounds. */
+static void qp_afresh(struct qp *s)
+{
+    memset(s->multiplier, 0, sizeof s->multiplier);
+    memset(s->violation, 0, sizeof s->violation);
+    if (!s->factored)
+        s->factored = qp_factor(s, NULL, N + 1);
+    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+}
+
 /* One sweep (factored beforehand if s->factored) when no bound is active, the active set when few are, the interior
  * point otherwise; the answer is judged by kkt_check. */
 static int qp_optimise(struct qp *s, union bounds_work *work)
@@ -324,11 +335,15 @@ static int qp_optimise(struct qp *s, union bounds_work *work)
         const int status = kkt_check(s, 0, gradient, defect);
         return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, status);
     }
+    if (!FREE_INITIAL) {
+        if (qp_held_set(s, &work->held) && kkt_check(s, 1, gradient, defect) == SOLVED)
+            return SOLVED;
+        qp_afresh(s);
+    }
     if (qp_active_set(s, &work->active)) {
         if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return SOLVED;
-        memset(s->multiplier, 0, sizeof s->multiplier);
-        qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+        qp_afresh(s);
     }
     s->factored = 0;                       /* the barrier changes it */
     work->ip.damping.on = 0;
