@@ -2,14 +2,14 @@
  *
  * One pass costs one factorisation and one sweep of the stages up to the last bound, however many bounds are active. A soft
  * bound whose multiplier would exceed its price gives way. Bounds of a kind that no single input answers for, and two that
- * claim the same input and may not give way, are left to active_set.h and interior_point.h, and so is what does not settle.
+ * claim the same input and may not give way, are left to active_set.h; what does not settle is left to interior_point.h.
  */
 #ifndef DRAWBAR_HELD_SET_H
 #define DRAWBAR_HELD_SET_H
 
 #include "held_sweep.h"
 
-#define HELD_PASSES 12
+#define HELD_PASSES 8
 
 /* What becomes of a bound: one that lies outside is held, one that a multiplier of the wrong sign holds is let go, one that
  * costs more to hold than its price gives way. */
@@ -88,9 +88,11 @@ static void held_publish(struct qp *restrict s, const struct held_set *restrict 
     }
 }
 
-/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without; returns 0 when it does not settle. The
- * factorisation and the point are others then. */
-static int qp_held_set(struct qp *s, struct held_set *h)
+enum held_outcome { HELD_SETTLED, HELD_UNSETTLED, HELD_FOREIGN };
+
+/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without. Where it does not settle, or where bounds
+ * are of another kind (foreign), the factorisation and the point are others afterwards. */
+static enum held_outcome qp_held_set(struct qp *s, struct held_set *h)
 {
     held_begin(s, h);
     s->factored = 0;
@@ -98,12 +100,12 @@ static int qp_held_set(struct qp *s, struct held_set *h)
         const int changes = held_update(s, h);
         if (changes == 0) {
             held_publish(s, h);
-            return 1;
+            return HELD_SETTLED;
         }
         if (changes < 0 || !held_solve(s, h))
-            return 0;
+            return HELD_FOREIGN;
     }
-    return 0;
+    return HELD_UNSETTLED;
 }
 
 #endif
