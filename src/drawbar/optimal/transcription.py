@@ -53,6 +53,11 @@ int prepare(struct rti *work) { return rti_prepare(work); }
 int feedback(struct workspace *s) { return rti_feedback(&s->component.rti, &s->work); }
 int shift(struct rti *work) { rti_shift(work); return SOLVED; }
 int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
+int optimise(struct workspace *s)
+{
+    s->component.rti.qp.factored = 0;
+    return qp_optimise(&s->component.rti.qp, &s->work);
+}
 """
 _WINDOW_PHASES = """
 int restart(struct component *component, const double *prior)
