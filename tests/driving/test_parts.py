@@ -10,7 +10,7 @@ from rich.console import Console
 from drawbar.config import load_configuration
 from drawbar.driving.certainty import across
 from drawbar.driving.display import KEYS, picture
-from drawbar.driving.letters import Device, Event, Level, Raw, Step, pack, unpack
+from drawbar.driving.letters import Device, Raw, Step, pack, unpack
 from drawbar.driving.mail import Mailbox
 from drawbar.recording.schema import json_schema
 from drawbar.signals import Estimate, Pose, SolverStatus, StepRecord
@@ -64,16 +64,13 @@ def test_certainty_is_what_many_draws_show():
     [
         Raw(time=5, device=Device.TRAILER_RECEIVER, direction=Direction.UNSENT, data=b"\x00\xff$GGA"),
         Step(time=2**40, data=b'{"step":1}'),
-        Event(time=7, level=Level.WARNING, name="gate", text="Größe"),
     ],
 )
 def test_letters_arrive_as_they_were_sent(letter):
     assert unpack(pack(letter)) == letter
 
 
-@pytest.mark.parametrize(
-    "data", [b"", b"DBr\0", b"DBe\0" + bytes(8) + b"{", b"DBr\0" + bytes(8) + b"\xff\x00", b"x" * 40]
-)
+@pytest.mark.parametrize("data", [b"", b"DBr\0", b"DBs\0" + bytes(7), b"DBr\0" + bytes(8) + b"\xff\x00", b"x" * 40])
 def test_what_is_no_letter_is_none(data):
     assert unpack(data) is None
 

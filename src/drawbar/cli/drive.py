@@ -16,13 +16,13 @@ from drawbar.cli.console import (
     Passwords,
     Port,
     address,
-    check,
-    free_port,
+    console_orders,
 )
 from drawbar.cli.options import ConfigurationName, console
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
+    from drawbar.driving.console_orders import ConsoleOrders
     from drawbar.driving.crew import Crew
 
 
@@ -51,12 +51,7 @@ def drive(
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
     from drawbar.config import load_configuration
-    from drawbar.driving.console_orders import ConsoleOrders
-    from drawbar.driving.crew import Crew
     from drawbar.driving.demonstration import with_stand_ins
-    from drawbar.report.console import summary
-    from drawbar.report.folder import write_report
-    from drawbar.step.build import build_autopilot
 
     config = load_configuration(configuration, changes or [])
     stand_ins = config.devices is None
@@ -65,23 +60,39 @@ def drive(
         console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
     orders = None
     if with_console:
-        orders = ConsoleOrders(
-            folder="",
+        orders = console_orders(
+            folder="",  # this and the next: known to the crew
             configuration="",
-            runs=str(out.parent if out else FilePath("runs")),
+            runs=str(out.parent if out else "runs"),
             host=host,
-            port=port or free_port(host),
-            names=tuple(name or ()),
+            port=port,
+            name=name,
             language=language,
             certificate=certificate,
             key=key,
             passwords=passwords,
             audit=audit,
         )
-        check(orders)
+    _run(config, folder=_new_folder(out, config), stand_ins=stand_ins, orders=orders, by_hand=by_hand, seconds=seconds)
+
+
+def _run(
+    config: "Configuration",
+    *,
+    folder: FilePath,
+    stand_ins: bool,
+    orders: "ConsoleOrders | None",
+    by_hand: bool,
+    seconds: float,
+) -> None:
+    """Start the processes, show the drive, and report it."""
+    from drawbar.driving.crew import Crew
+    from drawbar.report.console import summary
+    from drawbar.report.folder import write_report
+    from drawbar.step.build import build_autopilot
+
     with console.status("compiling the control step (the first time only) …"):
         build_autopilot(config)
-    folder = _new_folder(out, config)
     with console.status("starting the processes …"), Crew(config, folder, stand_ins=stand_ins, console=orders) as crew:
         if orders is not None:
             console.print(f"the console is at {address(orders)}", soft_wrap=True)

@@ -3,6 +3,7 @@
 Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself never waits.
 """
 
+import math
 from collections.abc import Callable
 
 from drawbar.driving.controller import Controller
@@ -41,7 +42,7 @@ class ControlLoop:
         self._controller, self._sampler = controller, sampler
         self._send, self._record, self._clock = send, record, clock
         self._repeat = _NEVER
-        self._known = (float("nan"), float("nan"))
+        self._correction_age = self._receiver_speed = math.nan
 
     @property
     def due(self) -> int:
@@ -59,8 +60,9 @@ class ControlLoop:
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
-        self._known = (max(ages) if ages[0] == ages[0] and ages[1] == ages[1] else float("nan"), fixes.tractor_speed)
+        tractor, trailer = fixes.tractor_correction_age, fixes.trailer_correction_age
+        self._correction_age = max(tractor, trailer) if math.isfinite(tractor + trailer) else math.nan
+        self._receiver_speed = fixes.tractor_speed
         self._step(measurement, fixes.first_byte)
 
     def pass_time(self, now: int) -> None:
@@ -77,6 +79,10 @@ class ControlLoop:
         self._send(command)
         out = self._clock()
         record = self._controller.prepare(late=first_byte is not None and out - first_byte > LATE)
-        self._send(self._controller.state(self._clock(), self._known))
+        self._send(
+            self._controller.state(
+                self._clock(), correction_age=self._correction_age, receiver_speed=self._receiver_speed
+            )
+        )
         self._repeat = command.time + REPEAT
         self._record(record)

@@ -3,17 +3,16 @@
 Records of `messages.py` go as they are; they begin with their own mark. All times are monotonic, ns.
 """
 
-import json
 import struct
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import IntEnum
 
 from drawbar.transports.tapped import Direction
 
 _RAW = struct.Struct("<4sQBB")
 _STEP = struct.Struct("<4sQ")
 _DIRECTIONS = tuple(Direction)
-RAW, STEP, EVENT = b"DBr\0", b"DBs\0", b"DBe\0"
+RAW, STEP = b"DBr\0", b"DBs\0"
 
 
 class Device(IntEnum):
@@ -21,16 +20,7 @@ class Device(IntEnum):
 
     TRACTOR_RECEIVER = 0
     TRAILER_RECEIVER = 1
-    CORRECTIONS = 2
-    SENSORS = 3
-
-
-class Level(Enum):
-    """How grave an event is."""
-
-    INFO = "info"
-    WARNING = "warning"
-    ERROR = "error"
+    SENSORS = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,28 +41,14 @@ class Step:
     data: bytes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Event:
-    """Something to be told in words."""
-
-    time: int
-    level: Level
-    name: str
-    """of the process"""
-    text: str
-
-
-Letter = Raw | Step | Event
+Letter = Raw | Step
 
 
 def pack(letter: Letter) -> bytes:
     """Return the datagram of a letter."""
     if isinstance(letter, Raw):
         return _RAW.pack(RAW, letter.time, letter.device, _DIRECTIONS.index(letter.direction)) + letter.data
-    if isinstance(letter, Step):
-        return _STEP.pack(STEP, letter.time) + letter.data
-    words = {"level": letter.level.value, "name": letter.name, "text": letter.text}
-    return _STEP.pack(EVENT, letter.time) + json.dumps(words).encode()
+    return _STEP.pack(STEP, letter.time) + letter.data
 
 
 def unpack(data: bytes) -> Letter | None:
@@ -83,10 +59,6 @@ def unpack(data: bytes) -> Letter | None:
             return Raw(time=time, device=Device(device), direction=_DIRECTIONS[direction], data=data[_RAW.size :])
         if data[:4] == STEP:
             return Step(time=_STEP.unpack_from(data)[1], data=data[_STEP.size :])
-        if data[:4] == EVENT:
-            words = json.loads(data[_STEP.size :])
-            time = _STEP.unpack_from(data)[1]
-            return Event(time=time, level=Level(words["level"]), name=str(words["name"]), text=str(words["text"]))
-    except (ValueError, KeyError, IndexError, struct.error):
+    except (ValueError, IndexError, struct.error):
         return None
     return None

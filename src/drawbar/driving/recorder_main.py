@@ -11,7 +11,7 @@ from pathlib import Path
 from drawbar.config import Configuration, load_configuration
 from drawbar.driving.beat import Beat
 from drawbar.driving.ending import Ending
-from drawbar.driving.letters import Event, Raw, Step, unpack
+from drawbar.driving.letters import Raw, Step, unpack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GATE, RECORDER, Orders
 from drawbar.driving.place import local_frame
@@ -69,8 +69,6 @@ def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
         log.add_raw(letter.time, letter.device.name.lower(), _DIRECTIONS.index(letter.direction), letter.data)
     elif isinstance(letter, Step):
         log.add_step(letter.time, letter.data, decode_step(letter.data))
-    elif isinstance(letter, Event):
-        log.add_event(letter.time, letter.level.value, letter.name, letter.text)
     else:
         message = decode(data, *RECORDS.values())
         if isinstance(message, GateState):

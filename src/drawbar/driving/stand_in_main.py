@@ -8,6 +8,7 @@ import select
 import socket
 import sys
 import time
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 from drawbar.config import Configuration, load_configuration
@@ -59,11 +60,9 @@ class DataLine:
         if not self._listens:
             self._socket.sendto(data, self._place)
             return
-        try:
+        with suppress(BlockingIOError):  # nobody new has connected
             self._peers.append(self._socket.accept()[0])
             self._peers[-1].setblocking(False)
-        except BlockingIOError:
-            pass
         for peer in list(self._peers):
             try:
                 peer.send(data)
