@@ -107,6 +107,7 @@ class Crew:
             tractor_board=devices.tractor_board,
             trailer_board=devices.trailer_board,
             isobus=devices.isobus,
+            drives=devices.speed == "isobus",
             controller=descriptor,
         )
 

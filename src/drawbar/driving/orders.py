@@ -49,5 +49,7 @@ class GateOrders(BaseModel):
     tractor_board: SteerBoardSettings | None
     trailer_board: SteerBoardSettings | None
     isobus: IsobusSettings | None
+    drives: bool
+    """the tractor's speed is commanded over the ISOBUS"""
     controller: int
     """descriptor of the gate's end of the pair"""
