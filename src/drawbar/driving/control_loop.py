@@ -9,6 +9,7 @@ from collections.abc import Callable
 from drawbar.driving.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.recording.drive_records import Kind
 from drawbar.signals import Measurement, StepRecord
 
 LATE = 20_000_000
@@ -29,6 +30,7 @@ class ControlLoop:
         send: Callable[[Message], None],
         record: Callable[[StepRecord], None],
         clock: Callable[[], int],
+        tell: Callable[[Kind, int], None] = lambda kind, sequence: None,
     ) -> None:
         """Take the parts.
 
@@ -38,9 +40,10 @@ class ControlLoop:
             send: hands a message to the gate, at once.
             record: takes the record of each step; called when the command is out.
             clock: monotonic time, ns.
+            tell: takes what is done, and the sequence of the record that it is done about, before it is done.
         """
         self._controller, self._sampler = controller, sampler
-        self._send, self._record, self._clock = send, record, clock
+        self._send, self._record, self._clock, self._tell = send, record, clock, tell
         self._repeat = _NEVER
         self._correction_age = self._receiver_speed = math.nan
 
@@ -52,11 +55,13 @@ class ControlLoop:
 
     def hear_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
+        self._tell(Kind.GATE, state.sequence)
         self._controller.hear(state)
         self._sampler.hear(state)
 
     def hear_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers; where it is a sample's, the step is made."""
+        self._tell(Kind.FIXES, fixes.sequence)
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
@@ -69,10 +74,20 @@ class ControlLoop:
         """Do what is due: repeat the command, or make the step of a sample whose epoch has not come."""
         deadline = self._sampler.deadline
         if deadline is not None and now >= deadline:
-            self._step(self._sampler.miss(), None)
+            self.miss()
         elif now >= self._repeat:
-            self._repeat = now + REPEAT
-            self._send(self._controller.repeat(now))
+            self.repeat(now)
+
+    def miss(self) -> None:
+        """Make a step without its epoch."""
+        self._tell(Kind.MISS, 0)
+        self._step(self._sampler.miss(), None)
+
+    def repeat(self, now: int) -> None:
+        """Repeat the command."""
+        self._tell(Kind.REPEAT, 0)
+        self._repeat = now + REPEAT
+        self._send(self._controller.repeat(now))
 
     def _step(self, measurement: Measurement, first_byte: int | None) -> None:
         command: CommandMessage = self._controller.feedback(measurement, self._clock())

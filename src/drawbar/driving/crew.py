@@ -1,4 +1,4 @@
-"""Crew: starts the processes of a drive, the gate first, watches them, and ends them, the gate last."""
+"""Crew: starts the processes of a drive, the recorder first, watches them, and ends them, the gate first."""
 
 import os
 import signal
@@ -76,18 +76,19 @@ class Crew:
 
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
+        self._start("recorder", "driving.recorder_main", orders)  # the first, so that nothing happens unrecorded
         if self._stand_ins:
             self._start("stand_in", "driving.stand_in_main", orders)
             self._await("stand_in", "driver")
+        self._await("recorder", "recorder")
         ours, theirs = controller_pair()
         with ours, theirs:
             self._start(
                 "gate", "driving.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,)
             )
             self._start("controller", "driving.controller_main", orders, str(ours.fileno()), ends=(ours,))
-        self._start("recorder", "driving.recorder_main", orders)
         self._start("receivers", "driving.receivers_main", orders)
-        for name in ("gate", "controller", "recorder", "receivers"):
+        for name in ("gate", "controller", "receivers"):
             self._await(name, name)
         (Path(self._folder.name) / ORDERS_NAME).write_text(orders, "utf-8")
         if self._console is not None:

@@ -7,12 +7,14 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum
 
+from drawbar.recording.drive_records import Happening, Kind, RawBytes
 from drawbar.transports.tapped import Direction
 
-_RAW = struct.Struct("<4sQBB")
+_RAW = struct.Struct("<4sQBBB")
 _STEP = struct.Struct("<4sQ")
+_HAPPENING = struct.Struct("<4sQBI")
 _DIRECTIONS = tuple(Direction)
-RAW, STEP = b"DBr\0", b"DBs\0"
+RAW, STEP, HAPPENING = b"DBr\0", b"DBs\0", b"DBh\0"
 
 
 class Device(IntEnum):
@@ -22,15 +24,10 @@ class Device(IntEnum):
     TRAILER_RECEIVER = 1
     SENSORS = 2
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Raw:
-    """Bytes as they went over a wire."""
-
-    time: int
-    device: Device
-    direction: Direction
-    data: bytes
+    @property
+    def topic(self) -> str:
+        """Its name in logs."""
+        return self.name.lower()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,13 +38,17 @@ class Step:
     data: bytes
 
 
-Letter = Raw | Step
+Letter = RawBytes | Step | Happening
 
 
 def pack(letter: Letter) -> bytes:
     """Return the datagram of a letter."""
-    if isinstance(letter, Raw):
-        return _RAW.pack(RAW, letter.time, letter.device, _DIRECTIONS.index(letter.direction)) + letter.data
+    if isinstance(letter, RawBytes):
+        device, source = Device[letter.device.upper()], letter.source.encode()
+        direction = _DIRECTIONS.index(letter.direction)
+        return _RAW.pack(RAW, letter.time, device, direction, len(source)) + source + letter.data
+    if isinstance(letter, Happening):
+        return _HAPPENING.pack(HAPPENING, letter.time, letter.kind, letter.sequence)
     return _STEP.pack(STEP, letter.time) + letter.data
 
 
@@ -55,10 +56,24 @@ def unpack(data: bytes) -> Letter | None:
     """Return the letter in a datagram; None: it is none."""
     try:
         if data[:4] == RAW:
-            _, time, device, direction = _RAW.unpack_from(data)
-            return Raw(time=time, device=Device(device), direction=_DIRECTIONS[direction], data=data[_RAW.size :])
+            return _unpack_raw(data)
         if data[:4] == STEP:
             return Step(time=_STEP.unpack_from(data)[1], data=data[_STEP.size :])
+        if data[:4] == HAPPENING:
+            _, time, kind, sequence = _HAPPENING.unpack(data)
+            return Happening(time=time, kind=Kind(kind), sequence=sequence)
     except (ValueError, IndexError, struct.error):
         return None
     return None
+
+
+def _unpack_raw(data: bytes) -> RawBytes:
+    _, time, device, direction, length = _RAW.unpack_from(data)
+    end = _RAW.size + length
+    return RawBytes(
+        time=time,
+        device=Device(device).topic,
+        direction=_DIRECTIONS[direction],
+        source=data[_RAW.size : end].decode(),
+        data=data[end:],
+    )

@@ -3,34 +3,40 @@
 | topic | what |
 |---|---|
 | `/step` | every control step, as in any log |
-| `/raw/DEVICE` | bytes as they came or went: `in`, `out` or `unsent` in the first byte (0, 1, 2), then the bytes |
+| `/raw/DEVICE` | `in`, `out` or `unsent` (0, 1, 2), length of the sender's address, that address, bytes as they went |
+| `/order` | in which order each process took in what it did: `drive_records.py` |
 | `/fixes`, `/command`, `/controller`, `/gate`, `/operator` | records of `messages.py`, as JSON |
 | `/events` | what happened, in words (foxglove.Log) |
 | `/tractor/fix`, `/trailer/fix`, `/tf`, `/path`, `/bodies`, `/plan/...` | map and scene (foxglove.*): `scene.py` |
 """
 
 import time
-from dataclasses import asdict
+from collections import deque
 from pathlib import Path
 from typing import Any
 
-import msgspec
 from foxglove.messages import Log, LogLevel, Timestamp
 
-from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
+from drawbar.messages import GateState, Message
+from drawbar.recording.drive_records import (
+    CLOCK,
+    ORDER,
+    RAW,
+    TOPICS,
+    Happening,
+    RawBytes,
+    pack_happening,
+    pack_message,
+    pack_raw,
+)
 from drawbar.recording.log import RunHeader
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
 
-_TOPICS: dict[type[Message], str] = {
-    Fixes: "/fixes",
-    CommandMessage: "/command",
-    ControllerState: "/controller",
-    GateState: "/gate",
-    OperatorMessage: "/operator",
-}
+_STATES = 1000
+"""of the gate that are known by their sequence"""
 _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
 
 
@@ -45,8 +51,10 @@ class DriveLog(Recorder):
         """
         super().__init__(file, header)
         self._scene, self._offset = scene, time.time_ns() - time.monotonic_ns()
+        self._states: deque[int] = deque(maxlen=_STATES)
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
+        self._writer.add_metadata(CLOCK, {"offset": str(self._offset)})
         for topic, message in scene.standing(time.time_ns()):
             self._add_known(topic, message, time.time_ns())
 
@@ -57,23 +65,29 @@ class DriveLog(Recorder):
         for topic, message in self._scene.moving(wall, record):
             self._add_known(topic, message, wall)
 
-    def add_raw(self, moment: int, device: str, direction: int, data: bytes) -> None:
+    def add_raw(self, raw: RawBytes) -> None:
         """Add bytes of a device."""
-        topic = f"/raw/{device}"
-        if topic not in self._channels:
-            self._channels[topic] = self._writer.add_channel(topic, "application/octet-stream", 0)
-        self._add(self._channels[topic], bytes((direction,)) + data, moment + self._offset)
+        self._add_plain(RAW + raw.device, pack_raw(raw), raw.time)
+
+    def add_happening(self, happening: Happening) -> None:
+        """Add what one of the processes did."""
+        self._add_plain(ORDER, pack_happening(happening), happening.time)
 
     def add_message(self, message: Message) -> None:
-        """Add a record of one of the processes; a kind that has no topic is left out."""
-        topic = _TOPICS.get(type(message))
-        if topic is None:
+        """Add a record of one of the processes; a kind that has no topic is left out.
+
+        States of the gate come twice, from the gate and from the controller that heard them, and are added once.
+        """
+        topic = TOPICS.get(type(message))
+        if topic is None or (isinstance(message, GateState) and message.sequence in self._states):
             return
+        if isinstance(message, GateState):
+            self._states.append(message.sequence)
         if topic not in self._channels:
             name = f"drawbar.{type(message).__name__}"
             schema = self._writer.add_schema(name, "jsonschema", json_schema(type(message)))
             self._channels[topic] = self._writer.add_channel(topic, "json", schema)
-        self._add(self._channels[topic], msgspec.json.encode(asdict(message)), message.time + self._offset)
+        self._add(self._channels[topic], pack_message(message), message.time + self._offset)
 
     def add_event(self, moment: int, level: str, name: str, text: str) -> None:
         """Add something said in words; level is info, warning or error."""
@@ -89,6 +103,12 @@ class DriveLog(Recorder):
                 self._schemas[schema.name] = self._writer.add_schema(schema.name, schema.encoding, schema.data)
             self._channels[topic] = self._writer.add_channel(topic, "protobuf", self._schemas[schema.name])
         self._add(self._channels[topic], message.encode(), wall)
+
+    def _add_plain(self, topic: str, data: bytes, moment: int) -> None:
+        """Add bytes that have no schema."""
+        if topic not in self._channels:
+            self._channels[topic] = self._writer.add_channel(topic, "application/octet-stream", 0)
+        self._add(self._channels[topic], data, moment + self._offset)
 
     def _add(self, channel: int, data: bytes, wall: int, sequence: int = 0) -> None:
         self._writer.add_message(channel, data, log_time=wall, publish_time=wall, sequence=sequence % 2**32)
