@@ -36,6 +36,9 @@ def drive(
     by_hand: Annotated[
         bool, typer.Option("--by-hand", help="with stand-ins: engage by the keys, as on a machine")
     ] = False,
+    shadow: Annotated[
+        bool, typer.Option("--shadow", help="steer nothing: tell what would have been done beside what the driver does")
+    ] = False,
     seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s; 0: when told to")] = 0.0,
     with_console: Annotated[
         bool, typer.Option("--console", help="serve the operator's pages, and engage there")
@@ -51,7 +54,9 @@ def drive(
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
     from drawbar.config import load_configuration
+    from drawbar.driving.crew import Crew
     from drawbar.driving.demonstration import with_stand_ins
+    from drawbar.step.build import build_autopilot
 
     config = load_configuration(configuration, changes or [])
     stand_ins = config.devices is None
@@ -73,34 +78,37 @@ def drive(
             passwords=passwords,
             audit=audit,
         )
-    _run(config, folder=_new_folder(out, config), stand_ins=stand_ins, orders=orders, by_hand=by_hand, seconds=seconds)
-
-
-def _run(
-    config: "Configuration",
-    *,
-    folder: FilePath,
-    stand_ins: bool,
-    orders: "ConsoleOrders | None",
-    by_hand: bool,
-    seconds: float,
-) -> None:
-    """Start the processes, show the drive, and report it."""
-    from drawbar.driving.crew import Crew
-    from drawbar.report.console import summary
-    from drawbar.report.folder import write_report
-    from drawbar.step.build import build_autopilot
-
+    folder = _new_folder(out, config)
     with console.status("compiling the control step (the first time only) …"):
         build_autopilot(config)
-    with console.status("starting the processes …"), Crew(config, folder, stand_ins=stand_ins, console=orders) as crew:
-        if orders is not None:
-            console.print(f"the console is at {address(orders)}", soft_wrap=True)
-        failed = _drive(crew, demonstrates=stand_ins and not by_hand and orders is None, seconds=seconds)
-    console.print(summary(write_report(folder)))
-    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
+    crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, console=orders)
+    demonstrates = stand_ins and not (by_hand or shadow or with_console)
+    failed = _run(crew, orders, demonstrates=demonstrates, seconds=seconds)
+    _report(folder, shadow=shadow)
     if failed:
         raise SystemExit(1)
+
+
+def _run(crew: "Crew", orders: "ConsoleOrders | None", *, demonstrates: bool, seconds: float) -> bool:
+    """Start the processes and show the drive; return whether it failed."""
+    with console.status("starting the processes …"), crew:
+        if orders is not None:
+            console.print(f"the console is at {address(orders)}", soft_wrap=True)
+        return _drive(crew, demonstrates=demonstrates, seconds=seconds)
+
+
+def _report(folder: FilePath, *, shadow: bool) -> None:
+    """Write the report, and tell what there is to tell at the end."""
+    from drawbar.driving.shadow import COMPARED, steering_differences, tell
+    from drawbar.recording.columns import read_columns
+    from drawbar.report.console import summary
+    from drawbar.report.folder import LOG_NAME, write_report
+
+    console.print(summary(write_report(folder)))
+    if shadow:
+        for difference in steering_differences(read_columns(folder / LOG_NAME, COMPARED)):
+            console.print(tell(difference), soft_wrap=True)
+    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
 
 
 def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:

@@ -5,14 +5,19 @@ from drawbar.machine.hardware.shared_socket import own_sources, share
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.protocols.agopengps.network import COMPUTER_PORT
 from drawbar.protocols.isobus.speed_actuator import MachineSpeed
+from drawbar.protocols.listened import ListenedSteering
 from drawbar.safety.wires import Wire
 from drawbar.transports.base import CanBus
 from drawbar.transports.open import open_can, open_transport
 from drawbar.transports.udp import UdpTransport
 
 
-def board_wires(boards: dict[str, SteerBoardSettings | None]) -> list[Wire]:
+def board_wires(boards: dict[str, SteerBoardSettings | None], *, listens: bool = False) -> list[Wire]:
     """Open the transports of boards by the names of their bodies; those that listen at one place share one socket.
+
+    Args:
+        boards: their settings.
+        listens: open sockets that hear the boards, and have nobody to send to.
 
     Raises:
         HardwareError: a port is taken.
@@ -20,7 +25,8 @@ def board_wires(boards: dict[str, SteerBoardSettings | None]) -> list[Wire]:
     opened: list[Wire] = []
     for listen in sorted({board.listen for board in boards.values() if board is not None}):
         here = {body: board for body, board in boards.items() if board is not None and board.listen == listen}
-        line = open_transport(next(iter(here.values())).transport)
+        first = next(iter(here.values()))
+        line = open_transport(first.ear if listens else first.transport)
         assert isinstance(line, UdpTransport)
         peers = [board.destination for board in here.values()]
         own = own_sources(peers, COMPUTER_PORT)
@@ -46,4 +52,13 @@ def isobus_wire(settings: IsobusSettings, speed_limit: float | None, bus: CanBus
         tractor=guidance_valve(node, tractor) if tractor else None,
         trailer=guidance_valve(node, trailer) if trailer else None,
         speed=MachineSpeed(node, speed_limit) if speed_limit is not None else None,
+    )
+
+
+def listened(wire: Wire) -> Wire:
+    """Return a wire on which nothing is said: its steerings are listened to, and there is nothing to drive with."""
+    return Wire(
+        transport=wire.transport,
+        tractor=ListenedSteering(wire.tractor) if wire.tractor else None,
+        trailer=ListenedSteering(wire.trailer) if wire.trailer else None,
     )

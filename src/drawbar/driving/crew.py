@@ -28,7 +28,13 @@ class Crew:
     """The processes of one drive, as a context."""
 
     def __init__(
-        self, configuration: Configuration, run: Path, *, stand_ins: bool, console: ConsoleOrders | None = None
+        self,
+        configuration: Configuration,
+        run: Path,
+        *,
+        stand_ins: bool,
+        shadow: bool = False,
+        console: ConsoleOrders | None = None,
     ) -> None:
         """Take what to drive.
 
@@ -36,11 +42,12 @@ class Crew:
             configuration: complete, with devices.
             run: folder of the log, which exists.
             stand_ins: start the stand-in of all devices too.
+            shadow: the gate only listens to the actuators.
             console: start the operator's console too; its `folder` and `configuration` are filled in here.
         """
         assert configuration.devices is not None
         self._configuration, self._run = configuration, run
-        self._stand_ins, self._console = stand_ins, console
+        self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
         self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
@@ -109,6 +116,7 @@ class Crew:
             trailer_board=devices.trailer_board,
             isobus=devices.isobus,
             drives=devices.speed == "isobus",
+            shadow=self._shadow,
             controller=descriptor,
         )
 

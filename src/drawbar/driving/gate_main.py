@@ -4,7 +4,7 @@ import socket
 import sys
 from pathlib import Path
 
-from drawbar.driving.actuators import board_wires, isobus_wire
+from drawbar.driving.actuators import board_wires, isobus_wire, listened
 from drawbar.driving.orders import DRIVER, GATE, RECORDER, GateOrders
 from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
 from drawbar.safety.envelope import Bounds
@@ -29,15 +29,15 @@ def main() -> int:
 
 
 def wires(orders: GateOrders) -> list[Wire]:
-    """Open the transports of all actuators.
+    """Open the transports of all actuators, of a shadow only to listen.
 
     Raises:
         HardwareError: a port is taken.
     """
-    opened = board_wires({"tractor": orders.tractor_board, "trailer": orders.trailer_board})
+    opened = board_wires({"tractor": orders.tractor_board, "trailer": orders.trailer_board}, listens=orders.shadow)
     if orders.isobus is not None:
         opened.append(isobus_wire(orders.isobus, orders.safety.envelope.speed if orders.drives else None))
-    return opened
+    return [listened(wire) for wire in opened] if orders.shadow else opened
 
 
 if __name__ == "__main__":

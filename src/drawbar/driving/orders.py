@@ -51,5 +51,7 @@ class GateOrders(BaseModel):
     isobus: IsobusSettings | None
     drives: bool
     """the tractor's speed is commanded over the ISOBUS"""
+    shadow: bool
+    """actuators are only listened to"""
     controller: int
     """descriptor of the gate's end of the pair"""

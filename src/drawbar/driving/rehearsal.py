@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator
 
 from drawbar.config import Configuration
-from drawbar.driving.actuators import isobus_wire
+from drawbar.driving.actuators import isobus_wire, listened
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
 from drawbar.driving.memory import MemoryBus, MemoryChannel, MemoryDesk, MemoryTransport
@@ -39,7 +39,9 @@ _LOOK = 0.2
 class Rehearsal:
     """A drive of a configuration on stand-ins."""
 
-    def __init__(self, configuration: Configuration, path: Path, seed: int, safety: SafetySettings) -> None:
+    def __init__(
+        self, configuration: Configuration, path: Path, seed: int, safety: SafetySettings, *, shadow: bool = False
+    ) -> None:
         """Build everything.
 
         Args:
@@ -48,6 +50,7 @@ class Rehearsal:
             path: to drive along.
             seed: of everything random.
             safety: of the gate.
+            shadow: the gate only listens to the actuators.
         """
         vehicle, frame = configuration.vehicle, LocalFrame(latitude=50.87, longitude=4.7)
         self.now = 0
@@ -70,7 +73,7 @@ class Rehearsal:
                 tractor_limit=vehicle.tractor_steering_limit,
                 trailer_limit=vehicle.trailer_steering_limit,
             ),
-            wires,
+            [listened(wire) for wire in wires] if shadow else wires,
             self._controller_channel,  # type: ignore[arg-type]
             self._desk,  # type: ignore[arg-type]
         )

@@ -194,7 +194,8 @@ class StandIns:
 def _tell(driver: Driver, state: GateState) -> None:
     """Let the driver see the lamp, stand until the emergency stop was tried, and begin again after a stop."""
     rests = state.state is SupervisorState.STANDBY
-    driver.told_to_stop = (bool(state.stop) and not rests) or Cause.EMERGENCY_UNTRIED.value in state.refusals
+    untried = Cause.EMERGENCY_UNTRIED.value in state.refusals and Cause.SHADOW.value not in state.refusals
+    driver.told_to_stop = (bool(state.stop) and not rests) or untried
     if rests and driver.speed == 0.0 and not driver.told_to_stop:
         driver.begin_again()
 
