@@ -117,22 +117,22 @@ def address(orders: "ConsoleOrders") -> str:
     return f"http{'s' if orders.certificate else ''}://{host}:{orders.port}/"
 
 
-def free_port(host: str) -> int:
-    """Return a port that nobody uses now.
+def free_port(host: str, port: int = 0) -> int:
+    """Return a port that nobody uses now; 0: any.
 
     Raises:
-        HardwareError: the address is not one of this computer.
+        HardwareError: the address is not one of this computer, or the port is taken.
     """
     import socket
 
     kind = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         with socket.socket(kind, socket.SOCK_STREAM) as each:
-            each.bind((host, 0))
+            each.bind((host, port))
             return int(each.getsockname()[1])
     except OSError as error:
         raise HardwareError(
-            f"{host} cannot be listened at ({error.strerror}); give an address of this computer"
+            f"{host}:{port} cannot be listened at ({error.strerror}); give an address of this computer and a free port"
         ) from None
 
 

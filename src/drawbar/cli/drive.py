@@ -17,8 +17,11 @@ from drawbar.cli.console import (
     Port,
     address,
     console_orders,
+    free_port,
 )
 from drawbar.cli.options import ConfigurationName, console
+
+LOCAL = "127.0.0.1"
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
@@ -39,6 +42,10 @@ def drive(
     shadow: Annotated[
         bool, typer.Option("--shadow", help="steer nothing: tell what would have been done beside what the driver does")
     ] = False,
+    live: Annotated[
+        bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")
+    ] = False,
+    live_port: Annotated[int, typer.Option(min=0, max=65535, help="of --live; 0: a free one")] = 8765,
     seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s; 0: when told to")] = 0.0,
     with_console: Annotated[
         bool, typer.Option("--console", help="serve the operator's pages, and engage there")
@@ -53,16 +60,9 @@ def drive(
     audit: Audit = None,
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
-    from drawbar.config import load_configuration
     from drawbar.driving.crew import Crew
-    from drawbar.driving.demonstration import with_stand_ins
-    from drawbar.step.build import build_autopilot
 
-    config = load_configuration(configuration, changes or [])
-    stand_ins = config.devices is None
-    if stand_ins:
-        config = with_stand_ins(config)
-        console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
+    config, stand_ins = _configured(configuration, changes or [])
     orders = None
     if with_console:
         orders = console_orders(
@@ -78,15 +78,30 @@ def drive(
             passwords=passwords,
             audit=audit,
         )
+    shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
-    with console.status("compiling the control step (the first time only) …"):
-        build_autopilot(config)
-    crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, console=orders)
+    crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, live=shown, console=orders)
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
     failed = _run(crew, orders, demonstrates=demonstrates, seconds=seconds)
     _report(folder, shadow=shadow)
     if failed:
         raise SystemExit(1)
+
+
+def _configured(name: str, changes: list[str]) -> tuple["Configuration", bool]:
+    """Return what to drive, its control step compiled, and whether all of its devices are stand-ins."""
+    from drawbar.config import load_configuration
+    from drawbar.driving.demonstration import with_stand_ins
+    from drawbar.step.build import build_autopilot
+
+    config = load_configuration(name, changes)
+    stand_ins = config.devices is None
+    if stand_ins:
+        config = with_stand_ins(config)
+        console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
+    with console.status("compiling the control step (the first time only) …"):
+        build_autopilot(config)
+    return config, stand_ins
 
 
 def _run(crew: "Crew", orders: "ConsoleOrders | None", *, demonstrates: bool, seconds: float) -> bool:
@@ -95,6 +110,13 @@ def _run(crew: "Crew", orders: "ConsoleOrders | None", *, demonstrates: bool, se
         if orders is not None:
             console.print(f"the console is at {address(orders)}", soft_wrap=True)
         return _drive(crew, demonstrates=demonstrates, seconds=seconds)
+
+
+def _shown_at(port: int) -> int:
+    """Return the port on which Foxglove finds the drive, and say so."""
+    chosen = free_port(LOCAL, port)
+    console.print(f"live: open ws://{LOCAL}:{chosen} in Foxglove", soft_wrap=True)
+    return chosen
 
 
 def _report(folder: FilePath, *, shadow: bool) -> None:
@@ -138,9 +160,9 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
                     live.update(picture(front.state, front.controller), refresh=True)
                 if crew.has_lost_console and not lost_console:
                     lost_console = True
-                    console.print(f"[bold red]the console has ended[/], and the drive goes on: {crew.words()}")
+                    console.print(f"the console has ended, and the drive goes on: {crew.words()}", style="bold red")
                 if crew.ended():
-                    console.print(f"[bold red]ended: {', '.join(crew.ended())}[/]: {crew.words()}")
+                    console.print(f"ended: {', '.join(crew.ended())}: {crew.words()}", style="bold red")
                     return True
     except KeyboardInterrupt:
         console.print("interrupted: the gate lets go of the steering")

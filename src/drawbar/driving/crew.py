@@ -34,6 +34,7 @@ class Crew:
         *,
         stand_ins: bool,
         shadow: bool = False,
+        live: int | None = None,
         console: ConsoleOrders | None = None,
     ) -> None:
         """Take what to drive.
@@ -43,6 +44,7 @@ class Crew:
             run: folder of the log, which exists.
             stand_ins: start the stand-in of all devices too.
             shadow: the gate only listens to the actuators.
+            live: port of this computer on which the recorder shows what it records; None: it does not.
             console: start the operator's console too; its `folder` and `configuration` are filled in here.
         """
         assert configuration.devices is not None
@@ -51,7 +53,9 @@ class Crew:
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
         self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
-        self.orders = Orders(folder=self._folder.name, run=str(run), configuration=str(run / CONFIGURATION_NAME))
+        self.orders = Orders(
+            folder=self._folder.name, run=str(run), configuration=str(run / CONFIGURATION_NAME), live=live
+        )
 
     def __enter__(self) -> Self:
         """Start all; each is there when this returns.

@@ -20,6 +20,8 @@ class Orders(BaseModel):
     """folder of the drive's log"""
     configuration: str
     """the complete configuration, a TOML file"""
+    live: int | None = None
+    """port of this computer on which the recorder shows what it records; None: it does not"""
 
     def socket(self, name: str) -> str:
         """Return the path of a process's socket."""

@@ -21,6 +21,7 @@ from drawbar.messages import Flaw, GateState, Message, Role, decode
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, RawBytes
 from drawbar.recording.header import run_header
+from drawbar.recording.live import Live
 from drawbar.recording.log import decode_step
 from drawbar.recording.scene import Scene
 from drawbar.simulation import build_path
@@ -33,7 +34,8 @@ def main() -> int:
     orders = Orders.model_validate_json(sys.stdin.read())
     ending, healthy = Ending(), True
     configuration = load_configuration(orders.configuration)
-    with _log(configuration, Path(orders.run)) as log:
+    live = _live(orders.live)
+    with _log(configuration, Path(orders.run), live) as log:
         mailbox = Mailbox(orders.socket(RECORDER))  # only now: whoever sees it may send, and nothing is lost
         beat = Beat(Role.RECORDER, mailbox, orders.socket(GATE))
         while not ending.asked or select.select([mailbox], [], [], 0.2)[0]:
@@ -41,14 +43,25 @@ def main() -> int:
             beat.pass_time(time.monotonic_ns(), healthy=healthy)
             select.select([mailbox], [], [], max(beat.due - time.monotonic_ns(), 0) * 1e-9)
     mailbox.close()
+    if live is not None:
+        live.close()
     return 0
 
 
-def _log(configuration: Configuration, folder: Path) -> DriveLog:
+def _live(port: int | None) -> Live | None:
+    """Return the server that shows it all; where it cannot be, that is said, and the log is written without it."""
+    try:
+        return None if port is None else Live(port)
+    except DrawbarError as error:
+        print(f"recorder: not live: {error}", file=sys.stderr)
+        return None
+
+
+def _log(configuration: Configuration, folder: Path, live: Live | None) -> DriveLog:
     path, drivable = build_path(configuration)
     frame = local_frame(configuration)
     header = run_header(configuration, path, drivable, seed=0, frame=frame)
-    return DriveLog(folder / LOG_NAME, header, Scene(path=path, vehicle=configuration.vehicle, frame=frame))
+    return DriveLog(folder / LOG_NAME, header, Scene(path=path, vehicle=configuration.vehicle, frame=frame), live)
 
 
 def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
