@@ -14,6 +14,7 @@ from drawbar.config import load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
 from drawbar.driving.demonstration import with_stand_ins
 from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.replay import replay_drive
 from drawbar.messages import SupervisorState
 from drawbar.recording.log import read_log
 from drawbar.report.folder import write_report
@@ -83,6 +84,11 @@ def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(crew, tmp_
                 if topics[record.channel_id] == "/gate":
                     json.loads(record.data)
     raw = {f"/raw/{device}" for device in ("tractor_receiver", "trailer_receiver", "sensors")}
+    again = replay_drive(tmp_path / "log.mcap")
+    assert len(again.records) == len(log.records)
+    assert again.differences == ()
+    (first, *_) = replay_drive(tmp_path / "log.mcap", ["devices.tractor_receiver.latency=0.01"]).differences
+    assert (first.step, first.signal, first.size) == (0, "fixes.epoch", pytest.approx(1e7, abs=1.0))
     assert raw | {"/step", "/fixes", "/command", "/controller", "/gate", "/tf", "/path", "/tractor/fix"} <= seen
 
 

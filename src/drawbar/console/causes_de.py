@@ -95,6 +95,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "nachsehen, wer sie sonst beansprucht"),
     Cause.ACTUATOR_FAULT: ("eine Lenkung meldet eine Störung",
         "Anzeige der Maschine ansehen"),
+    Cause.SHADOW: ("drawbar schaut nur zu",
+        "ohne --shadow starten"),
     Cause.GATE_LATE: ("der Wächter selbst kam zu spät",
         "andere Programme beenden; Echtzeit erlauben"),
     Cause.SUSPENDED: ("der Rechner war im Ruhezustand",

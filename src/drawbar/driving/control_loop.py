@@ -3,11 +3,13 @@
 Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself never waits.
 """
 
+import math
 from collections.abc import Callable
 
 from drawbar.driving.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.recording.drive_records import Kind
 from drawbar.signals import Measurement, StepRecord
 
 LATE = 20_000_000
@@ -28,6 +30,7 @@ class ControlLoop:
         send: Callable[[Message], None],
         record: Callable[[StepRecord], None],
         clock: Callable[[], int],
+        tell: Callable[[Kind, int], None] = lambda kind, sequence: None,
     ) -> None:
         """Take the parts.
 
@@ -37,11 +40,12 @@ class ControlLoop:
             send: hands a message to the gate, at once.
             record: takes the record of each step; called when the command is out.
             clock: monotonic time, ns.
+            tell: takes what is done, and the sequence of the record that it is done about, before it is done.
         """
         self._controller, self._sampler = controller, sampler
-        self._send, self._record, self._clock = send, record, clock
+        self._send, self._record, self._clock, self._tell = send, record, clock, tell
         self._repeat = _NEVER
-        self._known = (float("nan"), float("nan"))
+        self._correction_age = self._receiver_speed = math.nan
 
     @property
     def due(self) -> int:
@@ -51,32 +55,49 @@ class ControlLoop:
 
     def hear_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
+        self._tell(Kind.GATE, state.sequence)
         self._controller.hear(state)
         self._sampler.hear(state)
 
     def hear_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers; where it is a sample's, the step is made."""
+        self._tell(Kind.FIXES, fixes.sequence)
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
-        self._known = (max(ages) if ages[0] == ages[0] and ages[1] == ages[1] else float("nan"), fixes.tractor_speed)
+        tractor, trailer = fixes.tractor_correction_age, fixes.trailer_correction_age
+        self._correction_age = max(tractor, trailer) if math.isfinite(tractor + trailer) else math.nan
+        self._receiver_speed = fixes.tractor_speed
         self._step(measurement, fixes.first_byte)
 
     def pass_time(self, now: int) -> None:
         """Do what is due: repeat the command, or make the step of a sample whose epoch has not come."""
         deadline = self._sampler.deadline
         if deadline is not None and now >= deadline:
-            self._step(self._sampler.miss(), None)
+            self.miss()
         elif now >= self._repeat:
-            self._repeat = now + REPEAT
-            self._send(self._controller.repeat(now))
+            self.repeat(now)
+
+    def miss(self) -> None:
+        """Make a step without its epoch."""
+        self._tell(Kind.MISS, 0)
+        self._step(self._sampler.miss(), None)
+
+    def repeat(self, now: int) -> None:
+        """Repeat the command."""
+        self._tell(Kind.REPEAT, 0)
+        self._repeat = now + REPEAT
+        self._send(self._controller.repeat(now))
 
     def _step(self, measurement: Measurement, first_byte: int | None) -> None:
         command: CommandMessage = self._controller.feedback(measurement, self._clock())
         self._send(command)
         out = self._clock()
         record = self._controller.prepare(late=first_byte is not None and out - first_byte > LATE)
-        self._send(self._controller.state(self._clock(), self._known))
+        self._send(
+            self._controller.state(
+                self._clock(), correction_age=self._correction_age, receiver_speed=self._receiver_speed
+            )
+        )
         self._repeat = command.time + REPEAT
         self._record(record)

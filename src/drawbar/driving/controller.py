@@ -12,8 +12,6 @@ from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
-LATE = 20_000_000
-"""a step whose command leaves so long after the first byte of its epoch is late, ns"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
 
 
@@ -88,15 +86,18 @@ class Controller:
         record = self._autopilot.record()
         self._overruns += late
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
-        if self._status.is_new_command or not self._status.has_ended:  # a run that has ended estimates nothing more
+        if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
             self._deviations = self._certainty(record.estimate) if self._status.is_new_command else (math.nan, math.nan)
         return record
 
-    def state(self, now: int, fixes_known: tuple[float, float]) -> ControllerState:
+    def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
         """Return how the controller is after its newest step.
 
-        fixes_known: age of the older corrections (s) and speed over ground (m/s), NaN where not known.
+        Args:
+            now: monotonic time, ns.
+            correction_age: of the older of both receivers' corrections, NaN where not known, s.
+            receiver_speed: over ground, NaN where not known, m/s.
         """
         record, measurement = self._record, self._measurement
         lateral, heading = self._deviations
@@ -113,7 +114,7 @@ class Controller:
             flags=int(record.flags),
             solved=self._solved,
             overruns=self._overruns,
-            correction_age=fixes_known[0],
+            correction_age=correction_age,
             lateral_deviation=lateral,
             heading_deviation=heading,
             tractor_lateral_error=tractor.lateral_error,
@@ -122,7 +123,7 @@ class Controller:
             trailer_heading_error=wrap(record.estimate.trailer.yaw - trailer.closest[2]),
             hitch_angle=record.estimate.hitch_angle,
             wheel_speed=measurement.speed,
-            receiver_speed=fixes_known[1],
+            receiver_speed=receiver_speed,
         )
 
     def _mode(self) -> Mode:

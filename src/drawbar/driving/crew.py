@@ -1,4 +1,4 @@
-"""Crew: starts the processes of a drive, the gate first, watches them, and ends them, the gate last."""
+"""Crew: starts the processes of a drive, the recorder first, watches them, and ends them, the gate first."""
 
 import os
 import signal
@@ -28,7 +28,14 @@ class Crew:
     """The processes of one drive, as a context."""
 
     def __init__(
-        self, configuration: Configuration, run: Path, *, stand_ins: bool, console: ConsoleOrders | None = None
+        self,
+        configuration: Configuration,
+        run: Path,
+        *,
+        stand_ins: bool,
+        shadow: bool = False,
+        live: int | None = None,
+        console: ConsoleOrders | None = None,
     ) -> None:
         """Take what to drive.
 
@@ -36,15 +43,19 @@ class Crew:
             configuration: complete, with devices.
             run: folder of the log, which exists.
             stand_ins: start the stand-in of all devices too.
+            shadow: the gate only listens to the actuators.
+            live: port of this computer on which the recorder shows what it records; None: it does not.
             console: start the operator's console too; its `folder` and `configuration` are filled in here.
         """
         assert configuration.devices is not None
         self._configuration, self._run = configuration, run
-        self._stand_ins, self._console = stand_ins, console
+        self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
         self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
-        self.orders = Orders(folder=self._folder.name, run=str(run), configuration=str(run / CONFIGURATION_NAME))
+        self.orders = Orders(
+            folder=self._folder.name, run=str(run), configuration=str(run / CONFIGURATION_NAME), live=live
+        )
 
     def __enter__(self) -> Self:
         """Start all; each is there when this returns.
@@ -76,18 +87,19 @@ class Crew:
 
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
+        self._start("recorder", "driving.recorder_main", orders)  # the first, so that nothing happens unrecorded
         if self._stand_ins:
             self._start("stand_in", "driving.stand_in_main", orders)
             self._await("stand_in", "driver")
+        self._await("recorder", "recorder")
         ours, theirs = controller_pair()
         with ours, theirs:
             self._start(
                 "gate", "driving.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,)
             )
             self._start("controller", "driving.controller_main", orders, str(ours.fileno()), ends=(ours,))
-        self._start("recorder", "driving.recorder_main", orders)
         self._start("receivers", "driving.receivers_main", orders)
-        for name in ("gate", "controller", "recorder", "receivers"):
+        for name in ("gate", "controller", "receivers"):
             self._await(name, name)
         (Path(self._folder.name) / ORDERS_NAME).write_text(orders, "utf-8")
         if self._console is not None:
@@ -107,6 +119,8 @@ class Crew:
             tractor_board=devices.tractor_board,
             trailer_board=devices.trailer_board,
             isobus=devices.isobus,
+            drives=devices.speed == "isobus",
+            shadow=self._shadow,
             controller=descriptor,
         )
 

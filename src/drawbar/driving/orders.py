@@ -20,6 +20,8 @@ class Orders(BaseModel):
     """folder of the drive's log"""
     configuration: str
     """the complete configuration, a TOML file"""
+    live: int | None = None
+    """port of this computer on which the recorder shows what it records; None: it does not"""
 
     def socket(self, name: str) -> str:
         """Return the path of a process's socket."""
@@ -49,5 +51,9 @@ class GateOrders(BaseModel):
     tractor_board: SteerBoardSettings | None
     trailer_board: SteerBoardSettings | None
     isobus: IsobusSettings | None
+    drives: bool
+    """the tractor's speed is commanded over the ISOBUS"""
+    shadow: bool
+    """actuators are only listened to"""
     controller: int
     """descriptor of the gate's end of the pair"""

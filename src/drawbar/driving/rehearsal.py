@@ -1,19 +1,22 @@
 """Rehearsal: everything of a drive in one process, with the real bytes between its parts and a clock of its own.
 
-What runs on a machine runs here: receivers' bytes, navigation, control loop, gate, boards. Only the wires are memory,
-and time is a number, so that a drive takes seconds and is the same each time.
+What runs on a machine runs here: receivers' bytes, navigation, control loop, gate, boards or valves. Only the wires are
+memory, and time is a number, so that a drive takes seconds and is the same each time.
 """
 
 import math
 from collections.abc import Iterator
 
 from drawbar.config import Configuration
+from drawbar.driving.actuators import isobus_wire, listened
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
+from drawbar.driving.memory import MemoryBus, MemoryChannel, MemoryDesk, MemoryTransport
 from drawbar.driving.operator import DemonstrationOperator, Operator
 from drawbar.driving.stand_ins import stand_in_machine
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
@@ -26,7 +29,6 @@ from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.wires import Wire
 from drawbar.signals import StepRecord, Truth
-from drawbar.transports.base import Received, Transport
 
 STEP = 5_000_000
 """of the clock, ns"""
@@ -34,102 +36,35 @@ _LOOK = 0.2
 """between two looks of the operator, and two heartbeats, s"""
 
 
-class MemoryTransport(Transport):
-    """A wire in memory: `arrive` puts bytes in, `sent` holds what was written."""
-
-    connected = True
-
-    def __init__(self) -> None:
-        """Begin empty."""
-        self._arrived: list[Received] = []
-        self.sent: list[bytes] = []
-
-    def arrive(self, time: float, data: bytes, source: str = "") -> None:
-        """Let bytes come at a time, s."""
-        self._arrived.append(Received(time, data, source))
-
-    def fileno(self) -> int:
-        """Return -1: there is nothing to wait on."""
-        return -1
-
-    def read(self) -> list[Received]:
-        """Return what has arrived."""
-        arrived, self._arrived = self._arrived, []
-        return arrived
-
-    def write(self, data: bytes) -> bool:
-        """Keep what is sent."""
-        self.sent.append(data)
-        return True
-
-    def close(self) -> None:
-        """Do nothing."""
-
-
-class MemoryChannel:
-    """The gate's channels to controller and operators, in memory: records in, records out."""
-
-    def __init__(self) -> None:
-        """Begin empty."""
-        self.inbox: list[bytes] = []
-        self.outbox: list[bytes] = []
-        self.gone = False
-
-    def receive(self, most: int) -> list[bytes]:
-        """Return the controller's records."""
-        records, self.inbox = self.inbox[:most], self.inbox[most:]
-        return records
-
-    def send(self, record: bytes) -> None:
-        """Keep a record for the controller."""
-        self.outbox.append(record)
-
-
-class MemoryDesk(MemoryChannel):
-    """As MemoryChannel, for operators."""
-
-    def receive(self, most: int) -> list[tuple[bytes, str]]:  # type: ignore[override]
-        """Return the operators' records."""
-        return [(record, "") for record in super().receive(most)]
-
-    def subscribe(self, sender: str) -> None:
-        """Do nothing: everybody sees the outbox."""
-
-    def publish(self, record: bytes) -> None:
-        """Keep a record for the operators."""
-        self.outbox.append(record)
-
-
 class Rehearsal:
     """A drive of a configuration on stand-ins."""
 
-    def __init__(self, configuration: Configuration, path: Path, seed: int, safety: SafetySettings) -> None:
+    def __init__(
+        self, configuration: Configuration, path: Path, seed: int, safety: SafetySettings, *, shadow: bool = False
+    ) -> None:
         """Build everything.
 
         Args:
-            configuration: of the run; its machine is the simulated one.
+            configuration: of the run; its machine is the simulated one, behind the receivers and the ISOBUS that its
+                devices name, or receivers and boards.
             path: to drive along.
             seed: of everything random.
             safety: of the gate.
+            shadow: the gate only listens to the actuators.
         """
         vehicle, frame = configuration.vehicle, LocalFrame(latitude=50.87, longitude=4.7)
         self.now = 0
         """ns"""
         self.gate_state: GateState | None = None
-        self.machine = stand_in_machine(configuration, path, frame, seed)
-        self._lines = {body: MemoryTransport() for body in BODIES}
-        receivers = (Receiver(self._lines[body], ReceiverSettings(transport="memory")) for body in BODIES)
-        self._lines[SENSORS] = MemoryTransport()
-        board = SensorBoardSettings(
-            transport="memory", hitch_counts=HITCH_COUNTS, hitch_angles=HITCH_ANGLES, pulses_per_metre=PULSES
-        )
-        sensors = SensorLine(self._lines[SENSORS], board)
-        self._navigation = Navigation(next(receivers), next(receivers), frame, sensors)
-        self._wires = {body: MemoryTransport() for body in BODIES}
-        boards = {
-            body: SteerBoard(board=f"192.168.{5 + index}.126", max_angle=math.radians(45.0))
-            for index, body in enumerate(BODIES)
-        }
+        bus: list[MemoryBus] = []
+        self.machine = stand_in_machine(configuration, path, frame, seed, MemoryBus(bus, lambda: self.time))
+        self._lines = {line: MemoryTransport() for line in (*BODIES, SENSORS)}
+        self._navigation = self._build_navigation(configuration.devices, frame)
+        self._wires = {body: MemoryTransport() for body in self.machine.boards}
+        wires = [self._board_wire(body) for body in self._wires]
+        if configuration.devices is not None and configuration.devices.isobus is not None:
+            limit = safety.envelope.speed if configuration.devices.speed == "isobus" else None
+            wires.append(isobus_wire(configuration.devices.isobus, limit, MemoryBus(bus, lambda: self.time)))
         self._controller_channel, self._desk = MemoryChannel(), MemoryDesk()
         self.gate = Gate(
             safety,
@@ -138,10 +73,7 @@ class Rehearsal:
                 tractor_limit=vehicle.tractor_steering_limit,
                 trailer_limit=vehicle.trailer_steering_limit,
             ),
-            [
-                Wire(transport=self._wires["tractor"], tractor=boards["tractor"]),
-                Wire(transport=self._wires["trailer"], trailer=boards["trailer"]),
-            ],
+            [listened(wire) for wire in wires] if shadow else wires,
             self._controller_channel,  # type: ignore[arg-type]
             self._desk,  # type: ignore[arg-type]
         )
@@ -155,6 +87,21 @@ class Rehearsal:
             clock=lambda: self.now,
         )
         self.operator = DemonstrationOperator(Operator(1, lambda message: self._desk.inbox.append(encode(message))))
+
+    def _build_navigation(self, devices: DeviceSettings | None, frame: LocalFrame) -> Navigation:
+        plain = ReceiverSettings(transport="memory")
+        tractor, trailer = (
+            Receiver(self._lines[body], getattr(devices, f"{body}_receiver") if devices else plain) for body in BODIES
+        )
+        board = SensorBoardSettings(
+            transport="memory", hitch_counts=HITCH_COUNTS, hitch_angles=HITCH_ANGLES, pulses_per_metre=PULSES
+        )
+        return Navigation(tractor, trailer, frame, SensorLine(self._lines[SENSORS], board))
+
+    def _board_wire(self, body: str) -> Wire:
+        board = SteerBoard(board=f"192.168.{5 + BODIES.index(body)}.126", max_angle=math.radians(45.0))
+        tractor, trailer = (board, None) if body == "tractor" else (None, board)
+        return Wire(transport=self._wires[body], tractor=tractor, trailer=trailer)
 
     @property
     def time(self) -> float:

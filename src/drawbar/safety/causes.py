@@ -133,6 +133,8 @@ class Cause(Enum):
         "see who else claims it")
     ACTUATOR_FAULT = (419, True, Response.RELEASE, "an actuator reports a fault",
         "see the machine's own display")
+    SHADOW = (420, True, Response.RELEASE, "drawbar only looks on",
+        "start it without --shadow")
 
     GATE_LATE = (501, True, Response.RELEASE, "the gate itself came late",
         "end other programs; allow real-time scheduling")
@@ -194,5 +196,6 @@ BY_READINESS = {
     Readiness.OTHER_MASTER: Cause.OTHER_MASTER,
     Readiness.ADDRESS_LOST: Cause.ADDRESS_LOST,
     Readiness.FAULT: Cause.ACTUATOR_FAULT,
+    Readiness.SHADOW: Cause.SHADOW,
 }
 """what an actuator that is not ready says, as a cause"""
