@@ -91,9 +91,10 @@ def check(orders: "ConsoleOrders") -> None:
     from importlib.util import find_spec
 
     from drawbar.console.passwords import load_users
+    from drawbar.extras import install_command
 
     if find_spec("nicegui") is None:
-        raise ConfigurationError("the console needs the extra `console`; pip install 'drawbar[console]'")
+        raise ConfigurationError(f"the console needs NiceGUI; install it with: {install_command('console')}")
     orders.check()
     if orders.passwords is not None:
         load_users(Path(orders.passwords))
