@@ -1,4 +1,4 @@
-"""TLS: a console with a certificate and passwords, spoken to over real TLS; without both, no other computer reaches it."""
+"""TLS: a console with a certificate and passwords is spoken to over real TLS; without both, others do not reach it."""
 
 import http.client
 import ssl

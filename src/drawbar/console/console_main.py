@@ -67,8 +67,10 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     from drawbar.console.link import Link
     from drawbar.console.pages import Pages
     from drawbar.console.passwords import load_users
+    from drawbar.console.workshop import Workshop
     from drawbar.driving.mail import Mailbox
     from drawbar.driving.orders import CONSOLE, GATE, Orders
+    from drawbar.driving.place import local_frame
     from drawbar.messages import encode
     from drawbar.simulation import build_path
 
@@ -80,8 +82,11 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     mailbox = Mailbox(drive.socket(CONSOLE))
     audit = Audit(Path(orders.audit) if orders.audit else None)
     gate = drive.socket(GATE)
-    link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns)
-    return mailbox, link, Pages(orders, link, standing(path, configuration.vehicle, configuration.speed), users, audit)
+    mast = configuration.vehicle.masts.tractor
+    link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns, mast)
+    workshop = Workshop(configuration, local_frame(configuration), fields=Path(orders.fields), setup=Path(orders.setup))
+    scene = standing(path, configuration.vehicle, configuration.speed)
+    return mailbox, link, Pages(orders, link, workshop, scene, users, audit)
 
 
 async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:

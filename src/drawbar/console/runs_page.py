@@ -7,7 +7,9 @@ from pathlib import Path
 from nicegui import ui
 
 from drawbar.console.catalogue import Words
-from drawbar.console.menu import menu
+from drawbar.console.link import Link
+from drawbar.console.page_head import PageHead
+from drawbar.console.visitors import Visitor
 
 REPORT, CONFIGURATION = "report.html", "config.toml"
 MOST = 200
@@ -39,22 +41,30 @@ def report_of(folder: Path, name: str) -> Path | None:
     return next((folder / run.name / REPORT for run in list_runs(folder) if run.name == name and run.has_report), None)
 
 
-def runs_page(folder: Path, words: Words, *, login: bool) -> None:
-    """Build the page."""
-    with ui.element("header").classes("bar"):
-        with ui.element("div").classes("words"):
-            ui.label(words("runs")).classes("word")
-        menu(words, login=login)
-    with ui.element("main").classes("page"):
-        runs = list_runs(folder)
-        if not runs:
-            ui.label(words("no_runs", folder=str(folder)))
-        for run in runs:
-            with ui.element("div").classes("run"):
-                with ui.element("b"):
-                    ui.label(run.name)
-                ui.label(time.strftime("%Y-%m-%d %H:%M", time.localtime(run.time)))
-                if run.has_report:
-                    ui.link(words("open_report"), f"/report/{run.name}")
-                else:
-                    ui.label(words("no_report"))
+class RunsPage:
+    """The page of one browser."""
+
+    def __init__(self, folder: Path, link: Link, visitor: Visitor, words: Words, *, login: bool) -> None:
+        """Build the page."""
+        self._head = PageHead(link, visitor, words, words("runs"), login=login)
+        with ui.element("main").classes("page"):
+            runs = list_runs(folder)
+            if not runs:
+                ui.label(words("no_runs", folder=str(folder)))
+            for run in runs:
+                _row(run, words)
+
+    def refresh(self) -> None:
+        """Show how the drive is."""
+        self._head.refresh()
+
+
+def _row(run: Run, words: Words) -> None:
+    with ui.element("div").classes("run"):
+        with ui.element("b"):
+            ui.label(run.name)
+        ui.label(time.strftime("%Y-%m-%d %H:%M", time.localtime(run.time)))
+        if run.has_report:
+            ui.link(words("open_report"), f"/report/{run.name}")
+        else:
+            ui.label(words("no_report"))

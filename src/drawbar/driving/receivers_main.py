@@ -13,7 +13,7 @@ from drawbar.driving.beat import Beat
 from drawbar.driving.ending import Ending
 from drawbar.driving.letters import Device, Raw, pack
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONTROLLER, GATE, RECORDER, Orders
+from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECORDER, Orders
 from drawbar.driving.place import local_frame
 from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
@@ -54,8 +54,8 @@ def main() -> int:
         now = time.monotonic_ns()
         for fixes in navigation.poll(seconds(now)):
             record = encode(fixes)
-            mailbox.send(orders.socket(CONTROLLER), record)
-            mailbox.send(orders.socket(RECORDER), record)
+            for reader in (CONTROLLER, RECORDER, CONSOLE):
+                mailbox.send(orders.socket(reader), record)
         beat.pass_time(now)
         if corrections is not None:
             _correct(corrections, tractor, trailer)
