@@ -31,8 +31,8 @@ class ExchangeCard:
                 ui.label(words("import_export"))
             ui.upload(label=words("import_file"), on_upload=self._take, auto_upload=True, max_file_size=LARGEST_UPLOAD)
             ui.label(words("import_kinds", kinds=", ".join(KINDS))).classes("note")
-            with ui.element("div").classes("row"):
-                self._kind = ui.select(list(WRITERS), value="GeoJSON", label=words("format")).props("outlined dense")
+            with ui.element("div").classes("line-up"):
+                self._kind = ui.select(list(WRITERS), value="GeoJSON", label=words("format")).props("outlined")
                 button = ui.button(words("export"), on_click=self._give, color=None)
                 button.props("no-caps unelevated").classes("action")
 

@@ -74,10 +74,10 @@ class FieldsPage:
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("line_to_drive"))
-            with ui.element("div").classes("row"):
-                self._fields = ui.select([], label=words("field"), on_change=self._field_chosen).props("outlined dense")
-                self._lines = ui.select([], label=words("line"), on_change=self._replan).props("outlined dense")
-            with ui.element("div").classes("row"):
+            with ui.element("div").classes("line-up"):
+                self._fields = ui.select([], label=words("field"), on_change=self._field_chosen).props("outlined")
+                self._lines = ui.select([], label=words("line"), on_change=self._replan).props("outlined")
+            with ui.element("div").classes("line-up"):
                 self._number = self._figure("pass_number", 0, "", "%.0f")
                 self._width = self._figure("working_width", 3.0, "m", "%.2f")
                 self._offset = self._figure("offset", 0, "cm", "%.0f")
@@ -90,7 +90,7 @@ class FieldsPage:
     def _figure(self, key: str, value: float, unit: str, shape: str) -> ui.number:
         return ui.number(
             self._words(key), value=value, suffix=unit or None, format=shape, on_change=self._replan
-        ).props("outlined dense")
+        ).props("outlined")
 
     def _show_field(self, name: str | None) -> None:
         self._fields.set_options(self._workshop.fields.names(), value=name)

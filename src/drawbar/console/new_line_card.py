@@ -27,14 +27,14 @@ class NewLineCard:
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("new_line"))
-            self._name = ui.input(words("name_of_line")).props("outlined dense maxlength=100")
-            with ui.element("div").classes("row"):
+            self._name = ui.input(words("name_of_line")).props("outlined maxlength=100")
+            with ui.element("div").classes("line-up"):
                 self._button("set_a", self._set_a)
                 self._b = self._button("set_b", self._set_b)
                 self._heading = ui.number(words("heading"), suffix="°", min=0, max=_COMPASS, format="%.1f")
-                self._heading.props("outlined dense")
+                self._heading.props("outlined")
                 self._along = self._button("a_and_heading", self._set_heading)
-            with ui.element("div").classes("row"):
+            with ui.element("div").classes("line-up"):
                 self._record = self._button("record_curve", self._begin)
                 self._end = self._button("end_curve", self._finish)
                 self._drop = self._button("drop_curve", self._forget)

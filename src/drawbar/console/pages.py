@@ -19,6 +19,7 @@ from drawbar.console.link import Link
 from drawbar.console.login import Login
 from drawbar.console.passwords import User
 from drawbar.console.runs_page import RunsPage, report_of
+from drawbar.console.set_up_page import SetUpPage
 from drawbar.console.visitors import Visitor, Visitors
 from drawbar.console.workshop import Workshop
 from drawbar.driving.console_orders import LOOPBACK, ConsoleOrders
@@ -74,6 +75,7 @@ class Pages:
         app.add_api_route("/report/{name}", self._report, methods=["GET"])
         ui.page("/", title="drawbar")(self._drive_page)
         ui.page("/fields", title="drawbar")(self._fields_page)
+        ui.page("/setup", title="drawbar")(self._set_up_page)
         ui.page("/runs", title="drawbar")(self._runs_page)
         app.on_delete(lambda client: self._open.pop(client.id, None))
 
@@ -104,6 +106,11 @@ class Pages:
     def _fields_page(self, request: Request) -> None:
         visitor, words = self._begin(request)
         self._opened(visitor, FieldsPage(self._workshop, self._link, visitor, words, self._audit, login=self._login))
+
+    def _set_up_page(self, request: Request) -> None:
+        visitor, words = self._begin(request)
+        page = SetUpPage(self._workshop, self._link, visitor, words, self._audit, login=self._login)
+        self._opened(visitor, page)
 
     def _runs_page(self, request: Request) -> None:
         visitor, words = self._begin(request)
