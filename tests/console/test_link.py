@@ -11,19 +11,18 @@ pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 from console_process import console_process, reaches, until
 from console_stage import Stage
 
-from drawbar.config import load_configuration
 from drawbar.console.drawing import moving, standing
 from drawbar.driving.letters import Step, pack
 from drawbar.driving.orders import CONSOLE
 from drawbar.messages import Action, OperatorMessage, decode
 from drawbar.recording.log import encode_special
-from drawbar.simulation import build_path, simulate
+from drawbar.simulation import build_path
 
 
-@pytest.fixture(scope="module")
-def record():
-    configuration = load_configuration("articulated", ["path.radii=[8.0]", "path.laps=1"][:1])
-    return simulate(configuration, 1).records[60], configuration
+@pytest.fixture
+def record(run_log):
+    log, configuration = run_log
+    return log.records[60], configuration
 
 
 def test_a_step_is_drawn_where_its_record_says(record):

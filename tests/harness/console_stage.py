@@ -181,7 +181,7 @@ def _seen(element):
 @asynccontextmanager
 async def console(stage, users=None, **orders):
     """Serve the pages to simulated browsers; yields what opens a new one."""
-    settings = ConsoleOrders(folder="", configuration="", names=(HOST,), **orders)
+    settings = ConsoleOrders(**{"folder": "", "configuration": "", "names": (HOST,), **orders})
     with nicegui_reset_globals():
         os.environ["NICEGUI_USER_SIMULATION"] = "true"
         try:

@@ -49,8 +49,8 @@ class Link:
         self.gate: GateState | None = None
         self.controller: ControllerState | None = None
         self.moving: Moving | None = None
-        self.steps: deque[StepRecord] = deque(maxlen=_STEPS)
-        """the newest control steps"""
+        self.steps: deque[tuple[StepRecord, ControllerState | None]] = deque(maxlen=_STEPS)
+        """the newest control steps, each with what the controller last said of itself"""
         self.devices = DeviceRates()
         self.surveyor = Surveyor(mast, clock)
         self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
@@ -103,7 +103,7 @@ class Link:
             self.refused += 1
             return
         self.moving = moving(record)
-        self.steps.append(record)
+        self.steps.append((record, self.controller))
         self.version += 1
         if self.moving is not None:
             self.trail.append((*self.moving.tractor[:2], record.reference.tractor.lateral_error))

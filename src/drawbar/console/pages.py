@@ -15,6 +15,7 @@ from drawbar.console.catalogue import Words, language_of
 from drawbar.console.drive_page import DrivePage
 from drawbar.console.fields_page import FieldsPage
 from drawbar.console.guard import VISITOR, Guard
+from drawbar.console.inside_page import InsidePage
 from drawbar.console.link import Link
 from drawbar.console.login import Login
 from drawbar.console.passwords import User
@@ -77,6 +78,7 @@ class Pages:
         ui.page("/fields", title="drawbar")(self._fields_page)
         ui.page("/setup", title="drawbar")(self._set_up_page)
         ui.page("/runs", title="drawbar")(self._runs_page)
+        ui.page("/inside", title="drawbar")(self._inside_page)
         app.on_delete(lambda client: self._open.pop(client.id, None))
 
     def refresh(self) -> None:
@@ -114,8 +116,13 @@ class Pages:
 
     def _runs_page(self, request: Request) -> None:
         visitor, words = self._begin(request)
-        folder = Path(self._orders.runs)
-        self._opened(visitor, RunsPage(folder, self._link, visitor, words, login=self._login))
+        folder, current = Path(self._orders.runs), Path(self._orders.configuration).parent
+        page = RunsPage(folder, current, self._link, visitor, words, self._audit, login=self._login)
+        self._opened(visitor, page)
+
+    def _inside_page(self, request: Request) -> None:
+        visitor, words = self._begin(request)
+        self._opened(visitor, InsidePage(self._link, visitor, words, login=self._login))
 
     def _opened(self, visitor: Visitor, page: Page) -> None:
         self._open[ui.context.client.id] = (visitor, page)

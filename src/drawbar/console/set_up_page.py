@@ -1,6 +1,7 @@
 """Set-up page: the vehicle's numbers beside a drawing to scale, devices with rates and ages, versions."""
 
 import math
+from functools import partial
 
 from nicegui import ui
 
@@ -165,7 +166,7 @@ class SetUpPage:
                 with ui.element("div").classes("line-up"):
                     ui.label(f"{version.file.name} · {version.written}").classes("grow")
                     if self._may_change:
-                        button = ui.button(words("go_on_from"), on_click=lambda version=version: self._go_back(version))
+                        button = ui.button(words("go_on_from"), on_click=partial(self._go_back, version))
                         button.props("no-caps unelevated color=none").classes("action")
 
     def _go_back(self, version: Version) -> None:
