@@ -41,7 +41,7 @@ class FieldsPage:
         self._field: Field | None = None
         self._planned: PlannedPass | None = None
         self._head = PageHead(link, visitor, words, words("fields"), login=login)
-        with ui.element("main").classes("page wide"), ui.element("div").classes("columns"):
+        with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
             with ui.element("div").classes("left"):
                 self._map = FieldMap({key: words(key) for key in _TEXTS}, self._choose)
             with ui.element("div"):

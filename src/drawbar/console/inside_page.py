@@ -1,5 +1,6 @@
 """Look inside: live plots of any signal of the control steps."""
 
+import json
 from typing import Any
 
 from nicegui import ui
@@ -14,7 +15,7 @@ _PERIOD = 200_000_000
 """between two pictures, ns"""
 _STEPS = 300
 """that are drawn; a minute at 5 Hz"""
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9")
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#8c6bb1")
 _SHAPES = ("solid", "dashed", "dotted")
 
 
@@ -25,8 +26,9 @@ class InsidePage:
         """Build the page."""
         self._link, self._words = link, words
         self._due, self._version, self._stands = 0, -1, False
+        ui.add_head_html('<script src="/drawbar/plot_look.js"></script>')
         self._head = PageHead(link, visitor, words, words("inside"), login=login)
-        with ui.element("main").classes("page wide"), ui.element("section").classes("card"):
+        with ui.element("div").classes("page wide"), ui.element("section").classes("card"):
             with ui.element("div").classes("line-up"):
                 presets = {key: words(key) for key in PRESETS}
                 self._preset = ui.select(presets, value="plot_errors", label=words("plot"), on_change=self._choose)
@@ -54,7 +56,8 @@ class InsidePage:
         steps = list(self._link.steps)[-_STEPS:]
         self._said.set_visibility(not steps)
         drawn = [_line(index, name, series(steps, name)) for index, name in enumerate(self._names.value)]
-        self._chart.run_chart_method("setOption", {"series": drawn}, {"replaceMerge": ["series"]})
+        options = f"{{...plotLook(), series: {json.dumps(drawn)}}}"
+        self._chart.run_chart_method(":setOption", options, "{replaceMerge: ['series']}")
 
     def _offer(self) -> None:
         """Offer all signals that there are now."""
@@ -75,7 +78,7 @@ class InsidePage:
 
 
 def _line(index: int, name: str, points: list[Any]) -> dict[str, Any]:
-    colour, shape = _COLOURS[index % len(_COLOURS)], _SHAPES[index // len(_COLOURS) % len(_SHAPES)]
+    colour, shape = _COLOURS[index % len(_COLOURS)], _SHAPES[index % len(_SHAPES)]
     return {
         "type": "line",
         "name": name,
@@ -88,11 +91,10 @@ def _line(index: int, name: str, points: list[Any]) -> dict[str, Any]:
 
 
 def _options() -> dict[str, Any]:
-    grey = "#7d8894"
-    axis = {"axisLabel": {"color": grey, "fontSize": 14}, "splitLine": {"lineStyle": {"color": grey, "opacity": 0.3}}}
+    axis = {"axisLabel": {"fontSize": 14}}
     return {
         "animation": False,
-        "legend": {"top": 0, "textStyle": {"color": grey, "fontSize": 14}, "type": "scroll"},
+        "legend": {"top": 0, "textStyle": {"fontSize": 14}, "type": "scroll"},
         "tooltip": {"trigger": "axis"},
         "grid": {"left": 8, "right": 16, "top": 44, "bottom": 28, "containLabel": True},
         "xAxis": {"type": "value", "name": "s", "min": "dataMin", "max": 0, **axis},

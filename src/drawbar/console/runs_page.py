@@ -63,7 +63,7 @@ class RunsPage:
         """Build the page; current: folder of the run that is being recorded now."""
         self._folder, self._current, self._visitor, self._words, self._audit = folder, current, visitor, words, audit
         self._head = PageHead(link, visitor, words, words("runs"), login=login)
-        with ui.element("main").classes("page"):
+        with ui.element("div").classes("page"):
             self._build_comparison()
             self._shown = ui.element("section").classes("card")
             self._shown.set_visibility(False)

@@ -38,7 +38,7 @@ class SetUpPage:
         self._changed: Configuration | None = None
         self._due = 0
         self._head = PageHead(link, visitor, words, words("setup"), login=login)
-        with ui.element("main").classes("page wide"), ui.element("div").classes("columns"):
+        with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
             with ui.element("div").classes("left"):
                 with ui.element("section").classes("card"):
                     self._drawing = ui.html("", sanitize=False)
