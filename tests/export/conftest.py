@@ -72,7 +72,7 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def for_targets(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the product's library, built for every target: once, by the first of the processes that share the tests."""
+    """Return the product's library for every target, built once by the first of the processes that share the tests."""
     pytest.importorskip("ziglang")
     base = tmp_path_factory.getbasetemp()
     folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "targets"

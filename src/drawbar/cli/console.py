@@ -100,9 +100,10 @@ def console_orders(*, host: str, port: int, name: list[str] | None, **others: st
 
     from drawbar.console.passwords import load_users
     from drawbar.driving.console_orders import ConsoleOrders
+    from drawbar.extras import install_command
 
     if find_spec("nicegui") is None:
-        raise ConfigurationError("the console needs the extra `console`; pip install 'drawbar[console]'")
+        raise ConfigurationError(f"the console needs NiceGUI; install it with: {install_command('console')}")
     place = {"host": host, "port": port or free_port(host), "names": tuple(name or ())}
     orders = ConsoleOrders.model_validate(others | place)
     orders.check()

@@ -21,6 +21,10 @@ class ConsoleOrders(BaseModel):
     """the complete configuration of the drive, a TOML file"""
     runs: str = "runs"
     """folder of earlier runs"""
+    fields: str = "fields"
+    """folder of the fields that are kept"""
+    setup: str = "setup"
+    """folder of the versions of the configuration that are saved"""
     host: str = "127.0.0.1"
     """address to listen at"""
     port: Annotated[int, Field(ge=0, le=65535)] = 8080

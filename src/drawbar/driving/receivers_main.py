@@ -13,7 +13,7 @@ from drawbar.driving.beat import Beat
 from drawbar.driving.ending import Ending
 from drawbar.driving.letters import Device, pack
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONTROLLER, GATE, RECORDER, Orders
+from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECORDER, Orders
 from drawbar.driving.place import local_frame
 from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
@@ -59,7 +59,8 @@ def main() -> int:
         witness.tell_look(now, was_due=was_due)
         for fixes in found:
             record = encode(fixes)
-            mailbox.send(orders.socket(CONTROLLER), record)
+            for reader in (CONTROLLER, CONSOLE):
+                mailbox.send(orders.socket(reader), record)
             mailbox.post(orders.socket(RECORDER), record)
         beat.pass_time(now)
         if corrections is not None:

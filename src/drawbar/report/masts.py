@@ -20,8 +20,8 @@ _LEAST = 0.3
 def mast_doubt(log: Columns, body: str) -> float:
     """Return by how much the point on the ground may be beside where the antenna puts it, m, root mean square.
 
-    It is the height of the mast times the slope that the estimated side-slips suggest; 0 where the lean was measured, or
-    predicted from the tractor's, and where the mast has no height; NaN where no side-slip was estimated.
+    It is the height of the mast times the slope that the estimated side-slips suggest; 0 where the lean was
+    measured, or predicted from the tractor's, and where the mast has no height; NaN where no side-slip was estimated.
     """
     vehicle = log.header.vehicle
     height: float = getattr(vehicle.masts, body).up
