@@ -125,3 +125,28 @@ def test_the_road_train_reverses_to_the_line_without_folding_up() -> None:
     assert np.abs(joints).max() < example.FOLDED
     assert front.min() == pytest.approx(-example.LANE, abs=0.01), "the bound is in the way, and kept"
     assert np.abs(np.diff(steering)).max() <= example.RATE * example.SAMPLE_TIME + 1e-7
+
+
+def test_other_tools_find_what_drawbar_finds() -> None:
+    example = _imported(ROOT / "examples" / "side_by_side.py")
+    truth, _ = example.run(example.with_casadi(), 25)
+    assert np.abs(np.diff(truth)).max() == pytest.approx(example.CHANGE, abs=1e-6), "the bound is in the way"
+    for converged, tolerance in ((True, 1e-6), (False, 1e-3)):
+        steering, _ = example.run(example.with_drawbar(converged=converged), 25)
+        np.testing.assert_allclose(steering, truth, rtol=0.0, atol=tolerance)
+
+
+def test_do_mpc_finds_what_drawbar_finds() -> None:
+    pytest.importorskip("do_mpc")
+    example = _imported(ROOT / "examples" / "side_by_side.py")
+    steering, _ = example.run(example.with_do_mpc(), 25)
+    truth, _ = example.run(example.with_drawbar(converged=True), 25)
+    np.testing.assert_allclose(steering, truth, rtol=0.0, atol=1e-6)
+
+
+def test_the_comparison_quotes_its_program() -> None:
+    source = (ROOT / "examples" / "side_by_side.py").read_text("utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "side-by-side.md").read_text("utf-8"), re.DOTALL)
+    assert len(blocks) == 4
+    for block in blocks:
+        assert block in source
