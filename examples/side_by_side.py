@@ -1,6 +1,6 @@
 """One problem declared for drawbar, CasADi with IPOPT, do-mpc and acados, and what a sample costs.
 
-docs/side-by-side.md shows it. A car comes back to a line from 1.5 m beside it. Those that are not installed are left out.
+docs/side-by-side.md shows it. A car comes back to a line from 1.5 m beside it; what is not installed is left out.
 Run: python examples/side_by_side.py
 """
 
