@@ -14,9 +14,12 @@ from drawbar.geometry import Floats
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "own_vehicle.py"
-TOLD = (EXAMPLE, ROOT / "examples" / "pid_controller.py")
-"""the scripts that the tutorial explains, in its order"""
-TUTORIAL = ROOT / "docs" / "tutorial.md"
+PAGES = {
+    ROOT / "docs" / "tutorial.md": (EXAMPLE, ROOT / "examples" / "pid_controller.py"),
+    ROOT / "docs" / "tutorial-constraints.md": (ROOT / "examples" / "crane.py", ROOT / "examples" / "two_trailers.py"),
+}
+"""the scripts that each page explains, in its order"""
+TOLD = [(page, place) for page, scripts in PAGES.items() for place in range(len(scripts))]
 SETTLED = slice(100, None)
 """samples after 10 s"""
 
@@ -62,11 +65,12 @@ def test_finds_out_heading_and_offset(record: Floats) -> None:
     assert np.sqrt(np.mean(offset**2)) < np.radians(0.15)
 
 
-@pytest.mark.parametrize(("place", "script"), list(enumerate(TOLD)), ids=[script.stem for script in TOLD])
-def test_prints_what_the_tutorial_shows(place: int, script: Path) -> None:
+@pytest.mark.parametrize(("page", "place"), TOLD, ids=[PAGES[page][place].stem for page, place in TOLD])
+def test_prints_what_the_tutorial_shows(page: Path, place: int) -> None:
+    script = PAGES[page][place]
     printed = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True).stdout
-    shown = re.findall(r"```text\n(.*?)```", TUTORIAL.read_text("utf-8"), re.DOTALL)
-    assert len(shown) == len(TOLD)
+    shown = re.findall(r"```text\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+    assert len(shown) == len(PAGES[page])
     for ours, theirs in zip(printed.split(), shown[place].split(), strict=True):
         try:  # compilers round the last digits differently
             value, last_digit = float(theirs.strip("[]")), 10.0 ** -len(theirs.strip("[]").partition(".")[2])
@@ -75,9 +79,10 @@ def test_prints_what_the_tutorial_shows(place: int, script: Path) -> None:
             assert ours == theirs
 
 
-def test_the_tutorial_quotes_the_examples() -> None:
-    blocks = re.findall(r"```python\n(.*?)```", TUTORIAL.read_text("utf-8"), re.DOTALL)
-    sources = [script.read_text("utf-8") for script in TOLD]
+@pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])
+def test_the_tutorial_quotes_the_examples(page: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+    sources = [script.read_text("utf-8") for script in PAGES[page]]
     assert blocks
     for block in blocks:
         assert any(block in source for source in sources), block
@@ -98,3 +103,50 @@ def test_another_seed_drives_other_lines(tmp_path: Path) -> None:
     script = ROOT / "examples" / "record_field.py"
     subprocess.run([sys.executable, script, tmp_path, "1"], check=True)
     assert (tmp_path / "brook.csv").read_text("utf-8") != (script.parent / "brook.csv").read_text("utf-8")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_crane_sets_its_load_down_at_rest_and_within_its_bounds(seed: int) -> None:
+    crane = _imported(ROOT / "examples" / "crane.py")
+    load, sway, sway_error, rope_error, push = crane.run(seconds=30.0, seed=seed).T
+    assert np.abs(load[-50:] - crane.TARGET).max() < 0.03
+    assert np.abs(sway[-50:]).max() < np.radians(0.3)
+    assert np.abs(sway[crane.LISTENED :]).max() < crane.HELD + np.radians(0.3)
+    assert load.max() < crane.WALL + 0.02
+    assert np.abs(sway_error[50:]).max() < np.radians(0.3)
+    assert np.abs(rope_error[50:]).max() < 0.25
+    assert np.abs(np.diff(push)).max() <= 0.1 + 1e-7
+
+
+def test_the_road_train_reverses_to_the_line_without_folding_up() -> None:
+    example = _imported(ROOT / "examples" / "two_trailers.py")
+    _, north, *joints, front, steering = example.run(seconds=40.0).T
+    assert np.abs(north[-20:]).max() < 0.01
+    assert np.abs(joints).max() < example.FOLDED
+    assert front.min() == pytest.approx(-example.LANE, abs=0.01), "the bound is in the way, and kept"
+    assert np.abs(np.diff(steering)).max() <= example.RATE * example.SAMPLE_TIME + 1e-7
+
+
+def test_other_tools_find_what_drawbar_finds() -> None:
+    example = _imported(ROOT / "examples" / "side_by_side.py")
+    truth, _ = example.run(example.with_casadi(), 25)
+    assert np.abs(np.diff(truth)).max() == pytest.approx(example.CHANGE, abs=1e-6), "the bound is in the way"
+    for converged, tolerance in ((True, 1e-6), (False, 1e-3)):
+        steering, _ = example.run(example.with_drawbar(converged=converged), 25)
+        np.testing.assert_allclose(steering, truth, rtol=0.0, atol=tolerance)
+
+
+def test_do_mpc_finds_what_drawbar_finds() -> None:
+    pytest.importorskip("do_mpc")
+    example = _imported(ROOT / "examples" / "side_by_side.py")
+    steering, _ = example.run(example.with_do_mpc(), 25)
+    truth, _ = example.run(example.with_drawbar(converged=True), 25)
+    np.testing.assert_allclose(steering, truth, rtol=0.0, atol=1e-6)
+
+
+def test_the_comparison_quotes_its_program() -> None:
+    source = (ROOT / "examples" / "side_by_side.py").read_text("utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "side-by-side.md").read_text("utf-8"), re.DOTALL)
+    assert len(blocks) == 4
+    for block in blocks:
+        assert block in source

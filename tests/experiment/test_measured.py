@@ -126,8 +126,27 @@ def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment, tm
     write_report(tmp_path / "REPORT.md", [(measured, parts)])
     report = (tmp_path / "REPORT.md").read_text("utf-8")
     assert "| small | 2 | 1 | 2 | **1** |" in report
+    assert "- **Missed**: 1 of 2 expected figures of *Two controllers*. The reason is not known." in report
     assert "([CSV](small/means.csv))" in report
     assert "| casadi | " in report
+
+
+def test_the_report_opens_with_what_was_learned_and_why_figures_were_missed(
+    measured: MeasuredExperiment, tmp_path: Path
+) -> None:
+    experiment = measured.experiment
+    told = {"learned": "It errs by {slow|trailer all} cm.", "why_missed": "Too slow."}
+    settings = experiment.settings.model_copy(update=told)
+    measured = dataclasses.replace(measured, experiment=dataclasses.replace(experiment, settings=settings))
+    write_report(tmp_path / "REPORT.md", [(measured, [])])
+    opening = (tmp_path / "REPORT.md").read_text("utf-8").partition("| measured on |")[0]
+    assert f"- It errs by {measured.statistic('slow', 'trailer all').text(2)} cm.\n" in opening
+    assert "expected figures of *Two controllers*. Too slow." in opening
+
+
+def test_what_was_learned_names_only_what_was_measured(measured: MeasuredExperiment) -> None:
+    with pytest.raises(ConfigurationError, match="no figure 'trailer all' of a case 'quick'; cases: "):
+        measured.told("{quick|trailer all}")
 
 
 def test_a_case_that_is_left_out_is_told_and_missed_by_nobody(write_experiment: Write, short_result) -> None:

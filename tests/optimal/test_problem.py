@@ -85,7 +85,7 @@ WRONG = (
         ({"initial_weights": {"x": 1.0, "y": 1.0}}, "initial_weights: 'yaw' is missing"),
         (
             {"bounds": {"speed": Bound(lower=0.0, upper=1.0)}},
-            "bounds: 'speed' is no state or input of 'tricycle_tractor'; there are x, y, yaw, steering",
+            "bounds: 'speed' is no state, input, output of 'tricycle_tractor'; there are x, y, yaw, steering",
         ),
     ],
 )

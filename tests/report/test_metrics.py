@@ -131,6 +131,10 @@ def test_without_truth_there_are_nulls_and_nothing_invented(make_run):
         for statistics in written["error_m"][body].values():
             assert statistics == dict.fromkeys(("mean", "rms", "max", "deviation", "p95"))
     assert written["saturated_share"]["tractor"] == 0.0
+    assert written["error_estimated"]
+    assert not json.loads(compute_metrics(make_run(steps=2), true_path_errors(make_run(steps=2))).to_json())[
+        "error_estimated"
+    ]
 
 
 def test_a_run_that_died_before_its_first_step_has_figures(make_run):

@@ -123,6 +123,9 @@ def test_a_closing_tag_in_the_data_cannot_end_the_script(make_run):
 def test_a_real_machine_shows_what_was_believed(make_run):
     page = render(make_run(truth=False, steps=50))
     assert "the truth is not known" in page
+    assert "Estimated error, cm" in page
+    assert "mean estimated error, tractor" in page
+    assert "stimated error" not in render(make_run(steps=50)), "a simulation knows the truth"
     shown = {t["name"]: t.get("visible", True) for t in data_of(page)["figures"]["errors"]["data"]}
     assert shown == {"Tractor, estimated": True, "Trailer, estimated": True}
 

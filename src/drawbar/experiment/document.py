@@ -24,7 +24,8 @@ def write_results(measured: MeasuredExperiment, parts: Sequence[Part]) -> None:
 
 def write_report(file: Path, outcomes: Sequence[tuple[MeasuredExperiment, Sequence[Part]]]) -> None:
     """Write the report of several experiments, whose folders lie beside it."""
-    blocks = ["# Experiments", "Made by `drawbar experiment all`; do not edit.", _machine_table(), _overview(outcomes)]
+    blocks = ["# Experiments", "Made by `drawbar experiment all`; do not edit."]
+    blocks += [*_opening([measured for measured, _ in outcomes]), _machine_table(), _overview(outcomes)]
     for measured, parts in outcomes:
         prefix = f"{measured.experiment.folder.name}/"
         blocks += [
@@ -33,6 +34,19 @@ def write_report(file: Path, outcomes: Sequence[tuple[MeasuredExperiment, Sequen
         ]
         blocks += _sections(measured, parts, prefix)
     file.write_text("\n\n".join(blocks) + "\n", "utf-8")
+
+
+def _opening(experiments: Sequence[MeasuredExperiment]) -> list[str]:
+    """Return the first lines: what was learned, and what was missed and why."""
+    learned = [measured.told(measured.experiment.settings.learned) for measured in experiments]
+    lines = [f"- {text}" for text in learned if text]
+    for measured in experiments:
+        if missed := len(measured.misses()):
+            settings = measured.experiment.settings
+            of = f"{missed} of {len(measured.verdicts())} expected figures of *{settings.title}*"
+            reason = measured.told(settings.why_missed) or "The reason is not known."
+            lines.append(f"- **Missed**: {of}. {reason}")
+    return ["## What was learned", "\n".join(lines)] if lines else []
 
 
 def _machine_table() -> str:

@@ -72,6 +72,10 @@ class ExperimentSettings(Settings):
     """The content of experiment.toml."""
 
     title: str
+    learned: str = ""
+    """one sentence for the report's first lines; {case|figure} stands for what was measured"""
+    why_missed: str = ""
+    """the reason why expected figures are missed, for the same place, likewise"""
     seeds: Annotated[int, Field(ge=1)] = 20
     """runs of each case, with the seeds 0, 1, …"""
     columns: Texts = ()

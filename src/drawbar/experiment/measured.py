@@ -1,14 +1,17 @@
 """What an experiment's analysis looks at: every run of every case, and the figures of each run."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from drawbar.errors import ConfigurationError
 from drawbar.experiment.experiment import Expectation, Experiment
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.statistics import Statistic
 
 Figures = Mapping[str, float]
 """the figures of one run by name"""
+_FIGURE = re.compile(r"\{([^|{}]+)\|([^|{}]+)\}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +74,23 @@ class MeasuredExperiment:
             for case, by_figure in self._expected.items()
             for figure, expected in by_figure.items()
         ]
+
+    def told(self, text: str) -> str:
+        """Return a text with measured figures in the place of {case|figure}.
+
+        Raises:
+            ConfigurationError: it names a case or a figure that there is not.
+        """
+        return _FIGURE.sub(self._told, text)
+
+    def _told(self, place: re.Match[str]) -> str:
+        case, figure = place.groups()
+        if case not in self.runs or figure not in self.figure_names:
+            raise ConfigurationError(
+                f"{self.experiment.folder.name}: no figure {figure!r} of a case {case!r}; "
+                f"cases: {', '.join(self.runs)}; figures: {', '.join(self.figure_names)}."
+            )
+        return self.statistic(case, figure).text(2)
 
     def misses(self) -> list[str]:
         """Say what is not as expected: runs without a result, expected cases not driven to the end, figures."""

@@ -1,8 +1,9 @@
 """What an object file tells: sizes of its sections, stack of each function, and which function calls which.
 
-ELF (System V ABI, chapter 4) and COFF (Microsoft's PE format, section 3), little-endian, as far as needed here. The
-stack of a function comes from clang's `-fstack-size-section`, the calls from the relocations of its section, which
-`-ffunction-sections` makes one per function. COFF has no such records of the stack.
+ELF (System V ABI, chapter 4), COFF (Microsoft's PE format, section 3) and 64-bit Mach-O (Apple's mach-o/loader.h),
+little-endian, as far as needed here. The stack of a function comes from clang's `-fstack-size-section`, the calls
+from the relocations of its section, which `-ffunction-sections` makes one per function. COFF and Mach-O have no such
+records of the stack.
 """
 
 from collections import Counter
@@ -21,6 +22,8 @@ _FUNCTION, _SECTION = 2, 3
 """types of ELF symbols"""
 _CODE, _ZEROED, _DISCARDED, _WRITE = 0x20, 0x80, 0x800, 0x80000000
 """characteristics of a COFF section"""
+_SEGMENT, _ZERO_FILLED, _INSTRUCTIONS = 0x19, 1, 0x80000400
+"""a Mach-O file's command for a 64-bit segment; type, and attributes, of a section"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,14 +44,18 @@ def read_object(file: Path) -> ObjectFile:
     """Read an object file.
 
     Raises:
-        CompilerError: neither ELF nor COFF for x86-64.
+        CompilerError: neither ELF, 64-bit Mach-O nor COFF for x86-64.
     """
     data = file.read_bytes()
     if data[:4] == b"\x7fELF":
         return _Elf(data).read()
     if data[:2] == b"\x64\x86":
         return ObjectFile(sizes=_coff_sizes(data), stack={}, calls={}, offered=frozenset())
-    raise CompilerError(f"{file.name}: the compiler wrote an object file that is neither ELF nor COFF for x86-64.")
+    if data[:4] == b"\xcf\xfa\xed\xfe":
+        return ObjectFile(sizes=_mach_sizes(data), stack={}, calls={}, offered=frozenset())
+    raise CompilerError(
+        f"{file.name}: the compiler wrote an object file that is neither ELF, Mach-O nor COFF for x86-64."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,4 +170,22 @@ def _coff_sizes(data: bytes) -> Counter[str]:
             continue
         kind = ".text" if flags & _CODE else ".bss" if flags & _ZEROED else ".data" if flags & _WRITE else ".rodata"
         sizes[kind] += size
+    return sizes
+
+
+def _mach_sizes(data: bytes) -> Counter[str]:
+    """Add up the sections of a Mach-O object file but for what only the linker and debuggers read."""
+    sizes: Counter[str] = Counter()
+    place = 32
+    for _ in range(unpack_from("<I", data, 16)[0]):
+        command, length = unpack_from("<II", data, place)
+        count = unpack_from("<I", data, place + 64)[0] if command == _SEGMENT else 0
+        for section in range(place + 72, place + 72 + 80 * count, 80):
+            name, segment, _, size = unpack_from("<16s16sQQ", data, section)
+            flags = unpack_from("<I", data, section + 64)[0]
+            if segment.rstrip(b"\0") in (b"__TEXT", b"__DATA"):
+                constant = segment.startswith(b"__TEXT") or name.startswith(b"__const")
+                zeroed = ".bss" if flags & 0xFF == _ZERO_FILLED else ".data"
+                sizes[".text" if flags & _INSTRUCTIONS else ".rodata" if constant else zeroed] += size
+        place += length
     return sizes

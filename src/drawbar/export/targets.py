@@ -15,6 +15,7 @@ FLAGS = (
     "-g0",
 )
 """The same on all targets. No fused multiply-add, so that targets agree; never -ffast-math."""
+_SIZED = "-fstack-size-section"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,11 +38,10 @@ class Target:
 
     @property
     def stack_known(self) -> bool:
-        """Whether object files say what stack their functions use; COFF has no place for it."""
-        return "windows" not in self.triple
+        """Whether object files say what stack their functions use; COFF and Mach-O have no place for it."""
+        return _SIZED in self.flags
 
 
-_SIZED = "-fstack-size-section"
 TARGETS = (
     *(
         Target(
@@ -67,6 +67,13 @@ TARGETS = (
         static="libdrawbar.a",
         shared="drawbar.dll",
         imports="drawbar.lib",
+    ),
+    Target(
+        name="macos-aarch64",
+        triple="aarch64-macos",
+        flags=(),
+        static="libdrawbar.a",
+        shared="libdrawbar.dylib",
     ),
     Target(
         name="cortex-m7",

@@ -101,7 +101,10 @@ def _zig(arguments: list[str], folder: Path) -> None:
 def _link(target: Target, objects: list[Path], folder: Path, exports: Sequence[str]) -> None:
     command = ["cc", "-target", target.triple, "-shared", "-s", *map(str, objects)]
     if not target.imports:
-        _zig([*command, f"-Wl,-soname,{target.shared}", "-lm", "-o", target.shared], folder)
+        name = (
+            f"-Wl,-install_name,@rpath/{target.shared}" if "macos" in target.triple else f"-Wl,-soname,{target.shared}"
+        )
+        _zig([*command, name, "-lm", "-o", target.shared], folder)
         return
     names = "".join(f"    {name}\n" for name in exports)
     (folder / "drawbar.def").write_text(f"LIBRARY {target.shared}\nEXPORTS\n{names}", "utf-8")

@@ -2,6 +2,7 @@
 
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.quadratic_program import QuadraticProgram, Sizes
+from drawbar.optimal.residuals import Residuals, Solution
 from drawbar.optimal.solver import ControlSolver, EstimationSolver, RealTimeIteration
 from drawbar.optimal.unit import SolverUnit, solver_unit
 from drawbar.optimal.views import StageBounds
@@ -14,7 +15,9 @@ __all__ = [
     "EstimationSolver",
     "QuadraticProgram",
     "RealTimeIteration",
+    "Residuals",
     "Sizes",
+    "Solution",
     "SolverUnit",
     "StageBounds",
     "solver_unit",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from drawbar.errors import SolverError
+from drawbar.vehicle.integrators import Integrator
 from drawbar.vehicle.model import Model, Variable
 
 
@@ -17,7 +18,7 @@ class Bound:
     lower: float
     upper: float
     linear_penalty: float = math.inf
-    """cost of a violation, per unit; infinite: the bound is hard"""
+    """cost of a violation, per unit, beside half the sum of squares; infinite: the bound is hard"""
     quadratic_penalty: float = 0.0
     """cost of a violation, per unit squared (half of it, as in 1/2 q v²)"""
 
@@ -37,6 +38,9 @@ class Bound:
 class ControlProblem:
     """min over u of the sum over stages of ||h(x,u,p) - y||²_W from a given state, by multiple shooting.
 
+    Any function of states, inputs and parameters can be bounded: make it an output of the model, with a weight of 0.0
+    if it shall not count otherwise.
+
     Weights and bounds go by name. Every weight has to be given, 0.0 where an output shall not count: a name that is
     forgotten or misspelt is refused. Raises SolverError when the problem contradicts itself.
     """
@@ -51,9 +55,15 @@ class ControlProblem:
     terminal_weights: Mapping[str, float]
     """by name of an output, on stage N; outputs that depend on an input have no value there and are left out, or 0.0"""
     bounds: Mapping[str, Bound] = field(default_factory=dict)
-    """by name of a state (stages 1..N) or input (stages 0..N-1)"""
+    """by name of a state (stages 1..N), of an input (0..N-1), or of an output (0..N-1 where it depends on an input,
+    else 1..N)"""
+    change_weights: Mapping[str, float] = field(default_factory=dict)
+    """by name of an input: on u_k - u_{k-1}, k = 0..N-1"""
+    change_bounds: Mapping[str, Bound] = field(default_factory=dict)
+    """by name of an input: of u_k - u_{k-1}, per sample, likewise"""
+    integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
-    """Runge-Kutta steps per sample"""
+    """of the integrator, per sample"""
     initial_weights: Mapping[str, float] = field(default_factory=dict)
     """empty: the first state is given; else by name of a state, all of them: on the distance of a free first state from
     what it should be"""
@@ -74,7 +84,46 @@ class ControlProblem:
             )
         if self.initial_weights:
             _check_values("initial_weights", self.initial_weights, model.states)
-        _check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs})
+        _check_values("change_weights", self.change_weights, model.inputs, required=())
+        _check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs, "output": model.outputs})
+        _check_bounds(model, self.change_bounds, {"input": model.inputs}, "change_bounds")
+        self._refuse_ambiguous_outputs()
+        if self.initial_weights and (self.changing or self.bounded_outputs):
+            raise SolverError(
+                f"A free first state (initial_weights) goes with bounds on states and inputs only; take "
+                f"{', '.join(map(repr, (*self.bounded_outputs, *self.changing)))} out of bounds, change_weights and "
+                f"change_bounds."
+            )
+
+    @property
+    def changing(self) -> tuple[str, ...]:
+        """The inputs whose changes are weighed or bounded, in the model's order."""
+        return tuple(
+            each.name for each in self.model.inputs if each.name in {*self.change_weights, *self.change_bounds}
+        )
+
+    @property
+    def bounded_outputs(self) -> tuple[str, ...]:
+        """The bounded names that are neither state nor input, in the order of the model's outputs."""
+        own = {each.name for each in (*self.model.states, *self.model.inputs)}
+        return tuple(each.name for each in self.model.outputs if each.name in self.bounds and each.name not in own)
+
+    def _refuse_ambiguous_outputs(self) -> None:
+        """Refuse a bound on a name that is an output as well, but of something else."""
+        model = self.model
+        own = ca.vertcat(model.x, model.u)
+        place = {each.name: i for i, each in enumerate((*model.states, *model.inputs))}
+        for i, output in enumerate(model.outputs):
+            known = place.get(output.name)
+            if output.name in self.bounds and known is not None and not ca.is_equal(model.output[i], own[known]):
+                raise SolverError(
+                    f"bounds: {output.name!r} of {model.name!r} is a state or input, and an output that is something "
+                    f"else ({model.output[i]}); rename the output."
+                )
+        changes = [f"{name}_change" for name in self.change_bounds]
+        taken = sorted({*self.bounds} & {*changes})
+        if taken:
+            raise SolverError(f"bounds: {', '.join(map(repr, taken))} names the change of an input here; rename it.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +150,9 @@ class EstimationProblem:
     """the same of one more noise that moves all states and parameters named here at once"""
     bounds: Mapping[str, Bound] = field(default_factory=dict)
     """by name of a state, parameter or input"""
+    integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
+    """of the integrator, per sample"""
 
     def __post_init__(self) -> None:
         _check_time(self.horizon, self.sample_time, self.integration_steps)
@@ -156,10 +207,13 @@ def _check_values(
         raise SolverError(f"{what} must be finite and not negative, got {dict(values)}.")
 
 
-def _check_bounds(model: Model, bounds: Mapping[str, Bound], kinds: Mapping[str, Iterable[Variable]]) -> None:
+def _check_bounds(
+    model: Model, bounds: Mapping[str, Bound], kinds: Mapping[str, Iterable[Variable]], what: str = "bounds"
+) -> None:
     names = [variable.name for kind in kinds.values() for variable in kind]
     for name in bounds:
         if name not in names:
             raise SolverError(
-                f"bounds: {name!r} is no {' or '.join(kinds)} of {model.name!r}; there are {', '.join(names)}."
+                f"{what}: {name!r} is no {', '.join(kinds)} of {model.name!r}; there are "
+                f"{', '.join(dict.fromkeys(names))}."
             )

@@ -7,36 +7,15 @@ import numpy as np
 from drawbar.codegen import Workspace, build
 from drawbar.errors import SolverError
 from drawbar.geometry import Floats
-from drawbar.optimal.problem import ControlProblem, EstimationProblem, row
-from drawbar.optimal.transcription import Transcription, transcribe
-from drawbar.optimal.views import Guarded, StageBounds, bound_places
+from drawbar.optimal.problem import ControlProblem, EstimationProblem
+from drawbar.optimal.residuals import Residuals, Solution, residuals
+from drawbar.optimal.settings import write_settings
+from drawbar.optimal.transcription import transcribe
+from drawbar.optimal.views import Guarded, StageBounds
 from drawbar.signals import SolverStatus
 
 Phase = Callable[[], int]
 """A C function bound to its workspace; returns a SolverStatus."""
-
-
-def write_settings(
-    workspace: Workspace, problem: ControlProblem | EstimationProblem, transcription: Transcription
-) -> None:
-    """Write a problem's numbers into its solver's fields: bounds, weights, and what its cost has besides."""
-    array, weights = workspace.array, workspace.array("w")
-    array("constants")[:] = [each.value for each in transcription.constants]
-    for i, (index, bound) in enumerate(transcription.bounds):
-        array("qp.bound")[i] = index
-        array("lower")[i], array("upper")[i] = bound.lower, bound.upper
-        array("qp.soft_linear")[i], array("qp.soft_quadratic")[i] = bound.linear_penalty, bound.quadratic_penalty
-    weights[:] = row(problem.weights, problem.model.outputs)
-    if isinstance(problem, EstimationProblem):
-        weights[-1, list(transcription.input_outputs)] = 0.0
-        estimated = problem.estimated
-        array("process")[:] = row(problem.process_deviation, estimated)
-        array("window.deviation")[:] = row(problem.prior_deviation, estimated)
-        array("common")[:] = row(problem.common_deviation, estimated)
-        return
-    weights[-1] = row(problem.terminal_weights, problem.model.outputs)
-    if problem.initial_weights:
-        array("root")[:] = np.diag(np.sqrt(row(problem.initial_weights, problem.model.states)))
 
 
 class RealTimeIteration(Guarded):
@@ -54,15 +33,18 @@ class RealTimeIteration(Guarded):
         write_settings(self.workspace, problem, transcription)
         self.workspace.function("lay_down")()
         array = self.workspace.array
-        self.x: Floats = array("x")
+        states = len(problem.estimated if isinstance(problem, EstimationProblem) else problem.model.states)
+        outputs = len(problem.model.outputs)
+        self.x: Floats = array("x")[:, :states]
         """(N+1, nx) state trajectory"""
         self.u: Floats = array("u")
         """(N, nu) input trajectory"""
-        self.y: Floats = array("y")
+        self.y: Floats = array("y")[:, :outputs]
         """(N+1, ny) references or measurements"""
-        self.w: Floats = array("w")
-        """(N+1, ny) weights"""
-        places = bound_places(problem)
+        self.w: Floats = array("w")[:, :outputs]
+        """(N+1, ny) weights; new ones count from the next prepare() or advance()"""
+        places = transcription.places
+        self._free_initial = transcription.free_initial
         self.lower = StageBounds({name: array("lower")[place] for name, place in places.items()})
         """(stages,) lower bounds by name of a bounded variable: the problem's at first"""
         self.upper = StageBounds({name: array("upper")[place] for name, place in places.items()})
@@ -73,6 +55,39 @@ class RealTimeIteration(Guarded):
         """the feedback phase: solve for the newest data, and move the trajectory; returns a SolverStatus"""
         self.shift: Phase = self.workspace.function("shift")
         """move trajectory and data by one sample"""
+
+    def residuals(self) -> Residuals:
+        """Return by how much the trajectory misses the optimum of the nonlinear problem; linearises along it anew."""
+        self.prepare()
+        self.workspace.function("slope")()
+        return residuals(self.workspace.array, self._free_initial)
+
+    def solve(self, tolerance: float = 1e-6, most: int = 50) -> Solution:
+        """Repeat preparation and feedback until the nonlinear problem is solved for the data that the arrays hold.
+
+        Every step is a full one: from a start that is far off, the iteration may circle or run away. A solution is the
+        best start of the next solve: it stays in `x` and `u`.
+
+        Args:
+            tolerance: largest residual allowed, in the problem's own units.
+            most: of the steps.
+
+        Returns:
+            What was found. Look at `solved`; `status` says what the last quadratic program came to.
+        """
+        steps, status, left = 0, SolverStatus.SOLVED, self.residuals()
+        while steps < most and status == SolverStatus.SOLVED and not (steps and left.largest <= tolerance):
+            steps += 1
+            status = SolverStatus(self.prepare() or self.feedback())
+            left = self.residuals()
+        return Solution(
+            status=status,
+            solved=status == SolverStatus.SOLVED and left.largest <= tolerance,
+            steps=steps,
+            x=self.x.copy(),
+            u=self.u.copy(),
+            residuals=left,
+        )
 
     @property
     def status(self) -> SolverStatus:
@@ -95,7 +110,8 @@ class ControlSolver(RealTimeIteration):
 
     Before the first sample: write `initial` and `p`, then start(). Each sample: write `initial`, `p`, `y`; feedback();
     apply u[0]; then advance(). `lower` and `upper` hold (N,) bounds of each bounded variable: of a state on stages
-    1..N, of an input on stages 0..N-1.
+    1..N, of an input on stages 0..N-1, of an output on whichever of the two ControlProblem says; the change of an input
+    goes by its name with `_change` behind it.
     """
 
     def __init__(self, problem: ControlProblem) -> None:
@@ -109,31 +125,49 @@ class ControlSolver(RealTimeIteration):
         self.p: Floats = self.workspace.array("p")
         """(N+1, np) known parameters"""
         free = bool(problem.initial_weights)
-        self.initial: Floats = self.workspace.array("prior" if free else "initial")
+        states = len(problem.model.states)
+        initial = self.workspace.array("prior" if free else "initial")
+        self.initial: Floats = initial[:states]
         """(nx,) the current state, or what a free first state should be"""
+        self.before: Floats = initial[states : states + len(problem.changing)]
+        """(changing inputs,) what is applied before u[0], of those inputs whose changes count; advance() takes it from
+        the plan: write what was applied where that is something else"""
         size = len(problem.initial_weights)
         self.initial_lower: Floats = self.workspace.array("lower")[:size]
         """(nx,) least first state where it is free; infinite at first"""
         self.initial_upper: Floats = self.workspace.array("upper")[:size]
         """(nx,) largest first state where it is free; infinite at first"""
-        self.defects: Floats = self.workspace.array("qp.c")
+        self.defects: Floats = self.workspace.array("qp.c")[:, :states]
         """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
+        self._changing = [i for i, each in enumerate(problem.model.inputs) if each.name in problem.changing]
         self.prepare, self.feedback, self.shift = self._first_preparation, self._not_started, self._not_started
 
-    def start(self) -> None:
-        """Linearise along a trajectory that rests at `initial` under zero input.
+    def start(self, x: Floats | None = None, u: Floats | None = None) -> None:
+        """Linearise along a first trajectory.
+
+        Args:
+            x: (N+1, nx) states, such as those of an earlier Solution; None: at rest at `initial`.
+            u: (N, nu) inputs, likewise; None: zero.
 
         Raises:
-            SolverError: `initial` or `p` holds a value that is not finite.
+            SolverError: a trajectory of another size; one, `initial` or `p` holds a value that is not finite.
         """
-        for name, values in (("initial", self.initial), ("p", self.p)):
+        first = {
+            "x": np.tile(self.initial, (len(self.x), 1)) if x is None else np.asarray(x, np.float64),
+            "u": np.zeros_like(self.u) if u is None else np.asarray(u, np.float64),
+        }
+        for name, values in {"initial": self.initial, "p": self.p, **first}.items():
             if not np.isfinite(values).all():
                 raise SolverError(f"start() needs finite numbers in {name}, which is {values.tolist()}.")
-        self.x[:], self.u[:] = self.initial, 0.0
+        for name, own in (("x", self.x), ("u", self.u)):
+            if first[name].shape != own.shape:
+                raise SolverError(f"start() needs {name} of {own.shape}, got {first[name].shape}.")
+            own[:] = first[name]
         self.prepare()
 
     def advance(self) -> None:
         """Move the plan on by one sample and prepare the next feedback."""
+        self.before[:] = self.u[0, self._changing]
         self.shift()
         self.prepare()
 

@@ -8,67 +8,18 @@ from typing import Any, Self
 import casadi as ca
 
 from drawbar.codegen.emit import Input, Output, emit, emit_constants, emit_indices
+from drawbar.optimal.augmentation import Augmentation, augment
+from drawbar.optimal.frame import BARE, BARE_WINDOW, PHASES, ROWS, SOLVER_FIELDS, TABLE, UNIT, WINDOW_PHASES, WORK
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
-from drawbar.vehicle.model import Constant, column, constant, runge_kutta, with_values
+from drawbar.vehicle.integrators import discretise
+from drawbar.vehicle.model import Constant, column, constant, with_values
 
 LEVENBERG = 1e-9
 """Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
-CONTROL_ITERATIONS, ESTIMATION_ITERATIONS = 25, 8
+CONTROL_ITERATIONS, ESTIMATION_ITERATIONS, CONSTRAINED_ITERATIONS = 25, 8, 60
 """Most iterations of the interior point in one feedback. In the robustness experiment's runs of the product (seeds 0 to
-2) an answer passed the check after 23 at most in a controller, and after 2 in the estimator."""
-
-_WORK = "struct rti *work"
-_ROWS = f"const {_WORK}, double (*rows)[OLD_WIDTH]"
-_UNIT = """
-#define N {horizon}
-#define NX {states}
-#define NU {inputs}
-#define NP {parameters}
-#define NY {outputs}
-#define NB {bounds}
-#define NC {constant_states}
-#define CONSTANTS {constants}
-#define CROSS {cross}
-#define FREE_INITIAL {free}
-#define IP_ITERATIONS {iterations}
-#include "{header}"
-{functions}
-{names}{component}
-"""
-SOLVER_FIELDS = """
-    {"rti.x", offsetof(struct component, rti.z), 0, {N + 1, NX, 0}, 0, 0},
-    {"rti.u", offsetof(struct component, rti.z) + sizeof(double) * (N + 1) * NX, 0, {N, NU, 0}, 0, 0},
-    RTI(p, 0, N + 1, NP > 0 ? NP : EMPTY, 0) RTI(y, 0, N + 1, NY, 0) SET(w, N + 1, NY)
-    SET(constants, CONSTANTS, 0) RTI(initial, 0, NX, 0, 0) SET(lower, NB, 0) SET(upper, NB, 0) SET(root, NX, NX)
-    RTI(prior, 0, NX, 0, 0) SET(process, NX, 0) SET(common, NX, 0) RTI(status, 1, 1, 0, 0)
-    QP_FIELDS(component, rti.qp.)"""
-"""entries of the table of fields (fields.h)"""
-_TABLE = """
-#include "workspace.h"
-const struct drawbar_field drawbar_fields[] = {%s COMPONENT_FIELDS END_OF_FIELDS};
-"""
-_PHASES = """
-int lay_down(struct rti *work) { rti_constants(work); return SOLVED; }
-int prepare(struct rti *work) { return rti_prepare(work); }
-int feedback(struct workspace *s) { return rti_feedback(&s->component.rti, &s->work); }
-int shift(struct rti *work) { rti_shift(work); return SOLVED; }
-int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
-int optimise(struct workspace *s)
-{
-    s->component.rti.qp.factored = 0;
-    return qp_optimise(&s->component.rti.qp, &s->work);
-}
-"""
-_WINDOW_PHASES = """
-int restart(struct component *component, const double *prior)
-{
-    return window_restart(&component->window, &component->rti, prior);
-}
-int slide(struct component *component) { return window_slide(&component->window, &component->rti); }
-"""
-_BARE = "struct component { struct rti rti; };\n#define COMPONENT_FIELDS"
-_BARE_WINDOW = """struct component { struct rti rti; struct window window; };
-#define COMPONENT_FIELDS WINDOW_FIELDS(component, window.)"""
+2) an answer passed the check after 23 at most in a controller, and after 2 in the estimator. Bounds on outputs and
+changes of inputs have as many as a quadratic program by itself."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,8 +31,10 @@ class Transcription:
     x: Any
     u: Any
     p: Any
+    p_next: Any
+    """the parameters of the next stage"""
     next_state: Any
-    """(nx, 1) SX: F(x, u, p)"""
+    """(nx, 1) SX: F(x, u, p); bounded outputs behind it depend on p_next as well"""
     output: Any
     """(ny, 1) SX: h(x, u, p)"""
     constants: tuple[Constant, ...]
@@ -90,12 +43,37 @@ class Transcription:
     """trailing states that do not change"""
     free_initial: bool
     """the first state is a variable"""
+    added: bool
+    """there are states besides the model's and the parameters: bounds on outputs, inputs before"""
     arrival: bool
     """its cost sums up what the window has left behind"""
-    bounds: tuple[tuple[int, Bound], ...]
-    """(index into x_0 .. x_N, u_0 .. u_{N-1}; bound)"""
+    bounded: tuple[tuple[str, range, Bound], ...]
+    """(name, indices into x_0 .. x_N, u_0 .. u_{N-1}; bound), in the order of the solver's `lower` and `upper`; a free
+    first state has no name"""
     names: Mapping[str, tuple[str, ...]]
     """what the elements of x, u, p and output are called, by the letters X, U, P and Y"""
+
+    @property
+    def bounds(self) -> tuple[tuple[int, Bound], ...]:
+        """(index into x_0 .. x_N, u_0 .. u_{N-1}; bound) of every bounded variable."""
+        return tuple((index, bound) for _, indices, bound in self.bounded for index in indices)
+
+    @property
+    def places(self) -> dict[str, slice]:
+        """Where the stages of each bounded name stand in the solver's `lower` and `upper`."""
+        first, found = 0, {}
+        for name, indices, _ in self.bounded:
+            found[name] = slice(first, first + len(indices))
+            first += len(indices)
+        found.pop("", None)
+        return found
+
+    @property
+    def iterations(self) -> int:
+        """Most iterations of the interior point in one feedback."""
+        if self.arrival:
+            return ESTIMATION_ITERATIONS
+        return CONSTRAINED_ITERATIONS if self.added else CONTROL_ITERATIONS
 
     @property
     def input_outputs(self) -> tuple[bool, ...]:
@@ -121,7 +99,7 @@ class Transcription:
             solver is all there is.
         """
         nx, nu = self.x.numel(), self.u.numel()
-        return _UNIT.format(
+        return UNIT.format(
             horizon=self.horizon,
             states=nx,
             inputs=nu,
@@ -132,11 +110,12 @@ class Transcription:
             constants=len(self.constants),
             cross=int(self.crosses),
             free=int(self.free_initial),
-            iterations=ESTIMATION_ITERATIONS if self.arrival else CONTROL_ITERATIONS,
+            added=int(self.added),
+            iterations=self.iterations,
             header="window.h" if self.arrival else "rti.h",
             functions=self._functions(),
             names=self.indices() if component else "",
-            component=f'#include "{component}"' if component else _BARE_WINDOW if self.arrival else _BARE,
+            component=f'#include "{component}"' if component else BARE_WINDOW if self.arrival else BARE,
         )
 
     def indices(self) -> str:
@@ -145,7 +124,7 @@ class Transcription:
 
     def introspection(self) -> str:
         """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
-        return _TABLE % SOLVER_FIELDS + _PHASES + (_WINDOW_PHASES if self.arrival else "")
+        return TABLE % SOLVER_FIELDS + PHASES + (WINDOW_PHASES if self.arrival else "")
 
     def _functions(self) -> str:
         nx = self.x.numel()
@@ -160,6 +139,7 @@ class Transcription:
             Input(place="STATE(work->z, {k})[{i}]", rows="(N + 1)", symbol=self.x),
             Input(place="INPUT(work->z, {k})[{i}]", rows="N", symbol=self.u),
             Input(place="work->p[{k}][{i}]", rows="(N + 1)", symbol=self.p),
+            Input(place="work->p[{k} + 1][{i}]", rows="N", symbol=self.p_next),
             Input(place="rti_weight(work, {k}, {i})", rows="(N + 1)", symbol=w),
             Input(place="rti_target(work, {k}, {i})", rows="(N + 1)", symbol=y),
             Input(place="work->constants[{i}]", rows="", symbol=column(self.constants)),
@@ -188,66 +168,98 @@ class Transcription:
             ],
         }
         every = [output for outputs in functions.values() for output in outputs]
-        text = emit_constants("rti_constants", inputs, every, _WORK) + "".join(
-            emit(name, inputs, outputs, _WORK) for name, outputs in functions.items()
+        text = emit_constants("rti_constants", inputs, every, WORK) + "".join(
+            emit(name, inputs, outputs, WORK) for name, outputs in functions.items()
         )
         if self.arrival:
             measured = [
                 Output(place="((double *)rows)", rows="1", value=jacobian, stride="OLD_WIDTH"),
                 Output(place="((double *)rows + OLD - 1)", rows="1", value=self.output, stride="OLD_WIDTH"),
             ]
-            text += emit_constants("output_constants", inputs, measured, _ROWS)
-            text += emit("outputs", inputs, measured, _ROWS)
+            text += emit_constants("output_constants", inputs, measured, ROWS)
+            text += emit("outputs", inputs, measured, ROWS)
         return text
 
 
 def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
-    """Return the problem discretised by Runge-Kutta 4 over each sample."""
-    model, estimation = problem.model, isinstance(problem, EstimationProblem)
+    """Return the problem discretised by its integrator over each sample."""
+    model = problem.model
     sample_time = constant("sample_time", "s", problem.sample_time)
-    step = runge_kutta(model, sample_time.symbol, problem.integration_steps)
-    names = model.names
-    if estimation:
-        names |= {"X": (*names["X"], *names["P"]), "P": ()}
-    constant_states = len(model.parameters) if estimation else 0
+    step = discretise(model, sample_time.symbol, problem.integration_steps, problem.integrator)
+    if isinstance(problem, EstimationProblem):
+        return _estimation(problem, step, (*model.constants, sample_time))
+    return _control(problem, step, (*model.constants, sample_time))
+
+
+def _estimation(problem: EstimationProblem, step: Any, constants: tuple[Constant, ...]) -> Transcription:
+    """Let the parameters be states that do not change."""
+    model, horizon = problem.model, problem.horizon
+    x = ca.vertcat(model.x, model.p)
+    names = model.names | {"X": (*model.names["X"], *model.names["P"]), "P": ()}
+    nx, moving = x.numel(), model.x.numel()
+    states = [
+        (name, range(j, (horizon + 1) * nx if j < moving else j + 1, nx), problem.bounds[name])
+        for j, name in enumerate(names["X"])
+        if name in problem.bounds
+    ]
     return Transcription(
         name=model.name,
-        horizon=problem.horizon,
-        x=ca.vertcat(model.x, model.p) if estimation else model.x,
+        horizon=horizon,
+        x=x,
         u=model.u,
-        p=ca.SX(0, 1) if estimation else model.p,
-        next_state=ca.vertcat(step, model.p) if estimation else step,
+        p=ca.SX(0, 1),
+        p_next=ca.SX(0, 1),
+        next_state=ca.vertcat(step, model.p),
         output=model.output,
-        constants=(*model.constants, sample_time),
-        constant_states=constant_states,
-        free_initial=isinstance(problem, EstimationProblem) or bool(problem.initial_weights),
-        arrival=estimation,
-        bounds=tuple(_bounded(problem, names["X"], names["U"], constant_states)),
+        constants=constants,
+        constant_states=nx - moving,
+        free_initial=True,
+        added=False,
+        arrival=True,
+        bounded=(*states, *_bounded_inputs(problem, nx)),
         names=names,
     )
 
 
-def _bounded(
-    problem: ControlProblem | EstimationProblem,
-    states: tuple[str, ...],
-    inputs: tuple[str, ...],
-    constant_states: int,
-) -> list[tuple[int, Bound]]:
-    """Return the bounded scalars: constant states only once, a given first state not at all.
+def _control(problem: ControlProblem, step: Any, constants: tuple[Constant, ...]) -> Transcription:
+    """Add the states of output bounds and of changes; a free first state is bounded before all others."""
+    model, horizon = problem.model, problem.horizon
+    p_next = ca.SX.sym("p_next", model.p.numel())
+    added = augment(problem, step, p_next)
+    x = ca.vertcat(model.x, added.x)
+    nx, free = x.numel(), len(problem.initial_weights)
+    first = [("", range(free), Bound(lower=-math.inf, upper=math.inf))] if free else []
+    columns = [(j, each.name, problem.bounds.get(each.name)) for j, each in enumerate(model.states)]
+    columns += [(len(model.states) + j, name, bound) for j, name, bound in added.bounds]
+    states = [(name, range(nx + j, (horizon + 1) * nx, nx), bound) for j, name, bound in columns if bound]
+    return Transcription(
+        name=model.name,
+        horizon=horizon,
+        x=x,
+        u=model.u,
+        p=model.p,
+        p_next=p_next,
+        next_state=ca.vertcat(step, added.next_state),
+        output=ca.vertcat(model.output, added.output),
+        constants=constants,
+        constant_states=0,
+        free_initial=bool(free),
+        added=bool(added.states),
+        arrival=False,
+        bounded=(*first, *states, *_bounded_inputs(problem, nx)),
+        names=_extended(model.names, added),
+    )
 
-    A controller's free first state comes before all others, with bounds of its own that are not known yet.
-    """
-    horizon, nx, nu = problem.horizon, len(states), len(inputs)
-    first, found = 0, []
-    if isinstance(problem, ControlProblem):
-        first = 1
-        found = [(j, Bound(lower=-math.inf, upper=math.inf)) for j in range(len(problem.initial_weights))]
-    for j, name in enumerate(states):
-        if name in problem.bounds:
-            stages = range(first, horizon + 1) if j < nx - constant_states else range(1)
-            found += [(k * nx + j, problem.bounds[name]) for k in stages]
-    for a, name in enumerate(inputs):
-        if name in problem.bounds:
-            start = (horizon + 1) * nx + a
-            found += [(start + k * nu, problem.bounds[name]) for k in range(horizon)]
-    return found
+
+def _extended(names: Mapping[str, tuple[str, ...]], added: Augmentation) -> dict[str, tuple[str, ...]]:
+    return {**names, "X": (*names["X"], *added.states), "Y": (*names["Y"], *added.outputs)}
+
+
+def _bounded_inputs(problem: ControlProblem | EstimationProblem, nx: int) -> list[tuple[str, range, Bound]]:
+    """Return the bounded inputs, which stand behind all states."""
+    start, nu = (problem.horizon + 1) * nx, len(problem.model.inputs)
+    return [
+        (each.name, range(start + a, start + problem.horizon * nu, nu), problem.bounds[each.name])
+        for a, each in enumerate(problem.model.inputs)
+        if each.name in problem.bounds
+    ]

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from drawbar.codegen import Unit, Workspace
+from drawbar.optimal.frame import SOLVER_FIELDS
 from drawbar.optimal.problem import ControlProblem, EstimationProblem
-from drawbar.optimal.solver import write_settings
-from drawbar.optimal.transcription import SOLVER_FIELDS, transcribe
+from drawbar.optimal.settings import write_settings
+from drawbar.optimal.transcription import transcribe
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,6 @@ import numpy as np
 
 from drawbar.errors import SolverError
 from drawbar.geometry import Floats
-from drawbar.optimal.problem import ControlProblem, EstimationProblem
 
 
 class Guarded:
@@ -34,23 +33,3 @@ class StageBounds(dict[str, Floats]):
     def __setitem__(self, name: str, value: object) -> None:
         """Refuse to replace an array."""
         raise SolverError(f"Write into the solver's own memory: [{name!r}][...] = ...")
-
-
-def bound_places(problem: ControlProblem | EstimationProblem) -> dict[str, slice]:
-    """Return where each bounded variable's stages stand in the solver's arrays `lower` and `upper`.
-
-    The order is that of transcribe(): states before inputs, of each variable one stage after the other; in front of
-    them all is a free first state, which has no name here.
-    """
-    model, intervals = problem.model, problem.horizon
-    if isinstance(problem, EstimationProblem):
-        first, states, parameters = 0, (intervals + 1, model.states), (1, model.parameters)
-    else:
-        first, states, parameters = len(problem.initial_weights), (intervals, model.states), (0, ())
-    places = {}
-    for stages, kind in (states, parameters, (intervals, model.inputs)):
-        for variable in kind:
-            if variable.name in problem.bounds:
-                places[variable.name] = slice(first, first + stages)
-                first += stages
-    return places

@@ -1,6 +1,7 @@
 """The figures of a run, computed from its log: the content of metrics.json.
 
-Without truth (a real machine) every figure that needs it is NaN, null in JSON.
+Without truth (a real machine) errors are those of estimated positions; every other figure that needs the truth is NaN,
+null in JSON.
 """
 
 import math
@@ -79,7 +80,10 @@ class Metrics:
     real_time_factor: float
     """duration over the wall-clock time it took"""
     error_m: Bodies[Mapping[str, ErrorStatistics]]
-    """absolute distance of the body's true point on the ground to the path, by class of the path"""
+    """absolute distance of the body's point on the ground to the path, by class of the path: the true point's, or the
+    estimated one's"""
+    error_estimated: bool
+    """the errors are of estimated positions, as on every real machine: what the estimate is off by is not in them"""
     mast_doubt_m: Bodies[float]
     """by how much masts may mislead for want of an attitude sensor, see masts.py; 0: there is one, or no mast"""
     yaw_rmse_rad: Bodies[float]
@@ -201,6 +205,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
             tractor=_errors_by_class(errors.tractor, classes),
             trailer=_errors_by_class(errors.trailer, classes),
         ),
+        error_estimated=not log.has_truth,
         mast_doubt_m=_of_both(mast_doubt, log),
         yaw_rmse_rad=_of_both(_yaw_rmse, log),
         steering_rate_mean_rad_s=_of_both(_steering_rate, log),

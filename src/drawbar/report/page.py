@@ -19,6 +19,7 @@ from drawbar.report.tables import (
     TIME_COLUMNS,
     Row,
     body_rows,
+    error_name,
     error_rows,
     key_figures,
     time_rows,
@@ -41,7 +42,7 @@ def _body_heads(span: int) -> str:
 
 
 def _tables(metrics: Metrics) -> str:
-    errors = _row("th", "Error, cm", [*ERROR_COLUMNS, *ERROR_COLUMNS])
+    errors = _row("th", f"{error_name(metrics).capitalize()}, cm", [*ERROR_COLUMNS, *ERROR_COLUMNS])
     of_bodies = [
         _table(_body_heads(len(ERROR_COLUMNS)), errors, error_rows(metrics)),
         _table(_body_heads(1), "", body_rows(metrics)),

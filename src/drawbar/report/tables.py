@@ -23,6 +23,11 @@ def class_title(label: str) -> str:
     return f"curve {label}/m" if label[:1].isdigit() else label
 
 
+def error_name(metrics: Metrics) -> str:
+    """Return what the distances from the path are: errors, or estimated errors."""
+    return "estimated error" if metrics.error_estimated else "error"
+
+
 def error_rows(metrics: Metrics) -> list[Row]:
     """Return per class of the path the ERROR_COLUMNS of the tractor, then of the trailer, cm."""
     error = metrics.error_m
@@ -79,8 +84,8 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
         ("distance driven", number(metrics.length_m, 1, " m")),
         ("driving time", number(metrics.duration_s, 1, " s")),
         ("real-time factor", number(metrics.real_time_factor, 0, "×")),
-        ("mean error, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
-        ("mean error, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
+        (f"mean {error_name(metrics)}, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
+        (f"mean {error_name(metrics)}, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
         ("fixes not believed", _counted({"stale": metrics.stale_fixes, "false": metrics.rejected_fixes})),
         ("solver failures", _counted({"": metrics.solver_failures})),
         (

@@ -87,16 +87,37 @@ static inline double bound_distance(const struct qp *s, const double *z, int sid
     return side % 2 == 0 ? value - s->lower[i] : s->upper[i] - value;
 }
 
+static inline int kind_of(int i)
+{
+    return i < (N + 1) * NX ? i % NX : NX + (i - (N + 1) * NX) % NU;
+}
+
+/* The least step of a state or input that is judged by its own size. */
+static inline double least_step(const struct qp *s, int j)
+{
+#if LEAST_STEP
+    return s->least[j];
+#else
+    (void)s, (void)j;
+    return 0.0;
+#endif
+}
+
+/* What steps of the least size would cost, by the data alone. */
+static double least_cost(const struct qp *restrict s)
+{
+    double cost = 0.0;
+
+    for (int i = 0; LEAST_STEP && i < NZ; ++i)
+        cost += fabs(s->g[i]) * least_step(s, kind_of(i));
+    return cost;
+}
+
 /* Sizes against which residuals are judged, one for each state and input, since their units differ. Multipliers are
  * among them, but not among the cost's `terms`. */
 struct kkt_scale {
     double primal[NX + NU], dual[NX + NU], terms, objective;
 };
-
-static inline int kind_of(int i)
-{
-    return i < (N + 1) * NX ? i % NX : NX + (i - (N + 1) * NX) % NU;
-}
 
 static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scale *restrict scale)
 {
@@ -132,11 +153,11 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         terms += size[j];
     }
     for (int j = 0; j < NX + NU; ++j) {    /* a variable that is zero throughout has no size of its own */
-        scale->primal[j] = largest(least_primal, primal[j]);
+        scale->primal[j] = largest(largest(least_primal, primal[j]), least_step(s, j));
         scale->dual[j] = largest(least_dual, dual[j]);
     }
     scale->terms = terms;
-    scale->objective = objective + terms;
+    scale->objective = objective + terms + least_cost(s);
 }
 
 /* What the bounds add: their multipliers to the gradient; returns their own worst relative residual, and what their
@@ -238,7 +259,7 @@ static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defec
     }
     gap *= CHECK_TOLERANCE / GAP_TOLERANCE;    /* told as a residual; one that is no number is none that passes */
     if (worst <= CHECK_TOLERANCE && !(gap <= CHECK_TOLERANCE * (bounded ? ROUNDING : 1.0) * scale.terms)) {
-        gap /= kkt_cost(s, bounded);
+        gap /= kkt_cost(s, bounded) + least_cost(s);
         worst = gap <= worst ? worst : gap;
     }
     s->kkt = worst;

@@ -6,7 +6,7 @@
  *
  * Riccati recursion as in Rao, Wright and Rawlings (1998), section 4; cost linear in N. The including unit defines
  * N (stages), NX, NU, NB (bounded variables), NC (trailing states that are constant: rows [0 I] of A), CROSS (0 where S
- * is zero) and FREE_INITIAL. No heap, no recursion, every loop bounded.
+ * is zero), FREE_INITIAL, and LEAST_STEP 1 where steps are not judged by themselves alone (kkt.h). No heap, no recursion, every loop bounded.
  */
 #ifndef DRAWBAR_QP_H
 #define DRAWBAR_QP_H
@@ -28,6 +28,10 @@
 #define STATE(z, k) ((z) + (k) * NX)
 #define INPUT(z, k) ((z) + (N + 1) * NX + (k) * NU)
 
+#ifndef LEAST_STEP
+#define LEAST_STEP 0
+#endif
+
 struct qp {
     /* problem */
     double Q[N + 1][NX][WIDTH], S[CROSS ? N : 1][NU][WIDTH], R[N][NU][NU];
@@ -37,6 +41,9 @@ struct qp {
     double lower[AT_LEAST_ONE(NB)], upper[AT_LEAST_ONE(NB)];   /* infinite: none */
     double soft_linear[AT_LEAST_ONE(NB)], soft_quadratic[AT_LEAST_ONE(NB)];  /* cost of a violation; infinite: hard */
     int32_t bound[AT_LEAST_ONE(NB)];       /* index into z of each bounded variable */
+#if LEAST_STEP
+    double least[NX + NU];                 /* a step of a state or input that is smaller is judged as one of this size */
+#endif
     /* solution */
     double z[NZ], pi[(N + 1) * NX];        /* pi_k multiplies x_k's equation */
     double multiplier[AT_LEAST_ONE(NSIDES)], violation[AT_LEAST_ONE(NSIDES)];

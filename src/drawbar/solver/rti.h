@@ -29,6 +29,7 @@ struct rti {
     double constants[CONSTANTS];           /* of the model, and the sample time, s */
 };
 
+#define SMALL_STEP 1e-3                    /* of the largest in the trajectory */
 #define WORK union bounds_work             /* what a feedback borrows, see workspace.h */
 
 static void rti_constants(struct rti *work);
@@ -110,16 +111,9 @@ static int rti_inputs_valid(const struct rti *s)
         && (FREE_INITIAL ? all_finite(s->prior, NX) : all_finite(s->initial, NX) && all_finite(y, (N + 1) * NY));
 }
 
-/* The feedback phase: the newest state, references and measurements enter; the trajectory moves by a full step, or
- * stays as it is when the step does not pass the check. */
-static int rti_feedback(struct rti *s, union bounds_work *work)
+/* The gradient of half the sum of squares along the trajectory, and the way that is left to the given first state. */
+static void rti_gradient(struct rti *s)
 {
-    const int changed = rti_note_missing(s);
-
-    if (!rti_inputs_valid(s))
-        return s->status = BAD_INPUT;
-    if (changed)
-        rti_hessian(s);
 #if FREE_INITIAL                           /* entries that no output sees are not written by gradient */
     for (int i = 0; i < NX; ++i)
         s->qp.g[i] = 0.0;
@@ -137,6 +131,33 @@ static int rti_feedback(struct rti *s, union bounds_work *work)
     for (int i = 0; i < NX; ++i)
         s->qp.initial[i] = s->initial[i] - s->z[i];
 #endif
+}
+
+/* Steps that are small beside the trajectory are judged by its size: near its optimum bounds on outputs hold a
+ * vanishing step with multipliers that do not vanish, and a barrier that resolved it would drown the cost. */
+static void rti_least_step(struct rti *s)
+{
+#if LEAST_STEP
+    memset(s->qp.least, 0, sizeof s->qp.least);
+    for (int i = 0; i < NZ; ++i)
+        s->qp.least[kind_of(i)] = largest(s->qp.least[kind_of(i)], SMALL_STEP * s->z[i]);
+#else
+    (void)s;
+#endif
+}
+
+/* The feedback phase: the newest state, references and measurements enter; the trajectory moves by a full step, or
+ * stays as it is when the step does not pass the check. */
+static int rti_feedback(struct rti *s, union bounds_work *work)
+{
+    const int changed = rti_note_missing(s);
+
+    if (!rti_inputs_valid(s))
+        return s->status = BAD_INPUT;
+    if (changed)
+        rti_hessian(s);
+    rti_gradient(s);
+    rti_least_step(s);
     for (int i = 0; i < NB; ++i) {
         s->qp.lower[i] = s->lower[i] - s->z[s->qp.bound[i]];
         s->qp.upper[i] = s->upper[i] - s->z[s->qp.bound[i]];

@@ -115,6 +115,13 @@ HOSTS = {
 """by target; on the Cortex-M7 there is no Linux, but its C library's mathematics serve as well"""
 
 
+ARM_GCC = (
+    *("arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mfpu=fpv5-d16", "-mfloat-abi=hard", "-std=gnu99", "-O2"),
+    *("-nostartfiles", "--specs=nano.specs", "--specs=nosys.specs", "-Wl,--gc-sections", "-Wl,--no-warn-rwx-segments"),
+    *("-T", str(HERE / "cortex_m7.ld")),
+)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Player:
     """A program that replays recordings, and how to start it."""
@@ -189,3 +196,18 @@ def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> C
         return Player(command=(*host.runner, str(program)), environment=environment)
 
     return player
+
+
+@pytest.fixture(scope="session")
+def arm_player(exported: Callable[..., FilePath], built: Callable[[str], Built]) -> Player:
+    """Return the player for the Cortex-M7, linked by GCC with newlib; the library is as it was exported."""
+    host = HOSTS["cortex-m7"]
+    for program in (ARM_GCC[0], host.runner[0]):
+        if shutil.which(program) is None:
+            pytest.skip(f"{program} is not installed")
+    library = built("cortex-m7").files[0]
+    sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library), "-lm"]
+    program = linked(
+        [*ARM_GCC, f"-I{exported('articulated') / 'include'}", *sources], library.parent / "replay-gcc.elf"
+    )
+    return Player(command=(*host.runner, str(program)), environment={})

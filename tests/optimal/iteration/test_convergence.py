@@ -86,3 +86,6 @@ def test_repeated_iteration_finds_the_solution_of_the_nonlinear_problem(case: An
     assert active, "no bound was in the way"
     np.testing.assert_allclose(solver.x, x, rtol=0, atol=1e-6)
     np.testing.assert_allclose(solver.u, u, rtol=0, atol=1e-6)
+    left = solver.residuals()
+    assert left.stationarity < 1e-7 * np.abs(solver.workspace.array("qp.g")).max()
+    assert max(left.defect, left.violation, left.complementarity) < 1e-8

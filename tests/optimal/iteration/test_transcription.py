@@ -113,7 +113,7 @@ def test_hessian_where_an_output_depends_on_a_state_and_an_input(named: Any) -> 
     case = named("tricycle_tractor")
     model = case.problem.model
     output = ca.vertcat(model.output[:-1], model.output[-1] * (1.0 + ca.sin(model.x[1])))
-    mixed = replace(case, problem=replace(case.problem, model=replace(model, name="mixed", output=output)))
+    mixed = replace(case, problem=replace(case.problem, model=replace(model, name="mixed", output=output), bounds={}))
     assert transcribe(mixed.problem).crosses
     judge_hessian(mixed)
 

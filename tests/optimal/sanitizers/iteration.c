@@ -30,7 +30,7 @@ static void fill(void)
     }
     for (int i = 0; i < NB; ++i) {
         const double width = one_in(5) ? 1e-3 : magnitude(2.0), middle = uniform() * spread;
-        work.qp.bound[i] = one_in(20) ? (int32_t)pick(NZ) : (N + 1) * NX + i;
+        work.qp.bound[i] = one_in(20) ? (int32_t)pick(NZ) : NZ - NB + i;
         work.lower[i] = middle - width;
         work.upper[i] = middle + width;
         work.qp.soft_linear[i] = one_in(3) ? magnitude(100.0) : INFINITY;

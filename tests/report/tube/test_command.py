@@ -50,6 +50,8 @@ def test_sets_bounds_and_sources_are_printed_and_drawn(tube, tmp_path):
     assert max(map(cell_len, said.splitlines()[:-1])) <= 80
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"tube.html", "tube-tractor.svg", "tube-trailer.svg"}
     page = (tmp_path / "out" / "tube.html").read_text("utf-8")
+    for said in ("plans as if nothing disturbed", "what is left for the plan", "Seen error: of the estimate"):
+        assert said in page
     assert page.count("<svg") == 2
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")  # nothing is fetched
 

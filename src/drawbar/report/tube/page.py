@@ -31,6 +31,22 @@ table{{border-collapse:collapse;margin:12px 0}} tr{{border-bottom:1px solid {sty
 svg{{max-width:100%;height:auto}} .empty{{color:#B00020;font-weight:600}}"""
 
 
+_INTRODUCTION = """<p>A controller plans as if nothing disturbed the vehicle. What does disturb it, and errors of the
+estimate, carry the vehicle away from the plan, and a simple feedback, the law K, brings it back. If every disturbance
+stays within the bound that was declared for it, the distance between vehicle and plan stays within a set around the
+plan: the tube. This page shows the tube of each body and what it costs: the feedback needs a part of the steering, so
+that the plan may use only the rest.</p>
+<ul><li>The picture: the tube seen along two quantities at a time. Dots, where a run was given, are recorded errors; one
+that lies outside contradicts a declared bound.</li>
+<li>The first table: how wide the tube is, to either side of the plan.</li>
+<li>The second table: each limit of the machine, what every disturbance takes of it, and what is left for the plan.
+"Nothing" means that this controller cannot promise to stay within the limit; what to change stands below the
+table.</li></ul>"""
+_SET_NOTE = """Seen error: of the estimate against the plan, which the law acts on. True error: of the vehicle itself.
+Excess: by how much the computed set is larger than the smallest that there is."""
+_BOUNDS_NOTE = "A row with – is what its source takes of the limit; sources have the names of the section [tube]."
+
+
 def write_page(
     folder: Path,
     configuration: Configuration,
@@ -50,7 +66,7 @@ def write_page(
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(heading)}</title>'
         f"<style>{_LOOK}</style></head><body><h1>{escape(heading)}</h1>"
         f"<p>Nominal state {escape(configuration.tube.nominal)}, set speed {configuration.speed:g} m/s.</p>"
-        f"{sections}</body></html>\n"
+        f"{_INTRODUCTION}{sections}</body></html>\n"
     )
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -69,7 +85,8 @@ def _picture(tube: SubsystemTube, recorded: Sequence[Recording]) -> str:
 def _section(name: str, tube: SubsystemTube, advice: Sequence[str], picture: str) -> str:
     parts = [f"<h2>{escape(name.capitalize())}</h2><pre>{escape(law_text(tube))}</pre>{picture}"]
     if tube.invariant_set is not None:
-        parts += [_table("Set", SET_COLUMNS, set_rows(tube)), _table("Bounds", bound_columns(tube), bound_rows(tube))]
+        parts += [_table("Set", SET_COLUMNS, set_rows(tube)), f"<p>{_SET_NOTE}</p>"]
+        parts += [_table("Bounds", bound_columns(tube), bound_rows(tube)), f"<p>{_BOUNDS_NOTE}</p>"]
     parts += [f'<p class="empty">{escape(text)}</p>' for text in advice]
     parts += [f"<p>{escape(note)}</p>" for note in (unbounded_text(tube), undeclared_text(tube)) if note]
     return "".join(parts)
