@@ -199,15 +199,13 @@ def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> C
 
 
 @pytest.fixture(scope="session")
-def arm_player(exported: Callable[..., FilePath], built: Callable[[str], Built]) -> Player:
+def arm_player(for_targets: FilePath) -> Player:
     """Return the player for the Cortex-M7, linked by GCC with newlib; the library is as it was exported."""
     host = HOSTS["cortex-m7"]
     for program in (ARM_GCC[0], host.runner[0]):
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed")
-    library = built("cortex-m7").files[0]
-    sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library), "-lm"]
-    program = linked(
-        [*ARM_GCC, f"-I{exported('articulated') / 'include'}", *sources], library.parent / "replay-gcc.elf"
-    )
+    library = for_targets / "lib" / "cortex-m7"
+    sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), "-lm"]
+    program = linked([*ARM_GCC, f"-I{for_targets / 'include'}", *sources], library / f"replay-gcc-{os.getpid()}.elf")
     return Player(command=(*host.runner, str(program)), environment={})
