@@ -75,7 +75,7 @@ class SetUpPage:
                 for value in values:
                     name = f"{value.letter}  {self._words(value.text)}" if value.letter else self._words(value.text)
                     number = ui.number(name, suffix=value.unit.name, on_change=self._check)
-                    number.props(f"outlined for={number_id(value)}")
+                    number.props(f"outlined debounce=300 for={number_id(value)}")
                     number.set_enabled(self._may_change)
                     self._numbers[value] = number
 
