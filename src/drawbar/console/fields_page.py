@@ -215,7 +215,7 @@ class FieldsPage:
         tell(self._words("saved_for_next", file=str(saved)), good=True)
 
     def _keep_line(self, name: str, points: Floats) -> None:
-        """Keep a new line, (n, 2) m of the drive's frame, in the field that is shown, or where that is far in a new one."""
+        """Keep a new line, (n, 2) m of the drive's frame, in the field that is shown; in a new one if that is far."""
         workshop = self._workshop
         degrees = on_earth(points, workshop.frame)
         if self._field is None or not _is_near(self._field, degrees):
