@@ -49,6 +49,7 @@ def console(
     orders = ConsoleOrders(
         folder=known.folder,
         configuration=known.configuration,
+        stand_ins=known.stand_ins,
         runs=str(Path(known.run).parent),
         host=host,
         port=port or free_port(host),

@@ -20,6 +20,8 @@ class Orders(BaseModel):
     """folder of the drive's log"""
     configuration: str
     """the complete configuration, a TOML file"""
+    stand_ins: bool = False
+    """its devices are stand-ins of this drive, gone after it"""
 
     def socket(self, name: str) -> str:
         """Return the path of a process's socket."""
