@@ -47,10 +47,16 @@ def drive(stage, one, places):
         one.refresh()
 
 
+async def planned(one):
+    """Wait until what is chosen now is planned and drawn."""
+    await until(lambda: not one.page._plans)
+
+
 async def opened(stage, browser):
     stage.workshop.fields.add(FIELD)
     one = await browser().open("/fields")
     stage.run(0.1)
+    await planned(one)
     return one
 
 
@@ -67,25 +73,32 @@ def control(one, label):
     return found
 
 
+async def chosen(one, label, value):
+    control(one, label).value = value
+    await planned(one)
+
+
 @staged
 async def test_a_line_is_chosen_on_the_map_and_its_pass_is_planned_and_drawn(stage, browser):
     one = await opened(stage, browser)
     assert [line["name"] for line in scene(one)["lines"]] == ["AB", "bent"]
     one.user.find(FieldMap).trigger("choose", "bent")
+    await planned(one)
     assert control(one, "Line").value == "bent"
     assert "Smoothed by at most" in one.text()
     assert "more than 2 cm where it is red" in one.text()
     assert scene(one)["aside"]
     one.user.find(FieldMap).trigger("choose", "AB")
+    await planned(one)
     assert scene(one)["aside"] == []
-    control(one, "Pass").value = 2
-    control(one, "Offset to the left").value = -50
+    await chosen(one, "Pass", 2)
+    await chosen(one, "Offset to the left", -50)
     driven = np.array(scene(one)["driven"])[:, 0] - scene(one)["lines"][0]["points"][0][0]
     np.testing.assert_allclose(driven, -5.5, atol=2e-3)  # drawn to the millimetre
-    control(one, "Working width").value = None
+    await chosen(one, "Working width", None)
     assert "a number is missing" in one.text()
     assert not one.enabled("Take for the next drive")
-    control(one, "Working width").value = 400
+    await chosen(one, "Working width", 400)
     assert "0.1 to 60 m are allowed" in one.text()
 
 
@@ -94,6 +107,7 @@ async def test_a_line_too_tight_for_the_vehicle_is_refused_before_it_is_taken(st
     square = on_earth(np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 0.5], [0.0, 0.5]]), FRAME)
     stage.workshop.fields.add(Field(name="tight", lines=(FieldLine(name="u", points=square),)))
     one = await browser().open("/fields")
+    await planned(one)
     assert "line 'u'" in one.text()
     assert not one.enabled("Take for the next drive")
 
@@ -101,7 +115,7 @@ async def test_a_line_too_tight_for_the_vehicle_is_refused_before_it_is_taken(st
 @staged
 async def test_the_taken_pass_is_a_version_of_the_configuration_that_drives_it(stage, browser):
     one = await opened(stage, browser)
-    control(one, "Pass").value = 1
+    await chosen(one, "Pass", 1)
     one.press("Take for the next drive")
     await until(lambda: stage.workshop.versions.all() or "wrong" in one.text())
     (version,) = stage.workshop.versions.all()
@@ -147,6 +161,7 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
     assert straight.name == "AB 36.9°"
     np.testing.assert_allclose(straight.points, on_earth(np.array([[0.0, 0.0], [3.0, 4.0]]), FRAME), atol=1e-8)
     assert len(curve.points) > 40
+    await planned(one)
     assert "m. Smoothed by at most" in one.text()
 
 
@@ -179,7 +194,7 @@ async def test_a_file_is_imported_and_the_field_exported(stage, browser):
     assert kept.boundary is not None
     assert await hand_over(one, "x.kml", b"<kml/>") == 200
     await until(lambda: "neither a line nor a boundary" in one.told())
-    control(one, "Format").value = "GPX"
+    await chosen(one, "Format", "GPX")
     one.press("Export")
     answer = await one.user.download.next()
     assert b"<name>bent</name>" in answer.content
@@ -205,6 +220,8 @@ async def test_a_viewer_makes_and_takes_no_lines_but_stops(stage, browser):
     admit = visitors.admit
     visitors.admit = lambda name, rank, time: admit(name, Rank.VIEWER, time)
     await one.open("/fields")
+    await planned(one)
+    assert scene(one)["driven"]
     assert not one.enabled("Take for the next drive")
     assert not any(isinstance(each, ui.upload) for each in one.user.client.elements.values())
     before = len(stage.sent)

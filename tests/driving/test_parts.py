@@ -10,6 +10,7 @@ from rich.console import Console
 
 from drawbar.config import load_configuration
 from drawbar.driving.certainty import across
+from drawbar.driving.demonstration import with_stand_ins, without_stand_ins
 from drawbar.driving.display import KEYS, picture
 from drawbar.driving.letters import Step, pack, unpack
 from drawbar.driving.mail import MOST_KEPT, Mailbox
@@ -179,3 +180,11 @@ def test_schemas_hold_nothing_that_viewers_cannot_read():
     assert "$ref" not in text
     properties = json.loads(text)["properties"]
     assert properties["plan"]["properties"]["tractor"]["properties"]["poses"]["items"]["type"] == "array"
+
+
+def test_what_is_kept_of_a_demonstration_names_no_stand_in_and_asks_for_the_wiggle_test():
+    configuration = load_configuration("articulated")
+    driven = with_stand_ins(configuration)
+    assert driven.devices is not None
+    assert without_stand_ins(driven) == configuration
+    assert without_stand_ins(driven).safety.engage.wiggle_test

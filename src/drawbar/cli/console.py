@@ -49,6 +49,7 @@ def console(
         runs=str(Path(known.run).parent),
         folder=known.folder,
         configuration=known.configuration,
+        stand_ins=known.stand_ins,
         host=host,
         port=port,
         name=name,

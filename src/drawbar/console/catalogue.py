@@ -113,6 +113,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "Pass 1 lies one working width to the left of the line, pass −1 to the right.",
         "Spur 1 liegt eine Arbeitsbreite links der Linie, Spur −1 rechts.",
     ),
+    "planning": ("Computing …", "Rechnet …"),
     "take_line": ("Take for the next drive", "Für die nächste Fahrt nehmen"),
     "smoothed": (
         "{length} m. Smoothed by at most {most} cm (limit {limit} cm).",

@@ -68,6 +68,7 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     from drawbar.console.pages import Pages
     from drawbar.console.passwords import load_users
     from drawbar.console.workshop import Workshop
+    from drawbar.driving.demonstration import without_stand_ins
     from drawbar.driving.mail import Mailbox
     from drawbar.driving.orders import CONSOLE, GATE, Orders
     from drawbar.driving.place import local_frame
@@ -84,7 +85,8 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     gate = drive.socket(GATE)
     mast = configuration.vehicle.masts.tractor
     link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns, mast)
-    workshop = Workshop(configuration, local_frame(configuration), fields=Path(orders.fields), setup=Path(orders.setup))
+    kept = without_stand_ins(configuration) if orders.stand_ins else configuration
+    workshop = Workshop(kept, local_frame(configuration), fields=Path(orders.fields), setup=Path(orders.setup))
     scene = standing(path, configuration.vehicle, configuration.speed)
     return mailbox, link, Pages(orders, link, workshop, scene, users, audit)
 

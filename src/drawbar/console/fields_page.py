@@ -3,10 +3,12 @@
 import asyncio
 import json
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 from drawbar.console.audit import Audit
 from drawbar.console.catalogue import Words
@@ -27,6 +29,8 @@ from drawbar.simulation import build_path
 
 _POINTS = 1500
 """of a line that is drawn, at most"""
+_NEAR = 5000.0
+"""from its first point, within which a new line belongs to a field, m"""
 _TEXTS = ("field_map", "zoom_in", "zoom_out", "whole")
 
 
@@ -40,6 +44,7 @@ class FieldsPage:
         self._workshop, self._link, self._visitor, self._words, self._audit = workshop, link, visitor, words, audit
         self._field: Field | None = None
         self._planned: PlannedPass | None = None
+        self._wanted, self._plans = 0, False
         self._head = PageHead(link, visitor, words, words("fields"), login=login)
         with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
             with ui.element("div").classes("left"):
@@ -90,7 +95,7 @@ class FieldsPage:
     def _figure(self, key: str, value: float, unit: str, shape: str) -> ui.number:
         return ui.number(
             self._words(key), value=value, suffix=unit or None, format=shape, on_change=self._replan
-        ).props("outlined")
+        ).props("outlined debounce=300")
 
     def _show_field(self, name: str | None) -> None:
         self._fields.set_options(self._workshop.fields.names(), value=name)
@@ -112,24 +117,43 @@ class FieldsPage:
             self._lines.set_value(name)
 
     def _replan(self) -> None:
-        """Plan the chosen pass, and draw it."""
-        self._planned, flaw = None, ""
-        if self._field is not None and self._lines.value:
-            try:
-                self._planned = self._plan(self._field, self._lines.value)
-            except DrawbarError as error:
-                flaw = str(error)
+        """Plan the chosen pass, and draw it, as soon as that is computed."""
+        self._wanted += 1
+        self._planned = None
+        self._take.set_enabled(False)
+        if not self._plans:
+            self._plans = True
+            background_tasks.create(self._plan_newest())
+
+    async def _plan_newest(self) -> None:
+        """Plan in a thread, which must not hold up the pictures of those who drive, until nothing newer is wanted."""
+        try:
+            while True:
+                wanted, planned, flaw = self._wanted, None, ""
+                self._told.set_text(self._words("planning"))
+                try:
+                    if self._field is not None and self._lines.value:
+                        planned = await asyncio.to_thread(self._plan(self._field, self._lines.value))
+                except DrawbarError as error:
+                    flaw = str(error)
+                if wanted == self._wanted:
+                    break
+        finally:
+            self._plans = False
+        self._planned = planned
         self._flaw.set_text(flaw)
         self._told.set_text(self._said())
         self._take.set_enabled(self._planned is not None and self._visitor.may_drive)
         self._map.show(self._scene())
 
-    def _plan(self, field: Field, line: str) -> PlannedPass:
+    def _plan(self, field: Field, line: str) -> Callable[[], PlannedPass]:
+        """Return what plans the pass that is chosen now; raises PathError."""
         numbers = [each.value for each in (self._number, self._width, self._offset)]
         if any(each is None for each in numbers):
             raise PathError(self._words("number_missing"))
         configuration = self._workshop.configuration
-        return plan_pass(
+        return partial(
+            plan_pass,
             field,
             line,
             round(numbers[0]),
@@ -191,10 +215,10 @@ class FieldsPage:
         tell(self._words("saved_for_next", file=str(saved)), good=True)
 
     def _keep_line(self, name: str, points: Floats) -> None:
-        """Keep a new line, (n, 2) m of the drive's frame, in the field that is shown, or in a new one."""
+        """Keep a new line, (n, 2) m of the drive's frame, in the field that is shown; in a new one if that is far."""
         workshop = self._workshop
         degrees = on_earth(points, workshop.frame)
-        if self._field is None:
+        if self._field is None or not _is_near(self._field, degrees):
             kept = workshop.fields.add(Field(name=self._words("new_field"), lines=()))
             self._field = Field(name=kept)
         line = workshop.fields.add_line(self._field.name, FieldLine(name=name, points=degrees))
@@ -207,6 +231,10 @@ class FieldsPage:
         names = [self._workshop.fields.add(field) for field in fields]
         self._audit.write(self._visitor, "IMPORT", fields=names)
         self._show_field(names[0])
+
+
+def _is_near(field: Field, degrees: Floats) -> bool:
+    return field.is_empty or float(np.abs(on_plane(degrees[:1], field.frame())).max()) <= _NEAR
 
 
 def _rounded(points: Floats) -> list[Any]:

@@ -43,7 +43,7 @@ class Link:
         self._send, self._audit, self.clock = send, audit, clock
         self._nonces = itertools.count(time.monotonic_ns())  # larger than those of any other front end
         self._own = Operator(1, send, self._nonces)
-        self._subscribe_due = 0
+        self._subscribe_due = self._stepped = 0
         self._states: deque[GateState] = deque(maxlen=_KEPT)
         self._sessions: dict[str, Session] = {}
         self.gate: GateState | None = None
@@ -94,7 +94,8 @@ class Link:
         if isinstance(message, GateState | ControllerState | Fixes):
             self.devices.hear(message, self.clock())
         if isinstance(message, Fixes):
-            self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None else math.nan)
+            fresh = self.moving is not None and self.clock() - self._stepped <= STALE
+            self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)
 
     def _hear_step(self, letter: Step) -> None:
         try:
@@ -105,6 +106,7 @@ class Link:
         self.moving = moving(record)
         self.steps.append((record, self.controller))
         self.version += 1
+        self._stepped = self.clock()
         if self.moving is not None:
             self.trail.append((*self.moving.tractor[:2], record.reference.tractor.lateral_error))
 

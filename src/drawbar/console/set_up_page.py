@@ -36,7 +36,7 @@ class SetUpPage:
         self._workshop, self._link, self._visitor, self._words, self._audit = workshop, link, visitor, words, audit
         self._numbers: dict[SetUpValue, ui.number] = {}
         self._changed: Configuration | None = None
-        self._due = 0
+        self._due, self._fills = 0, False
         self._head = PageHead(link, visitor, words, words("setup"), login=login)
         with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
             with ui.element("div").classes("left"):
@@ -75,7 +75,7 @@ class SetUpPage:
                 for value in values:
                     name = f"{value.letter}  {self._words(value.text)}" if value.letter else self._words(value.text)
                     number = ui.number(name, suffix=value.unit.name, on_change=self._check)
-                    number.props(f"outlined for={number_id(value)}")
+                    number.props(f"outlined debounce=300 for={number_id(value)}")
                     number.set_enabled(self._may_change)
                     self._numbers[value] = number
 
@@ -114,13 +114,17 @@ class SetUpPage:
 
     def _start_anew(self) -> None:
         """Show what was saved last."""
+        self._fills = True  # each number that is filled in would be checked with all others
         for value, number in self._numbers.items():
             number.set_value(value.shown(self._workshop.configuration))
+        self._fills = False
         self._check()
         self._list_versions()
 
     def _check(self) -> None:
         """Validate what is shown, draw it, and say what is changed."""
+        if self._fills:
+            return
         before = self._workshop.configuration
         self._changed, flaw, said = None, "", ""
         try:

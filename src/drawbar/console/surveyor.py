@@ -10,6 +10,8 @@ from drawbar.messages import Fixes
 from drawbar.signals import FixQuality
 from drawbar.vehicle.parameters import Mast
 
+_COURSE = 0.5
+"""faster than this a receiver's course is the tractor's yaw, driving forward, m/s"""
 FRESH = 1_000_000_000
 """a position older than this is none, ns"""
 
@@ -28,9 +30,11 @@ class Surveyor:
         """point A, east and north in the drive's frame, m"""
 
     def hear(self, fixes: Fixes, yaw: float) -> None:
-        """Take in fixes, with the tractor's yaw as far as the estimator knows it, rad."""
+        """Take in fixes, with the tractor's yaw as far as the estimator knows it, rad; NaN: not now."""
         self._fixes = fixes
-        self._yaw = yaw if math.isfinite(yaw) else fixes.tractor_course
+        self._yaw = yaw
+        if not math.isfinite(yaw) and fixes.tractor_speed >= _COURSE:
+            self._yaw = fixes.tractor_course
         if self.track is not None and (place := self._place()) is not None:
             self.track.add(*place)
 
@@ -51,8 +55,13 @@ class Surveyor:
         fixes = self._fixes
         if fixes is None or self._clock() - fixes.time > FRESH or fixes.tractor_quality != FixQuality.FIXED:
             return None
+        if not math.isfinite(fixes.tractor_x + fixes.tractor_y):
+            return None
         told = (fixes.tractor_roll - self._mast.roll_offset, fixes.tractor_pitch - self._mast.pitch_offset)
         roll, pitch = (each if math.isfinite(each) else 0.0 for each in told)
-        east, north = arm_offset(self._yaw, roll, pitch, self._mast.arm) if math.isfinite(self._yaw) else (0.0, 0.0)
-        place = fixes.tractor_x - east, fixes.tractor_y - north
-        return place if math.isfinite(sum(place)) else None
+        if not math.isfinite(self._yaw):
+            if self._mast.forward or self._mast.left:
+                return None  # nobody knows where the axle is from there
+            return fixes.tractor_x, fixes.tractor_y
+        east, north = arm_offset(self._yaw, roll, pitch, self._mast.arm)
+        return fixes.tractor_x - east, fixes.tractor_y - north

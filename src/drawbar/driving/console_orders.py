@@ -19,6 +19,8 @@ class ConsoleOrders(BaseModel):
     """of the drive's sockets"""
     configuration: str
     """the complete configuration of the drive, a TOML file"""
+    stand_ins: bool = False
+    """its devices are stand-ins, and nothing for another drive"""
     runs: str = "runs"
     """folder of earlier runs"""
     fields: str = "fields"

@@ -45,7 +45,7 @@ class Crew:
             stand_ins: start the stand-in of all devices too.
             shadow: the gate only listens to the actuators.
             live: port of this computer on which the recorder shows what it records; None: it does not.
-            console: start the operator's console too; its `folder` and `configuration` are filled in here.
+            console: start the operator's console too; its `folder`, `configuration` and `stand_ins` are filled in here.
         """
         assert configuration.devices is not None
         self._configuration, self._run = configuration, run
@@ -54,7 +54,11 @@ class Crew:
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
         self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
         self.orders = Orders(
-            folder=self._folder.name, run=str(run), configuration=str(run / CONFIGURATION_NAME), live=live
+            folder=self._folder.name,
+            run=str(run),
+            configuration=str(run / CONFIGURATION_NAME),
+            stand_ins=stand_ins,
+            live=live,
         )
 
     def __enter__(self) -> Self:
@@ -103,7 +107,7 @@ class Crew:
             self._await(name, name)
         (Path(self._folder.name) / ORDERS_NAME).write_text(orders, "utf-8")
         if self._console is not None:
-            filled = {"folder": self._folder.name, "configuration": self.orders.configuration}
+            filled = self.orders.model_dump(include={"folder", "configuration", "stand_ins"})
             self._start(CONSOLE, "console.console_main", self._console.model_copy(update=filled).model_dump_json())
             self._await(CONSOLE, CONSOLE)
 

@@ -22,6 +22,8 @@ class Orders(BaseModel):
     """the complete configuration, a TOML file"""
     live: int | None = None
     """port of this computer on which the recorder shows what it records; None: it does not"""
+    stand_ins: bool = False
+    """its devices are stand-ins of this drive, gone after it"""
 
     def socket(self, name: str) -> str:
         """Return the path of a process's socket."""

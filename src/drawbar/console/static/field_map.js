@@ -71,7 +71,7 @@ export default {
     },
     fit() {
       const all = [...this.scene.boundary, ...this.scene.chosen, ...this.scene.lines.flatMap((line) => line.points)];
-      if (this.at) all.push(this.at);
+      if (this.at && !all.length) all.push(this.at);
       if (!all.length) return;
       const xs = all.map((point) => point[0]), ys = all.map((point) => -point[1]);
       const low = [Math.min(...xs), Math.min(...ys)];
