@@ -116,7 +116,9 @@ class StandInMachine:
         """
         self._rng = np.random.default_rng(seed)
         self.world, self.boards, self.driver = world, boards, driver
-        self._frame, self._encoders, self._settings = frame, encoders, settings
+        self._frame, self._settings = frame, settings
+        self.encoders = encoders
+        """make a receiver's bytes of what it reports, by body"""
         self._ticks = self._epochs = self._reports = 0
         self._way = 0.0
         self._leaving: deque[tuple[float, str, bytes]] = deque()
@@ -190,5 +192,5 @@ class StandInMachine:
                 course=yaw,
                 correction_age=moved.correction_age,
             )
-            data = b"".join(self._encoders[body](report))
+            data = b"".join(self.encoders[body](report))
             self._leaving.append((time + moved.latency, body, data))
