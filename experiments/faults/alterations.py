@@ -628,13 +628,17 @@ def controller_late_once(trial):
     stopped(trial, Part.CONTROLLER, 0.08)
 
 
+def controller_late_for_long(trial):
+    stopped(trial, Part.CONTROLLER, 0.13)
+
+
 def controller_late_often(trial):
     def begin():
         rehearsal, start = trial.rehearsal, trial.rehearsal.time
         before = rehearsal.machine.advance
 
         def advance(now):
-            if (now - start) % 0.4 < 0.13:
+            if (now - start) % 0.4 < 0.06:
                 rehearsal.stopped.add(Part.CONTROLLER)
             else:
                 rehearsal.stopped.discard(Part.CONTROLLER)

@@ -88,10 +88,10 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
     rows = [_row(measured, variant, [case for case in driven if case.endswith(f": {variant}")]) for variant in variants]
     yield Table(
         name="faults",
-        caption="Every fault on straight and curve at all speeds, all seeds. Observed: runs by response. Times from the "
-        "fault on until the gate's state changed, until no board turned its wheel, until the vehicle stood: the longest, "
-        "s. More than without the fault: the largest distance of either body from the path until it stood, less that of "
-        "the same run without the fault, cm, the worst to 2 m/s and at 3 m/s.",
+        caption="Every fault on straight and curve at all speeds, all seeds. Observed: runs by response. Times from "
+        "the fault on until the gate's state changed, until no board turned its wheel, until the vehicle stood: the "
+        "longest, s. More than without the fault: the largest distance of either body from the path until it stood, "
+        "less that of the same run without the fault, cm, the worst to 2 m/s and at 3 m/s.",
         header=[
             "fault",
             "expected",

@@ -125,7 +125,7 @@ def machine(tmp_path_factory):
     started = []
 
     def start(**order):
-        for _ in range(3):  # on a busy computer a controller may be late by itself, which is a fault
+        for _ in range(10):  # on a busy computer a controller may be late by itself, which is a fault
             started.append(Machine(tmp_path_factory.mktemp("gate"), **order))
             with contextlib.suppress(NotDrivingError):
                 started[-1].come_to(SupervisorState.ACTIVE)

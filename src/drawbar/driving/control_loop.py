@@ -3,11 +3,12 @@
 Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself never waits.
 """
 
+import math
 from collections.abc import Callable
 
 from drawbar.driving.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
 from drawbar.signals import Measurement, StepRecord
 
 LATE = 20_000_000
@@ -41,7 +42,8 @@ class ControlLoop:
         self._controller, self._sampler = controller, sampler
         self._send, self._record, self._clock = send, record, clock
         self._repeat = _NEVER
-        self._known = (float("nan"), float("nan"))
+        self._corrected = [math.nan, math.nan]  # when the corrections of both receivers were made, s
+        self._receiver_speed = math.nan
 
     @property
     def due(self) -> int:
@@ -59,8 +61,10 @@ class ControlLoop:
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
-        self._known = (max(ages) if ages[0] == ages[0] and ages[1] == ages[1] else float("nan"), fixes.tractor_speed)
+        for i, age in enumerate((fixes.tractor_correction_age, fixes.trailer_correction_age)):
+            if math.isfinite(age):
+                self._corrected[i] = seconds(fixes.epoch) - age
+        self._receiver_speed = fixes.tractor_speed
         self._step(measurement, fixes.first_byte)
 
     def pass_time(self, now: int) -> None:
@@ -77,6 +81,11 @@ class ControlLoop:
         self._send(command)
         out = self._clock()
         record = self._controller.prepare(late=first_byte is not None and out - first_byte > LATE)
-        self._send(self._controller.state(self._clock(), self._known))
+        self._send(self._controller.state(self._clock(), (self._correction_age(), self._receiver_speed)))
         self._repeat = command.time + REPEAT
         self._record(record)
+
+    def _correction_age(self) -> float:
+        """Return the age of the older corrections now, s: they grow old where an epoch, or its age, is lost."""
+        ages = [seconds(self._clock()) - corrected for corrected in self._corrected]
+        return math.nan if any(map(math.isnan, ages)) else max(ages)

@@ -7,13 +7,15 @@ from drawbar.driving.certainty import certainty
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
-from drawbar.signals import Command, Measurement, Status, StepRecord
+from drawbar.signals import Command, FixStatus, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
 LATE = 20_000_000
 """a step whose command leaves so long after the first byte of its epoch is late, ns"""
+DOUBTED = 3
+"""samples in a row in which neither antenna is where it can be, from which on the position is not known"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
 
 
@@ -40,7 +42,7 @@ class Controller:
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
         self._gate: GateState | None = None
-        self._sequence = self._solved = self._overruns = 0
+        self._sequence = self._solved = self._overruns = self._doubted = 0
         self._status = Status.POSITION
         self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
 
@@ -90,7 +92,9 @@ class Controller:
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
         if self._status.is_new_command or not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
-            self._deviations = self._certainty(record.estimate) if self._status.is_new_command else (math.nan, math.nan)
+            self._doubted = self._doubted + 1 if _both_rejected(record) else 0
+            known = self._status.is_new_command and self._doubted < DOUBTED
+            self._deviations = self._certainty(record.estimate) if known else (math.nan, math.nan)
         return record
 
     def state(self, now: int, fixes_known: tuple[float, float]) -> ControllerState:
@@ -138,3 +142,9 @@ class Controller:
         progress, _ = self._path.project(x, y, 0.0, self._path.length)
         self._autopilot.begin(self._path, at=min(max(progress, 0.0), math.nextafter(self._path.length, 0.0)))
         self._autopilot.set_engaged(False)
+
+
+def _both_rejected(record: StepRecord) -> bool:
+    """Whether the estimator believes neither antenna; a second later it would follow where both have jumped."""
+    fixes = (record.estimate.tractor_fix, record.estimate.trailer_fix)
+    return all(fix is FixStatus.REJECTED for fix in fixes)

@@ -38,7 +38,7 @@ class Watch:
         self._fingerprint = settings.fingerprint()
         self._state: ControllerState | None = None
         self._state_time = self._recorded = -math.inf
-        self._fixed_since = math.nan
+        self._fixed_since, self._fixed = math.nan, -math.inf
         self._overruns: deque[tuple[float, int]] = deque(maxlen=1024)
         self.command: CommandMessage | None = None
         """the last one that was admitted"""
@@ -50,8 +50,9 @@ class Watch:
         self._state, self._state_time = state, time
         if min(state.tractor_quality, state.trailer_quality) < FIXED:
             self._fixed_since = math.nan
-        elif math.isnan(self._fixed_since):
-            self._fixed_since = time
+        else:
+            self._fixed = time
+            self._fixed_since = time if math.isnan(self._fixed_since) else self._fixed_since
         self._overruns.append((time, state.overruns))
         self.speeds.add(time, "wheels", state.wheel_speed)
         self.speeds.add(time, "receiver", state.receiver_speed)
@@ -111,6 +112,7 @@ class Watch:
             "solved": state.solved,
             "overruns": self._late_steps(time),
             "fixed_for": time - self._fixed_since,
+            "fix_age": time - self._fixed,
             "correction_age": state.correction_age,
             "lateral_deviation": state.lateral_deviation,
             "heading_deviation": state.heading_deviation,
