@@ -633,20 +633,29 @@ def controller_late_for_long(trial):
 
 
 def controller_late_often(trial):
-    def begin():
-        rehearsal, start = trial.rehearsal, trial.rehearsal.time
-        before = rehearsal.machine.advance
+    """Let every other step begin 60 ms after its epoch."""
+    until = [-math.inf, 0]
+    before = trial.rehearsal.machine.advance
 
-        def advance(now):
-            if (now - start) % 0.4 < 0.06:
-                rehearsal.stopped.add(Part.CONTROLLER)
-            else:
-                rehearsal.stopped.discard(Part.CONTROLLER)
-            return before(now)
+    def advance(now):
+        if now < until[0]:
+            trial.rehearsal.stopped.add(Part.CONTROLLER)
+        else:
+            trial.rehearsal.stopped.discard(Part.CONTROLLER)
+        return before(now)
 
-        rehearsal.machine.advance = advance
+    def make(chance, start):
+        trial.rehearsal.machine.advance = advance
 
-    trial.begin = begin
+        def hear(now, data):
+            until[1] += 1
+            if until[1] % 2:
+                until[0] = now + 0.06
+            return [(0.01, data)]
+
+        return hear
+
+    tap(trial, RECEIVERS[:1], make)
 
 
 def receivers_freeze(trial):

@@ -18,7 +18,7 @@ from drawbar.experiment.progress import RunsProgress
 
 
 def run_experiments(
-    console: Console, name: str, *, seeds: int | None, jobs: int | None, address: str, only: str = ""
+    console: Console, name: str, *, seeds: int | None, jobs: int | None, address: str, only: Sequence[str] = ()
 ) -> bool:
     """Run the experiment of this name, or `all`, and return whether everything came out as expected.
 
@@ -28,7 +28,7 @@ def run_experiments(
         seeds: runs of each case; None: as the experiment says.
         jobs: processes on this machine; None: one per core.
         address: of a running Dask scheduler; empty: a cluster of this machine's own.
-        only: cases whose names hold this text; empty: all.
+        only: cases whose names hold one of these texts; none: all.
 
     Raises:
         DrawbarError: no such experiment, no such case, an impossible configuration, no cluster.

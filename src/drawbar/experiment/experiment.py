@@ -1,7 +1,7 @@
 """An experiment: a folder with an experiment.toml that says what is driven, how often, and what must come out."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
@@ -118,16 +118,18 @@ class Experiment:
     left_out: Mapping[str, str]
     """why a case is not driven, by its name (without a variant)"""
 
-    def with_cases(self, text: str) -> Self:
-        """Return it with those of its cases only whose names hold a text; empty: all.
+    def with_cases(self, texts: Sequence[str]) -> Self:
+        """Return it with those of its cases only whose names hold one of some texts; none: all.
 
         Raises:
             ConfigurationError: there are none; lists those that there are.
         """
-        chosen = {name: each for name, each in self.configurations.items() if text in name}
+        if not texts:
+            return self
+        chosen = {name: each for name, each in self.configurations.items() if any(text in name for text in texts)}
         if self.configurations and not chosen:
             raise ConfigurationError(
-                f"{self.folder}: no case's name holds {text!r}; cases: {', '.join(self.configurations)}."
+                f"{self.folder}: no case's name holds {' or '.join(texts)}; cases: {', '.join(self.configurations)}."
             )
         return replace(self, configurations=chosen)
 
