@@ -166,7 +166,7 @@ def stopping_for(seconds, speed=1.0):
 
 
 def stuck(gap, speed, seconds, *, ahead=True):
-    """See whether a steering that creeps is let go of; its set point stays at a distance, or where it is; rad, rad/s."""
+    """See whether a steering that creeps is let go of; its set point stays at a distance or where it is; rad, rad/s."""
 
     def look(settings):
         bench = Bench(settings).drive()

@@ -25,18 +25,20 @@ class Controller:
     While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
     """
 
-    def __init__(self, configuration: Configuration, path: Path, fingerprint: int) -> None:
+    def __init__(self, configuration: Configuration, path: Path, fingerprint: int, *, wiggled: bool = False) -> None:
         """Build the autopilot.
 
         Args:
             configuration: of the run.
             path: to drive along.
             fingerprint: of the safety settings that the gate has.
+            wiggled: the actuators have passed their wiggle test.
 
         Raises:
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._path, self._fingerprint = configuration, path, fingerprint
+        self._wiggled = wiggled
         self._autopilot = build_autopilot(configuration)
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
@@ -112,7 +114,7 @@ class Controller:
             configuration=self._fingerprint,
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(measurement.trailer_fix_quality),
-            wiggled=0,  # nothing here tries the actuators yet
+            wiggled=int(self._wiggled),
             status=int(self._status),
             flags=int(record.flags),
             solved=self._solved,

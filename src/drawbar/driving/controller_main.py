@@ -18,6 +18,7 @@ from drawbar.driving.ending import Ending
 from drawbar.driving.letters import Step, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
+from drawbar.driving.wiggled import has_passed
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
 from drawbar.realtime import prepare
@@ -58,7 +59,8 @@ def main() -> int:
         mailbox.send(orders.socket(CONSOLE), letter)
 
     path, _ = build_path(configuration)
-    controller = Controller(configuration, path, configuration.safety.fingerprint())
+    fingerprint, wiggled = configuration.safety.fingerprint(), has_passed(configuration)
+    controller = Controller(configuration, path, fingerprint, wiggled=wiggled)
     loop = ControlLoop(controller, Sampler(configuration.sample_time), send=send, record=keep, clock=time.monotonic_ns)
     for word in prepare(max(configuration.safety.timing.priority - 10, 0)):
         print(f"controller: {word}", file=sys.stderr)

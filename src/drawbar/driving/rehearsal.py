@@ -11,8 +11,9 @@ from enum import Enum, auto
 from drawbar.config import Configuration
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
+from drawbar.driving.memory import MemoryChannel, MemoryDesk, MemoryTransport
 from drawbar.driving.operator import DemonstrationOperator, Operator
-from drawbar.driving.rehearsal_wires import MemoryChannel, MemoryDesk, MemoryTransport, Post
+from drawbar.driving.post import Post
 from drawbar.driving.stand_ins import stand_in_machine
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path

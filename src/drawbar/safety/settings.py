@@ -52,7 +52,7 @@ class EngageSettings(Settings):
     emergency_test: bool = True
     """the operator must have tried the emergency stop since the gate started"""
     wiggle_test: bool = True
-    """sign, gain and delay of the actuators must have been tried (`drawbar check`)"""
+    """sign, gain and delay of the actuators must have been tried (`drawbar check --wiggle`)"""
     recorder: bool = True
     """the recorder must be alive and writing"""
 
