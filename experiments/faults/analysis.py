@@ -21,6 +21,7 @@ RESPONSES = {
     4: "lets go",
     5: "never engages",
     6: "boards let go",
+    7: "beyond the envelope",
 }
 ACTIVE, DEGRADED = SupervisorState.ACTIVE, SupervisorState.DEGRADED
 STOPPING = {SupervisorState.STOPPING, SupervisorState.STOPPED}
@@ -35,7 +36,6 @@ REFUSED = [
     ("F4 not a number", "speed=nan"),
     ("F6 a command that outlives the gate's patience", "safety.timing.command=5.0"),
     ("F6 limits above the boards' own", "vehicle.tractor_steering_limit=1.2"),
-    ("F9 margins that leave nothing", "bounded_errors.measurement.tractor_x=5.0"),
     ("P4 a curve that is too tight", "path.radii=[2.0]"),
 ]
 """configurations that must be refused, and what is wrong with them"""
@@ -45,7 +45,7 @@ def figures(result: Result) -> dict[str, float]:
     """Return the figures of one run: `response` by its number, times in s, ways in m, distances in cm."""
     watched = {name.removeprefix("watch."): column for name, column in result.columns.items()}
     time, states, driving = watched["time"], set(watched["state"].astype(int)), watched["driving"] > 0
-    response = _response(states, driving)
+    response = 7 if watched["beyond"][-1] else _response(states, driving)
     changed = ~driving if response == 6 else watched["state"] != ACTIVE
     stands = (watched["speed"] < 0.05) & (np.cumsum(changed) > 0)
     until = int(np.argmax(stands)) if stands.any() else len(time) - 1

@@ -12,7 +12,8 @@ from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
 from drawbar.signals import Measurement, StepRecord
 
 LATE = 20_000_000
-"""a command that leaves so long after the first byte of its epoch is late, ns"""
+"""a command that leaves so long after its epoch was complete, or given up, is late, ns: waiting for a receiver that
+loses epochs is not the computer's fault"""
 REPEAT = 100_000_000
 """between a command and its repetition, ns: what is older than 0.2 s is not obeyed"""
 _NEVER = 2**63
@@ -65,7 +66,7 @@ class ControlLoop:
             if math.isfinite(age):
                 self._corrected[i] = seconds(fixes.epoch) - age
         self._receiver_speed = fixes.tractor_speed
-        self._step(measurement, fixes.first_byte)
+        self._step(measurement, fixes.time)
 
     def pass_time(self, now: int) -> None:
         """Do what is due: repeat the command, or make the step of a sample whose epoch has not come."""
@@ -76,11 +77,11 @@ class ControlLoop:
             self._repeat = now + REPEAT
             self._send(self._controller.repeat(now))
 
-    def _step(self, measurement: Measurement, first_byte: int | None) -> None:
+    def _step(self, measurement: Measurement, complete: int | None) -> None:
         command: CommandMessage = self._controller.feedback(measurement, self._clock())
         self._send(command)
         out = self._clock()
-        record = self._controller.prepare(late=first_byte is not None and out - first_byte > LATE)
+        record = self._controller.prepare(late=complete is not None and out - complete > LATE)
         self._send(self._controller.state(self._clock(), (self._correction_age(), self._receiver_speed)))
         self._repeat = command.time + REPEAT
         self._record(record)

@@ -12,8 +12,6 @@ from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
-LATE = 20_000_000
-"""a step whose command leaves so long after the first byte of its epoch is late, ns"""
 DOUBTED = 3
 """samples in a row in which neither antenna is where it can be, from which on the position is not known"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)

@@ -3,6 +3,7 @@
 import ast
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,11 @@ class Alteration:
         names[self.name](run)
 
 
+@cache
+def _functions(source: str) -> list[str]:
+    return [each.name for each in ast.parse(source).body if isinstance(each, ast.FunctionDef)]
+
+
 def find_alteration(folder: Path, name: str) -> Alteration:
     """Return a function of the alterations.py in an experiment's folder.
 
@@ -39,7 +45,7 @@ def find_alteration(folder: Path, name: str) -> Alteration:
     file = folder / FILE_NAME
     try:
         source = file.read_text("utf-8")
-        known = [each.name for each in ast.parse(source).body if isinstance(each, ast.FunctionDef)]
+        known = _functions(source)
     except (OSError, ValueError, SyntaxError) as error:
         raise ConfigurationError(f"{file}: alteration {name!r} cannot be read ({error}).") from error
     public = [each for each in known if not each.startswith("_")]

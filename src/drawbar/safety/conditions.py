@@ -36,7 +36,7 @@ class Observation:
     fixed_for: float = math.nan
     """for how long both receivers have had fixed ambiguities; NaN: they have not"""
     fix_age: float = math.inf
-    """time since both receivers last had fixed ambiguities"""
+    """time since the worse receiver last had fixed ambiguities"""
     correction_age: float = math.nan
     lateral_deviation: float = math.nan
     """m"""

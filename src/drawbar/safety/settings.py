@@ -143,7 +143,7 @@ class TimingSettings(Settings):
     speed_samples: Steps = 6
     """of each source of speed whose largest counts"""
     fix: Timeout = 0.5
-    """for which fixed ambiguities of both receivers may be missing while driving; along trees they flip, s"""
+    """for which a receiver's fixed ambiguities may be missing while driving; along trees they flip, s"""
     angle: Timeout = 0.2
     """oldest measured steering angle, s"""
     angle_lost: Timeout = 0.5
