@@ -85,7 +85,7 @@ def console_user(
     terminal.print(f"{file}: {name} is {rank}; a running console knows it after its next start")
 
 
-def console_orders(*, host: str, port: int, name: list[str] | None, **others: str | None) -> "ConsoleOrders":
+def console_orders(*, host: str, port: int, name: list[str] | None, **others: str | bool | None) -> "ConsoleOrders":
     """Return a console's orders.
 
     Args:

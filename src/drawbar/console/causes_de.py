@@ -116,7 +116,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.EMERGENCY_UNTRIED: ("der Not-Halt wurde seit dem Start nicht erprobt",
         "stehen, Not-Halt drücken, dann bestätigen"),
     Cause.WIGGLE_UNTRIED: ("Vorzeichen und Verstärkung der Lenkungen sind nicht erprobt",
-        "drawbar check ausführen"),
+        "drawbar check --wiggle ausführen"),
     Cause.BUDGET: ("es wurde so lange eingeschränkt gefahren wie erlaubt",
         "den Grund ansehen; wieder einschalten, wenn er weg ist"),
     Cause.OPERATOR_STEERS: ("der Fahrer hat übernommen",

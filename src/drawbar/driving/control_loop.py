@@ -8,12 +8,13 @@ from collections.abc import Callable
 
 from drawbar.driving.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
 from drawbar.recording.drive_records import Kind
 from drawbar.signals import Measurement, StepRecord
 
 LATE = 20_000_000
-"""a command that leaves so long after the first byte of its epoch is late, ns"""
+"""a command that leaves so long after its epoch was complete, or given up, is late, ns: waiting for a receiver that
+loses epochs is not the computer's fault"""
 REPEAT = 100_000_000
 """between a command and its repetition, ns: what is older than 0.2 s is not obeyed"""
 _NEVER = 2**63
@@ -45,7 +46,8 @@ class ControlLoop:
         self._controller, self._sampler = controller, sampler
         self._send, self._record, self._clock, self._tell = send, record, clock, tell
         self._repeat = _NEVER
-        self._correction_age = self._receiver_speed = math.nan
+        self._corrected = [math.nan, math.nan]  # when the corrections of both receivers were made, s
+        self._receiver_speed = math.nan
 
     @property
     def due(self) -> int:
@@ -65,10 +67,11 @@ class ControlLoop:
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        tractor, trailer = fixes.tractor_correction_age, fixes.trailer_correction_age
-        self._correction_age = max(tractor, trailer) if math.isfinite(tractor + trailer) else math.nan
+        for i, age in enumerate((fixes.tractor_correction_age, fixes.trailer_correction_age)):
+            if math.isfinite(age):
+                self._corrected[i] = seconds(fixes.epoch) - age
         self._receiver_speed = fixes.tractor_speed
-        self._step(measurement, fixes.first_byte)
+        self._step(measurement, fixes.time)
 
     def pass_time(self, now: int) -> None:
         """Do what is due: repeat the command, or make the step of a sample whose epoch has not come."""
@@ -89,15 +92,20 @@ class ControlLoop:
         self._repeat = now + REPEAT
         self._send(self._controller.repeat(now))
 
-    def _step(self, measurement: Measurement, first_byte: int | None) -> None:
+    def _step(self, measurement: Measurement, complete: int | None) -> None:
         command: CommandMessage = self._controller.feedback(measurement, self._clock())
         self._send(command)
         out = self._clock()
-        record = self._controller.prepare(late=first_byte is not None and out - first_byte > LATE)
+        record = self._controller.prepare(late=complete is not None and out - complete > LATE)
         self._send(
             self._controller.state(
-                self._clock(), correction_age=self._correction_age, receiver_speed=self._receiver_speed
+                self._clock(), correction_age=self._correction_age(), receiver_speed=self._receiver_speed
             )
         )
         self._repeat = command.time + REPEAT
         self._record(record)
+
+    def _correction_age(self) -> float:
+        """Return the age of the older corrections now, s: they grow old where an epoch, or its age, is lost."""
+        ages = [seconds(self._clock()) - corrected for corrected in self._corrected]
+        return math.nan if any(map(math.isnan, ages)) else max(ages)

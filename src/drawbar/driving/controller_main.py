@@ -19,6 +19,7 @@ from drawbar.driving.ending import Ending
 from drawbar.driving.letters import Step, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
+from drawbar.driving.wiggled import has_passed
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
 from drawbar.realtime import prepare
@@ -41,8 +42,9 @@ def main() -> int:
     mailbox = Mailbox(orders.socket(CONTROLLER))
     beat, ending, words = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending(), Words(gate, mailbox, orders)
     path, _ = build_path(configuration)
+    fingerprint, wiggled = configuration.safety.fingerprint(), has_passed(configuration)
     loop = ControlLoop(
-        Controller(configuration, path, configuration.safety.fingerprint()),
+        Controller(configuration, path, fingerprint, wiggled=wiggled),
         Sampler(configuration.sample_time),
         send=words.send,
         record=words.keep,

@@ -98,9 +98,8 @@ class Crew:
         self._await("recorder", "recorder")
         ours, theirs = controller_pair()
         with ours, theirs:
-            self._start(
-                "gate", "driving.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,)
-            )
+            orders_of_gate = gate_orders(self._configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
+            self._start("gate", "driving.gate_main", orders_of_gate.model_dump_json(), ends=(theirs,))
             self._start("controller", "driving.controller_main", orders, str(ours.fileno()), ends=(ours,))
         self._start("receivers", "driving.receivers_main", orders)
         for name in ("gate", "controller", "receivers"):
@@ -110,23 +109,6 @@ class Crew:
             filled = self.orders.model_dump(include={"folder", "configuration", "stand_ins"})
             self._start(CONSOLE, "console.console_main", self._console.model_copy(update=filled).model_dump_json())
             self._await(CONSOLE, CONSOLE)
-
-    def _gate_orders(self, descriptor: int) -> GateOrders:
-        vehicle, devices = self._configuration.vehicle, self._configuration.devices
-        assert devices is not None
-        return GateOrders(
-            folder=self._folder.name,
-            safety=self._configuration.safety,
-            wheelbase=vehicle.wheelbase,
-            tractor_limit=vehicle.tractor_steering_limit,
-            trailer_limit=vehicle.trailer_steering_limit,
-            tractor_board=devices.tractor_board,
-            trailer_board=devices.trailer_board,
-            isobus=devices.isobus,
-            drives=devices.speed == "isobus",
-            shadow=self._shadow,
-            controller=descriptor,
-        )
 
     def _start(
         self, name: str, module: str, orders: str, *arguments: str, ends: tuple[socket.socket, ...] = ()
@@ -174,3 +156,22 @@ class Crew:
                     process.wait()
         self._messages.close()
         self._folder.cleanup()
+
+
+def gate_orders(configuration: Configuration, folder: str, controller: int, *, shadow: bool = False) -> GateOrders:
+    """Return what the gate of a configuration is told; folder of its socket, descriptor of its end of the pair."""
+    vehicle, devices = configuration.vehicle, configuration.devices
+    assert devices is not None
+    return GateOrders(
+        folder=folder,
+        safety=configuration.safety,
+        wheelbase=vehicle.wheelbase,
+        tractor_limit=vehicle.tractor_steering_limit,
+        trailer_limit=vehicle.trailer_steering_limit,
+        tractor_board=devices.tractor_board,
+        trailer_board=devices.trailer_board,
+        isobus=devices.isobus,
+        drives=devices.speed == "isobus",
+        shadow=shadow,
+        controller=controller,
+    )

@@ -156,7 +156,7 @@ class Cause(Enum):
     EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
         "stand, press the emergency stop, then acknowledge")
     WIGGLE_UNTRIED = (604, True, Response.NONE, "the actuators' signs and gains have not been tried",
-        "run drawbar check")
+        "run drawbar check --wiggle")
     BUDGET = (605, False, Response.NONE, "it has been driven degraded for as long as allowed",
         "see what worried it; engage again when it is gone")
     OPERATOR_STEERS = (606, False, Response.NONE, "the operator took over",

@@ -126,7 +126,9 @@ class StandInMachine:
         """
         self._rng = np.random.default_rng(seed)
         self.world, self.boards, self.can, self.driver = world, boards, can, driver
-        self._frame, self._encoders, self._settings = frame, encoders, settings
+        self._frame, self._settings = frame, settings
+        self.encoders = encoders
+        """make a receiver's bytes of what it reports, by body"""
         self._ticks = self._epochs = self._reports = 0
         self._way = 0.0
         self._leaving: deque[tuple[float, str, bytes]] = deque()
@@ -206,4 +208,4 @@ class StandInMachine:
                 course=yaw,
                 correction_age=moved.correction_age,
             )
-            self._leaving += [(time + moved.latency, body, frame) for frame in self._encoders[body](report)]
+            self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]
