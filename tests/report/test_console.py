@@ -6,7 +6,7 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from drawbar.recording.log import Outcome
-from drawbar.report import console as module
+from drawbar.report import progress as module
 from drawbar.report.console import summary
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.path_errors import true_path_errors
