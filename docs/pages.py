@@ -12,6 +12,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from drawbar import messages
+from drawbar.declared_words import declared_words
 from drawbar.messages import KINDS, LAYOUTS, MARK, VERSION, Flaw, Message
 from drawbar.safety.causes import Cause, Response
 from drawbar.safety.engagement import TABLE
@@ -112,12 +113,12 @@ def states_table() -> list[str]:
 
 def settings_table(model: type[BaseModel], before: str = "") -> list[str]:
     """Return the rows of all settings with their defaults."""
-    rows = []
+    rows, words = [], declared_words(model)
     for name, field in model.model_fields.items():
         if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
             rows += settings_table(field.annotation, f"{before}{name}.")
             continue
-        meaning, value = " ".join((field.description or "").split()), field.default
+        meaning, value = words.get(name, ""), field.default
         angle = isinstance(value, float) and (
             meaning.endswith("rad") or meaning.endswith("rad/s") or ", rad" in meaning
         )

@@ -3,21 +3,18 @@
 `python -m drawbar.exchange` prints the headers anew after a change of signals.py; a test holds them against each other.
 """
 
-import ast
 import ctypes
-import inspect
 import math
 from dataclasses import fields, is_dataclass
 from enum import IntEnum, IntFlag
 from functools import cache
 from importlib import resources
-from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
 from struct import Struct
 from typing import Any, get_args, get_type_hints
 
-from drawbar import signals
+from drawbar.declared_words import declared_words
 from drawbar.signals import (
     Actuation,
     Array,
@@ -142,7 +139,7 @@ def _annotation(hint: Any, kind: Any) -> Any:
 @cache
 def _members(kind: Any) -> list[tuple[str, Any, str]]:
     """Return name, type and words of each field, in C's order: what is smaller than a double comes last."""
-    hints, words = get_type_hints(kind, include_extras=True), _words(kind.__name__)
+    hints, words = get_type_hints(kind, include_extras=True), declared_words(kind)
     members = [(field.name, hints[field.name], words.get(field.name, "")) for field in fields(kind)]
     return sorted(members, key=lambda member: _is_small(member[1]))
 
@@ -150,24 +147,6 @@ def _members(kind: Any) -> list[tuple[str, Any, str]]:
 def _is_small(hint: Any) -> bool:
     """Whether a field is an int32_t in C."""
     return isinstance(_base(hint), type) and issubclass(_base(hint), int)
-
-
-@cache
-def _declarations() -> dict[str, ast.ClassDef]:
-    module = ast.parse(inspect.getsource(signals))
-    return {node.name: node for node in module.body if isinstance(node, ast.ClassDef)}
-
-
-def _words(name: str) -> dict[str, str]:
-    """Return what stands below each field or member of a class of signals.py."""
-    body = _declarations()[name].body
-    words = {}
-    for node, below in pairwise(body):
-        if isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant):
-            target = node.target if isinstance(node, ast.AnnAssign) else getattr(node, "targets", [None])[0]
-            if isinstance(target, ast.Name):
-                words[target.id] = " ".join(str(below.value.value).split())
-    return words
 
 
 def _member(text: str, words: str) -> str:
@@ -188,7 +167,7 @@ def _enumeration(kind: type[IntEnum] | type[IntFlag], name: str = "", prefix: st
     """Return an enumeration, under its own names unless others are given."""
     if not name:
         name, prefix = _ENUMERATIONS[kind]
-    words, lines = _words(kind.__name__), []
+    words, lines = declared_words(kind), []
     for member in kind:
         comment = getattr(member, "text", "") or words.get(str(member.name), "")
         lines.append(_member(f"{prefix}{member.name} = {member.value},", comment))

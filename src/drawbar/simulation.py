@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path as FilePath
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from drawbar.guidance.demands import demand_steering
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.path import Path
-from drawbar.guidance.smoothing import DrivablePath, make_drivable
 from drawbar.machine.base import Machine, MachineWithTruth
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.simulated import SimulatedMachine
@@ -31,6 +30,9 @@ from drawbar.safety.supervisor import BLIND, LOST
 from drawbar.signals import Estimate, Measurement, Pose, Status, StepRecord
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.build import ENDURANCE, build_autopilot, build_tubes
+
+if TYPE_CHECKING:
+    from drawbar.guidance.smoothing import DrivablePath
 
 
 class RunAborted(DrawbarError):  # noqa: N818 -- an outcome, not a mistake
@@ -168,7 +170,7 @@ def simulate(configuration: Configuration, seed: int = 0) -> RunLog:
         return simulation.log()
 
 
-def build_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]:
+def build_path(configuration: Configuration) -> "tuple[Path, DrivablePath | None]":
     """Return the path to drive and, for a recorded line, how it was made drivable.
 
     Raises:
@@ -181,7 +183,7 @@ def build_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]
     return path, drivable
 
 
-def _shaped_path(configuration: Configuration) -> tuple[Path, DrivablePath | None]:
+def _shaped_path(configuration: Configuration) -> "tuple[Path, DrivablePath | None]":
     settings, limit = configuration.path, configuration.vehicle.curvature_limit
     if not settings.file:
         for radius in settings.radii:
@@ -192,6 +194,8 @@ def _shaped_path(configuration: Configuration) -> tuple[Path, DrivablePath | Non
                 )
         return figure_eights(settings.radii, settings.straight_length), None
     line = load_line(FilePath(settings.file), settings.track or None, settings.extension)
+    from drawbar.guidance.smoothing import make_drivable  # takes long to import, and only recorded lines need it
+
     drivable = make_drivable(
         line,
         curvature_limit=limit,

@@ -6,10 +6,11 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from drawbar.recording.log import Outcome
-from drawbar.report import console as module
-from drawbar.report.console import RunProgress, progress_line, summary
+from drawbar.report import progress as module
+from drawbar.report.console import summary
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.path_errors import true_path_errors
+from drawbar.report.progress import RunProgress, progress_line
 from drawbar.report.tables import number
 
 

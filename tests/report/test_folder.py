@@ -3,8 +3,9 @@ import json
 import pytest
 
 from drawbar.errors import DrawbarError
+from drawbar.recording.log import LOG_NAME
 from drawbar.recording.recorder import Recorder
-from drawbar.report.folder import LOG_NAME, write_report
+from drawbar.report.folder import write_report
 
 
 def record(folder, log):

@@ -14,8 +14,9 @@ def report(
     out: Annotated[FilePath | None, typer.Option(help="folder for the report; default: beside the log")] = None,
 ) -> None:
     """Make report, metrics and map of a run from its log; a log that a crash or a full disk cut off will do."""
+    from drawbar.recording.log import LOG_NAME
     from drawbar.report.console import summary
-    from drawbar.report.folder import LOG_NAME, write_report
+    from drawbar.report.folder import write_report
 
     log = run / LOG_NAME if run.is_dir() else run
     folder = out or log.parent

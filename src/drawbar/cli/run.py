@@ -35,8 +35,6 @@ def run(
     """Drive a whole run in simulation and report on it."""
     from drawbar.cli.interrupts import Interrupts
     from drawbar.config import load_configuration
-    from drawbar.report.console import summary
-    from drawbar.report.folder import write_report
     from drawbar.simulation import Simulation
 
     # a JSON string is a TOML string
@@ -52,7 +50,7 @@ def run(
         stopped = _drive(simulation, folder, interrupts)
         if isinstance(stopped, StorageError):
             raise stopped
-        console.print(summary(write_report(folder)))
+        _report(folder)
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
     if stopped is not None:
         raise SystemExit(130 if isinstance(stopped, KeyboardInterrupt) else 1)
@@ -63,9 +61,9 @@ def _drive(
 ) -> DrawbarError | KeyboardInterrupt | None:
     """Drive to the end, the log in the folder; return what ended the run before."""
     from drawbar.recording.header import deviation_note
+    from drawbar.recording.log import LOG_NAME
     from drawbar.recording.recorder import Recorder
-    from drawbar.report.console import RunProgress
-    from drawbar.report.folder import LOG_NAME
+    from drawbar.report.progress import RunProgress
 
     if simulation.drivable:
         console.print(deviation_note(simulation.configuration, simulation.drivable))
@@ -81,9 +79,18 @@ def _drive(
     return None
 
 
+def _report(folder: FilePath) -> None:
+    """Write the report and print its summary; what this needs is imported now: the run does not wait for it."""
+    from drawbar.report.console import summary
+    from drawbar.report.folder import write_report
+
+    console.print(summary(write_report(folder)))
+
+
 def _refuse_a_run_in(folder: FilePath) -> None:
     """Raise DrawbarError where a folder holds files that a run would overwrite."""
-    from drawbar.report.folder import LOG_NAME, REPORT_NAMES
+    from drawbar.recording.log import LOG_NAME
+    from drawbar.report.folder import REPORT_NAMES
 
     if there := [name for name in (CONFIGURATION_NAME, LOG_NAME, *REPORT_NAMES) if (folder / name).exists()]:
         raise DrawbarError(

@@ -28,6 +28,7 @@ _BOUNDS = {
     "inputs": "NU",
     "bounded_variables": "NB",
     "interior_point_iterations": "IP_ITERATIONS",
+    "held_set_passes": "HELD_PASSES",
     "active_set_passes": "ACTIVE_PASSES",
     "active_set_columns": "ACTIVE_COLUMNS",
 }
@@ -95,15 +96,17 @@ def _calls(build: Built) -> Mapping[str, Any]:
 def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
-    One factorisation and one sweep without bounds. Then either a sweep for each column of the active set, two to
-    publish its answer and one to take it back; or two factorisations and a sweep, to damp a cost that leaves something
-    undetermined. Then the interior point: a factorisation and a sweep for its start, and its iterations.
+    One factorisation and one sweep without bounds. Then one of three: both for each pass of the held set and to take it
+    back; a sweep for each column of the active set, two to publish its answer and two to take both sets back; two
+    factorisations and a sweep, to damp a cost that leaves something undetermined. Then the interior point: a
+    factorisation and a sweep for its start, and its iterations.
     """
     bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
     bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
-    sweeps = 1 + bounds["active_set_columns"] + 3 + 1 + _SWEEPS_OF_ITERATION * iterations
-    return bounds | {"factorisations": 1 + 2 + 1 + iterations, "sweeps": sweeps}
+    held = bounds["held_set_passes"] + 1
+    sweeps = 1 + max(held, bounds["active_set_columns"] + 4) + 1 + _SWEEPS_OF_ITERATION * iterations
+    return bounds | {"factorisations": 1 + max(held, 2) + 1 + iterations, "sweeps": sweeps}
 
 
 def _defined(macro: str, sources: Iterable[str]) -> int:

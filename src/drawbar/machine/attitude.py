@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from scipy.signal import lfilter
 
 from drawbar.geometry import Floats
+from drawbar.machine.processes import first_order
 from drawbar.machine.settings import BodySettings
 from drawbar.machine.terrain import Terrain
 from drawbar.vehicle.parameters import VehicleParameters
@@ -37,8 +37,8 @@ class Attitude:
         ground = self._on_ground(states)
         angles = np.empty_like(ground)
         for column, decay in enumerate(self._decays):
-            start = [decay * self.angles[column]]
-            angles[:, column], _ = lfilter([1.0 - decay], [1.0, -decay], ground[:, column], zi=start)
+            towards = (1.0 - decay) * ground[:, column]
+            angles[:, column] = first_order(towards, decay=decay, last=self.angles[column])
         self.angles = angles[-1].copy()
         return angles
 

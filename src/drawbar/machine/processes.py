@@ -1,9 +1,16 @@
 """Random processes in exact discrete time: their statistics do not depend on the step."""
 
+from itertools import accumulate
+
 import numpy as np
-from scipy.signal import lfilter
 
 from drawbar.geometry import Floats
+
+
+def first_order(inputs: Floats, *, decay: float, last: float) -> Floats:
+    """Return y (n,) with y_k = decay y_k-1 + inputs_k, where `last` was before the first."""
+    following = accumulate(inputs.tolist(), lambda y, given: decay * y + given, initial=last)
+    return np.fromiter(following, np.float64, len(inputs) + 1)[1:]
 
 
 class OrnsteinUhlenbeck:
@@ -22,6 +29,6 @@ class OrnsteinUhlenbeck:
         """Return the next values (count, n) of the n processes."""
         values = self._gains * self._rng.standard_normal((count, len(self._gains)))
         for column, decay in enumerate(self._decays):
-            values[:, column], _ = lfilter([1.0], [1.0, -decay], values[:, column], zi=[decay * self._last[column]])
+            values[:, column] = first_order(values[:, column], decay=decay, last=self._last[column])
         self._last = values[-1].copy()
         return values

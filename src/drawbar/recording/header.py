@@ -1,18 +1,21 @@
 """What is known of a run before its first step, from its configuration and path."""
 
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 
 from drawbar.config import Configuration
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
-from drawbar.guidance.smoothing import DrivablePath
 from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
+
+if TYPE_CHECKING:
+    from drawbar.guidance.smoothing import DrivablePath
 
 
 def run_header(
     configuration: Configuration,
     path: Path,
-    drivable: DrivablePath | None,
+    drivable: "DrivablePath | None",
     seed: int,
     frame: LocalFrame | None = None,
 ) -> RunHeader:
@@ -41,7 +44,7 @@ def run_header(
     )
 
 
-def deviation_note(configuration: Configuration, drivable: DrivablePath) -> str:
+def deviation_note(configuration: Configuration, drivable: "DrivablePath") -> str:
     """Return how far a recorded line's points are from the path that will be driven."""
     worst, limit = int(drivable.deviations.argmax()), configuration.guidance.path_tolerance
     return (

@@ -29,6 +29,8 @@ from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
 
+LOG_NAME = "log.mcap"
+"""of a run's log in its folder"""
 HEADER_NAME = "run.json"
 OUTCOME_NAME = "outcome"
 STEP_TOPIC = "/step"

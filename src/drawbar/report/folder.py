@@ -5,12 +5,12 @@ from pathlib import Path
 
 from drawbar.errors import StorageError
 from drawbar.recording.columns import read_columns
+from drawbar.recording.log import LOG_NAME
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import best_path_errors, true_path_errors
 from drawbar.report.picture import render_picture
 
-LOG_NAME = "log.mcap"
 REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
 
 

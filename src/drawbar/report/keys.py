@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from drawbar.config import Configuration
+from drawbar.declared_words import declared_words
 from drawbar.settings import FASTEST, LONGEST, Settings, metres, metres_per_second, radians
 
 _UNIT = r"(?:1/)?(?:rad|m|s)[²³]?(?:/(?:rad|m|s|\(m s\))[²³]?)?"
@@ -62,12 +63,13 @@ def events() -> list[Section]:
 def _sections(kind: type[BaseModel], name: str, variant: str, value: BaseModel | None) -> Iterator[Section]:
     keys: list[Key] = []
     below: list[tuple[type[BaseModel], str, str, BaseModel | None]] = []
+    words = declared_words(kind)
     for key, field in kind.model_fields.items():
         dotted = f"{name}.{key}" if name else key
         given: Any = getattr(value, key) if value is not None else PydanticUndefined
         models = _models(field.annotation)
         if not models or get_origin(field.annotation) is tuple or given is None:
-            keys.append(_key(dotted, field, given))
+            keys.append(_key(dotted, field, words.get(key, ""), given))
         chosen = [model for model in models if value is None or isinstance(given, model)]
         below += [(model, dotted, _variant(model), given if value is not None else None) for model in chosen]
     meaning = " ".join((kind.__doc__ or "").split())
@@ -93,9 +95,8 @@ def _variant(model: type[BaseModel]) -> str:
     return ""
 
 
-def _key(name: str, field: FieldInfo, value: Any) -> Key:
-    meaning = " ".join((field.description or "").split())
-    unit, meaning = _unit(meaning)
+def _key(name: str, field: FieldInfo, words: str, value: Any) -> Key:
+    unit, meaning = _unit(words)
     default = field.get_default(call_default_factory=True) if value is PydanticUndefined else value
     return Key(
         name=name,

@@ -103,7 +103,7 @@ static enum held_outcome qp_held_set(struct qp *s, struct held_set *h)
             return HELD_SETTLED;
         }
         if (changes < 0 || !held_solve(s, h))
-            return HELD_FOREIGN;
+            return s->iterations == 1 ? HELD_FOREIGN : HELD_UNSETTLED;
     }
     return HELD_UNSETTLED;
 }

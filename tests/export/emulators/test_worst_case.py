@@ -6,9 +6,9 @@ SIMD instructions at -O2 and gcc into scalar ones. A build for wider registers g
 in the typical step, and least in a search for turns: it is faster in every row, and its longest step is more medians.
 
 The longest path is forced: in copies of the library no solver ever finds that it has finished, so that each spends
-every iteration of the interior point, with everything that an iteration may hold, after either every pass of the active
-set or the damping of a cost that leaves something undetermined; and guidance tries every way onto the path. That is
-counted apart, and so are the samples that a step may have to catch up with; what can come together is added.
+every iteration of the interior point, with everything that an iteration may hold, after either every pass of one of
+the active sets or the damping of a cost that leaves something undetermined; and guidance tries every way onto the path.
+That is counted apart, and so are the samples that a step may have to catch up with; what can come together is added.
 """
 
 import math
@@ -56,8 +56,18 @@ FORCED = (
 )
 """header, what it says, what it says instead: a trap where the path would be cut short"""
 ROUTES = {
-    "bounds": (
+    "held": (
         ("interior_point.h", "violated = 0;", "violated = 1;"),
+        ("held_set.h", "changes = held_update(s, h);", "changes = (held_update(s, h), h->last = N - 1, 1);"),
+        ("interior_point.h", "if (held == HELD_SETTLED && ", "if ("),
+    ),
+    "columns": (
+        ("interior_point.h", "violated = 0;", "violated = 1;"),
+        (
+            "interior_point.h",
+            "held = qp_held_set(s, &work->held);",
+            "held = (qp_held_set(s, &work->held), HELD_FOREIGN);",
+        ),
         ("active_set.h", "if (changes == 0)", "if (s->iterations == ACTIVE_PASSES)"),
         ("active_set.h", "value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;", "i < ACTIVE_MOST;"),
         ("active_set.h", "if (!(side * a->nu[a->slot[i]] <= 0.0) && s->lower[i] < s->upper[i])", "if (0)"),
@@ -66,7 +76,7 @@ ROUTES = {
     ),
     "damped": (("interior_point.h", "violated |= (value < s->lower[i]) | (value > s->upper[i]);", "(void)value;"),),
 }
-"""the two ways into the interior point, likewise"""
+"""the three ways into the interior point, likewise"""
 SOLVERS = ("estimator_update", "tractor_feedback", "trailer_feedback")
 SKIPPED = ("estimator_skip", "tractor_skip", "trailer_skip", "gate_skip")
 LEFT_OUT = 5

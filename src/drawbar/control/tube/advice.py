@@ -2,8 +2,6 @@
 
 from collections.abc import Callable
 
-from scipy.optimize import brentq
-
 from drawbar.control.settings import BodyTubeSettings
 from drawbar.control.tube.bounds import TightenedBound
 from drawbar.control.tube.error_model import WORK_POINT
@@ -30,6 +28,8 @@ def advice(
     spread = bound.contributions.get(WORK_POINT, 0.0)
     if spread > 0.5 * taken:
         start += f" Of that, {spread:.4g} {unit} answer for the spread of tube.work: narrow it, or give a faster gain."
+    from scipy.optimize import brentq  # takes long to import, and is rarely needed
+
     without = {
         (section, name): left(_with(settings, section, name, 0.0))
         for section in _SECTIONS

@@ -5,13 +5,12 @@ line. Curves to the right are left out: they mirror those to the left, and all s
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
 import casadi as ca
 import numpy as np
-from scipy.optimize import brentq
 
 from drawbar.control.settings import TubeWorkRange
 from drawbar.control.tube.error_model import ErrorModel, Limit
@@ -210,4 +209,11 @@ def followed_rate(rate: float, falling_short: float, lag: float, sample_time: fl
         return mean * sample_time - reached - allowed
 
     exact = rate * lag * (1.0 - decay) / sample_time
-    return float(brentq(excess, exact, exact + rate + 2.0 * falling_short)) if falling_short else exact
+    return _zero(excess, exact, exact + rate + 2.0 * falling_short) if falling_short else exact
+
+
+def _zero(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return where an increasing function is zero, by bisection to the last bit: scipy.optimize is slow to import."""
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if function(middle) < 0.0 else (low, middle)
+    return high

@@ -3,8 +3,6 @@
 from itertools import product
 
 import numpy as np
-from scipy.optimize import linprog
-from scipy.sparse import bmat, coo_matrix, csr_matrix, kron
 
 from drawbar.control.tube.tube import SubsystemTube
 from drawbar.errors import ConfigurationError
@@ -24,6 +22,9 @@ def inner_box(segments: Floats, shape: Floats) -> Floats:
         segments: (g, n).
         shape: (n,) half-widths, of which the box gets a multiple; zero where it shall have no extent.
     """
+    from scipy.optimize import linprog  # takes long to import, and only this nominal state needs it
+    from scipy.sparse import bmat, coo_matrix, csr_matrix, kron
+
     n = len(shape)
     corners = np.array([(1.0, *signs) for signs in product((-1.0, 1.0), repeat=n - 1)]) * shape
     # unknowns: r, then t of every corner; equations: segments' t - r c = 0
