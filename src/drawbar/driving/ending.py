@@ -1,17 +1,23 @@
-"""Ending: a process is told to end by SIGTERM or SIGINT, and ends at its next look."""
+"""Ending: a process is told to end by SIGTERM or SIGINT, or whoever started it is gone; it ends at its next look."""
 
+import os
 import signal
 from types import FrameType
 
 
 class Ending:
-    """Whether this process has been told to end."""
+    """Whether this process is to end."""
 
     def __init__(self) -> None:
         """Take over both signals."""
-        self.asked = False
+        self._told, self._starter = False, os.getppid()
         for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, self._ask)
+            signal.signal(number, self._tell)
 
-    def _ask(self, number: int, frame: FrameType | None) -> None:
-        self.asked = True
+    @property
+    def asked(self) -> bool:
+        """Whether one of the signals has come, or the process that started this one has ended."""
+        return self._told or os.getppid() != self._starter
+
+    def _tell(self, number: int, frame: FrameType | None) -> None:
+        self._told = True

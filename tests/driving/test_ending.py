@@ -1,0 +1,51 @@
+"""A drive's processes end with whoever started them."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "getppid") or sys.platform == "win32", reason="drives are for Linux")
+CHILD = """
+import pathlib, sys, time
+from drawbar.driving.ending import Ending
+ending = Ending()
+print("ready", flush=True)
+while not ending.asked:
+    time.sleep(0.01)
+pathlib.Path(sys.argv[1]).touch()
+"""
+STARTER = "import subprocess, sys; subprocess.run([sys.executable, '-c', *sys.argv[1:]])"
+
+
+@pytest.fixture
+def ended(tmp_path: Path) -> Path:
+    return tmp_path / "ended"
+
+
+def wait_for(file: Path) -> None:
+    deadline = time.monotonic() + 30.0
+    while not file.exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_a_signal_ends_it(ended: Path) -> None:
+    with subprocess.Popen([sys.executable, "-c", CHILD, str(ended)], stdout=subprocess.PIPE) as child:
+        assert child.stdout is not None
+        child.stdout.readline()
+        child.send_signal(signal.SIGTERM)
+        wait_for(ended)
+
+
+def test_it_ends_where_its_starter_was_killed(ended: Path) -> None:
+    command = [sys.executable, "-c", STARTER, CHILD, str(ended)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as starter:
+        assert starter.stdout is not None
+        starter.stdout.readline()
+        starter.kill()
+        wait_for(ended)
