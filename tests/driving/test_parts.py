@@ -17,7 +17,7 @@ from drawbar.driving.mail import MOST_KEPT, Mailbox
 from drawbar.geometry import LocalFrame
 from drawbar.messages import GateState, SupervisorState, encode
 from drawbar.recording.drive_log import DriveLog
-from drawbar.recording.drive_records import Happening, Kind, RawBytes, is_drive, open_drive
+from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes, is_drive, open_drive
 from drawbar.recording.header import run_header
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
@@ -81,7 +81,7 @@ def test_certainty_is_what_many_draws_show():
     [
         RawBytes(time=5, device="trailer_receiver", direction=Direction.UNSENT, data=b"\x00\xff$GGA"),
         RawBytes(time=6, device="sensors", direction=Direction.IN, data=b"", source="192.168.5.126:5120"),
-        Happening(kind=Kind.FIXES, time=2**45, sequence=2**32 - 1),
+        Order((Happening(kind=Kind.LOOK, time=1), Happening(kind=Kind.FIXES, time=2**45, sequence=2**32 - 1))),
         Step(time=2**40, data=b'{"step":1}'),
     ],
 )
@@ -89,7 +89,10 @@ def test_letters_arrive_as_they_were_sent(letter):
     assert unpack(pack(letter)) == letter
 
 
-@pytest.mark.parametrize("data", [b"", b"DBr\0", b"DBs\0" + bytes(7), b"DBr\0" + bytes(8) + b"\xff\x00", b"x" * 40])
+@pytest.mark.parametrize(
+    "data",
+    [b"", b"DBr\0", b"DBs\0" + bytes(7), b"DBo\0", b"DBo\0" + bytes(14), b"DBr\0" + bytes(8) + b"\xff\x00", b"x" * 40],
+)
 def test_what_is_no_letter_is_none(data):
     assert unpack(data) is None
 
@@ -139,7 +142,7 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     look = Happening(kind=Kind.LOOK, time=123456789)
     with DriveLog(tmp_path / "log.mcap", header, Scene(path=path, vehicle=configuration.vehicle, frame=frame)) as log:
         log.add_raw(raw)
-        log.add_happening(look)
+        log.add_order(Order((look,)))
         for _ in range(2):
             log.add_message(state)
     assert is_drive(tmp_path / "log.mcap")

@@ -14,6 +14,15 @@ from drawbar.signals import FixQuality, Flag
 from drawbar.simulation import build_path, simulate
 
 SEED = 3
+# Without what is drawn: a rehearsal draws at each tick, a run in process at each step, so one seed is two weathers.
+QUIET = [
+    "machine.sensors.position=0.0",
+    "machine.sensors.hitch_angle=0.0",
+    "machine.sensors.speed=0.0",
+    f"machine.sensors.steering_resolution={math.radians(1.0 / 30.0)}",  # of the boards: 30 counts per degree
+    *(f"machine.ground.{each}_slip.deviation=0.0" for each in ("longitudinal", "tractor")),
+    *(f"machine.ground.{each}_crab.deviation=0.0" for each in ("tractor", "trailer")),
+]
 
 
 def rehearse(*changes, devices=None):
@@ -38,7 +47,7 @@ def errors(steps, path):
 
 @pytest.fixture(scope="module")
 def whole():
-    rehearsal, path = rehearse()
+    rehearsal, path = rehearse(*QUIET)
     states = []
     steps = []
     for step in rehearsal.run(140.0):
@@ -61,10 +70,11 @@ def test_it_engages_drives_the_path_to_its_end_and_stops(whole):
 def test_its_errors_are_those_of_a_run_in_process(whole):
     steps, _, path = whole
     driven = errors(steps, path)[50:]  # from the place where it was engaged onto the line
-    log = simulate(load_configuration("articulated", ["path.radii=[8.0]"]), SEED)
-    alone = errors([(record, record.truth) for record in log.records], path)
-    np.testing.assert_allclose(driven.mean(axis=0), alone.mean(axis=0), atol=0.003)
-    assert driven.max() < alone.max() + 0.003
+    log = simulate(load_configuration("articulated", ["path.radii=[8.0]", *QUIET]), SEED)
+    alone = errors([(record, record.truth) for record in log.records], path)[50:]
+    assert alone.mean() > 0.003
+    np.testing.assert_allclose(driven.mean(axis=0), alone.mean(axis=0), atol=0.001)
+    np.testing.assert_allclose(driven.max(axis=0), alone.max(axis=0), atol=0.003)
 
 
 def test_before_it_is_engaged_nothing_is_steered(whole):

@@ -1,6 +1,6 @@
 """Check: listens to every device of a configuration for a few seconds, and says what was heard and what is missing.
 
-Nothing is moved: boards are only told that nobody steers, which is what makes them answer.
+Nothing is moved: boards and valves are only told that nobody steers, which is what makes boards answer.
 """
 
 import math
@@ -8,23 +8,30 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from drawbar.driving.actuators import isobus_wire
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
-from drawbar.protocols.actuator import SteeringRequest
+from drawbar.protocols.actuator import Readiness, SteeringRequest
 from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.safety.wires import Wires
 from drawbar.signals import FixQuality
 from drawbar.transports.base import Transport
 from drawbar.transports.open import open_transport
 
+_SLOW = 1.0
+"""limit of the speed, of which none is asked for, m/s"""
 _LOOK = 0.02
 """between two looks at a device, s"""
 _TICK = 0.1
 """between two words to a board, s"""
 _OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
+_STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -50,6 +57,8 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float) -> Iterato
     for name, board in (("tractor board", devices.tractor_board), ("trailer board", devices.trailer_board)):
         if board is not None:
             yield _board(name, board, seconds)
+    if devices.isobus is not None:
+        yield from _isobus(devices.isobus, seconds, drives=devices.speed == "isobus")
     if devices.sensors is not None:
         yield _sensors(devices.sensors, seconds)
     if devices.corrections is not None:
@@ -129,6 +138,35 @@ def _board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
         finding.problems.append(report.readiness.value)
     transport.close()
     return finding
+
+
+def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterator[Finding]:
+    """Claim an address, say that nothing is intended, and listen to the valves and to the tractor."""
+    wires, now, tick = Wires([isobus_wire(settings, _SLOW if drives else None)]), 0.0, 0.0
+    for now in _looks(seconds):
+        wires.receive()
+        if now >= tick:
+            tick = now + _TICK / 2.0
+            wires.send(now, (_OFF, _OFF), _STOP)
+    for name, report in zip(("tractor valve", "trailer valve"), wires.steering(now), strict=True):
+        if report is not None:
+            angle = [f"angle {math.degrees(report.angle):.1f}°"] if math.isfinite(report.angle) else []
+            yield _on_the_bus(name, report.readiness, angle)
+    speed = wires.speed(now)
+    if speed is not None:
+        yield _on_the_bus("tractor's speed", speed.readiness, [])
+    wires.close()
+
+
+def _on_the_bus(name: str, readiness: Readiness, facts: list[str]) -> Finding:
+    ready = readiness is Readiness.READY
+    heard = readiness not in (Readiness.SILENT, Readiness.ADDRESS_LOST)
+    return Finding(
+        device=name,
+        heard=heard,
+        facts=[*facts, readiness.name.lower()] if heard else [],
+        problems=[] if ready else [readiness.value],
+    )
 
 
 def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:

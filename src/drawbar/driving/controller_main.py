@@ -23,12 +23,14 @@ from drawbar.driving.wiggled import has_passed
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
 from drawbar.realtime import prepare
-from drawbar.recording.drive_records import Happening, Kind
+from drawbar.recording.drive_records import Happening, Kind, Order
 from drawbar.recording.log import encode_special
 from drawbar.recording.precision import as_recorded
 from drawbar.signals import StepRecord
 from drawbar.simulation import build_path
 
+_TOGETHER = 32
+"""of what was done is told at once; more than in a step"""
 _LONGEST_WAIT = 100_000_000
 """ns"""
 
@@ -71,6 +73,7 @@ def main() -> int:
         beat.pass_time(now)
         until = min(loop.due, beat.due, time.monotonic_ns() + _LONGEST_WAIT)
         select.select([gate.fileno(), mailbox.fileno()], [], [], max(until - time.monotonic_ns(), 0) * 1e-9)
+    words.tell_done()
     mailbox.close()
     return 0
 
@@ -84,6 +87,7 @@ class Words:
         self._recorder, self._console = orders.socket(RECORDER), orders.socket(CONSOLE)
         self._displays = (orders.socket(FRONT_END), self._console)
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
+        self._done: list[Happening] = []
         self.gate_is_gone = False
 
     def send(self, message: Message) -> None:
@@ -101,12 +105,20 @@ class Words:
                 self._mailbox.send(place, record)
 
     def tell(self, kind: Kind, sequence: int) -> None:
-        """Tell the recorder what is done now."""
-        happening = Happening(kind=kind, time=time.monotonic_ns(), sequence=sequence)
-        self._mailbox.post(self._recorder, pack(happening))
+        """Note what is done now; the recorder is told with the next step, or soon."""
+        self._done.append(Happening(kind=kind, time=time.monotonic_ns(), sequence=sequence))
+        if len(self._done) >= _TOGETHER:
+            self.tell_done()
+
+    def tell_done(self) -> None:
+        """Tell the recorder what has been done."""
+        if self._done:
+            self._mailbox.post(self._recorder, pack(Order(tuple(self._done))))
+            self._done.clear()
 
     def keep(self, record: StepRecord) -> None:
         """Have a step recorded and shown."""
+        self.tell_done()
         letter = pack(Step(time=time.monotonic_ns(), data=self._encoder.encode(as_recorded(record))))
         self._mailbox.post(self._recorder, letter)
         self._mailbox.send(self._console, letter)

@@ -7,14 +7,13 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum
 
-from drawbar.recording.drive_records import Happening, Kind, RawBytes
+from drawbar.recording.drive_records import Order, RawBytes, pack_order, unpack_order
 from drawbar.transports.tapped import Direction
 
 _RAW = struct.Struct("<4sQBBB")
 _STEP = struct.Struct("<4sQ")
-_HAPPENING = struct.Struct("<4sQBI")
 _DIRECTIONS = tuple(Direction)
-RAW, STEP, HAPPENING = b"DBr\0", b"DBs\0", b"DBh\0"
+RAW, STEP, ORDER = b"DBr\0", b"DBs\0", b"DBo\0"
 
 
 class Device(IntEnum):
@@ -38,7 +37,7 @@ class Step:
     data: bytes
 
 
-Letter = RawBytes | Step | Happening
+Letter = RawBytes | Step | Order
 
 
 def pack(letter: Letter) -> bytes:
@@ -47,8 +46,8 @@ def pack(letter: Letter) -> bytes:
         device, source = Device[letter.device.upper()], letter.source.encode()
         direction = _DIRECTIONS.index(letter.direction)
         return _RAW.pack(RAW, letter.time, device, direction, len(source)) + source + letter.data
-    if isinstance(letter, Happening):
-        return _HAPPENING.pack(HAPPENING, letter.time, letter.kind, letter.sequence)
+    if isinstance(letter, Order):
+        return ORDER + pack_order(letter)
     return _STEP.pack(STEP, letter.time) + letter.data
 
 
@@ -59,9 +58,8 @@ def unpack(data: bytes) -> Letter | None:
             return _unpack_raw(data)
         if data[:4] == STEP:
             return Step(time=_STEP.unpack_from(data)[1], data=data[_STEP.size :])
-        if data[:4] == HAPPENING:
-            _, time, kind, sequence = _HAPPENING.unpack(data)
-            return Happening(time=time, kind=Kind(kind), sequence=sequence)
+        if data[:4] == ORDER:
+            return unpack_order(data[4:])
     except (ValueError, IndexError, struct.error):
         return None
     return None

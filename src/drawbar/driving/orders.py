@@ -44,6 +44,8 @@ class GateOrders(BaseModel):
 
     folder: str
     safety: SafetySettings
+    controller: int
+    """descriptor of the gate's end of the pair"""
     wheelbase: float
     """m"""
     tractor_limit: float
@@ -53,9 +55,7 @@ class GateOrders(BaseModel):
     tractor_board: SteerBoardSettings | None
     trailer_board: SteerBoardSettings | None
     isobus: IsobusSettings | None
-    drives: bool
+    drives: bool = False
     """the tractor's speed is commanded over the ISOBUS"""
-    shadow: bool
+    shadow: bool = False
     """actuators are only listened to"""
-    controller: int
-    """descriptor of the gate's end of the pair"""

@@ -23,7 +23,7 @@ from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import Role, encode, nanoseconds, seconds
 from drawbar.protocols.ntrip import gga_sentence
 from drawbar.realtime import prepare
-from drawbar.recording.drive_records import Happening, Kind, RawBytes
+from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.signals import FixQuality
 from drawbar.transports.base import Received
 from drawbar.transports.open import open_transport
@@ -33,6 +33,8 @@ _GGA = {FixQuality.DIFFERENTIAL: 2, FixQuality.FIXED: 4, FixQuality.FLOAT: 5}
 """quality in a GGA sentence"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
+_TOGETHER = 32
+"""looks that are told at once, at most"""
 _ASK_AGAIN = 0.05
 """between two looks at transports that have no descriptor, s"""
 
@@ -56,7 +58,7 @@ def main() -> int:
         now = time.monotonic_ns()
         was_due = navigation.due <= seconds(now)
         found = navigation.poll(seconds(now))
-        witness.tell_look(now, was_due=was_due)
+        witness.note_look(now, was_due=was_due, found=bool(found))
         for fixes in found:
             record = encode(fixes)
             for reader in (CONTROLLER, CONSOLE):
@@ -117,13 +119,14 @@ class Witness:
     def __init__(self, mailbox: Mailbox, recorder: str) -> None:
         """Take the own mailbox and the path of the recorder's."""
         self._mailbox, self._recorder = mailbox, recorder
-        self._heard = False
+        self._pieces = 0
+        self._looks: list[Happening] = []
 
     def open(self, address: str, device: Device) -> TappedTransport:
         """Open a transport, every byte of which goes to the recorder too."""
 
         def tap(direction: Direction, received: Received) -> None:
-            self._heard |= direction is Direction.IN
+            self._pieces += direction is Direction.IN
             raw = RawBytes(
                 time=nanoseconds(received.time),
                 device=device.topic,
@@ -135,11 +138,17 @@ class Witness:
 
         return TappedTransport(open_transport(address), tap)
 
-    def tell_look(self, time: int, *, was_due: bool) -> None:
-        """Tell of a look at a time, ns, at which something came or was due; any other has done nothing."""
-        if self._heard or was_due:
-            self._mailbox.post(self._recorder, pack(Happening(kind=Kind.LOOK, time=time)))
-        self._heard = False
+    def note_look(self, time: int, *, was_due: bool, found: bool) -> None:
+        """Note a look at a time, ns, at which something came or was due; any other has done nothing.
+
+        The recorder is told of all looks at the one that has found something, or soon.
+        """
+        if self._pieces or was_due:
+            self._looks.append(Happening(kind=Kind.LOOK, time=time, sequence=self._pieces))
+        self._pieces = 0
+        if self._looks and (found or len(self._looks) >= _TOGETHER):
+            self._mailbox.post(self._recorder, pack(Order(tuple(self._looks))))
+            self._looks.clear()
 
 
 if __name__ == "__main__":

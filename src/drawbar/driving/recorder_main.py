@@ -19,7 +19,7 @@ from drawbar.errors import DrawbarError
 from drawbar.messages import KINDS as RECORDS
 from drawbar.messages import Flaw, GateState, Message, Role, decode
 from drawbar.recording.drive_log import DriveLog
-from drawbar.recording.drive_records import Happening, RawBytes
+from drawbar.recording.drive_records import Order, RawBytes
 from drawbar.recording.header import run_header
 from drawbar.recording.live import Live
 from drawbar.recording.log import decode_step
@@ -79,8 +79,8 @@ def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
     letter = unpack(data)
     if isinstance(letter, RawBytes):
         log.add_raw(letter)
-    elif isinstance(letter, Happening):
-        log.add_happening(letter)
+    elif isinstance(letter, Order):
+        log.add_order(letter)
     elif isinstance(letter, Step):
         log.add_step(letter.time, letter.data, decode_step(letter.data))
     else:

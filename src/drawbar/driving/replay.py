@@ -4,6 +4,7 @@ Bytes go in with the stamps with which they came, and everything is done in the 
 when the receivers were looked at, and what the controller took in before each step. What the gate said is taken over.
 """
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -58,10 +59,14 @@ def _fixes(records: Iterator[DriveRecord], configuration: Configuration, header:
     """Return what the receivers say, by sequence, from their bytes."""
     lines = {device.topic: MemoryTransport() for device in Device}
     navigation, found = _navigation(configuration, header, lines), dict[int, Fixes]()
+    pieces: deque[RawBytes] = deque()
     for record in records:
         if isinstance(record, RawBytes) and record.direction is Direction.IN:
-            lines[record.device].arrive(seconds(record.time), record.data, record.source)
+            pieces.append(record)
         elif isinstance(record, Happening) and record.kind is Kind.LOOK:
+            for _ in range(min(record.sequence, len(pieces))):
+                piece = pieces.popleft()
+                lines[piece.device].arrive(seconds(piece.time), piece.data, piece.source)
             found |= {fixes.sequence: fixes for fixes in navigation.poll(seconds(record.time))}
     return found
 

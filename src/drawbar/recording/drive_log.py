@@ -24,10 +24,10 @@ from drawbar.recording.drive_records import (
     ORDER,
     RAW,
     TOPICS,
-    Happening,
+    Order,
     RawBytes,
-    pack_happening,
     pack_message,
+    pack_order,
     pack_raw,
 )
 from drawbar.recording.live import Live
@@ -93,9 +93,9 @@ class DriveLog(Recorder):
         """Add bytes of a device."""
         self._add_plain(RAW + raw.device, pack_raw(raw), raw.time)
 
-    def add_happening(self, happening: Happening) -> None:
+    def add_order(self, order: Order) -> None:
         """Add what one of the processes did."""
-        self._add_plain(ORDER, pack_happening(happening), happening.time)
+        self._add_plain(ORDER, pack_order(order), order.time)
 
     def add_message(self, message: Message) -> None:
         """Add a record of one of the processes; a kind that has no topic is left out.

@@ -37,7 +37,7 @@ class Kind(IntEnum):
     """What happened in one of the processes; each tells in its own order."""
 
     LOOK = 0
-    """the receivers' process looked at the receivers"""
+    """the receivers' process looked at the receivers, and read so many pieces as `sequence` says"""
     GATE = 1
     """the controller took in the gate's state of this sequence"""
     FIXES = 2
@@ -56,6 +56,18 @@ class Happening:
     time: int
     """monotonic, ns"""
     sequence: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What happened in one process, one after the other."""
+
+    happenings: tuple[Happening, ...]
+
+    @property
+    def time(self) -> int:
+        """Of the last, monotonic, ns."""
+        return self.happenings[-1].time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,9 +92,17 @@ def pack_raw(raw: RawBytes) -> bytes:
     return bytes((_DIRECTIONS.index(raw.direction), len(source))) + source + raw.data
 
 
-def pack_happening(happening: Happening) -> bytes:
-    """Return kind, sequence and monotonic time."""
-    return _ORDER.pack(happening.kind, happening.sequence, happening.time)
+def pack_order(order: Order) -> bytes:
+    """Return kind, sequence and monotonic time of each."""
+    return b"".join(_ORDER.pack(each.kind, each.sequence, each.time) for each in order.happenings)
+
+
+def unpack_order(data: bytes) -> Order:
+    """Return what `pack_order` packed; struct.error or ValueError: it is none."""
+    if not data:
+        raise ValueError("nothing has happened")
+    entries = _ORDER.iter_unpack(data)
+    return Order(tuple(Happening(kind=Kind(kind), sequence=count, time=time) for kind, count, time in entries))
 
 
 def pack_message(message: Message) -> bytes:
@@ -117,22 +137,18 @@ def _drive_records(records: Iterator[Logged], file: Path) -> Iterator[DriveRecor
         elif isinstance(record, LoggedMessage):
             if offset is None:
                 raise DrawbarError(f"{file}: is no log of a drive; give the log.mcap that drawbar drive wrote")
-            decoded = _decoded(record.topic, record.data, record.publish_time - offset)
-            if decoded is not None:
-                yield decoded
+            yield from _decoded(record.topic, record.data, record.publish_time - offset)
 
 
-def _decoded(topic: str, data: bytes, time: int) -> DriveRecord | None:
+def _decoded(topic: str, data: bytes, time: int) -> Iterator[DriveRecord]:
     if topic == STEP_TOPIC:
-        return decode_step(data)
-    if topic == ORDER:
-        kind, sequence, time = _ORDER.unpack(data)
-        return Happening(kind=Kind(kind), sequence=sequence, time=time)
-    if topic.startswith(RAW):
+        yield decode_step(data)
+    elif topic == ORDER:
+        yield from unpack_order(data).happenings
+    elif topic.startswith(RAW):
         end = 2 + data[1]
         source, direction = data[2:end].decode(), _DIRECTIONS[data[0]]
-        return RawBytes(device=topic[len(RAW) :], time=time, direction=direction, source=source, data=data[end:])
-    if topic in _KINDS:
+        yield RawBytes(device=topic[len(RAW) :], time=time, direction=direction, source=source, data=data[end:])
+    elif topic in _KINDS:
         content: Any = missing_to_nan(msgspec.json.decode(data))
-        return msgspec.convert(content, _KINDS[topic])
-    return None
+        yield msgspec.convert(content, _KINDS[topic])

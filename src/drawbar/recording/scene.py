@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from foxglove.messages import (
     Color,
     CubePrimitive,
@@ -37,6 +38,8 @@ FIELD, TRACTOR, TRAILER = "field", "tractor", "trailer"
 _PATH, _PLANS = Color(r=0.45, g=0.45, b=0.45, a=1.0), {TRACTOR: (0.12, 0.47, 0.71), TRAILER: (0.85, 0.37, 0.01)}
 _WIDTH, _HEIGHT = 1.2, 0.6
 """of the boxes that stand for the bodies, m"""
+_GRID = 1024.0
+"""points of lines in a metre: what is drawn to a millimetre has short mantissas, and compresses"""
 _DRAWN = 5000
 """points of the path, at most"""
 
@@ -140,12 +143,12 @@ def _box(back: float, front: float, width: float, color: Color) -> CubePrimitive
 
 
 def _line(points: Floats, color: Color, width: float) -> LinePrimitive:
-    """Return a line through points (n, 2), m."""
+    """Return a line through points (n, 2), m, to the nearest of the grid."""
     return LinePrimitive(
         type=LinePrimitiveLineType.LineStrip,
         pose=Pose(position=Vector3(), orientation=Quaternion(w=1.0)),
         thickness=width,
-        points=[Point3(x=x, y=y, z=0.05) for x, y in points.tolist()],
+        points=[Point3(x=x, y=y, z=0.05) for x, y in (np.round(points * _GRID) / _GRID).tolist()],
         color=color,
     )
 
