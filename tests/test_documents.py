@@ -29,6 +29,7 @@ NOT_OURS = {
     ),
     *("example/path.csv", "step.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
     "build/reference/index.html",
+    "my.calibrated.toml",
     "my.toml",
     *("ABLines.txt", "Boundary.txt", "CurveLines.txt", "FOLDER/config.toml", "zig/"),
 }

@@ -1,0 +1,128 @@
+"""The fault campaign: a sample of its rows, driven; and what its analysis makes of a run."""
+
+import math
+from collections.abc import Callable
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from drawbar.experiment.experiment import Experiment
+from drawbar.experiment.measure import Runs
+from drawbar.experiment.measured import MeasuredExperiment
+from drawbar.experiment.parts import Table, Text
+from drawbar.experiment.task import Result, Task, run_task
+from drawbar.experiment.trial import WATCHED, Trial
+from drawbar.messages import SupervisorState
+from drawbar.protocols.agopengps.steering import SteerCommand
+
+NAME = "faults"
+PLACE = "2 m/s, straight"
+SAMPLE = [
+    "no fault",
+    "S5 both antennas jump 1 m",
+    "A5 front wheels reversed",
+    "K2 bit errors in commands",
+    "S14 midnight",
+]
+run = cache(run_task)
+
+
+def task_of(experiment: Experiment, case: str) -> Task:
+    (task,) = experiment.with_cases([case]).tasks(1)[case]
+    return task
+
+
+@pytest.mark.parametrize("fault", SAMPLE)
+def test_a_fault_ends_as_expected(experiment: Experiment, analysis: ModuleType, fault: str) -> None:
+    case = f"{PLACE}: {fault}"
+    figures = analysis.figures(run(task_of(experiment, case)))
+    (expected,) = experiment.expected[case].values()
+    assert expected.holds(figures["response"]), figures
+    assert figures["largest"] < (10.0 if figures["response"] == 0 else 160.0)
+    if fault.startswith("A5"):
+        assert figures["let go"] < 0.7
+        assert figures["detected"] <= figures["let go"]
+
+
+def test_a_set_point_beyond_the_envelope_is_seen(experiment: Experiment, analysis: ModuleType) -> None:
+    from drawbar.config import load_configuration
+
+    trial = Trial(load_configuration("articulated", ["path.radii=[8.0]", "safety.engage.wiggle_test=false"]), 0)
+    trial.place, trial.watched = 3.0, 0.5
+    wide = SteerCommand(steer=True, angle=0.7, speed=1.0).encode()
+    trial.begin = lambda: trial.rehearsal.post.send(trial.rehearsal.time, "tractor set point", wide, lambda data: None)
+    trial.watch()
+    assert trial.column("beyond")[-1] == 1.0
+    assert trial.column("time")[-1] == pytest.approx(0.5, abs=0.01)
+
+
+def watched(**columns: list[float]) -> dict[str, np.ndarray]:
+    length = len(columns["time"])
+    return {f"watch.{name}": np.array(columns.get(name, [0.0] * length)) for name in WATCHED}
+
+
+def test_figures_are_those_of_the_run_until_it_stands(analysis: ModuleType, make_result: Callable[..., Result]) -> None:
+    active, fault = float(SupervisorState.ACTIVE), float(SupervisorState.FAULT)
+    columns = watched(
+        time=[0.1, 0.2, 0.3, 0.4, 0.5],
+        state=[active, fault, fault, fault, fault],
+        cause=[0.0, 405.0, 405.0, 405.0, 405.0],
+        driving=[2.0, 2.0, 0.0, 0.0, 0.0],
+        speed=[1.0, 1.0, 0.5, 0.0, 0.0],
+        way=[0.1, 0.2, 0.25, 0.3, 0.3],
+        tractor=[0.0, 0.01, -0.2, 0.1, 0.9],
+        trailer=[0.0, 0.0, 0.05, 0.0, 0.9],
+    )
+    figures = analysis.figures(make_result(columns))
+    times = {
+        "detected": 0.2,
+        "let go": 0.3,
+        "stands": 0.4,
+        "way": 0.3,
+        "largest": 20.0,
+        "response": 4.0,
+        "cause": 405.0,
+    }
+    assert {name: figures[name] for name in times} == pytest.approx(times)
+    steady = analysis.figures(make_result(watched(time=[0.1, 0.2], state=[active] * 2, driving=[2.0] * 2)))
+    assert steady["response"] == 0.0
+    assert math.isnan(steady["detected"])
+    for change, response in (
+        ({"driving": [2.0, 0.0]}, 6.0),
+        ({"driving": [0.0, 0.0]}, 5.0),
+        ({"beyond": [0.0, 1.0]}, 7.0),
+    ):
+        columns = watched(time=[0.1, 0.2], state=[active] * 2, **{"driving": [2.0] * 2, **change})
+        assert analysis.figures(make_result(columns))["response"] == response
+
+
+def test_the_report_holds_every_fault_against_its_twin(
+    experiment: Experiment, analysis: ModuleType, make_result: Callable[..., Result]
+) -> None:
+    cases = [f"{PLACE}: no fault", f"{PLACE}: A9 the operator takes over at a board", "before engaging: S16 fix floats"]
+    chosen = experiment.with_cases(cases)
+    active, override = float(SupervisorState.ACTIVE), float(SupervisorState.OVERRIDE)
+    by_case = {
+        cases[0]: watched(time=[0.1, 0.2], state=[active] * 2, driving=[2.0] * 2, tractor=[0.02, 0.04]),
+        cases[1]: watched(time=[0.1, 0.2], state=[active, override], driving=[2.0, 0.0], tractor=[0.02, 0.14]),
+        cases[2]: watched(time=[0.1, 0.2]),
+    }
+    results = {case: make_result(columns) for case, columns in by_case.items()}
+    measured = MeasuredExperiment(
+        experiment=chosen,
+        seeds=1,
+        runs={case: Runs(results=[result], failures=[]) for case, result in results.items()},
+        figures={case: [analysis.figures(result)] for case, result in results.items()},
+    )
+    text, faults, before, refused = analysis.report(measured)
+    assert isinstance(text, Text)
+    assert "3 of 3 cases as expected" in text.text
+    assert isinstance(faults, Table)
+    row = faults.rows[1]
+    assert [row[1], row[2], row[-2]] == ["lets go", "lets go 1", "10"]
+    assert isinstance(before, Table)
+    assert before.rows == [["S16 fix floats", "never engages", "never engages 1"]]
+    assert isinstance(refused, Table)
+    assert all(row[2] != "**taken**" for row in refused.rows)
