@@ -83,7 +83,7 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
 
 def _by_itself(case: str) -> dict[tuple[str, str], dict[str, np.ndarray]]:
     """Measure a case's solvers in C, each from the states that a closed loop brings it to."""
-    (probes,) = probed_runs(case, (STAGES,), STEPS, with_other_route=False)
+    (probes,) = probed_runs(case, (STAGES,), STEPS, with_peers=False)
     full = slice(STAGES + 1, STAGES + 1 + STEPS - 1)  # the last preparation is not complete
     return {
         (case, probe.name.removeprefix(f"{case}-") if probe.name != case else "centralised"): _phases(

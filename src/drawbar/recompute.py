@@ -78,28 +78,53 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
             machine.write(command)
             autopilot.prepare()
             records.append(autopilot.record(recorded.truth))
-    first: dict[str, Difference] = {}
-    largest: dict[str, float] = {}
+    comparison = Comparison()
     for recorded, recomputed in zip(log.records, records, strict=True):
-        for difference in _differences(recorded, as_recorded(recomputed)):
-            first.setdefault(difference.signal, difference)
-            largest[difference.signal] = np.fmax(largest.get(difference.signal, 0.0), difference.size)
-    return Replay(records=tuple(records), differences=tuple(first.values()), largest=largest)
+        comparison.add(recorded.step, recorded, as_recorded(recomputed))
+    return comparison.replay(records)
 
 
-def _differences(recorded: StepRecord, recomputed: StepRecord) -> Iterator[Difference]:
-    """Yield every number that is not the same in both, NaN being the same as NaN."""
-    for (name, here), (_, there) in zip(_numbers(recorded), _numbers(recomputed), strict=True):
-        if not (here == there or (math.isnan(here) and math.isnan(there))):
-            yield Difference(step=recorded.step, signal=name, recorded=here, recomputed=there)
+class Comparison:
+    """Collects where recomputed numbers are not the recorded ones."""
+
+    def __init__(self) -> None:
+        """Begin with no difference."""
+        self._first: dict[str, Difference] = {}
+        self._largest: dict[str, float] = {}
+
+    def add(self, step: int, recorded: Any, recomputed: Any, prefix: str = "", names: Sequence[str] = ()) -> None:
+        """Compare all numbers of two dataclasses of one kind, NaN being the same as NaN.
+
+        Args:
+            step: at which they were.
+            recorded: what was recorded.
+            recomputed: what was computed again.
+            prefix: before the names of its numbers, with a dot behind it.
+            names: of the fields to compare; empty: all that are computed.
+        """
+        pairs = zip(_numbers(recorded, names), _numbers(recomputed, names), strict=True)
+        for (name, here), (_, there) in pairs:
+            if not (here == there or (math.isnan(here) and math.isnan(there))):
+                difference = Difference(step=step, signal=prefix + name, recorded=here, recomputed=there)
+                self._first.setdefault(difference.signal, difference)
+                self._largest[difference.signal] = np.fmax(self._largest.get(difference.signal, 0.0), difference.size)
+
+    def replay(self, records: Sequence[StepRecord]) -> Replay:
+        """Return the whole comparison, with the recomputed steps."""
+        return Replay(records=tuple(records), differences=tuple(self._first.values()), largest=self._largest)
 
 
-def _numbers(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Yield the dotted names and values of all numbers of a record that are computed."""
+def _numbers(record: Any, names: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Yield the dotted names and values of all numbers of a record that are computed, or of the fields named."""
+    for field in fields(record):
+        if field.name in names or not (names or field.name in _GIVEN):
+            yield from _values(getattr(record, field.name), field.name)
+
+
+def _values(value: Any, name: str) -> Iterator[tuple[str, float]]:
     if is_dataclass(value):
         for field in fields(value):
-            if name or field.name not in _GIVEN:
-                yield from _numbers(getattr(value, field.name), f"{name}.{field.name}" if name else field.name)
+            yield from _values(getattr(value, field.name), f"{name}.{field.name}")
     elif isinstance(value, np.ndarray):
         yield from ((f"{name}.{index}", float(number)) for index, number in enumerate(value.ravel()))
     else:

@@ -10,5 +10,4 @@ STAGES, STEPS = 5, 30
 
 @pytest.fixture(scope="session", params=["paper", "articulated"])
 def probes(request: pytest.FixtureRequest) -> list[Probe]:
-    pytest.importorskip("daqp", reason="the other route needs daqp")
-    return probed_runs(request.param, [STAGES], STEPS, with_other_route=True)[0]
+    return probed_runs(request.param, [STAGES], STEPS, with_peers=True)[0]

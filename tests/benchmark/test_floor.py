@@ -1,16 +1,16 @@
 """The floor evaluates the very linearisation that the solver uses."""
 
 import numpy as np
+from condensing_route import transcription_now
 
 from drawbar.benchmark.floor import build_floor
 from drawbar.benchmark.probe import Probe
 from drawbar.codegen import Workspace
-from drawbar.optimal.transcription import transcribe
 
 
 def test_floor_agrees_with_the_solvers_own_linearisation(probes: list[Probe]) -> None:
     for probe in probes:
-        transcription = transcribe(probe.solver.problem)
+        transcription = transcription_now(probe.solver)
         floor, array = Workspace(build_floor(transcription)), probe.solver.workspace.array
         floor.array("x")[:], floor.array("u")[:] = probe.solver.x[:-1], probe.solver.u
         if transcription.p.numel():

@@ -45,6 +45,7 @@ def drive(tmp_path):
             stderr=subprocess.STDOUT,
             start_new_session=True,
             env=surroundings,
+            cwd=tmp_path,
         )
     address = f"http://127.0.0.1:{port}/"
     try:
@@ -94,6 +95,31 @@ def press(page, name):
     page.get_by_role("button", name=name, exact=True).click()
 
 
+def look_at_the_other_pages(drive, page):
+    """Make a line, import one, change a number, and see a plot."""
+    page.goto(f"{drive}fields")
+    see(page, "Fields and lines")
+    press(page, "Set A here")
+    page.get_by_label("Heading").fill("30")
+    press(page, "A and heading")
+    page.locator(".field-map .line").first.wait_for()
+    points = "<coordinates>4.7,50.87 4.7005,50.87 4.7007,50.8701 4.701,50.8701</coordinates>"
+    kml = f"<kml><Placemark><name>bent</name><LineString>{points}</LineString></Placemark></kml>"
+    page.locator("input[type=file]").set_input_files({"name": "b.kml", "mimeType": "text/xml", "buffer": kml.encode()})
+    page.locator(".field-map .aside").first.wait_for(state="attached")
+    assert "Smoothed by at most" in page.locator(".page.wide").inner_text()
+    page.goto(f"{drive}setup")
+    see(page, "Set-up")
+    page.locator(".vehicle-drawing .letter", has_text="A").click()
+    assert page.evaluate("document.activeElement.id") == "set-vehicle-wheelbase"
+    page.locator("td", has_text=" Hz").first.wait_for()
+    for name, title in (("inside", "Look inside"), ("runs", "Runs")):
+        page.goto(drive + name)
+        see(page, title)
+        page.locator(".plot canvas, .run").first.wait_for()
+        assert page.evaluate("document.documentElement.scrollWidth") <= 360
+
+
 def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     page.goto(drive)
     see(page, "Not ready")
@@ -109,6 +135,7 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert float(page.locator(".body-figure b").first.inner_text()) < 100.0
     press(page, "STOP")
     see(page, "Stopped")
+    look_at_the_other_pages(drive, page)
     elsewhere = [url for url in page.asked if not url.startswith((drive, "data:"))]
     assert elsewhere == []
     assert any("_nicegui_ws" in url for url in page.asked)

@@ -1,34 +1,15 @@
 """The drive page, by simulated users in front of the gate's real desk."""
 
-import asyncio
-import functools
-
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 
-from console_stage import Stage, console
+from console_stage import staged
 
 from drawbar.messages import Action, SupervisorState
 from drawbar.safety.causes import Cause
 
 READY, STANDBY = SupervisorState.READY, SupervisorState.STANDBY
-
-
-def staged(test):
-    """Run an asynchronous test with a stage and what opens browsers."""
-
-    @functools.wraps(test)
-    def run():
-        async def whole():
-            stage = Stage()
-            async with console(stage) as browser:
-                await test(stage, browser)
-
-        asyncio.run(whole())
-
-    del run.__wrapped__  # its parameters are no fixtures
-    return run
 
 
 async def ready(stage, browser):

@@ -322,3 +322,25 @@ def test_each_page_belongs_to_the_browser_that_opened_it():
         return [one.pages._owns(page, owner) for owner in owners], core.app.config.socket_io_js_transports
 
     assert asking(test) == ([True, False], ["websocket"])
+
+
+def test_a_body_in_pieces_without_end_is_cut_off(guarded):
+    guard, _, one, _ = guarded
+    received = []
+
+    async def inner(scope, receive, send):
+        while (message := await receive())["type"] == "http.request":
+            received.append(len(message["body"]))
+
+    async def receive():
+        return {"type": "http.request", "body": bytes(1 << 12), "more_body": True}
+
+    async def send(message):
+        pass
+
+    guard._app = inner
+    headers = [(b"host", HOST.encode()), (b"cookie", f"{COOKIE}={one.token}".encode())]
+    scope = {"type": "http", "method": "POST", "path": "/login", "headers": headers, "query_string": b""}
+    asyncio.run(guard(scope, receive, send))
+    assert sum(received) == LARGEST
+    assert guard.refused == 1

@@ -1,37 +1,28 @@
 """The console as a process: it joins a drive, its death is survived, its records are those of the drive."""
 
 import json
-import os
 import signal
 import socket
-import subprocess
-import sys
-import time
 
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 
+from console_process import console_process, reaches, until
 from console_stage import Stage
 
-from drawbar.config import load_configuration
 from drawbar.console.drawing import moving, standing
-from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.letters import Step, pack
-from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONSOLE, GATE
+from drawbar.driving.orders import CONSOLE
 from drawbar.messages import Action, OperatorMessage, decode
 from drawbar.recording.log import encode_special
-from drawbar.simulation import build_path, simulate
-
-WAIT = 120.0
-"""s; a loaded machine takes its time"""
+from drawbar.simulation import build_path
 
 
-@pytest.fixture(scope="module")
-def record():
-    configuration = load_configuration("articulated", ["path.radii=[8.0]", "path.laps=1"][:1])
-    return simulate(configuration, 1).records[60], configuration
+@pytest.fixture
+def record(run_log):
+    log, configuration = run_log
+    return log.records[60], configuration
 
 
 def test_a_step_is_drawn_where_its_record_says(record):
@@ -74,48 +65,16 @@ def test_garbage_is_no_message():
 
 @pytest.fixture
 def process(tmp_path):
-    """Return a console in front of a socket that stands for the gate's."""
-    configuration = tmp_path / "config.toml"
-    configuration.write_text(load_configuration("articulated").to_toml(), "utf-8")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    orders = ConsoleOrders(folder=str(tmp_path), configuration=str(configuration), port=port, runs=str(tmp_path))
-    gate = Mailbox(str(tmp_path / GATE))
-    surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
-    program = [sys.executable, "-m", "drawbar.console.console_main"]
-    with subprocess.Popen(program, stdin=subprocess.PIPE, env=surroundings, cwd=tmp_path) as running:
-        running.stdin.write(orders.model_dump_json().encode())
-        running.stdin.close()
+    with console_process(tmp_path) as (running, gate, port):
         yield running, gate, port, tmp_path
-        running.send_signal(signal.SIGTERM)
-        try:
-            running.wait(30)
-        except subprocess.TimeoutExpired:
-            running.kill()
-    gate.close()
-
-
-def until(condition):
-    end = time.monotonic() + WAIT
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.05)
 
 
 def test_it_listens_at_loopback_only_and_is_nobody_by_itself(process):
     running, gate, port, folder = process
 
-    def reaches(host):
-        try:
-            socket.create_connection((host, port), timeout=1.0).close()
-        except OSError:
-            return False
-        return True
-
-    until(lambda: reaches("127.0.0.1"))
+    until(lambda: reaches("127.0.0.1", port))
     others = {each[4][0] for each in socket.getaddrinfo(socket.gethostname(), port, socket.AF_INET)} - {"127.0.0.1"}
-    assert not any(reaches(host) for host in others if not host.startswith("127."))
+    assert not any(reaches(host, port) for host in others if not host.startswith("127."))
     words = []
 
     def heard():

@@ -1,5 +1,6 @@
 """The small parts of a drive: certainty, letters, mail, display, schemas."""
 
+import dataclasses
 import json
 import math
 
@@ -9,17 +10,33 @@ from rich.console import Console
 
 from drawbar.config import load_configuration
 from drawbar.driving.certainty import across
+from drawbar.driving.demonstration import with_stand_ins, without_stand_ins
 from drawbar.driving.display import KEYS, picture
-from drawbar.driving.letters import Device, Event, Level, Raw, Step, pack, unpack
-from drawbar.driving.mail import Mailbox
+from drawbar.driving.letters import Step, pack, unpack
+from drawbar.driving.mail import MOST_KEPT, Mailbox
+from drawbar.geometry import LocalFrame
+from drawbar.messages import GateState, SupervisorState, encode
+from drawbar.recording.drive_log import DriveLog
+from drawbar.recording.drive_records import Happening, Kind, RawBytes, is_drive, open_drive
+from drawbar.recording.header import run_header
+from drawbar.recording.recorder import Recorder
+from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
 from drawbar.signals import Estimate, Pose, SolverStatus, StepRecord
+from drawbar.simulation import build_path
 from drawbar.transports.tapped import Direction
 from drawbar.vehicle.articulated import trailer_antenna
 from drawbar.vehicle.lengths import lengths_of
 
 SEED = 11
 NAN = math.nan
+
+
+def gate_state_of(sequence):
+    fields = dict.fromkeys((field.name for field in dataclasses.fields(GateState)), 0)
+    known = {"state": SupervisorState.READY, "refusals": (0,) * 8, "tractor_angle": 0.1, "trailer_angle": NAN}
+    unknown = dict.fromkeys(("remaining", "tractor_set_point", "trailer_set_point", "set_speed"), NAN)
+    return GateState(**(fields | known | unknown | {"sequence": sequence, "time": 10**9}))
 
 
 def estimate_of(x, y, theta, psi, joint):
@@ -62,18 +79,17 @@ def test_certainty_is_what_many_draws_show():
 @pytest.mark.parametrize(
     "letter",
     [
-        Raw(time=5, device=Device.TRAILER_RECEIVER, direction=Direction.UNSENT, data=b"\x00\xff$GGA"),
+        RawBytes(time=5, device="trailer_receiver", direction=Direction.UNSENT, data=b"\x00\xff$GGA"),
+        RawBytes(time=6, device="sensors", direction=Direction.IN, data=b"", source="192.168.5.126:5120"),
+        Happening(kind=Kind.FIXES, time=2**45, sequence=2**32 - 1),
         Step(time=2**40, data=b'{"step":1}'),
-        Event(time=7, level=Level.WARNING, name="gate", text="Größe"),
     ],
 )
 def test_letters_arrive_as_they_were_sent(letter):
     assert unpack(pack(letter)) == letter
 
 
-@pytest.mark.parametrize(
-    "data", [b"", b"DBr\0", b"DBe\0" + bytes(8) + b"{", b"DBr\0" + bytes(8) + b"\xff\x00", b"x" * 40]
-)
+@pytest.mark.parametrize("data", [b"", b"DBr\0", b"DBs\0" + bytes(7), b"DBr\0" + bytes(8) + b"\xff\x00", b"x" * 40])
 def test_what_is_no_letter_is_none(data):
     assert unpack(data) is None
 
@@ -92,6 +108,54 @@ def test_mail_is_never_waited_for_and_what_nobody_takes_is_counted(tmp_path):
     one.close()
     other.close()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_posted_arrives_in_order_however_late_it_is_read(tmp_path):
+    one, other = Mailbox(str(tmp_path / "1")), Mailbox(str(tmp_path / "2"))
+    sent = [bytes((number % 256,)) * 2000 for number in range(1500)]
+    for data in sent:
+        one.post(str(tmp_path / "2"), data)
+    taken = list(other.receive())
+    assert len(taken) < len(sent)
+    while len(taken) < len(sent):
+        one.post(str(tmp_path / "2"), b"more")
+        taken += [data for data in other.receive() if data != b"more"]
+    assert taken == sent
+    assert one.lost == 0
+    for _ in range(MOST_KEPT // 2000 + 1000):
+        one.post(str(tmp_path / "2"), bytes(2000))
+    assert one.lost > 0
+    for each in (other, one):
+        each.close()
+
+
+def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
+    configuration = load_configuration("articulated")
+    path, _ = build_path(configuration)
+    frame = LocalFrame(latitude=50.0, longitude=4.0)
+    header = run_header(configuration, path, None, seed=0, frame=frame)
+    state = gate_state_of(sequence=7)
+    raw = RawBytes(time=5, device="sensors", direction=Direction.IN, data=b"\x00\xff", source="127.0.0.1:9999")
+    look = Happening(kind=Kind.LOOK, time=123456789)
+    with DriveLog(tmp_path / "log.mcap", header, Scene(path=path, vehicle=configuration.vehicle, frame=frame)) as log:
+        log.add_raw(raw)
+        log.add_happening(look)
+        for _ in range(2):
+            log.add_message(state)
+    assert is_drive(tmp_path / "log.mcap")
+    with open_drive(tmp_path / "log.mcap") as records:
+        read = list(records)
+    assert read[:2] == [raw, look]
+    assert len(read) == 3
+    assert encode(read[2]) == encode(state)
+
+
+def test_a_simulated_run_is_no_drive(tmp_path):
+    configuration = load_configuration("articulated")
+    path, _ = build_path(configuration)
+    with Recorder(tmp_path / "log.mcap", run_header(configuration, path, None, seed=0)):
+        pass
+    assert not is_drive(tmp_path / "log.mcap")
 
 
 def test_the_display_fits_sixty_columns_without_a_machine():
@@ -116,3 +180,11 @@ def test_schemas_hold_nothing_that_viewers_cannot_read():
     assert "$ref" not in text
     properties = json.loads(text)["properties"]
     assert properties["plan"]["properties"]["tractor"]["properties"]["poses"]["items"]["type"] == "array"
+
+
+def test_what_is_kept_of_a_demonstration_names_no_stand_in_and_asks_for_the_wiggle_test():
+    configuration = load_configuration("articulated")
+    driven = with_stand_ins(configuration)
+    assert driven.devices is not None
+    assert without_stand_ins(driven) == configuration
+    assert without_stand_ins(driven).safety.engage.wiggle_test

@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import sys
 import time
 
@@ -14,6 +15,7 @@ from drawbar.config import load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
 from drawbar.driving.demonstration import with_stand_ins
 from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.replay import replay_drive
 from drawbar.messages import SupervisorState
 from drawbar.recording.log import read_log
 from drawbar.report.folder import write_report
@@ -41,7 +43,19 @@ PATIENT = [
 
 
 @pytest.fixture
-def crew(tmp_path):
+def manager(tmp_path, monkeypatch):
+    """Return the socket on which a service manager hears its service."""
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    listener.bind(str(tmp_path / "notify"))
+    listener.setblocking(False)
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    monkeypatch.setenv("WATCHDOG_USEC", "2000000")
+    yield listener
+    listener.close()
+
+
+@pytest.fixture
+def crew(tmp_path, manager):
     configuration = with_stand_ins(load_configuration("articulated", ["path.radii=[8.0]", *PATIENT]))
     (tmp_path / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
     with Crew(configuration, tmp_path, stand_ins=True) as crew:
@@ -60,11 +74,23 @@ def steers(front):
     return front.state is not None and front.state.state is SupervisorState.ACTIVE
 
 
-def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(crew, tmp_path):
+def notes(manager):
+    """Return what the service manager has been told since it was last asked."""
+    told = []
+    while True:
+        try:
+            told += manager.recv(4096).decode().splitlines()
+        except BlockingIOError:
+            return told
+
+
+def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(crew, manager, tmp_path):
     front = FrontEnd(crew, demonstrates=True)
+    watch(front, lambda front: "READY=1" in notes(manager), ENGAGE)
     watch(front, steers, ENGAGE)
     watch(front, lambda front: time.monotonic_ns() - front.state.since > 5e9, 30.0)
     assert front.state.state is SupervisorState.ACTIVE
+    assert "WATCHDOG=1" in notes(manager)
     assert abs(front.controller.tractor_lateral_error) < 0.3
     front.close()
     crew.close()
@@ -83,6 +109,11 @@ def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(crew, tmp_
                 if topics[record.channel_id] == "/gate":
                     json.loads(record.data)
     raw = {f"/raw/{device}" for device in ("tractor_receiver", "trailer_receiver", "sensors")}
+    again = replay_drive(tmp_path / "log.mcap")
+    assert len(again.records) == len(log.records)
+    assert again.differences == ()
+    (first, *_) = replay_drive(tmp_path / "log.mcap", ["devices.tractor_receiver.latency=0.01"]).differences
+    assert (first.step, first.signal, first.size) == (0, "fixes.epoch", pytest.approx(1e7, abs=1.0))
     assert raw | {"/step", "/fixes", "/command", "/controller", "/gate", "/tf", "/path", "/tractor/fix"} <= seen
 
 

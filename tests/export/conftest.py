@@ -1,7 +1,9 @@
 """One exported library, built once per session by this machine's own compiler, and what it commands."""
 
 import ctypes
+import os
 import subprocess
+import time
 from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
@@ -13,6 +15,7 @@ from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.config import load_configuration
 from drawbar.exchange import Layout
 from drawbar.export.export import export_library
+from drawbar.export.targets import TARGETS
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.signals import Command, Diagnostics, Estimate, Measurement
 
@@ -65,6 +68,26 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         return folder
 
     return exported
+
+
+@pytest.fixture(scope="session")
+def for_targets(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the product's library for every target, built once by the first of the processes that share the tests."""
+    pytest.importorskip("ziglang")
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "targets"
+    ended = folder.with_suffix(".ended")
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        while not ended.exists():
+            time.sleep(0.1)
+    else:
+        try:
+            export_library(load_configuration("articulated"), folder, TARGETS)
+        finally:
+            ended.touch()
+    return folder
 
 
 @pytest.fixture(scope="session")

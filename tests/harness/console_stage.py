@@ -1,9 +1,14 @@
 """A console in memory: the gate's real desk and engagement behind it, a clock of its own, NiceGUI's simulated users."""
 
+import asyncio
+import functools
 import math
 import os
 import re
+import tempfile
 from contextlib import asynccontextmanager
+from dataclasses import fields
+from pathlib import Path
 
 import httpx
 from nicegui import Client, core, ui
@@ -12,12 +17,15 @@ from nicegui.functions.notify import notify
 from nicegui.testing.general import nicegui_reset_globals, prepare_simulation
 from nicegui.testing.user import User
 
+from drawbar.config import load_configuration
 from drawbar.console.audit import Audit
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.pages import Pages
+from drawbar.console.workshop import Workshop
 from drawbar.driving.console_orders import ConsoleOrders
-from drawbar.messages import ControllerState, encode
+from drawbar.geometry import LocalFrame
+from drawbar.messages import ControllerState, Fixes, encode
 from drawbar.safety.causes import Cause
 from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import Engagement, Situation
@@ -25,6 +33,7 @@ from drawbar.safety.gate_report import Actuation, Counts, gate_state
 from drawbar.safety.settings import SafetySettings
 
 HOST = "test"
+FRAME = LocalFrame(latitude=50.87, longitude=4.7)
 STANDING = {"speed": 1.0, "path": [[0, 0], [1, 0]], "tractor": [], "trailer": [], "steered": 0}
 STANDING |= {"tractorJoint": 0, "trailerJoint": 0}
 TICK = 20_000_000
@@ -34,14 +43,17 @@ TICK = 20_000_000
 class Stage:
     """Gate and link; `run` lets time pass."""
 
-    def __init__(self, audit=None):
+    def __init__(self, audit=None, folder=None):
         self.settings = SafetySettings()
         self.engagement = Engagement(self.settings)
         self.desk = Desk(self.settings, self.engagement)
         self.now, self.sequence = 100 * 10**9, 0
         self.causes, self.standing, self.silent = set(), False, False
         self.sent = []
-        self.link = Link(self._send, Audit(audit), lambda: self.now)
+        self.configuration = load_configuration("articulated")
+        self.link = Link(self._send, Audit(audit), lambda: self.now, self.configuration.vehicle.masts.tractor)
+        folder = folder or Path("nowhere")
+        self.workshop = Workshop(self.configuration, FRAME, fields=folder / "fields", setup=folder / "setup")
 
     @property
     def time(self):
@@ -98,6 +110,14 @@ class Stage:
         counts = dict.fromkeys(["configuration", "wiggled", "status", "flags", "solved", "overruns"], 0)
         qualities = {"tractor_quality": 5, "trailer_quality": 5}
         self.link.hear(encode(ControllerState(time=now, valid_until=now + 10**9, **counts, **(qualities | numbers))))
+
+    def hear_fixes(self, x, y, course=math.nan, quality=5):
+        """Let the receivers say where the tractor's antenna is."""
+        numbers = {each.name: math.nan for each in fields(Fixes)}
+        numbers |= {each: 0 for each in numbers if each.endswith("_time") or each in ("sequence", "valid_until")}
+        numbers |= {"time": self.now, "epoch": self.now, "first_byte": self.now, "trailer_quality": quality}
+        numbers |= {"tractor_x": x, "tractor_y": y, "tractor_course": course, "tractor_quality": quality}
+        self.link.hear(encode(Fixes(**numbers)))
 
 
 class Watcher:
@@ -161,12 +181,12 @@ def _seen(element):
 @asynccontextmanager
 async def console(stage, users=None, **orders):
     """Serve the pages to simulated browsers; yields what opens a new one."""
-    settings = ConsoleOrders(folder="", configuration="", names=(HOST,), **orders)
+    settings = ConsoleOrders(**{"folder": "", "configuration": "", "names": (HOST,), **orders})
     with nicegui_reset_globals():
         os.environ["NICEGUI_USER_SIMULATION"] = "true"
         try:
             prepare_simulation()
-            pages = Pages(settings, stage.link, STANDING, users, stage.link._audit)
+            pages = Pages(settings, stage.link, stage.workshop, STANDING, users, stage.link._audit)
             pages.install()
             ui.run(storage_secret="simulated", reload=False, show=False)
             async with core.app.router.lifespan_context(core.app):
@@ -182,3 +202,20 @@ def client_id(text):
     assert found is not None
     assert found.group(1) in Client.instances
     return found.group(1)
+
+
+def staged(test):
+    """Run an asynchronous test with a stage and what opens browsers."""
+
+    @functools.wraps(test)
+    def run():
+        async def whole():
+            with tempfile.TemporaryDirectory() as folder:
+                stage = Stage(folder=Path(folder))
+                async with console(stage) as browser:
+                    await test(stage, browser)
+
+        asyncio.run(whole())
+
+    del run.__wrapped__  # its parameters are no fixtures
+    return run

@@ -340,6 +340,8 @@ def test_a_steering_that_moves_away_is_reversed(sign):
     assert not followed(lambda t: -sign * 3.0 * t, lambda t: sign * 1.0, 0.5).reversed, "not yet half a second"
     assert not followed(lambda t: sign * 3.0 * t, lambda t: sign * 9.0, 1.5).reversed
     assert not followed(lambda t: -sign * 1.5 * t, lambda t: sign * 1.0, 1.5).reversed, "it drifts slowly"
+    off = followed(lambda t: sign * (3.0 + 6.0 * t), lambda t: sign * 6.0 * t, 1.5)
+    assert not off.reversed, "it is 3° off, and moves as its set point does"
     assert not followed(lambda t: sign * 0.0, lambda t: 0.0).stuck
 
 

@@ -125,7 +125,7 @@ def machine(tmp_path_factory):
     started = []
 
     def start(**order):
-        for _ in range(3):  # on a busy computer a controller may be late by itself, which is a fault
+        for _ in range(10):  # on a busy computer a controller may be late by itself, which is a fault
             started.append(Machine(tmp_path_factory.mktemp("gate"), **order))
             with contextlib.suppress(NotDrivingError):
                 started[-1].come_to(SupervisorState.ACTIVE)
@@ -146,31 +146,44 @@ def let_go(machine, start):
     raise AssertionError("there was silence instead of off")
 
 
+def spread(signal_name, times):
+    """Return how long it took until off was on the wire."""
+    milliseconds = sorted(1e3 * each for each in times)
+    late = sum(each > 200.0 for each in milliseconds)
+    return (
+        f"off {milliseconds[0]:.1f} to {milliseconds[-1]:.1f} ms after {signal_name}, median "
+        f"{milliseconds[len(milliseconds) // 2]:.1f} ms, {late} of {len(times)} above 200 ms"
+    )
+
+
 def test_killed_controllers_let_go_at_once_and_the_gate_ends_after_a_second_of_off(machine):
-    chance = random.Random(0)
+    chance, times = random.Random(0), []
     for _ in range(KILLS):
         driving = machine()
         time.sleep(chance.uniform(0.0, 0.3))
         driving.listen()
         start = time.monotonic()
         driving.controller.kill()
-        assert let_go(driving, start) <= 0.2 + SLACK
+        times.append(let_go(driving, start))
+        assert times[-1] <= 0.2 + SLACK
         rest = list(driving.frames(1.5))
         assert not any(steers for _, steers in rest)
         assert 0.9 <= rest[-1][0] - start <= 1.3 + SLACK
         assert driving.gate.wait(5.0) == GONE
         driving.close()
+    print(spread("SIGKILL", times))  # docs/safety.md
 
 
 def test_stopped_controllers_let_go_and_going_on_does_not_engage(machine):
-    chance = random.Random(1)
+    chance, times = random.Random(1), []
     for _ in range(KILLS):
         driving = machine()
         time.sleep(chance.uniform(0.0, 0.3))
         driving.listen()
         start = time.monotonic()
         driving.controller.send_signal(signal.SIGSTOP)
-        assert let_go(driving, start) <= 0.2 + SLACK
+        times.append(let_go(driving, start))
+        assert times[-1] <= 0.2 + SLACK
         driving.controller.send_signal(signal.SIGCONT)
         end = time.monotonic() + 0.7
         while time.monotonic() < end:
@@ -179,6 +192,7 @@ def test_stopped_controllers_let_go_and_going_on_does_not_engage(machine):
         driving.listen()
         assert driving.state.state is SupervisorState.FAULT
         driving.close()
+    print(spread("SIGSTOP", times))  # docs/safety.md
 
 
 def test_garbage_from_all_sides_neither_ends_it_nor_steers(machine):

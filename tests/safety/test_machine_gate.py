@@ -364,7 +364,7 @@ def test_a_reverse_command_is_slowed_in_its_direction():
     bench.command, bench.speed = {"speed": -1.0}, -1.0
     bench.run(0.5)
     bench.controller = {"tractor_quality": 4}
-    bench.run(0.1)
+    bench.run(0.6)
     assert bench.state is DEGRADED
     assert bench.speed_actuator.requests[-1][1].speed == -0.5
 

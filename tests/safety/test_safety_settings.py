@@ -147,7 +147,7 @@ def degraded_then_calm(seconds):
 def degraded_speed(settings):
     bench = Bench(settings, speed_actuator=True).drive()
     bench.controller = {"tractor_quality": 4}
-    bench.run(0.1)
+    bench.run(0.7)
     return bench.speed_actuator.requests[-1][1].speed
 
 
@@ -165,8 +165,8 @@ def stopping_for(seconds, speed=1.0):
     return look
 
 
-def stuck(gap, speed, seconds):
-    """See whether a steering that creeps towards a set point at a distance is let go of; rad, rad/s."""
+def stuck(gap, speed, seconds, *, ahead=True):
+    """See whether a steering that creeps is let go of; its set point stays at a distance or where it is; rad, rad/s."""
 
     def look(settings):
         bench = Bench(settings).drive()
@@ -174,7 +174,7 @@ def stuck(gap, speed, seconds):
         bench.tractor.changes["engaged"] = True
         for _ in range(round(seconds / 0.05)):
             bench.tractor.angle += speed * 0.05
-            bench.command = {"tractor_angle": bench.tractor.angle + gap}
+            bench.command = {"tractor_angle": gap + (bench.tractor.angle if ahead else 0.0)}
             bench.run()
         return bench.state, bench.cause
 
@@ -364,8 +364,8 @@ TABLE = {
     "drive.stuck_angle": (0.01, stuck(0.03, 0.0, 1.5)),
     "drive.stuck_move": (0.05, stuck(0.1, 0.02, 1.5)),
     "drive.stuck_time": (0.3, stuck(0.1, 0.0, 0.6)),
-    "drive.reversed_angle": (0.001, stuck(0.018, -0.02, 0.7)),
-    "drive.reversed_time": (0.1, stuck(0.1, -0.2, 0.3)),
+    "drive.reversed_angle": (0.001, stuck(0.018, -0.02, 0.7, ahead=False)),
+    "drive.reversed_time": (0.1, stuck(0.1, -0.2, 0.3, ahead=False)),
     "envelope.speed": (0.5, state_after(0.2)),
     "envelope.lateral_acceleration": (0.5, angle_cap),
     "envelope.lateral_jerk": (0.5, rate_cap),
@@ -380,6 +380,7 @@ TABLE = {
     "timing.speed": (0.1, speeds(0.3)),
     "timing.speed_difference": (0.1, speeds(0.3, wheel_speed=1.0, receiver_speed=1.3)),
     "timing.speed_samples": (1, largest_speed),
+    "timing.fix": (2.0, state_after(0.7, saying(**FIX))),
     "timing.angle": (0.05, state_after(0.2, silent_angle)),
     "timing.angle_lost": (0.1, state_after(0.2, silent_angle)),
     "timing.recorder": (0.2, recorder_silent(0.5)),

@@ -62,6 +62,21 @@ def test_fixes_count_from_when_both_are_fixed():
     bench.run(3.0)
     seen = bench.gate.watch.observe(bench.time, bench.state, (None, None), ())
     assert seen.fixed_for == pytest.approx(2.95)
+    assert seen.fix_age <= 0.05
+
+
+def test_how_long_fixes_have_been_missing_counts_from_when_each_was_fixed_last():
+    bench = Bench()
+    age = lambda: bench.gate.watch.observe(bench.time, bench.state, (None, None), ()).fix_age  # noqa: E731
+    bench.controller = {"tractor_quality": 4}
+    bench.run(1.0)
+    assert age() == math.inf
+    bench.controller = {}
+    bench.run(1.0)
+    for body in ("tractor", "trailer"):  # that they are lost in turn is not worse than one
+        bench.controller = {f"{body}_quality": 0}
+        bench.run(0.4)
+        assert age() == pytest.approx(0.4, abs=0.051)
 
 
 def test_late_steps_are_those_of_the_last_seconds_of_this_controller():

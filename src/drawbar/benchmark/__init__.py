@@ -1,1 +1,1 @@
-"""Measures the compiled solvers in closed loop: phases, floor, growth, and another route to the same answer."""
+"""Measures the compiled solvers in closed loop: phases, floor, bounds, growth, their peers, and the whole step in C."""

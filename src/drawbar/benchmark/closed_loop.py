@@ -6,7 +6,10 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from drawbar.benchmark.probe import Probe
+from drawbar.benchmark.step_in_c import StepTimes, step_times
 from drawbar.config import Configuration, load_configuration
+from drawbar.optimal import SolverUnit
+from drawbar.signals import Measurement
 from drawbar.simulation import Simulation
 from drawbar.step.autopilot import Autopilot
 
@@ -19,16 +22,18 @@ class WholeRun:
     """What a whole run costs outside the solvers too."""
 
     latency: list[float]
-    """one control step, measurement in, command out, s"""
-    preparation: list[float]
-    """what a step does after its command is out, s"""
+    """one control step, measurement in, command out, from Python, s"""
+    in_c: StepTimes
+    """the same steps as a caller in C has them"""
+    bounded: list[bool]
+    """whether a solver had bounds active, of each step"""
     python: list[float]
     """the same step when the run has ended, and C has nothing to do: what is Python's, s"""
     real_time_factor: float
     """driven time over elapsed time, simulation included"""
 
 
-def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_other_route: bool) -> list[list[Probe]]:
+def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_peers: bool) -> list[list[Probe]]:
     """Drive a shipped configuration at several horizons in lockstep; return the probes of the solvers of each.
 
     In lockstep the machine's moods fall on all horizons alike, and their ratios mean something.
@@ -38,13 +43,10 @@ def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_other_ro
         horizons: samples in horizon and window; they span HORIZON seconds whatever their number, so that all have the
             same to do.
         steps: samples to measure, from when the longest window is full.
-        with_other_route: at the first horizon also solve some of the problems by CasADi, condensing and DAQP.
+        with_peers: also give some of the stage problems to HPIPM, DAQP and PIQP.
     """
     simulations = [Simulation(_stretched(name, stages)) for stages in horizons]
-    probes = [
-        _probes(name, simulation.autopilot, with_other_route=with_other_route and not index)
-        for index, simulation in enumerate(simulations)
-    ]
+    probes = [_probes(name, simulation.autopilot, with_peers=with_peers) for simulation in simulations]
     with ExitStack() as stack:
         runs = [stack.enter_context(simulation).steps() for simulation in simulations]
         for _ in range(steps + max(horizons) + 1):  # the first ones only fill the window
@@ -60,16 +62,16 @@ def _stretched(name: str, stages: int) -> Configuration:
     return load_configuration(name, [*lengths, f"sample_time={sample_time}", f"machine.step={sample_time / 20}"])
 
 
-def _probes(name: str, autopilot: Autopilot, *, with_other_route: bool) -> list[Probe]:
+def _probes(name: str, autopilot: Autopilot, *, with_peers: bool) -> list[Probe]:
     """Watch what a configuration has to measure.
 
     Beside a centralised controller that is its solver alone: the estimator is the decentralised configuration's.
     """
     library, components = autopilot.library, autopilot.library.components
     if "controller" in components:
-        return [Probe(name, library, components["controller"], with_other_route=with_other_route)]
+        return [Probe(name, library, components["controller"], with_peers=with_peers)]
     return [
-        Probe(f"{name}-{body}", library, components[body], with_other_route=with_other_route)
+        Probe(f"{name}-{body}", library, components[body], with_peers=with_peers)
         for body in ("tractor", "trailer", "estimator")
     ]
 
@@ -78,7 +80,9 @@ def whole_run(name: str) -> WholeRun:
     """Drive a shipped configuration from start to end of its path, unwatched but for the clock."""
     simulation = Simulation(load_configuration(name))
     autopilot, machine = simulation.autopilot, simulation.machine
-    latency, preparation, clock = [], [], time.perf_counter
+    components = autopilot.library.components.values()
+    rounds = [each.live.array("qp.iterations") for each in components if isinstance(each.unit, SolverUnit)]
+    latency, bounded, measurements, clock = list[float](), list[bool](), list[Measurement](), time.perf_counter
     with simulation:
         while True:
             measurement = machine.read()
@@ -86,13 +90,19 @@ def whole_run(name: str) -> WholeRun:
             status, command = autopilot.feedback(measurement)
             latency.append(clock() - came)
             machine.write(command)
-            went = clock()
+            bounded.append(any(each[0] > 0 for each in rounds))
+            measurements.append(measurement)
             autopilot.prepare()
-            preparation.append(clock() - went)
             if status.has_ended:
                 break
         python = [_timed(lambda: autopilot.feedback(measurement)) for _ in range(1000)]
-    return WholeRun(latency=latency, preparation=preparation, python=python, real_time_factor=_real_time_factor(name))
+    return WholeRun(
+        latency=latency,
+        in_c=step_times(autopilot, simulation.path, measurements),
+        bounded=bounded,
+        python=python,
+        real_time_factor=_real_time_factor(name),
+    )
 
 
 def _timed(call: Callable[[], object]) -> float:

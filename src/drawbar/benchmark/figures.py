@@ -12,34 +12,61 @@ import numpy as np
 
 from drawbar.benchmark.probe import Probe
 from drawbar.codegen.compiler import compiler_identity
+from drawbar.geometry import Floats
 
 
-def microseconds(times: Sequence[float]) -> dict[str, float]:
-    """Return median, 99th percentile and maximum of times given in s, in µs."""
+def microseconds(times: Sequence[float] | Floats) -> dict[str, float]:
+    """Return median, mean, 99th percentile and maximum of times given in s, in µs."""
     values = 1e6 * np.asarray(times)
     return {
         "median": float(np.median(values)),
+        "mean": float(values.mean()),
         "p99": float(np.percentile(values, 99)),
         "max": float(values.max()),
     }
 
 
-def rows(probe: Probe) -> list[dict[str, Any]]:
-    """Return one row per route; steps before the estimator's window was full are left out."""
+def row(probe: Probe) -> dict[str, Any]:
+    """Return the figures of a solver; steps before the estimator's window was full are left out."""
     full = slice(probe.stages + 1, len(probe.floor))
-    own = _row(probe, "drawbar", np.asarray(probe.prepare)[full], np.asarray(probe.feedback)[full])
+    prepare, feedback = np.asarray(probe.prepare)[full], np.asarray(probe.feedback)[full]
     bounded = np.asarray(probe.iterations)[full] > 0
-    total = np.asarray(probe.prepare)[full] + np.asarray(probe.feedback)[full]
-    own["ratio_to_floor"] = own["total_us"]["median"] / own["floor_us"]
-    own["bounded_share"] = float(bounded.mean())
-    own["bounds_inactive_us"] = microseconds(total[~bounded]) if not bounded.all() else None
-    own["bounds_active_us"] = microseconds(total[bounded]) if bounded.any() else None
-    own["iterations_max"] = max(probe.iterations[full])
-    if not probe.other_feedback:
-        return [own]
-    count = len(probe.other_feedback)
-    other = _row(probe, "casadi-daqp", np.asarray(probe.other_prepare[:count]), np.asarray(probe.other_feedback))
-    return [own, other]
+    total, floor = microseconds(prepare + feedback), float(1e6 * np.median(probe.floor))
+    return {
+        "problem": probe.name,
+        "stages": probe.stages,
+        "prepare_us": float(1e6 * np.median(prepare)),
+        "feedback_us": float(1e6 * np.median(feedback)),
+        "total_us": total,
+        "phases_us": {"prepare": microseconds(prepare), "feedback": microseconds(feedback)},
+        "floor_us": floor,
+        "ratio_to_floor": total["median"] / floor,
+        "bounded_share": float(bounded.mean()),
+        "feedback_free_us": _some(feedback[~bounded]),
+        "feedback_active_us": _some(feedback[bounded]),
+        "iterations_max": max(probe.iterations[full]),
+    }
+
+
+def race_rows(probe: Probe) -> list[dict[str, Any]]:
+    """Return the figures of drawbar's quadratic program and its peers, on the stage problems that all were given."""
+    times = probe.race.times if probe.race else {}
+    return [
+        {
+            "problem": probe.name,
+            "stages": probe.stages,
+            "solver": name,
+            "free_us": _some(each.free),
+            "active_us": _some(each.active),
+            "problems": len(each.free) + len(each.active),
+            "other_answers": each.others,
+        }
+        for name, each in times.items()
+    ]
+
+
+def _some(times: Sequence[float] | Floats) -> dict[str, float] | None:
+    return microseconds(times) if len(times) else None
 
 
 def machine() -> dict[str, str]:
@@ -71,19 +98,6 @@ def on_one_core() -> Iterator[None]:
         yield
     finally:
         os.sched_setaffinity(0, allowed)
-
-
-def _row(probe: Probe, route: str, prepare: Any, feedback: Any) -> dict[str, Any]:
-    return {
-        "problem": probe.name,
-        "stages": probe.stages,
-        "route": route,
-        "prepare_us": float(1e6 * np.median(prepare)),
-        "feedback_us": float(1e6 * np.median(feedback)),
-        "total_us": microseconds(prepare + feedback),
-        "phases_us": {"prepare": microseconds(prepare), "feedback": microseconds(feedback)},
-        "floor_us": float(1e6 * np.median(probe.floor)),
-    }
 
 
 def _processor() -> str:

@@ -1,12 +1,11 @@
 """Watch one solver at work in a closed loop: time every phase from the very state in which it is called."""
 
 import ctypes
-import time
 
 import numpy as np
 
-from drawbar.benchmark.condensing import CondensingRoute
 from drawbar.benchmark.floor import build_floor
+from drawbar.benchmark.peers.race import Race
 from drawbar.benchmark.stopwatch import Stopwatch
 from drawbar.codegen import Component, Workspace, build
 from drawbar.codegen.library import load
@@ -14,12 +13,13 @@ from drawbar.optimal import SolverUnit
 from drawbar.optimal.problem import ControlProblem, EstimationProblem
 from drawbar.optimal.solver import ControlSolver, EstimationSolver
 from drawbar.optimal.transcription import transcribe
+from drawbar.signals import SolverStatus
 from drawbar.step.library import StepLibrary
 
 _REPEATS = 5
 """Runs per measurement in C; the shortest counts."""
-_OTHER_ROUTE_EVERY = 10
-"""Steps between measurements of the slow route."""
+_FREE_RACE_EVERY = 10
+"""Steps between problems without active bounds that peers are given; of those with bounds active they are given all."""
 _PREPARE, _FEEDBACK, _SHIFT, _SLIDE = range(4)
 _PHASES = {_PREPARE: "prepare", _SHIFT: "shift", _SLIDE: "slide"}
 """enum solver_phase (unit.h)"""
@@ -28,14 +28,14 @@ _PHASES = {_PREPARE: "prepare", _SHIFT: "shift", _SLIDE: "slide"}
 class Probe:
     """Times of one solver, step by step, s. Phases between two feedbacks belong to the first of them."""
 
-    def __init__(self, name: str, library: StepLibrary, component: Component, *, with_other_route: bool) -> None:
+    def __init__(self, name: str, library: StepLibrary, component: Component, *, with_peers: bool) -> None:
         """Let the component's solver tell of its phases.
 
         Args:
             name: of the problem, e.g. `paper-tractor`.
             library: in which the solver is at work.
             component: the solver's; each of its phases is timed on a copy.
-            with_other_route: also solve every tenth problem by CasADi, condensing and DAQP.
+            with_peers: also give stage problems to HPIPM, DAQP and PIQP.
         """
         assert isinstance(component.unit, SolverUnit)
         problem = component.unit.problem
@@ -47,8 +47,6 @@ class Probe:
         self.feedback: list[float] = []
         self.floor: list[float] = []
         self.iterations: list[int] = []
-        self.other_prepare: list[float] = []
-        self.other_feedback: list[float] = []
         memory = self.solver.workspace.memory
         self._live = component.live.memory[: memory.size]
         alone = build(transcription.name, self.solver.source + transcription.introspection())
@@ -56,7 +54,9 @@ class Probe:
         floor = build_floor(transcription)
         self._floor_data = Workspace(floor)
         self._floor_watch = Stopwatch(floor, self._floor_data.memory, repeats=_REPEATS)
-        self._other = CondensingRoute(transcription, self.solver) if with_other_route else None
+        self.race = Race(free_initial=transcription.free_initial) if with_peers else None
+        """the peers on this solver's stage problems"""
+        self._solve = self.solver.workspace.function("feedback")
         self._watcher = ctypes.CFUNCTYPE(None, ctypes.c_int32)(self._called)  # lives as long as the probe
         getattr(load(library.file), f"drawbar_{component.name}_set_watcher")(self._watcher)
 
@@ -77,15 +77,17 @@ class Probe:
 
     def _before_feedback(self) -> None:
         self._time_floor()
-        if self._other and len(self.feedback) % _OTHER_ROUTE_EVERY == 0:
-            start = time.perf_counter()
-            self._other.prepare()
-            self.other_prepare.append(time.perf_counter() - start)
-            start = time.perf_counter()
-            self._other.feedback()
-            self.other_feedback.append(time.perf_counter() - start)
         self.feedback.append(self._watch.time("feedback"))
         self.prepare.append(0.0)
+        if self.race and len(self.feedback) > self.stages + 1:
+            self._race(self.race)
+
+    def _race(self, race: Race) -> None:
+        """Let the peers solve the problem of this feedback."""
+        if self._solve() == SolverStatus.SOLVED and (
+            self.solver.iterations > 0 or len(self.feedback) % _FREE_RACE_EVERY == 0
+        ):
+            race.run(self.solver.workspace, self._watch.time("optimise"))
 
     def _time_floor(self) -> None:
         data = self._floor_data.array

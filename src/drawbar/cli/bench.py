@@ -11,7 +11,7 @@ from drawbar.cli.options import console
 def bench(
     json: Annotated[FilePath | None, typer.Option(help="also write the figures to this file")] = None,
 ) -> None:
-    """Measure the solvers: phases, floor, growth, and the route through CasADi and DAQP."""
+    """Measure the solvers: phases, floor, bounds, growth, other solvers beside them, and the whole step in C."""
     from drawbar.benchmark.bench import run_benchmark
 
     run_benchmark(console, json)

@@ -36,7 +36,6 @@ def console(
     drive: Annotated[Path | None, typer.Option(help="folder of the drive's sockets; default: the newest drive")] = None,
 ) -> None:
     """Serve the operator's pages for a drive that is on already; `drawbar drive --console` does both."""
-    from drawbar.driving.console_orders import ConsoleOrders
     from drawbar.driving.orders import CONSOLE, ORDERS_NAME, Orders
 
     folder = drive or _newest_drive()
@@ -46,20 +45,20 @@ def console(
         raise HardwareError(f"{folder} is not the folder of a drive that is on; start one with drawbar drive") from None
     if Path(known.socket(CONSOLE)).exists():
         raise HardwareError(f"the drive in {folder} has a console already; open that one, or end it")
-    orders = ConsoleOrders(
+    orders = console_orders(
+        runs=str(Path(known.run).parent),
         folder=known.folder,
         configuration=known.configuration,
-        runs=str(Path(known.run).parent),
+        stand_ins=known.stand_ins,
         host=host,
-        port=port or free_port(host),
-        names=tuple(name or ()),
+        port=port,
+        name=name,
         language=language,
         certificate=certificate,
         key=key,
         passwords=passwords,
         audit=audit,
     )
-    check(orders)
     terminal.print(f"the console is at {address(orders)}; Ctrl-C ends it, and not the drive", soft_wrap=True)
     try:
         code = subprocess.run(
@@ -86,17 +85,32 @@ def console_user(
     terminal.print(f"{file}: {name} is {rank}; a running console knows it after its next start")
 
 
-def check(orders: "ConsoleOrders") -> None:
-    """Raise ConfigurationError where the console cannot or must not be started so."""
+def console_orders(*, host: str, port: int, name: list[str] | None, **others: str | bool | None) -> "ConsoleOrders":
+    """Return a console's orders.
+
+    Args:
+        host: address to listen at.
+        port: to listen at; 0: a free one.
+        name: host names by which browsers ask for the pages.
+        others: fields of ConsoleOrders.
+
+    Raises:
+        ConfigurationError: the console cannot or must not be started so.
+    """
     from importlib.util import find_spec
 
     from drawbar.console.passwords import load_users
+    from drawbar.driving.console_orders import ConsoleOrders
+    from drawbar.extras import install_command
 
     if find_spec("nicegui") is None:
-        raise ConfigurationError("the console needs the extra `console`; pip install 'drawbar[console]'")
+        raise ConfigurationError(f"the console needs NiceGUI; install it with: {install_command('console')}")
+    place = {"host": host, "port": port or free_port(host), "names": tuple(name or ())}
+    orders = ConsoleOrders.model_validate(others | place)
     orders.check()
     if orders.passwords is not None:
         load_users(Path(orders.passwords))
+    return orders
 
 
 def address(orders: "ConsoleOrders") -> str:
@@ -105,22 +119,22 @@ def address(orders: "ConsoleOrders") -> str:
     return f"http{'s' if orders.certificate else ''}://{host}:{orders.port}/"
 
 
-def free_port(host: str) -> int:
-    """Return a port that nobody uses now.
+def free_port(host: str, port: int = 0) -> int:
+    """Return a port that nobody uses now; 0: any.
 
     Raises:
-        HardwareError: the address is not one of this computer.
+        HardwareError: the address is not one of this computer, or the port is taken.
     """
     import socket
 
     kind = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         with socket.socket(kind, socket.SOCK_STREAM) as each:
-            each.bind((host, 0))
+            each.bind((host, port))
             return int(each.getsockname()[1])
     except OSError as error:
         raise HardwareError(
-            f"{host} cannot be listened at ({error.strerror}); give an address of this computer"
+            f"{host}:{port} cannot be listened at ({error.strerror}); give an address of this computer and a free port"
         ) from None
 
 

@@ -20,8 +20,15 @@ def check(
     configuration: ConfigurationName,
     changes: Changes = None,
     seconds: Annotated[float, typer.Option(min=0.5, help="to listen to each device")] = 5.0,
+    wiggle: Annotated[
+        bool, typer.Option("--wiggle", help="then move each steering by 2° to both sides; asks twice before")
+    ] = False,
 ) -> None:
-    """Listen to every device that the configuration names, and say what is missing. Nothing is moved."""
+    """Listen to every device that the configuration names, and say what is missing. Without --wiggle nothing is moved.
+
+    The wiggle test tries sign, range and delay of both steerings while the vehicle rolls straight ahead; without it
+    `drawbar drive` does not engage. It holds until the computer restarts, for 12 hours at most.
+    """
     from rich.text import Text
 
     from drawbar.driving import check as checking
@@ -38,6 +45,37 @@ def check(
     if failed:
         raise SystemExit(1)
     console.print("every device was heard, and nothing is missing", style="green")
+    if wiggle and not _wiggle(config):
+        raise SystemExit(1)
+
+
+def _wiggle(config: "Configuration") -> bool:
+    """Make the wiggle test if the operator wants it, twice; return whether it is passed."""
+    from rich.text import Text
+
+    from drawbar.driving.wiggle import FASTEST, SLOWEST, wiggle_both
+    from drawbar.driving.wiggled import forget_passed, keep_passed
+
+    console.print(
+        "The wiggle test turns the front wheels, then the joint, by 2° to both sides. Roll straight ahead at "
+        f"{SLOWEST} to {FASTEST} m/s, somebody on the seat, nobody near the machine. Ctrl-C ends it."
+    )
+    for question in ("Is the field ahead clear, and is somebody on the seat?", "Move the steering now?"):
+        if not typer.confirm(question):
+            console.print("nothing was moved")
+            return False
+    forget_passed()
+    passed = True
+    for name, found in wiggle_both(config):
+        if found.passed:
+            console.print(Text(f"{name}: gain {found.gain:.2f}, delay {found.delay:.2f} s"))
+        for refusal in found.refusals:
+            console.print(Text(f"  - {name}: {refusal}", style="yellow"))
+        passed &= found.passed
+    if passed:
+        keep_passed(config)
+        console.print("the wiggle test is passed: `drawbar drive` may engage", style="green")
+    return passed
 
 
 def stand_in(configuration: ConfigurationName, changes: Changes = None) -> None:

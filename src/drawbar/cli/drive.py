@@ -16,13 +16,16 @@ from drawbar.cli.console import (
     Passwords,
     Port,
     address,
-    check,
+    console_orders,
     free_port,
 )
 from drawbar.cli.options import ConfigurationName, console
 
+LOCAL = "127.0.0.1"
+
 if TYPE_CHECKING:
     from drawbar.config import Configuration
+    from drawbar.driving.console_orders import ConsoleOrders
     from drawbar.driving.crew import Crew
 
 
@@ -36,6 +39,13 @@ def drive(
     by_hand: Annotated[
         bool, typer.Option("--by-hand", help="with stand-ins: engage by the keys, as on a machine")
     ] = False,
+    shadow: Annotated[
+        bool, typer.Option("--shadow", help="steer nothing: tell what would have been done beside what the driver does")
+    ] = False,
+    live: Annotated[
+        bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")
+    ] = False,
+    live_port: Annotated[int, typer.Option(min=0, max=65535, help="of --live; 0: a free one")] = 8765,
     seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s; 0: when told to")] = 0.0,
     with_console: Annotated[
         bool, typer.Option("--console", help="serve the operator's pages, and engage there")
@@ -50,46 +60,77 @@ def drive(
     audit: Audit = None,
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
-    from drawbar.config import load_configuration
-    from drawbar.driving.console_orders import ConsoleOrders
     from drawbar.driving.crew import Crew
-    from drawbar.driving.demonstration import with_stand_ins
-    from drawbar.report.console import summary
-    from drawbar.report.folder import write_report
-    from drawbar.step.build import build_autopilot
 
-    config = load_configuration(configuration, changes or [])
-    stand_ins = config.devices is None
-    if stand_ins:
-        config = with_stand_ins(config)
-        console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
+    config, stand_ins = _configured(configuration, changes or [])
     orders = None
     if with_console:
-        orders = ConsoleOrders(
-            folder="",
+        orders = console_orders(
+            folder="",  # this and the next: known to the crew
             configuration="",
-            runs=str(out.parent if out else FilePath("runs")),
+            runs=str(out.parent if out else "runs"),
             host=host,
-            port=port or free_port(host),
-            names=tuple(name or ()),
+            port=port,
+            name=name,
             language=language,
             certificate=certificate,
             key=key,
             passwords=passwords,
             audit=audit,
         )
-        check(orders)
-    with console.status("compiling the control step (the first time only) …"):
-        build_autopilot(config)
+    shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
-    with console.status("starting the processes …"), Crew(config, folder, stand_ins=stand_ins, console=orders) as crew:
-        if orders is not None:
-            console.print(f"the console is at {address(orders)}", soft_wrap=True)
-        failed = _drive(crew, demonstrates=stand_ins and not by_hand and orders is None, seconds=seconds)
-    console.print(summary(write_report(folder)))
-    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
+    crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, live=shown, console=orders)
+    demonstrates = stand_ins and not (by_hand or shadow or with_console)
+    failed = _run(crew, orders, demonstrates=demonstrates, seconds=seconds)
+    _report(folder, shadow=shadow)
     if failed:
         raise SystemExit(1)
+
+
+def _configured(name: str, changes: list[str]) -> tuple["Configuration", bool]:
+    """Return what to drive, its control step compiled, and whether all of its devices are stand-ins."""
+    from drawbar.config import load_configuration
+    from drawbar.driving.demonstration import with_stand_ins
+    from drawbar.step.build import build_autopilot
+
+    config = load_configuration(name, changes)
+    stand_ins = config.devices is None
+    if stand_ins:
+        config = with_stand_ins(config)
+        console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
+    with console.status("compiling the control step (the first time only) …"):
+        build_autopilot(config)
+    return config, stand_ins
+
+
+def _run(crew: "Crew", orders: "ConsoleOrders | None", *, demonstrates: bool, seconds: float) -> bool:
+    """Start the processes and show the drive; return whether it failed."""
+    with console.status("starting the processes …"), crew:
+        if orders is not None:
+            console.print(f"the console is at {address(orders)}", soft_wrap=True)
+        return _drive(crew, demonstrates=demonstrates, seconds=seconds)
+
+
+def _shown_at(port: int) -> int:
+    """Return the port on which Foxglove finds the drive, and say so."""
+    chosen = free_port(LOCAL, port)
+    console.print(f"live: open ws://{LOCAL}:{chosen} in Foxglove", soft_wrap=True)
+    return chosen
+
+
+def _report(folder: FilePath, *, shadow: bool) -> None:
+    """Write the report, and tell what there is to tell at the end."""
+    from drawbar.driving.shadow import COMPARED, steering_differences, tell
+    from drawbar.recording.columns import read_columns
+    from drawbar.report.console import summary
+    from drawbar.report.folder import LOG_NAME, write_report
+
+    console.print(summary(write_report(folder)))
+    if shadow:
+        for difference in steering_differences(read_columns(folder / LOG_NAME, COMPARED)):
+            console.print(tell(difference), soft_wrap=True)
+    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
 
 
 def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
@@ -119,9 +160,9 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
                     live.update(picture(front.state, front.controller), refresh=True)
                 if crew.has_lost_console and not lost_console:
                     lost_console = True
-                    console.print(f"[bold red]the console has ended[/], and the drive goes on: {crew.words()}")
+                    console.print(f"the console has ended, and the drive goes on: {crew.words()}", style="bold red")
                 if crew.ended():
-                    console.print(f"[bold red]ended: {', '.join(crew.ended())}[/]: {crew.words()}")
+                    console.print(f"ended: {', '.join(crew.ended())}: {crew.words()}", style="bold red")
                     return True
     except KeyboardInterrupt:
         console.print("interrupted: the gate lets go of the steering")

@@ -10,6 +10,10 @@ from drawbar.cli.options import Cluster, Jobs, console, one_cluster
 def experiment(
     name: Annotated[str, typer.Argument(metavar="NAME", help="folder in experiments/, or its path; all: every one")],
     seeds: Annotated[int | None, typer.Option(min=1, help="runs of each case; default: as the experiment says")] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TEXT", help="drive the cases whose names hold this only; may be repeated"),
+    ] = None,
     jobs: Jobs = None,
     cluster: Cluster = "",
 ) -> None:
@@ -21,7 +25,7 @@ def experiment(
 
     one_cluster(jobs, cluster)
     try:
-        met = run_experiments(console, name, seeds=seeds, jobs=jobs, address=cluster)
+        met = run_experiments(console, name, seeds=seeds, only=only or (), jobs=jobs, address=cluster)
     except KeyboardInterrupt:
         console.print("\ninterrupted; the same command goes on from the runs that are finished")
         raise SystemExit(130) from None

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.cli.bench import bench
+from drawbar.cli.calibrate import calibrate, identify
 from drawbar.cli.config import config, events
 from drawbar.cli.console import console, console_user
 from drawbar.cli.devices import check, stand_in
@@ -26,8 +27,8 @@ from drawbar.errors import DrawbarError
 from drawbar.terminal import degrade_output
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-DRIVING = (run, drive, console, check, stand_in)
-LOOKING = (report, replay, config, events, tube, path, export, bench, experiment, tune)
+DRIVING = (run, drive, console, check, calibrate, stand_in)
+LOOKING = (report, replay, identify, config, events, tube, path, export, bench, experiment, tune)
 for command in (*DRIVING, *LOOKING):
     app.command()(command)
 app.command("console-user")(console_user)

@@ -20,13 +20,22 @@ def replay(
 ) -> None:
     """Recompute a run from its recorded measurements, and compare estimates, plans and commands number by number.
 
+    A drive is recomputed from the raw bytes of its receivers and sensors, and its fixes are compared as well.
+
     With the same build of drawbar on the same machine every number is the recorded one; else, or with --set, the first
     difference is told. Exit code 1: a number differs although no setting was changed.
     """
-    from drawbar.recompute import replay as recompute
-    from drawbar.recording.log import read_log
+    from drawbar.recording.drive_records import is_drive
 
-    recomputed = recompute(read_log(log), changes or [])
+    if is_drive(log):
+        from drawbar.driving.replay import replay_drive
+
+        recomputed = replay_drive(log, changes or [])
+    else:
+        from drawbar.recompute import replay as recompute
+        from drawbar.recording.log import read_log
+
+        recomputed = recompute(read_log(log), changes or [])
     console.print(f"{log}: {len(recomputed.records)} steps recomputed")
     if not recomputed.differences:
         console.print("every number is the recorded one, bit for bit")

@@ -7,8 +7,14 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from drawbar.driving.console_orders import ConsoleOrders
+
+if TYPE_CHECKING:
+    from drawbar.console.link import Link
+    from drawbar.console.pages import Pages
+    from drawbar.driving.mail import Mailbox
 
 PERIOD = 0.1
 """between two pictures, s; a step that is heard is shown at once"""
@@ -28,51 +34,9 @@ def main() -> int:
 def _serve(orders: ConsoleOrders) -> int:
     from nicegui import app, ui
 
-    from drawbar.config import load_configuration
-    from drawbar.console.audit import Audit
-    from drawbar.console.drawing import standing
-    from drawbar.console.link import Link
-    from drawbar.console.pages import Pages
-    from drawbar.console.passwords import load_users
-    from drawbar.driving.mail import Mailbox
-    from drawbar.driving.orders import CONSOLE, GATE, Orders
-    from drawbar.messages import encode
-    from drawbar.simulation import build_path
-
-    orders.check()
-    users = load_users(Path(orders.passwords)) if orders.passwords else None
-    drive = Orders(folder=orders.folder, run=orders.runs, configuration=orders.configuration)
-    configuration = load_configuration(orders.configuration)
-    path, _ = build_path(configuration)
-    mailbox = Mailbox(drive.socket(CONSOLE))
-    audit = Audit(Path(orders.audit) if orders.audit else None)
-    gate = drive.socket(GATE)
-    link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns)
-    pages = Pages(orders, link, standing(path, configuration.vehicle, configuration.speed), users, audit)
+    mailbox, link, pages = _build(orders)
     pages.install()
-
-    async def work() -> None:
-        loop = asyncio.get_running_loop()
-        came = asyncio.Event()
-
-        def hear() -> None:
-            before = link.version
-            for data in mailbox.receive():
-                link.hear(data)
-            if link.version != before:
-                came.set()
-
-        loop.add_reader(mailbox.fileno(), hear)
-        parent = os.getppid()
-        while os.getppid() == parent:
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(came.wait(), PERIOD)
-            came.clear()
-            link.pass_time()
-            pages.refresh()
-        app.shutdown()  # whoever started it is gone, and with it the drive
-
-    app.on_startup(work)
+    app.on_startup(lambda: _work(mailbox, link, pages))
     app.on_shutdown(mailbox.close)
     ui.run(
         host=orders.host,
@@ -93,6 +57,62 @@ def _serve(orders: ConsoleOrders) -> int:
         ssl_keyfile=orders.key,
     )
     return 0
+
+
+def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
+    """Return the console's own socket, its end of the drive, and all pages."""
+    from drawbar.config import load_configuration
+    from drawbar.console.audit import Audit
+    from drawbar.console.drawing import standing
+    from drawbar.console.link import Link
+    from drawbar.console.pages import Pages
+    from drawbar.console.passwords import load_users
+    from drawbar.console.workshop import Workshop
+    from drawbar.driving.demonstration import without_stand_ins
+    from drawbar.driving.mail import Mailbox
+    from drawbar.driving.orders import CONSOLE, GATE, Orders
+    from drawbar.driving.place import local_frame
+    from drawbar.messages import encode
+    from drawbar.simulation import build_path
+
+    orders.check()
+    users = load_users(Path(orders.passwords)) if orders.passwords else None
+    drive = Orders(folder=orders.folder, run=orders.runs, configuration=orders.configuration)
+    configuration = load_configuration(orders.configuration)
+    path, _ = build_path(configuration)
+    mailbox = Mailbox(drive.socket(CONSOLE))
+    audit = Audit(Path(orders.audit) if orders.audit else None)
+    gate = drive.socket(GATE)
+    mast = configuration.vehicle.masts.tractor
+    link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns, mast)
+    kept = without_stand_ins(configuration) if orders.stand_ins else configuration
+    workshop = Workshop(kept, local_frame(configuration), fields=Path(orders.fields), setup=Path(orders.setup))
+    scene = standing(path, configuration.vehicle, configuration.speed)
+    return mailbox, link, Pages(orders, link, workshop, scene, users, audit)
+
+
+async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:
+    """Hear the drive and show it, until whoever started the console is gone, and with it the drive."""
+    from nicegui import app
+
+    came = asyncio.Event()
+
+    def hear() -> None:
+        before = link.version
+        for data in mailbox.receive():
+            link.hear(data)
+        if link.version != before:
+            came.set()
+
+    asyncio.get_running_loop().add_reader(mailbox.fileno(), hear)
+    parent = os.getppid()
+    while os.getppid() == parent:
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(came.wait(), PERIOD)
+        came.clear()
+        link.pass_time()
+        pages.refresh()
+    app.shutdown()
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ Host and Origin are checked against the names under which the console is known (
 a socket belongs to the visitor whose page opened it; floods and oversized messages end their connection.
 """
 
+import re
 import time
 from collections.abc import Awaitable, Callable, Collection, MutableMapping
 from http.cookies import CookieError, SimpleCookie
@@ -23,12 +24,15 @@ SOCKETS = 16
 """pages that may be open at a time"""
 LARGEST = 1 << 16
 """bytes of a request or a message"""
+LARGEST_UPLOAD = 1 << 23
+"""bytes of a file that is handed over"""
 RATE, BURST = 40.0, 200.0
 """messages of a socket, 1/s and at once; a page acknowledges ten pictures a second"""
 VISITOR = "drawbar.visitor"
 """key of the visitor in a scope"""
 LOGIN = "/login"
 _SOCKET_PATH = "/_nicegui_ws"
+_UPLOAD = re.compile(r"/_nicegui/client/(?P<page>[\w-]+)/upload/\d+")
 _HEADERS = {
     # NiceGUI needs inline scripts and Vue's compiler; nothing may come from, or go to, another host.
     "content-security-policy": "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
@@ -76,7 +80,7 @@ class Guard:
             return
         headers = {key.decode("latin-1").lower(): value.decode("latin-1") for key, value in scope["headers"]}
         visitor = self._visitors.find(_cookie(headers.get("cookie", "")), time.monotonic())
-        flaw = self._flaw(scope, headers)
+        flaw = self._flaw(scope, headers, visitor)
         if flaw is not None:
             await self._refuse(scope, receive, send, *flaw)
         elif scope["type"] == "websocket":
@@ -84,7 +88,7 @@ class Guard:
         else:
             await self._page(scope, receive, send, visitor)
 
-    def _flaw(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
+    def _flaw(self, scope: Scope, headers: dict[str, str], visitor: Visitor | None) -> tuple[int, str] | None:
         """Return status and reason for which a request is refused."""
         host = headers.get("host", "")
         if (urlsplit(f"//{host}").hostname or "").lower() not in self._names:
@@ -93,8 +97,11 @@ class Guard:
         if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
             return 403, "Another site's page may not use the console."
         length = headers.get("content-length", "0")
-        if not (length.isdigit() and int(length) <= LARGEST):
+        if not (length.isdigit() and int(length) <= _largest(scope)):
             return 413, "This is too much."
+        upload = _UPLOAD.fullmatch(scope["path"])
+        if upload and not (visitor is not None and visitor.may_drive and self._owns(upload["page"], visitor)):
+            return 403, "Files are taken from pages of operators only."
         if scope["type"] == "http" and scope["path"].startswith(_SOCKET_PATH):
             return 403, "Only web sockets are served here."
         return None
@@ -118,7 +125,18 @@ class Guard:
                 message = {**message, "headers": [*message.get("headers", []), *extra]}
             await send(message)
 
-        await self._app(scope, receive, send_guarded)
+        left = _largest(scope)
+
+        async def receive_guarded() -> Message:
+            nonlocal left
+            message = await receive()
+            left -= len(message.get("body") or b"")
+            if left < 0:  # a body without a length, in pieces without end
+                self.refused += 1
+                return {"type": "http.disconnect"}
+            return message
+
+        await self._app(scope, receive_guarded, send_guarded)
 
     async def _socket(self, scope: Scope, receive: Receive, send: Send, visitor: Visitor | None) -> None:
         page = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("client_id", [""])[0]
@@ -161,6 +179,11 @@ class Guard:
         head = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode())]
         await send({"type": "http.response.start", "status": status, "headers": head})
         await send({"type": "http.response.body", "body": body})
+
+
+def _largest(scope: Scope) -> int:
+    """Return how many bytes the body of a request may have."""
+    return LARGEST_UPLOAD if _UPLOAD.fullmatch(scope["path"]) else LARGEST
 
 
 def set_cookie(token: str, *, secure: bool) -> bytes:

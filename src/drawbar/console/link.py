@@ -7,14 +7,19 @@ from collections import deque
 from collections.abc import Callable
 
 from drawbar.console.audit import Audit
+from drawbar.console.device_rates import DeviceRates
 from drawbar.console.drawing import Moving, moving
 from drawbar.console.session import Session
+from drawbar.console.surveyor import Surveyor
 from drawbar.console.visitors import Visitor
 from drawbar.driving.letters import Step, unpack
 from drawbar.driving.operator import Operator
-from drawbar.messages import Action, ControllerState, GateState, OperatorMessage, decode
+from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage, decode
 from drawbar.recording.log import decode_step
 from drawbar.safety.desk import ALWAYS
+from drawbar.safety.engagement import STEERING
+from drawbar.signals import StepRecord
+from drawbar.vehicle.parameters import Mast
 
 STALE = 1_000_000_000
 """without a state of the gate for so long, what is shown is old, ns"""
@@ -22,6 +27,8 @@ _KEPT = 128
 """states of the gate that a browser may still say to have drawn; 2.5 s"""
 _TRAIL = 3000
 """places of the tractor that are kept; 10 minutes"""
+_STEPS = 600
+"""control steps that are kept to be looked at; two minutes at 5 Hz"""
 _SUBSCRIBE = 500_000_000
 """between two attempts to be told of the gate's states, ns"""
 
@@ -29,17 +36,23 @@ _SUBSCRIBE = 500_000_000
 class Link:
     """What the console knows of the drive, and its sessions."""
 
-    def __init__(self, send: Callable[[OperatorMessage], None], audit: Audit, clock: Callable[[], int]) -> None:
-        """Take what hands a message to the gate, the audit log, and the monotonic clock in ns."""
+    def __init__(
+        self, send: Callable[[OperatorMessage], None], audit: Audit, clock: Callable[[], int], mast: Mast
+    ) -> None:
+        """Take what hands a message to the gate, the audit log, the monotonic clock in ns, and the tractor's mast."""
         self._send, self._audit, self.clock = send, audit, clock
         self._nonces = itertools.count(time.monotonic_ns())  # larger than those of any other front end
         self._own = Operator(1, send, self._nonces)
-        self._subscribe_due = 0
+        self._subscribe_due = self._stepped = 0
         self._states: deque[GateState] = deque(maxlen=_KEPT)
         self._sessions: dict[str, Session] = {}
         self.gate: GateState | None = None
         self.controller: ControllerState | None = None
         self.moving: Moving | None = None
+        self.steps: deque[tuple[StepRecord, ControllerState | None]] = deque(maxlen=_STEPS)
+        """the newest control steps, each with what the controller last said of itself"""
+        self.devices = DeviceRates()
+        self.surveyor = Surveyor(mast, clock)
         self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
         """x (m), y (m), lateral error (m) of the tractor"""
         self.wishes: dict[int, str] = {}
@@ -55,6 +68,11 @@ class Link:
         return self.gate is None or self.clock() - self.gate.time > STALE
 
     @property
+    def is_engaged(self) -> bool:
+        """Whether the vehicle is steered, or stops; what is set up is not changed then."""
+        return self.gate is not None and (bool(self.gate.steers) or self.gate.state in STEERING)
+
+    @property
     def speed(self) -> float:
         """Of the vehicle, m/s; NaN: not known."""
         if self.controller is None:
@@ -68,11 +86,16 @@ class Link:
         if isinstance(letter, Step):
             self._hear_step(letter)
             return
-        message = decode(data, GateState, ControllerState)
+        message = decode(data, GateState, ControllerState, Fixes)
         if isinstance(message, GateState):
             self._hear_gate(message)
         elif isinstance(message, ControllerState):
             self.controller = message
+        if isinstance(message, GateState | ControllerState | Fixes):
+            self.devices.hear(message, self.clock())
+        if isinstance(message, Fixes):
+            fresh = self.moving is not None and self.clock() - self._stepped <= STALE
+            self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)
 
     def _hear_step(self, letter: Step) -> None:
         try:
@@ -81,7 +104,9 @@ class Link:
             self.refused += 1
             return
         self.moving = moving(record)
+        self.steps.append((record, self.controller))
         self.version += 1
+        self._stepped = self.clock()
         if self.moving is not None:
             self.trail.append((*self.moving.tractor[:2], record.reference.tractor.lateral_error))
 

@@ -4,6 +4,7 @@ from nicegui import ui
 
 from drawbar.console.catalogue import Words
 
+_PAGES = (("drive", "/"), ("fields", "/fields"), ("setup", "/setup"), ("runs", "/runs"), ("inside", "/inside"))
 _SOUND = "document.body.dataset.sound = document.body.dataset.sound === 'off' ? 'on' : 'off'"
 
 
@@ -11,8 +12,8 @@ def menu(words: Words, *, login: bool) -> None:
     """Build the button and its menu; login: there is somebody to log out."""
     look = ui.dark_mode(None)
     with ui.button(icon="menu", color=None).props(f'flat round aria-label="{words("menu")}"'), ui.menu():
-        ui.menu_item(words("drive"), lambda: ui.navigate.to("/"))
-        ui.menu_item(words("runs"), lambda: ui.navigate.to("/runs"))
+        for key, address in _PAGES:
+            ui.menu_item(words(key), lambda address=address: ui.navigate.to(address))
         ui.separator()
         ui.menu_item(words("look"), lambda: look.set_value(not look.value))
         ui.menu_item(words("sound"), lambda: ui.run_javascript(_SOUND))

@@ -3,7 +3,7 @@
 import traceback
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from nicegui import app, core, ui
 from nicegui.client import Client
@@ -13,16 +13,27 @@ from starlette.responses import FileResponse, PlainTextResponse, RedirectRespons
 from drawbar.console.audit import Audit
 from drawbar.console.catalogue import Words, language_of
 from drawbar.console.drive_page import DrivePage
+from drawbar.console.fields_page import FieldsPage
 from drawbar.console.guard import VISITOR, Guard
+from drawbar.console.inside_page import InsidePage
 from drawbar.console.link import Link
 from drawbar.console.login import Login
 from drawbar.console.passwords import User
-from drawbar.console.runs_page import report_of, runs_page
+from drawbar.console.runs_page import RunsPage, report_of
+from drawbar.console.set_up_page import SetUpPage
 from drawbar.console.visitors import Visitor, Visitors
+from drawbar.console.workshop import Workshop
 from drawbar.driving.console_orders import LOOPBACK, ConsoleOrders
 
 _STATIC = Path(__file__).parent / "static"
 _LANGUAGE = "drawbar-language"
+
+
+class Page(Protocol):
+    """A page that is open."""
+
+    def refresh(self) -> None:
+        """Show what is so now; called ten times a second."""
 
 
 class Pages:
@@ -32,15 +43,17 @@ class Pages:
         self,
         orders: ConsoleOrders,
         link: Link,
+        workshop: Workshop,
         standing: Mapping[str, Any],
         users: dict[str, User] | None,
         audit: Audit,
     ) -> None:
         """Take what they show; users: None: nobody is asked for a password."""
-        self._orders, self._link, self._standing, self._audit = orders, link, dict(standing), audit
+        self._orders, self._link, self._workshop, self._audit = orders, link, workshop, audit
+        self._standing = dict(standing)
         self._login = users is not None
         self._visitors = Visitors()
-        self._open: dict[str, tuple[Visitor, DrivePage | None]] = {}
+        self._open: dict[str, tuple[Visitor, Page]] = {}
         secure = orders.certificate is not None
         self._desk = Login(users or {}, self._visitors, audit, secure=secure)
         self._guard = {
@@ -62,14 +75,17 @@ class Pages:
         app.add_api_route("/language/{language}", _choose_language, methods=["GET"])
         app.add_api_route("/report/{name}", self._report, methods=["GET"])
         ui.page("/", title="drawbar")(self._drive_page)
+        ui.page("/fields", title="drawbar")(self._fields_page)
+        ui.page("/setup", title="drawbar")(self._set_up_page)
         ui.page("/runs", title="drawbar")(self._runs_page)
+        ui.page("/inside", title="drawbar")(self._inside_page)
         app.on_delete(lambda client: self._open.pop(client.id, None))
 
     def refresh(self) -> None:
         """Show on all open pages what is so now."""
         for client_id, (_, page) in list(self._open.items()):
             client = Client.instances.get(client_id)
-            if page is None or client is None or not client.has_socket_connection:
+            if client is None or not client.has_socket_connection:
                 continue
             try:
                 with client:
@@ -87,13 +103,29 @@ class Pages:
 
     def _drive_page(self, request: Request) -> None:
         visitor, words = self._begin(request)
-        page = DrivePage(self._link, visitor, words, self._standing, login=self._login)
-        self._open[ui.context.client.id] = (visitor, page)
+        self._opened(visitor, DrivePage(self._link, visitor, words, self._standing, login=self._login))
+
+    def _fields_page(self, request: Request) -> None:
+        visitor, words = self._begin(request)
+        self._opened(visitor, FieldsPage(self._workshop, self._link, visitor, words, self._audit, login=self._login))
+
+    def _set_up_page(self, request: Request) -> None:
+        visitor, words = self._begin(request)
+        page = SetUpPage(self._workshop, self._link, visitor, words, self._audit, login=self._login)
+        self._opened(visitor, page)
 
     def _runs_page(self, request: Request) -> None:
         visitor, words = self._begin(request)
-        self._open[ui.context.client.id] = (visitor, None)
-        runs_page(Path(self._orders.runs), words, login=self._login)
+        folder, current = Path(self._orders.runs), Path(self._orders.configuration).parent
+        page = RunsPage(folder, current, self._link, visitor, words, self._audit, login=self._login)
+        self._opened(visitor, page)
+
+    def _inside_page(self, request: Request) -> None:
+        visitor, words = self._begin(request)
+        self._opened(visitor, InsidePage(self._link, visitor, words, login=self._login))
+
+    def _opened(self, visitor: Visitor, page: Page) -> None:
+        self._open[ui.context.client.id] = (visitor, page)
 
     def _begin(self, request: Request) -> tuple[Visitor, Words]:
         visitor: Visitor = request.scope[VISITOR]

@@ -1,17 +1,32 @@
-"""Runs page: earlier runs, newest first, each with its report."""
+"""Runs page: earlier runs, newest first: report, events, export, comparison of two, deleting."""
 
+import asyncio
+import shutil
+import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from nicegui import ui
 
+from drawbar.console.audit import Audit
 from drawbar.console.catalogue import Words
-from drawbar.console.menu import menu
+from drawbar.console.link import Link
+from drawbar.console.page_head import PageHead, tell
+from drawbar.console.run_comparison import FIGURES, read_metrics, value_of
+from drawbar.console.run_events import run_events
+from drawbar.console.visitors import Rank, Visitor
+from drawbar.errors import DrawbarError
+from drawbar.recording.log import read_log
+from drawbar.recording.table import write_csv
+from drawbar.recording.tracks import write_geojson
 
-REPORT, CONFIGURATION = "report.html", "config.toml"
+REPORT, CONFIGURATION, LOG = "report.html", "config.toml", "log.mcap"
 MOST = 200
 """runs that are listed"""
+_KINDS = {"CSV": (".csv", write_csv), "GeoJSON": (".geojson", write_geojson)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,22 +54,146 @@ def report_of(folder: Path, name: str) -> Path | None:
     return next((folder / run.name / REPORT for run in list_runs(folder) if run.name == name and run.has_report), None)
 
 
-def runs_page(folder: Path, words: Words, *, login: bool) -> None:
-    """Build the page."""
-    with ui.element("header").classes("bar"):
-        with ui.element("div").classes("words"):
-            ui.label(words("runs")).classes("word")
-        menu(words, login=login)
-    with ui.element("main").classes("page"):
-        runs = list_runs(folder)
-        if not runs:
-            ui.label(words("no_runs", folder=str(folder)))
-        for run in runs:
-            with ui.element("div").classes("run"):
-                with ui.element("b"):
-                    ui.label(run.name)
-                ui.label(time.strftime("%Y-%m-%d %H:%M", time.localtime(run.time)))
-                if run.has_report:
-                    ui.link(words("open_report"), f"/report/{run.name}")
-                else:
-                    ui.label(words("no_report"))
+class RunsPage:
+    """The page of one browser."""
+
+    def __init__(
+        self, folder: Path, current: Path, link: Link, visitor: Visitor, words: Words, audit: Audit, *, login: bool
+    ) -> None:
+        """Build the page; current: folder of the run that is being recorded now."""
+        self._folder, self._current, self._visitor, self._words, self._audit = folder, current, visitor, words, audit
+        self._head = PageHead(link, visitor, words, words("runs"), login=login)
+        with ui.element("div").classes("page"):
+            self._build_comparison()
+            self._shown = ui.element("section").classes("card")
+            self._shown.set_visibility(False)
+            self._list = ui.element("div")
+        self._show_list()
+
+    def refresh(self) -> None:
+        """Show how the drive is."""
+        self._head.refresh()
+
+    def _button(self, key: str, act: Callable[[], object]) -> ui.button:
+        return ui.button(self._words(key), on_click=act, color=None).props("no-caps unelevated").classes("action")
+
+    def _build_comparison(self) -> None:
+        names = [run.name for run in list_runs(self._folder) if read_metrics(self._folder / run.name) is not None]
+        if len(names) < 2:
+            return
+        with ui.element("section").classes("card"):
+            with ui.element("h2"):
+                ui.label(self._words("compare_two"))
+            with ui.element("div").classes("line-up"):
+                self._one = ui.select(names, value=names[1], label=self._words("run_a")).props("outlined")
+                self._other = ui.select(names, value=names[0], label=self._words("run_b")).props("outlined")
+                self._button("compare", self._compare)
+
+    def _show_list(self) -> None:
+        words = self._words
+        self._list.clear()
+        runs = list_runs(self._folder)
+        with self._list:
+            if not runs:
+                ui.label(words("no_runs", folder=str(self._folder)))
+            for run in runs:
+                with ui.element("div").classes("run"):
+                    with ui.element("b"):
+                        ui.label(run.name)
+                    ui.label(time.strftime("%Y-%m-%d %H:%M", time.localtime(run.time)))
+                    if run.has_report:
+                        ui.link(words("open_report"), f"/report/{run.name}")
+                    else:
+                        ui.label(words("no_report"))
+                    self._button("events", partial(self._show_events, run))
+                    for kind in _KINDS:
+                        button = self._button("export", partial(self._export, run, kind))
+                        button.set_text(f"{words('export')} {kind}")
+                    if self._visitor.rank >= Rank.MAINTAINER and not self._is_current(run):
+                        self._button("delete", partial(self._ask_deletion, run))
+
+    def _is_current(self, run: Run) -> bool:
+        return (self._folder / run.name).resolve() == self._current.resolve()
+
+    def _compare(self) -> None:
+        words = self._words
+        names = (self._one.value, self._other.value)
+        known = [run.name for run in list_runs(self._folder)]
+        found = {name: read_metrics(self._folder / name) or {} for name in names if name in known}
+        if len(found) != len(set(names)):  # one was deleted meanwhile
+            self._show_list()
+            return
+        self._begin(words("compare_two"))
+        with self._shown, ui.element("div").classes("scroll"), ui.element("table").classes("figures-table"):
+            _row("th", "", "A", "B", "B − A")
+            for figure in FIGURES:
+                one, other = (value_of(figure, found[name]) for name in names)
+                name = f"{words(figure.text)}, {words(figure.body)}" if figure.body else words(figure.text)
+                cells = [self._figure(value, figure.decimals) for value in (one, other, other - one)]
+                _row("td", f"{name} ({figure.unit})" if figure.unit else name, *cells)
+        with self._shown:
+            for letter, name in zip("AB", names, strict=True):
+                ui.label(f"{letter}: {name}. {found[name].get('outcome', '')}").classes("note")
+
+    def _figure(self, value: float, decimals: int) -> str:
+        return "–" if value != value else self._words.number(value, decimals)
+
+    def _begin(self, title: str) -> None:
+        """Clear the place where results are shown, and put a title there."""
+        self._shown.clear()
+        self._shown.set_visibility(True)
+        with self._shown, ui.element("h2"):
+            ui.label(title)
+
+    async def _show_events(self, run: Run) -> None:
+        try:
+            events = await asyncio.to_thread(run_events, self._folder / run.name / LOG, self._words)
+        except DrawbarError as error:
+            tell(str(error))
+            return
+        self._begin(f"{self._words('events')}: {run.name}")
+        with self._shown:
+            if not events:
+                ui.label(self._words("no_events"))
+            for event in events:
+                ui.label(f"{time.strftime('%H:%M:%S', time.localtime(event.time))}  {event.text}").classes("event")
+
+    async def _export(self, run: Run, kind: str) -> None:
+        suffix, write = _KINDS[kind]
+
+        def content() -> bytes:
+            with tempfile.TemporaryDirectory(prefix="drawbar-export-") as folder:
+                target = Path(folder) / f"run{suffix}"
+                write(read_log(self._folder / run.name / LOG), target)
+                return target.read_bytes()
+
+        try:
+            ui.download.content(await asyncio.to_thread(content), f"{run.name}{suffix}")
+        except (DrawbarError, OSError) as error:
+            tell(str(error))
+
+    def _ask_deletion(self, run: Run) -> None:
+        """Show what would be deleted, and delete it when that is confirmed."""
+        self._begin(self._words("delete_really", name=run.name))
+        with self._shown, ui.element("div").classes("line-up"):
+            self._button("delete_now", lambda: self._delete(run))
+            self._button("keep", lambda: self._shown.set_visibility(False))
+
+    def _delete(self, run: Run) -> None:
+        known = any(each.name == run.name for each in list_runs(self._folder))
+        if not known or self._is_current(run) or self._visitor.rank < Rank.MAINTAINER:
+            return
+        try:
+            shutil.rmtree(self._folder / run.name)
+        except OSError as error:
+            tell(f"{run.name}: {error.strerror}")
+        self._audit.write(self._visitor, "DELETE_RUN", run=run.name)
+        self._shown.set_visibility(False)
+        self._show_list()
+
+
+def _row(tag: str, *texts: str) -> None:
+    with ui.element("tr"):
+        for text in texts:
+            with ui.element(tag):
+                ui.label(text)

@@ -1,7 +1,8 @@
 """Screenshots: drives stand-ins through the console in Chromium and takes a picture of each page, for docs and review.
 
-`python -m drawbar.console.screenshots ADDRESS FOLDER` while `drawbar drive --console --port …` is on. Needs playwright
-and a Chromium of the distribution.
+`python -m drawbar.console.screenshots ADDRESS FOLDER [FIELD]` while `drawbar drive --console --port …` is on; FIELD is
+a file that the fields page imports, such as a .zip of examples/field. Needs playwright and a Chromium of the
+distribution.
 """
 
 import shutil
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Page
 
 PHONE, TABLET = {"width": 360, "height": 740}, {"width": 1280, "height": 800}
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -27,7 +28,7 @@ def main() -> int:
     """Take all pictures."""
     from playwright.sync_api import sync_playwright
 
-    address, folder = sys.argv[1], Path(sys.argv[2])
+    address, folder, *fields = sys.argv[1], Path(sys.argv[2]), *sys.argv[3:4]
     program = chromium_path()
     if program is None:
         print(f"screenshots need one of: {', '.join(BROWSERS)}", file=sys.stderr)
@@ -35,13 +36,15 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        _take(browser, address, folder)
+        page = browser.new_page(viewport=TABLET, color_scheme="light", locale="en-GB")  # type: ignore[arg-type]
+        _take_drive(page, address, folder)
+        _take_others(page, address, folder, fields)
         browser.close()
     return 0
 
 
-def _take(browser: "Browser", address: str, folder: Path) -> None:
-    page = browser.new_page(viewport=TABLET, color_scheme="light", locale="en-GB")  # type: ignore[arg-type]
+def _take_drive(page: "Page", address: str, folder: Path) -> None:
+    """Engage and stop on the drive page."""
     page.goto(address, timeout=WAIT)
 
     def press(name: str) -> None:
@@ -64,9 +67,23 @@ def _take(browser: "Browser", address: str, folder: Path) -> None:
     page.goto(address + "language/de", timeout=WAIT)
     _see(page, "Angehalten")
     _shoot(page, folder, "stopped-german")
-    page.goto(address + "runs", timeout=WAIT)
+
+
+def _take_others(page: "Page", address: str, folder: Path, fields: list[str]) -> None:
+    """Open all other pages, in English."""
+    page.goto(address + "language/en", timeout=WAIT)
+    page.goto(address + "fields", timeout=WAIT)
     page.locator(".word").wait_for(timeout=WAIT)
-    _shoot(page, folder, "runs")
+    if fields:
+        page.locator("input[type=file]").set_input_files(fields)
+        page.locator(".field-map .driven[points*=',']").wait_for(state="attached", timeout=WAIT)
+        page.wait_for_timeout(9000)  # until the message has gone
+    _shoot(page, folder, "fields")
+    for name in ("setup", "inside", "runs"):
+        page.goto(address + name, timeout=WAIT)
+        page.locator(".word").wait_for(timeout=WAIT)
+        page.wait_for_timeout(3000)
+        _shoot(page, folder, name)
 
 
 def _see(page: "Page", word: str) -> None:

@@ -19,8 +19,14 @@ class ConsoleOrders(BaseModel):
     """of the drive's sockets"""
     configuration: str
     """the complete configuration of the drive, a TOML file"""
+    stand_ins: bool = False
+    """its devices are stand-ins, and nothing for another drive"""
     runs: str = "runs"
     """folder of earlier runs"""
+    fields: str = "fields"
+    """folder of the fields that are kept"""
+    setup: str = "setup"
+    """folder of the versions of the configuration that are saved"""
     host: str = "127.0.0.1"
     """address to listen at"""
     port: Annotated[int, Field(ge=0, le=65535)] = 8080

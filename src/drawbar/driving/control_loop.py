@@ -3,15 +3,18 @@
 Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself never waits.
 """
 
+import math
 from collections.abc import Callable
 
 from drawbar.driving.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
+from drawbar.recording.drive_records import Kind
 from drawbar.signals import Measurement, StepRecord
 
 LATE = 20_000_000
-"""a command that leaves so long after the first byte of its epoch is late, ns"""
+"""a command that leaves so long after its epoch was complete, or given up, is late, ns: waiting for a receiver that
+loses epochs is not the computer's fault"""
 REPEAT = 100_000_000
 """between a command and its repetition, ns: what is older than 0.2 s is not obeyed"""
 _NEVER = 2**63
@@ -28,6 +31,7 @@ class ControlLoop:
         send: Callable[[Message], None],
         record: Callable[[StepRecord], None],
         clock: Callable[[], int],
+        tell: Callable[[Kind, int], None] = lambda kind, sequence: None,
     ) -> None:
         """Take the parts.
 
@@ -37,11 +41,13 @@ class ControlLoop:
             send: hands a message to the gate, at once.
             record: takes the record of each step; called when the command is out.
             clock: monotonic time, ns.
+            tell: takes what is done, and the sequence of the record that it is done about, before it is done.
         """
         self._controller, self._sampler = controller, sampler
-        self._send, self._record, self._clock = send, record, clock
+        self._send, self._record, self._clock, self._tell = send, record, clock, tell
         self._repeat = _NEVER
-        self._known = (float("nan"), float("nan"))
+        self._corrected = [math.nan, math.nan]  # when the corrections of both receivers were made, s
+        self._receiver_speed = math.nan
 
     @property
     def due(self) -> int:
@@ -51,32 +57,55 @@ class ControlLoop:
 
     def hear_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
+        self._tell(Kind.GATE, state.sequence)
         self._controller.hear(state)
         self._sampler.hear(state)
 
     def hear_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers; where it is a sample's, the step is made."""
+        self._tell(Kind.FIXES, fixes.sequence)
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
-        self._known = (max(ages) if ages[0] == ages[0] and ages[1] == ages[1] else float("nan"), fixes.tractor_speed)
-        self._step(measurement, fixes.first_byte)
+        for i, age in enumerate((fixes.tractor_correction_age, fixes.trailer_correction_age)):
+            if math.isfinite(age):
+                self._corrected[i] = seconds(fixes.epoch) - age
+        self._receiver_speed = fixes.tractor_speed
+        self._step(measurement, fixes.time)
 
     def pass_time(self, now: int) -> None:
         """Do what is due: repeat the command, or make the step of a sample whose epoch has not come."""
         deadline = self._sampler.deadline
         if deadline is not None and now >= deadline:
-            self._step(self._sampler.miss(), None)
+            self.miss()
         elif now >= self._repeat:
-            self._repeat = now + REPEAT
-            self._send(self._controller.repeat(now))
+            self.repeat(now)
 
-    def _step(self, measurement: Measurement, first_byte: int | None) -> None:
+    def miss(self) -> None:
+        """Make a step without its epoch."""
+        self._tell(Kind.MISS, 0)
+        self._step(self._sampler.miss(), None)
+
+    def repeat(self, now: int) -> None:
+        """Repeat the command."""
+        self._tell(Kind.REPEAT, 0)
+        self._repeat = now + REPEAT
+        self._send(self._controller.repeat(now))
+
+    def _step(self, measurement: Measurement, complete: int | None) -> None:
         command: CommandMessage = self._controller.feedback(measurement, self._clock())
         self._send(command)
         out = self._clock()
-        record = self._controller.prepare(late=first_byte is not None and out - first_byte > LATE)
-        self._send(self._controller.state(self._clock(), self._known))
+        record = self._controller.prepare(late=complete is not None and out - complete > LATE)
+        self._send(
+            self._controller.state(
+                self._clock(), correction_age=self._correction_age(), receiver_speed=self._receiver_speed
+            )
+        )
         self._repeat = command.time + REPEAT
         self._record(record)
+
+    def _correction_age(self) -> float:
+        """Return the age of the older corrections now, s: they grow old where an epoch, or its age, is lost."""
+        ages = [seconds(self._clock()) - corrected for corrected in self._corrected]
+        return math.nan if any(map(math.isnan, ages)) else max(ages)

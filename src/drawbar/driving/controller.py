@@ -7,13 +7,13 @@ from drawbar.driving.certainty import certainty
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
-from drawbar.signals import Command, Measurement, Status, StepRecord
+from drawbar.signals import Command, FixStatus, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
-LATE = 20_000_000
-"""a step whose command leaves so long after the first byte of its epoch is late, ns"""
+DOUBTED = 3
+"""samples in a row in which neither antenna is where it can be, from which on the position is not known"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
 
 
@@ -23,24 +23,26 @@ class Controller:
     While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
     """
 
-    def __init__(self, configuration: Configuration, path: Path, fingerprint: int) -> None:
+    def __init__(self, configuration: Configuration, path: Path, fingerprint: int, *, wiggled: bool = False) -> None:
         """Build the autopilot.
 
         Args:
             configuration: of the run.
             path: to drive along.
             fingerprint: of the safety settings that the gate has.
+            wiggled: the actuators have passed their wiggle test.
 
         Raises:
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._path, self._fingerprint = configuration, path, fingerprint
+        self._wiggled = wiggled
         self._autopilot = build_autopilot(configuration)
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
         self._gate: GateState | None = None
-        self._sequence = self._solved = self._overruns = 0
+        self._sequence = self._solved = self._overruns = self._doubted = 0
         self._status = Status.POSITION
         self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
 
@@ -88,15 +90,20 @@ class Controller:
         record = self._autopilot.record()
         self._overruns += late
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
-        if self._status.is_new_command or not self._status.has_ended:  # a run that has ended estimates nothing more
+        if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
-            self._deviations = self._certainty(record.estimate) if self._status.is_new_command else (math.nan, math.nan)
+            self._doubted = self._doubted + 1 if _both_rejected(record) else 0
+            known = self._status.is_new_command and self._doubted < DOUBTED
+            self._deviations = self._certainty(record.estimate) if known else (math.nan, math.nan)
         return record
 
-    def state(self, now: int, fixes_known: tuple[float, float]) -> ControllerState:
+    def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
         """Return how the controller is after its newest step.
 
-        fixes_known: age of the older corrections (s) and speed over ground (m/s), NaN where not known.
+        Args:
+            now: monotonic time, ns.
+            correction_age: of the older of both receivers' corrections, NaN where not known, s.
+            receiver_speed: over ground, NaN where not known, m/s.
         """
         record, measurement = self._record, self._measurement
         lateral, heading = self._deviations
@@ -108,12 +115,12 @@ class Controller:
             configuration=self._fingerprint,
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(measurement.trailer_fix_quality),
-            wiggled=0,  # nothing here tries the actuators yet
+            wiggled=int(self._wiggled),
             status=int(self._status),
             flags=int(record.flags),
             solved=self._solved,
             overruns=self._overruns,
-            correction_age=fixes_known[0],
+            correction_age=correction_age,
             lateral_deviation=lateral,
             heading_deviation=heading,
             tractor_lateral_error=tractor.lateral_error,
@@ -122,7 +129,7 @@ class Controller:
             trailer_heading_error=wrap(record.estimate.trailer.yaw - trailer.closest[2]),
             hitch_angle=record.estimate.hitch_angle,
             wheel_speed=measurement.speed,
-            receiver_speed=fixes_known[1],
+            receiver_speed=receiver_speed,
         )
 
     def _mode(self) -> Mode:
@@ -138,3 +145,9 @@ class Controller:
         progress, _ = self._path.project(x, y, 0.0, self._path.length)
         self._autopilot.begin(self._path, at=min(max(progress, 0.0), math.nextafter(self._path.length, 0.0)))
         self._autopilot.set_engaged(False)
+
+
+def _both_rejected(record: StepRecord) -> bool:
+    """Whether the estimator believes neither antenna; a second later it would follow where both have jumped."""
+    fixes = (record.estimate.tractor_fix, record.estimate.trailer_fix)
+    return all(fix is FixStatus.REJECTED for fix in fixes)

@@ -7,6 +7,7 @@ import select
 import socket
 import sys
 import time
+from collections.abc import Iterator
 
 import msgspec
 
@@ -18,10 +19,13 @@ from drawbar.driving.ending import Ending
 from drawbar.driving.letters import Step, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
+from drawbar.driving.wiggled import has_passed
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
 from drawbar.realtime import prepare
+from drawbar.recording.drive_records import Happening, Kind
 from drawbar.recording.log import encode_special
+from drawbar.recording.precision import as_recorded
 from drawbar.signals import StepRecord
 from drawbar.simulation import build_path
 
@@ -35,36 +39,29 @@ def main() -> int:
     gate = socket.socket(fileno=int(sys.argv[1]))
     gate.setblocking(False)
     configuration = load_configuration(orders.configuration)
-    mailbox, recorder = Mailbox(orders.socket(CONTROLLER)), orders.socket(RECORDER)
-    encoder = msgspec.json.Encoder(enc_hook=encode_special)
-    beat, ending = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending()
-
-    def send(message: Message) -> None:
-        record = encode(message)
-        try:
-            gate.send(record)
-        except BlockingIOError:
-            mailbox.lost += 1
-        except OSError:
-            ending.asked = True
-        mailbox.send(recorder, record)
-        if isinstance(message, ControllerState):
-            for place in (FRONT_END, CONSOLE):
-                mailbox.send(orders.socket(place), record)
-
-    def keep(record: StepRecord) -> None:
-        letter = pack(Step(time=time.monotonic_ns(), data=encoder.encode(record)))
-        mailbox.send(recorder, letter)
-        mailbox.send(orders.socket(CONSOLE), letter)
-
+    mailbox = Mailbox(orders.socket(CONTROLLER))
+    beat, ending, words = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending(), Words(gate, mailbox, orders)
     path, _ = build_path(configuration)
-    controller = Controller(configuration, path, configuration.safety.fingerprint())
-    loop = ControlLoop(controller, Sampler(configuration.sample_time), send=send, record=keep, clock=time.monotonic_ns)
+    fingerprint, wiggled = configuration.safety.fingerprint(), has_passed(configuration)
+    loop = ControlLoop(
+        Controller(configuration, path, fingerprint, wiggled=wiggled),
+        Sampler(configuration.sample_time),
+        send=words.send,
+        record=words.keep,
+        clock=time.monotonic_ns,
+        tell=words.tell,
+    )
     for word in prepare(max(configuration.safety.timing.priority - 10, 0)):
         print(f"controller: {word}", file=sys.stderr)
-    while not ending.asked:
+    while not (ending.asked or words.gate_is_gone):
         now = time.monotonic_ns()
-        ending.asked |= not _hear_gate(gate, loop, beat)
+        for data in arrived(gate):
+            state = decode(data, GateState)
+            if isinstance(state, GateState):
+                words.repeat(data)
+                beat.state = state.state
+                loop.hear_gate(state)
+            words.gate_is_gone |= not data
         for data in mailbox.receive():
             fixes = decode(data, Fixes)
             if isinstance(fixes, Fixes):
@@ -78,21 +75,59 @@ def main() -> int:
     return 0
 
 
-def _hear_gate(gate: socket.socket, loop: ControlLoop, beat: Beat) -> bool:
-    """Take in what the gate has sent; return whether it is still there."""
+class Words:
+    """What the controller says: to the gate at once, to the recorder without fail, to displays if they read."""
+
+    def __init__(self, gate: socket.socket, mailbox: Mailbox, orders: Orders) -> None:
+        """Take the gate's end, the own mailbox and where the others are."""
+        self._gate, self._mailbox = gate, mailbox
+        self._recorder, self._console = orders.socket(RECORDER), orders.socket(CONSOLE)
+        self._displays = (orders.socket(FRONT_END), self._console)
+        self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
+        self.gate_is_gone = False
+
+    def send(self, message: Message) -> None:
+        """Send a message to the gate."""
+        record = encode(message)
+        try:
+            self._gate.send(record)
+        except BlockingIOError:
+            self._mailbox.lost += 1
+        except OSError:
+            self.gate_is_gone = True
+        self._mailbox.post(self._recorder, record)
+        if isinstance(message, ControllerState):
+            for place in self._displays:
+                self._mailbox.send(place, record)
+
+    def tell(self, kind: Kind, sequence: int) -> None:
+        """Tell the recorder what is done now."""
+        happening = Happening(kind=kind, time=time.monotonic_ns(), sequence=sequence)
+        self._mailbox.post(self._recorder, pack(happening))
+
+    def keep(self, record: StepRecord) -> None:
+        """Have a step recorded and shown."""
+        letter = pack(Step(time=time.monotonic_ns(), data=self._encoder.encode(as_recorded(record))))
+        self._mailbox.post(self._recorder, letter)
+        self._mailbox.send(self._console, letter)
+
+    def repeat(self, record: bytes) -> None:
+        """Have a state of the gate recorded: the gate itself does not wait for a recorder that is busy."""
+        self._mailbox.post(self._recorder, record)
+
+
+def arrived(gate: socket.socket) -> Iterator[bytes]:
+    """Yield the records that the gate has sent; an empty one at its end."""
     while True:
         try:
             data = gate.recv(4096)
         except BlockingIOError:
-            return True
+            return
         except OSError:
-            return False
+            data = b""
+        yield data
         if not data:
-            return False
-        state = decode(data, GateState)
-        if isinstance(state, GateState):
-            beat.state = state.state
-            loop.hear_gate(state)
+            return
 
 
 if __name__ == "__main__":

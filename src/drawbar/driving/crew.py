@@ -1,4 +1,4 @@
-"""Crew: starts the processes of a drive, the gate first, watches them, and ends them, the gate last."""
+"""Crew: starts the processes of a drive, the recorder first, watches them, and ends them, the gate first."""
 
 import os
 import signal
@@ -28,7 +28,14 @@ class Crew:
     """The processes of one drive, as a context."""
 
     def __init__(
-        self, configuration: Configuration, run: Path, *, stand_ins: bool, console: ConsoleOrders | None = None
+        self,
+        configuration: Configuration,
+        run: Path,
+        *,
+        stand_ins: bool,
+        shadow: bool = False,
+        live: int | None = None,
+        console: ConsoleOrders | None = None,
     ) -> None:
         """Take what to drive.
 
@@ -36,15 +43,23 @@ class Crew:
             configuration: complete, with devices.
             run: folder of the log, which exists.
             stand_ins: start the stand-in of all devices too.
-            console: start the operator's console too; its `folder` and `configuration` are filled in here.
+            shadow: the gate only listens to the actuators.
+            live: port of this computer on which the recorder shows what it records; None: it does not.
+            console: start the operator's console too; its `folder`, `configuration` and `stand_ins` are filled in here.
         """
         assert configuration.devices is not None
         self._configuration, self._run = configuration, run
-        self._stand_ins, self._console = stand_ins, console
+        self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
         self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
-        self.orders = Orders(folder=self._folder.name, run=str(run), configuration=str(run / CONFIGURATION_NAME))
+        self.orders = Orders(
+            folder=self._folder.name,
+            run=str(run),
+            configuration=str(run / CONFIGURATION_NAME),
+            stand_ins=stand_ins,
+            live=live,
+        )
 
     def __enter__(self) -> Self:
         """Start all; each is there when this returns.
@@ -76,39 +91,24 @@ class Crew:
 
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
+        self._start("recorder", "driving.recorder_main", orders)  # the first, so that nothing happens unrecorded
         if self._stand_ins:
             self._start("stand_in", "driving.stand_in_main", orders)
             self._await("stand_in", "driver")
+        self._await("recorder", "recorder")
         ours, theirs = controller_pair()
         with ours, theirs:
-            self._start(
-                "gate", "driving.gate_main", self._gate_orders(theirs.fileno()).model_dump_json(), ends=(theirs,)
-            )
+            orders_of_gate = gate_orders(self._configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
+            self._start("gate", "driving.gate_main", orders_of_gate.model_dump_json(), ends=(theirs,))
             self._start("controller", "driving.controller_main", orders, str(ours.fileno()), ends=(ours,))
-        self._start("recorder", "driving.recorder_main", orders)
         self._start("receivers", "driving.receivers_main", orders)
-        for name in ("gate", "controller", "recorder", "receivers"):
+        for name in ("gate", "controller", "receivers"):
             self._await(name, name)
         (Path(self._folder.name) / ORDERS_NAME).write_text(orders, "utf-8")
         if self._console is not None:
-            filled = {"folder": self._folder.name, "configuration": self.orders.configuration}
+            filled = self.orders.model_dump(include={"folder", "configuration", "stand_ins"})
             self._start(CONSOLE, "console.console_main", self._console.model_copy(update=filled).model_dump_json())
             self._await(CONSOLE, CONSOLE)
-
-    def _gate_orders(self, descriptor: int) -> GateOrders:
-        vehicle, devices = self._configuration.vehicle, self._configuration.devices
-        assert devices is not None
-        return GateOrders(
-            folder=self._folder.name,
-            safety=self._configuration.safety,
-            wheelbase=vehicle.wheelbase,
-            tractor_limit=vehicle.tractor_steering_limit,
-            trailer_limit=vehicle.trailer_steering_limit,
-            tractor_board=devices.tractor_board,
-            trailer_board=devices.trailer_board,
-            isobus=devices.isobus,
-            controller=descriptor,
-        )
 
     def _start(
         self, name: str, module: str, orders: str, *arguments: str, ends: tuple[socket.socket, ...] = ()
@@ -156,3 +156,22 @@ class Crew:
                     process.wait()
         self._messages.close()
         self._folder.cleanup()
+
+
+def gate_orders(configuration: Configuration, folder: str, controller: int, *, shadow: bool = False) -> GateOrders:
+    """Return what the gate of a configuration is told; folder of its socket, descriptor of its end of the pair."""
+    vehicle, devices = configuration.vehicle, configuration.devices
+    assert devices is not None
+    return GateOrders(
+        folder=folder,
+        safety=configuration.safety,
+        wheelbase=vehicle.wheelbase,
+        tractor_limit=vehicle.tractor_steering_limit,
+        trailer_limit=vehicle.trailer_steering_limit,
+        tractor_board=devices.tractor_board,
+        trailer_board=devices.trailer_board,
+        isobus=devices.isobus,
+        drives=devices.speed == "isobus",
+        shadow=shadow,
+        controller=controller,
+    )

@@ -38,6 +38,13 @@ def with_stand_ins(configuration: Configuration) -> Configuration:
     return configuration.model_copy(update={"devices": devices, "safety": safety})
 
 
+def without_stand_ins(configuration: Configuration) -> Configuration:
+    """Return what is kept of such a configuration for another drive: no devices, and the wiggle test is asked for."""
+    engage = configuration.safety.engage.model_copy(update={"wiggle_test": True})
+    safety = configuration.safety.model_copy(update={"engage": engage})
+    return configuration.model_copy(update={"devices": None, "safety": safety})
+
+
 def _free_ports(kind: int, count: int) -> list[int]:
     """Return ports of 127.0.0.1 that nobody uses now."""
     sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]

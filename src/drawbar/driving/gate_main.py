@@ -4,16 +4,13 @@ import socket
 import sys
 from pathlib import Path
 
+from drawbar.driving.actuators import board_wires, isobus_wire, listened
 from drawbar.driving.orders import DRIVER, GATE, RECORDER, GateOrders
-from drawbar.machine.hardware.shared_socket import own_sources, share
-from drawbar.protocols.agopengps.network import COMPUTER_PORT
 from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
 from drawbar.safety.envelope import Bounds
 from drawbar.safety.gate_process import run
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.wires import Wire
-from drawbar.transports.open import open_transport
-from drawbar.transports.udp import UdpTransport
 
 
 def main() -> int:
@@ -32,24 +29,15 @@ def main() -> int:
 
 
 def wires(orders: GateOrders) -> list[Wire]:
-    """Open the transports of all actuators; boards that listen at one place share one socket.
+    """Open the transports of all actuators, of a shadow only to listen.
 
     Raises:
         HardwareError: a port is taken.
     """
-    boards = {"tractor": orders.tractor_board, "trailer": orders.trailer_board}
-    opened: list[Wire] = []
-    for listen in sorted({board.listen for board in boards.values() if board is not None}):
-        here = {body: board for body, board in boards.items() if board is not None and board.listen == listen}
-        line = open_transport(next(iter(here.values())).transport)
-        assert isinstance(line, UdpTransport)
-        peers = [board.destination for board in here.values()]
-        own = own_sources(peers, COMPUTER_PORT)
-        for (body, board), transport in zip(here.items(), share(line, peers), strict=True):
-            actuator = board.actuator(own)
-            tractor, trailer = (actuator, None) if body == "tractor" else (None, actuator)
-            opened.append(Wire(transport=transport, tractor=tractor, trailer=trailer))
-    return opened
+    opened = board_wires({"tractor": orders.tractor_board, "trailer": orders.trailer_board}, listens=orders.shadow)
+    if orders.isobus is not None:
+        opened.append(isobus_wire(orders.isobus, orders.safety.envelope.speed if orders.drives else None))
+    return [listened(wire) for wire in opened] if orders.shadow else opened
 
 
 if __name__ == "__main__":

@@ -3,17 +3,18 @@
 Records of `messages.py` go as they are; they begin with their own mark. All times are monotonic, ns.
 """
 
-import json
 import struct
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import IntEnum
 
+from drawbar.recording.drive_records import Happening, Kind, RawBytes
 from drawbar.transports.tapped import Direction
 
-_RAW = struct.Struct("<4sQBB")
+_RAW = struct.Struct("<4sQBBB")
 _STEP = struct.Struct("<4sQ")
+_HAPPENING = struct.Struct("<4sQBI")
 _DIRECTIONS = tuple(Direction)
-RAW, STEP, EVENT = b"DBr\0", b"DBs\0", b"DBe\0"
+RAW, STEP, HAPPENING = b"DBr\0", b"DBs\0", b"DBh\0"
 
 
 class Device(IntEnum):
@@ -21,26 +22,12 @@ class Device(IntEnum):
 
     TRACTOR_RECEIVER = 0
     TRAILER_RECEIVER = 1
-    CORRECTIONS = 2
-    SENSORS = 3
+    SENSORS = 2
 
-
-class Level(Enum):
-    """How grave an event is."""
-
-    INFO = "info"
-    WARNING = "warning"
-    ERROR = "error"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Raw:
-    """Bytes as they went over a wire."""
-
-    time: int
-    device: Device
-    direction: Direction
-    data: bytes
+    @property
+    def topic(self) -> str:
+        """Its name in logs."""
+        return self.name.lower()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,42 +38,42 @@ class Step:
     data: bytes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Event:
-    """Something to be told in words."""
-
-    time: int
-    level: Level
-    name: str
-    """of the process"""
-    text: str
-
-
-Letter = Raw | Step | Event
+Letter = RawBytes | Step | Happening
 
 
 def pack(letter: Letter) -> bytes:
     """Return the datagram of a letter."""
-    if isinstance(letter, Raw):
-        return _RAW.pack(RAW, letter.time, letter.device, _DIRECTIONS.index(letter.direction)) + letter.data
-    if isinstance(letter, Step):
-        return _STEP.pack(STEP, letter.time) + letter.data
-    words = {"level": letter.level.value, "name": letter.name, "text": letter.text}
-    return _STEP.pack(EVENT, letter.time) + json.dumps(words).encode()
+    if isinstance(letter, RawBytes):
+        device, source = Device[letter.device.upper()], letter.source.encode()
+        direction = _DIRECTIONS.index(letter.direction)
+        return _RAW.pack(RAW, letter.time, device, direction, len(source)) + source + letter.data
+    if isinstance(letter, Happening):
+        return _HAPPENING.pack(HAPPENING, letter.time, letter.kind, letter.sequence)
+    return _STEP.pack(STEP, letter.time) + letter.data
 
 
 def unpack(data: bytes) -> Letter | None:
     """Return the letter in a datagram; None: it is none."""
     try:
         if data[:4] == RAW:
-            _, time, device, direction = _RAW.unpack_from(data)
-            return Raw(time=time, device=Device(device), direction=_DIRECTIONS[direction], data=data[_RAW.size :])
+            return _unpack_raw(data)
         if data[:4] == STEP:
             return Step(time=_STEP.unpack_from(data)[1], data=data[_STEP.size :])
-        if data[:4] == EVENT:
-            words = json.loads(data[_STEP.size :])
-            time = _STEP.unpack_from(data)[1]
-            return Event(time=time, level=Level(words["level"]), name=str(words["name"]), text=str(words["text"]))
-    except (ValueError, KeyError, IndexError, struct.error):
+        if data[:4] == HAPPENING:
+            _, time, kind, sequence = _HAPPENING.unpack(data)
+            return Happening(time=time, kind=Kind(kind), sequence=sequence)
+    except (ValueError, IndexError, struct.error):
         return None
     return None
+
+
+def _unpack_raw(data: bytes) -> RawBytes:
+    _, time, device, direction, length = _RAW.unpack_from(data)
+    end = _RAW.size + length
+    return RawBytes(
+        time=time,
+        device=Device(device).topic,
+        direction=_DIRECTIONS[direction],
+        source=data[_RAW.size : end].decode(),
+        data=data[end:],
+    )

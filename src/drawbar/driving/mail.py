@@ -2,10 +2,16 @@
 
 import os
 import socket
+import time
+from collections import deque
 from collections.abc import Iterator
 
 LARGEST = 1 << 17
 """bytes of a datagram, at most"""
+MOST_KEPT = 1 << 22
+"""bytes of what was posted and is not taken yet; a minute of a drive"""
+_CLOSING = 0.5
+"""s"""
 _BUFFER = 1 << 20
 """asked of the kernel for what was not read yet, bytes"""
 
@@ -25,6 +31,8 @@ class Mailbox:
             self._socket.setsockopt(socket.SOL_SOCKET, option, _BUFFER)
         self._path = path
         self._socket.bind(path)
+        self._kept: deque[tuple[str, bytes]] = deque()
+        self._kept_bytes = 0
         self.lost = 0
         """datagrams that were not taken"""
 
@@ -47,8 +55,35 @@ class Mailbox:
         except OSError:
             self.lost += 1
 
+    def post(self, path: str, data: bytes) -> None:
+        """Send to another's path; what it does not take now is kept, in order, and goes before what is posted next.
+
+        For what must not be lost, to one path only. The kernel keeps ten datagrams for a process that is busy.
+        """
+        self._kept.append((path, data))
+        self._kept_bytes += len(data)
+        self._send_kept()
+        while self._kept_bytes > MOST_KEPT:
+            self._kept_bytes -= len(self._kept.popleft()[1])
+            self.lost += 1
+
+    def _send_kept(self) -> None:
+        while self._kept:
+            path, data = self._kept[0]
+            try:
+                self._socket.sendto(data, path)
+            except BlockingIOError:
+                return
+            except OSError:
+                self.lost += 1
+            self._kept_bytes -= len(self._kept.popleft()[1])
+
     def close(self) -> None:
-        """Close the socket and take its path away."""
+        """Send what is kept, within half a second, close the socket and take its path away."""
+        end = time.monotonic() + _CLOSING
+        while self._kept and time.monotonic() < end:
+            self._send_kept()
+            time.sleep(0.005)
         self._socket.close()
         if os.path.exists(self._path):
             os.unlink(self._path)

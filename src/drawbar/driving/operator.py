@@ -1,7 +1,6 @@
 """Operator: a front end's side of the gate's socket, which keeps session, lease and what it has seen."""
 
 import itertools
-import math
 from collections.abc import Callable, Iterator
 
 from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
@@ -74,9 +73,3 @@ class DemonstrationOperator:
         self.operator.ask(Action.PRESENT, now)
         if action is not Action.PRESENT:
             self.operator.ask(action, now)
-
-
-def describe(state: GateState) -> str:
-    """Return one line of what the gate does and what stands against engaging."""
-    remaining = f", {state.remaining:.0f} s left" if math.isfinite(state.remaining) else ""
-    return f"{state.state.name}{remaining}"

@@ -20,6 +20,10 @@ class Orders(BaseModel):
     """folder of the drive's log"""
     configuration: str
     """the complete configuration, a TOML file"""
+    live: int | None = None
+    """port of this computer on which the recorder shows what it records; None: it does not"""
+    stand_ins: bool = False
+    """its devices are stand-ins of this drive, gone after it"""
 
     def socket(self, name: str) -> str:
         """Return the path of a process's socket."""
@@ -49,5 +53,9 @@ class GateOrders(BaseModel):
     tractor_board: SteerBoardSettings | None
     trailer_board: SteerBoardSettings | None
     isobus: IsobusSettings | None
+    drives: bool
+    """the tractor's speed is commanded over the ISOBUS"""
+    shadow: bool
+    """actuators are only listened to"""
     controller: int
     """descriptor of the gate's end of the pair"""

@@ -11,9 +11,9 @@ import time
 from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
 from drawbar.driving.ending import Ending
-from drawbar.driving.letters import Device, Raw, pack
+from drawbar.driving.letters import Device, pack
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONTROLLER, GATE, RECORDER, Orders
+from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECORDER, Orders
 from drawbar.driving.place import local_frame
 from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
@@ -23,6 +23,7 @@ from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import Role, encode, nanoseconds, seconds
 from drawbar.protocols.ntrip import gga_sentence
 from drawbar.realtime import prepare
+from drawbar.recording.drive_records import Happening, Kind, RawBytes
 from drawbar.signals import FixQuality
 from drawbar.transports.base import Received
 from drawbar.transports.open import open_transport
@@ -43,8 +44,9 @@ def main() -> int:
     devices = configuration.devices
     assert devices is not None
     mailbox = Mailbox(orders.socket("receivers"))
-    tractor, trailer = (_receiver(settings, device, mailbox, orders) for settings, device in _receivers(devices))
-    sensors = _sensors(devices, mailbox, orders)
+    witness = Witness(mailbox, orders.socket(RECORDER))
+    tractor, trailer = (_receiver(settings, device, witness) for settings, device in _receivers(devices))
+    sensors = _sensors(devices, witness)
     navigation = Navigation(tractor, trailer, local_frame(configuration), sensors)
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
     corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
@@ -52,10 +54,14 @@ def main() -> int:
         print(f"receivers: {word}", file=sys.stderr)
     while not ending.asked:
         now = time.monotonic_ns()
-        for fixes in navigation.poll(seconds(now)):
+        was_due = navigation.due <= seconds(now)
+        found = navigation.poll(seconds(now))
+        witness.tell_look(now, was_due=was_due)
+        for fixes in found:
             record = encode(fixes)
-            mailbox.send(orders.socket(CONTROLLER), record)
-            mailbox.send(orders.socket(RECORDER), record)
+            for reader in (CONTROLLER, CONSOLE):
+                mailbox.send(orders.socket(reader), record)
+            mailbox.post(orders.socket(RECORDER), record)
         beat.pass_time(now)
         if corrections is not None:
             _correct(corrections, tractor, trailer)
@@ -95,24 +101,45 @@ def _receivers(devices: DeviceSettings) -> tuple[tuple[ReceiverSettings, Device]
     return (devices.tractor_receiver, Device.TRACTOR_RECEIVER), (devices.trailer_receiver, Device.TRAILER_RECEIVER)
 
 
-def _receiver(settings: ReceiverSettings, device: Device, mailbox: Mailbox, orders: Orders) -> Receiver:
-    return Receiver(_tapped(settings.transport, device, mailbox, orders), settings)
+def _receiver(settings: ReceiverSettings, device: Device, witness: "Witness") -> Receiver:
+    return Receiver(witness.open(settings.transport, device), settings)
 
 
-def _sensors(devices: DeviceSettings, mailbox: Mailbox, orders: Orders) -> SensorLine | None:
+def _sensors(devices: DeviceSettings, witness: "Witness") -> SensorLine | None:
     if devices.sensors is None:
         return None
-    return SensorLine(_tapped(devices.sensors.transport, Device.SENSORS, mailbox, orders), devices.sensors)
+    return SensorLine(witness.open(devices.sensors.transport, Device.SENSORS), devices.sensors)
 
 
-def _tapped(address: str, device: Device, mailbox: Mailbox, orders: Orders) -> TappedTransport:
-    """Open a transport, every byte of which goes to the recorder too."""
+class Witness:
+    """Tells the recorder every byte, and each look at the receivers that may have changed anything."""
 
-    def tap(direction: Direction, received: Received) -> None:
-        raw = Raw(time=nanoseconds(received.time), device=device, direction=direction, data=received.data)
-        mailbox.send(orders.socket(RECORDER), pack(raw))
+    def __init__(self, mailbox: Mailbox, recorder: str) -> None:
+        """Take the own mailbox and the path of the recorder's."""
+        self._mailbox, self._recorder = mailbox, recorder
+        self._heard = False
 
-    return TappedTransport(open_transport(address), tap)
+    def open(self, address: str, device: Device) -> TappedTransport:
+        """Open a transport, every byte of which goes to the recorder too."""
+
+        def tap(direction: Direction, received: Received) -> None:
+            self._heard |= direction is Direction.IN
+            raw = RawBytes(
+                time=nanoseconds(received.time),
+                device=device.topic,
+                direction=direction,
+                source=received.source,
+                data=received.data,
+            )
+            self._mailbox.post(self._recorder, pack(raw))
+
+        return TappedTransport(open_transport(address), tap)
+
+    def tell_look(self, time: int, *, was_due: bool) -> None:
+        """Tell of a look at a time, ns, at which something came or was due; any other has done nothing."""
+        if self._heard or was_due:
+            self._mailbox.post(self._recorder, pack(Happening(kind=Kind.LOOK, time=time)))
+        self._heard = False
 
 
 if __name__ == "__main__":

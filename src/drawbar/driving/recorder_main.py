@@ -11,7 +11,7 @@ from pathlib import Path
 from drawbar.config import Configuration, load_configuration
 from drawbar.driving.beat import Beat
 from drawbar.driving.ending import Ending
-from drawbar.driving.letters import Event, Raw, Step, unpack
+from drawbar.driving.letters import Step, unpack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GATE, RECORDER, Orders
 from drawbar.driving.place import local_frame
@@ -19,37 +19,49 @@ from drawbar.errors import DrawbarError
 from drawbar.messages import KINDS as RECORDS
 from drawbar.messages import Flaw, GateState, Message, Role, decode
 from drawbar.recording.drive_log import DriveLog
+from drawbar.recording.drive_records import Happening, RawBytes
 from drawbar.recording.header import run_header
+from drawbar.recording.live import Live
 from drawbar.recording.log import decode_step
 from drawbar.recording.scene import Scene
 from drawbar.simulation import build_path
-from drawbar.transports.tapped import Direction
 
 LOG_NAME = "log.mcap"
-_DIRECTIONS = tuple(Direction)
 
 
 def main() -> int:
     """Write until told to end."""
     orders = Orders.model_validate_json(sys.stdin.read())
-    mailbox, ending = Mailbox(orders.socket(RECORDER)), Ending()
+    ending, healthy = Ending(), True
     configuration = load_configuration(orders.configuration)
-    beat = Beat(Role.RECORDER, mailbox, orders.socket(GATE))
-    healthy = True
-    with _log(configuration, Path(orders.run)) as log:
+    live = _live(orders.live)
+    with _log(configuration, Path(orders.run), live) as log:
+        mailbox = Mailbox(orders.socket(RECORDER))  # only now: whoever sees it may send, and nothing is lost
+        beat = Beat(Role.RECORDER, mailbox, orders.socket(GATE))
         while not ending.asked or select.select([mailbox], [], [], 0.2)[0]:
             healthy &= _take(mailbox, log, beat)
             beat.pass_time(time.monotonic_ns(), healthy=healthy)
             select.select([mailbox], [], [], max(beat.due - time.monotonic_ns(), 0) * 1e-9)
     mailbox.close()
+    if live is not None:
+        live.close()
     return 0
 
 
-def _log(configuration: Configuration, folder: Path) -> DriveLog:
+def _live(port: int | None) -> Live | None:
+    """Return the server that shows it all; where it cannot be, that is said, and the log is written without it."""
+    try:
+        return None if port is None else Live(port)
+    except DrawbarError as error:
+        print(f"recorder: not live: {error}", file=sys.stderr)
+        return None
+
+
+def _log(configuration: Configuration, folder: Path, live: Live | None) -> DriveLog:
     path, drivable = build_path(configuration)
     frame = local_frame(configuration)
     header = run_header(configuration, path, drivable, seed=0, frame=frame)
-    return DriveLog(folder / LOG_NAME, header, Scene(path=path, vehicle=configuration.vehicle, frame=frame))
+    return DriveLog(folder / LOG_NAME, header, Scene(path=path, vehicle=configuration.vehicle, frame=frame), live)
 
 
 def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
@@ -65,12 +77,12 @@ def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
 
 def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
     letter = unpack(data)
-    if isinstance(letter, Raw):
-        log.add_raw(letter.time, letter.device.name.lower(), _DIRECTIONS.index(letter.direction), letter.data)
+    if isinstance(letter, RawBytes):
+        log.add_raw(letter)
+    elif isinstance(letter, Happening):
+        log.add_happening(letter)
     elif isinstance(letter, Step):
         log.add_step(letter.time, letter.data, decode_step(letter.data))
-    elif isinstance(letter, Event):
-        log.add_event(letter.time, letter.level.value, letter.name, letter.text)
     else:
         message = decode(data, *RECORDS.values())
         if isinstance(message, GateState):

@@ -8,6 +8,7 @@ import select
 import socket
 import sys
 import time
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 from drawbar.config import Configuration, load_configuration
@@ -17,12 +18,15 @@ from drawbar.driving.orders import DRIVER, Orders
 from drawbar.driving.place import local_frame
 from drawbar.driving.stand_ins import stand_in_machine
 from drawbar.errors import HardwareError
+from drawbar.machine.hardware.receiver import CAN
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.machine import SENSORS, Driver, StandInMachine
 from drawbar.messages import GateState, SupervisorState, decode
 from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
+from drawbar.transports.can_listener import unpacked
+from drawbar.transports.open import open_can
 
 
 class DataLine:
@@ -59,11 +63,9 @@ class DataLine:
         if not self._listens:
             self._socket.sendto(data, self._place)
             return
-        try:
+        with suppress(BlockingIOError):  # nobody new has connected
             self._peers.append(self._socket.accept()[0])
             self._peers[-1].setblocking(False)
-        except BlockingIOError:
-            pass
         for peer in list(self._peers):
             try:
                 peer.send(data)
@@ -125,6 +127,29 @@ class BoardLine:
         self._socket.close()
 
 
+class CanLine:
+    """The CAN bus of an NMEA 2000 receiver."""
+
+    def __init__(self, address: str) -> None:
+        """Open it."""
+        self._bus = open_can(address)
+
+    def send(self, data: bytes) -> None:
+        """Send a packed frame."""
+        frame = unpacked(data)
+        if frame is not None:
+            self._bus.write(frame)
+            self._bus.read()  # nobody else does
+
+    def close(self) -> None:
+        """Close the bus."""
+        self._bus.close()
+
+
+def _line(address: str) -> DataLine | CanLine:
+    return CanLine(address) if address.startswith(CAN) else DataLine(address)
+
+
 class StandIns:
     """All stand-in devices of a configuration behind their sockets."""
 
@@ -140,7 +165,7 @@ class StandIns:
         lines = {"tractor": devices.tractor_receiver.transport, "trailer": devices.trailer_receiver.transport}
         lines |= {SENSORS: devices.sensors.transport} if devices.sensors else {}
         boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
-        self._lines = {name: DataLine(address) for name, address in lines.items()}
+        self._lines = {name: _line(address) for name, address in lines.items()}
         self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
 
     def advance(self, now: float) -> None:
@@ -169,7 +194,8 @@ class StandIns:
 def _tell(driver: Driver, state: GateState) -> None:
     """Let the driver see the lamp, stand until the emergency stop was tried, and begin again after a stop."""
     rests = state.state is SupervisorState.STANDBY
-    driver.told_to_stop = (bool(state.stop) and not rests) or Cause.EMERGENCY_UNTRIED.value in state.refusals
+    untried = Cause.EMERGENCY_UNTRIED.value in state.refusals and Cause.SHADOW.value not in state.refusals
+    driver.told_to_stop = (bool(state.stop) and not rests) or untried
     if rests and driver.speed == 0.0 and not driver.told_to_stop:
         driver.begin_again()
 
@@ -183,14 +209,15 @@ def serve(orders: Orders) -> int:
     """Be the machine until told to end; return an exit code."""
     configuration = load_configuration(orders.configuration)
     path, _ = build_path(configuration)
-    machine = stand_in_machine(configuration, path, local_frame(configuration), seed=0)
+    start, isobus = time.monotonic(), configuration.devices.isobus if configuration.devices else None
+    bus = open_can(isobus.bus, lambda: time.monotonic() - start) if isobus else None
+    machine = stand_in_machine(configuration, path, local_frame(configuration), 0, bus)
     lamp, ending = Mailbox(orders.socket(DRIVER)), Ending()
     try:
         stand_ins = StandIns(configuration, machine)
     except HardwareError as error:
         print(f"stand-in: {error}", file=sys.stderr)
         return 2
-    start = time.monotonic()
     while not ending.asked:
         for data in lamp.receive():
             state = decode(data, GateState)
@@ -201,8 +228,9 @@ def serve(orders: Orders) -> int:
         select.select(
             [lamp.fileno(), *(line.fileno() for line in stand_ins.boards.values())], [], [], min(max(wait, 0.0), 0.05)
         )
-    stand_ins.close()
-    lamp.close()
+    for each in (stand_ins, lamp, bus):
+        if each is not None:
+            each.close()
     return 0
 
 

@@ -3,35 +3,52 @@
 from drawbar.config import Configuration
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
+from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in.aio_v4 import AioV4
 from drawbar.machine.stand_in.board import StandInBoard
+from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.machine import BODIES, Driver, StandInMachine, StandInSettings
 from drawbar.machine.stand_in.nmea import gga, gst, vtg
-from drawbar.machine.stand_in.receiver import Report
+from drawbar.machine.stand_in.nmea2000 import nmea2000
+from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
 from drawbar.simulation import build_machine
+from drawbar.transports.base import CanBus
 
 
-def stand_in_machine(configuration: Configuration, path: Path, frame: LocalFrame, seed: int) -> StandInMachine:
-    """Return the configuration's simulated machine behind two NMEA receivers and two AIO v4 boards.
+def stand_in_machine(
+    configuration: Configuration, path: Path, frame: LocalFrame, seed: int, bus: CanBus | None = None
+) -> StandInMachine:
+    """Return the configuration's simulated machine behind the devices that it names, receivers and boards by default.
 
     Args:
         configuration: of the run.
         path: where its start is.
         frame: of the path.
         seed: of everything random.
+        bus: its end of the ISOBUS, where the devices name one.
     """
-    ticking = configuration.model_copy(update={"sample_time": TICK})
+    ticking, devices = configuration.model_copy(update={"sample_time": TICK}), configuration.devices
     boards: dict[str, tuple[StandInBoard, HeldWheel]] = {}
+    encoders: dict[str, Encoder] = {}
     for index, body in enumerate(BODIES):
-        wheel = HeldWheel()
-        boards[body] = (AioV4(wheel, subnet=f"192.168.{5 + index}"), wheel)
+        receiver = getattr(devices, f"{body}_receiver") if devices else ReceiverSettings(transport="memory")
+        encoders[body] = nmea2000(int(receiver.sender or 0x20 + index)) if receiver.is_on_can else _nmea
+        if devices is None or getattr(devices, f"{body}_board") is not None:
+            wheel = HeldWheel()
+            boards[body] = (AioV4(wheel, subnet=f"192.168.{5 + index}"), wheel)
+    isobus = devices.isobus if devices is not None else None
+    can = None
+    if isobus is not None and devices is not None:
+        assert bus is not None
+        can = CanMachine(bus, isobus, takes_speed=devices.speed == "isobus")
     return StandInMachine(
         World(build_machine(ticking, path, seed), configuration.vehicle),
         frame,
         boards,
-        dict.fromkeys(BODIES, _nmea),
+        can,
+        encoders,
         Driver(configuration.speed),
         StandInSettings(epochs=configuration.sample_time),
         seed,

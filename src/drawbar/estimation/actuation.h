@@ -56,6 +56,14 @@ static int does_not_follow(struct component *actuation, int i, double measured)
     return actuation->odd_for[i] > actuation->patience;
 }
 
+/* Do what can be done before the next measurement. */
+int UNIT(ready)(struct component *actuation)
+{
+    for (int i = 0; i < STEERED; ++i)
+        bank_follow(&actuation->banks[i], &actuation->grid);
+    return 0;
+}
+
 /* Take in the steering angles of a measurement; returns 0 or the status with which the run ends. */
 int UNIT(measured)(struct component *actuation, const struct drawbar_measurement *measurement)
 {
@@ -65,6 +73,7 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
 
     for (int i = 0; i < STEERED; ++i)
         actuation->ages[i] = ages[i] >= 0.0 && ages[i] <= 1.0 ? ages[i] : 0.0;
+    UNIT(ready)(actuation);
     for (int i = 0; i < STEERED; ++i)
         if (actuation->banks[i].begun)
             bank_measured(&actuation->banks[i], &actuation->grid, measured[i]);

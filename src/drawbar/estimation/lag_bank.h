@@ -51,7 +51,7 @@ struct lag_bank {
     double past[PAST];                     /* commands of the last parts of samples, a ring, rad */
     double angle[MEMBERS];                 /* of each member, rad */
     double weight, error[MEMBERS], square[MEMBERS];   /* sums over the samples: 1, rad, rad2 */
-    int32_t newest, begun;
+    int32_t newest, begun, behind;         /* behind: parts of samples that the members have still to follow */
 };
 
 #define LAG_BANK_FIELDS(type, place)                                                                         \
@@ -71,31 +71,36 @@ static void bank_begin(struct lag_bank *bank, double angle)
     bank->begun = 1;
 }
 
-/* Let one member follow the commands of a sample. */
-static inline double bank_follow(const struct lag_bank *bank, const struct lag_grid *grid, double angle, int32_t delay,
-                                 double share)
+/* A value within +-most. The loops over members become SIMD code with it, with fmin and fmax they would not. */
+static inline double within(double value, double most)
+{
+    const double low = value < -most ? -most : value;
+    return low > most ? most : low;
+}
+
+/* Let all members follow the commands that they are behind of. */
+static void bank_follow(struct lag_bank *bank, const struct lag_grid *grid)
 {
     const double most = bank->rate * grid->part;
 
-    for (int32_t part = grid->parts - 1; part >= 0; --part) {
-        const double command = bank->past[(bank->newest + 2 * PAST - part - delay) % PAST];
-        angle += clamped(share * (command - angle), -most, most);
-    }
-    return angle;
+    for (; bank->behind > 0; --bank->behind)
+        for (int d = 0; d < DEAD_TIMES; ++d) {
+            const double command = bank->past[(bank->newest + 2 * PAST + 1 - bank->behind - grid->delays[d]) % PAST];
+            double *restrict angle = bank->angle + d * LAGS;
+            for (int l = 0; l < LAGS; ++l)
+                angle[l] += within(grid->shares[l] * (command - angle[l]), most);
+        }
 }
 
-/* Let a sample pass under a command, rad. */
+/* Let a sample pass under a command, rad. The members follow when there is time, at the latest before they are looked at. */
 static void bank_command(struct lag_bank *bank, const struct lag_grid *grid, double command)
 {
+    bank_follow(bank, grid);
     for (int32_t part = 0; part < grid->parts; ++part) {
         bank->newest = (bank->newest + 1) % PAST;
         bank->past[bank->newest] = command;
     }
-    for (int d = 0; d < DEAD_TIMES; ++d)
-        for (int l = 0; l < LAGS; ++l) {
-            double *angle = &bank->angle[d * LAGS + l];
-            *angle = bank_follow(bank, grid, *angle, grid->delays[d], grid->shares[l]);
-        }
+    bank->behind = grid->parts;
 }
 
 /* Take in a measured angle, rad. */
@@ -105,7 +110,7 @@ static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, do
         return;
     bank->weight = grid->memory * bank->weight + 1.0;
     for (int i = 0; i < MEMBERS; ++i) {
-        const double error = clamped(measured - bank->angle[i], -NO_STEERING, NO_STEERING);
+        const double error = within(measured - bank->angle[i], NO_STEERING);
         bank->error[i] = grid->memory * bank->error[i] + error;
         bank->square[i] = grid->memory * bank->square[i] + error * error;
     }
@@ -115,41 +120,54 @@ static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, do
  * has had: what no dead time and no lag explain. */
 static double bank_unexplained(const struct lag_bank *bank, double measured)
 {
-    double least = isfinite(measured) ? INFINITY : 0.0;
+    const double known = bank->weight > KNOWN_ZERO ? 1.0 : 0.0, weight = known > 0.0 ? bank->weight : 1.0;
+    double nearest[LAGS], least = INFINITY;
 
-    for (int i = 0; i < MEMBERS; ++i) {
-        const double mean = bank->weight > KNOWN_ZERO ? bank->error[i] / bank->weight : 0.0;
-        least = fmin(least, fabs(measured - bank->angle[i] - mean));
-    }
+    if (!isfinite(measured))
+        return 0.0;
+    for (int l = 0; l < LAGS; ++l)
+        nearest[l] = INFINITY;
+    for (int d = 0; d < DEAD_TIMES; ++d)
+        for (int l = 0; l < LAGS; ++l) {
+            const double off = fabs(measured - bank->angle[d * LAGS + l] - known * (bank->error[d * LAGS + l] / weight));
+            nearest[l] = off < nearest[l] ? off : nearest[l];
+        }
+    for (int l = 0; l < LAGS; ++l)
+        least = nearest[l] < least ? nearest[l] : least;
     return least;
 }
 
-/* The logarithm of a member's probability, but for a constant. */
-static inline double bank_likelihood(const struct lag_bank *bank, const struct lag_grid *grid, int d, int l)
+/* The logarithms of the members' probabilities, but for a constant; returns the largest. */
+static double bank_likelihoods(const struct lag_bank *bank, const struct lag_grid *grid, double *log_probability)
 {
-    const double mean = bank->error[d * LAGS + l] / bank->weight;
-    const double spread = bank->square[d * LAGS + l] / bank->weight - mean * mean;
-    const double early = (grid->dead_times[d] - grid->prior_dead_time) / grid->prior_dead_time_deviation;
-    const double slow = log(grid->lags[l] / bank->prior_lag) / grid->prior_lag_deviation;
+    const double samples = bank->weight / grid->repeats, least = grid->resolution * grid->resolution;
+    double slow[LAGS], most = -INFINITY;
 
-    return -0.5 * (bank->weight / grid->repeats * log(fmax(spread, 0.0) + grid->resolution * grid->resolution)
-                   + early * early + slow * slow);
+    for (int l = 0; l < LAGS; ++l)
+        slow[l] = log(grid->lags[l] / bank->prior_lag) / grid->prior_lag_deviation;
+    for (int i = 0; i < MEMBERS; ++i) {
+        const double early = (grid->dead_times[i / LAGS] - grid->prior_dead_time) / grid->prior_dead_time_deviation;
+        const double mean = bank->error[i] / bank->weight, spread = bank->square[i] / bank->weight - mean * mean;
+        log_probability[i] = -0.5 * (samples * log((spread > 0.0 ? spread : 0.0) + least)
+                                     + early * early + slow[i % LAGS] * slow[i % LAGS]);
+        most = log_probability[i] > most ? log_probability[i] : most;
+    }
+    return most;
 }
 
 /* Find what is known of dead time and lag. */
 static void bank_judge(struct lag_bank *bank, const struct lag_grid *grid)
 {
-    double log_probability[MEMBERS], most = -INFINITY, sum = 0.0, moments[4] = {0.0, 0.0, 0.0, 0.0};
+    double log_probability[MEMBERS], lags[LAGS], sum = 0.0, moments[4] = {0.0, 0.0, 0.0, 0.0};
 
     if (!(bank->weight > 0.0))
         return;
-    for (int i = 0; i < MEMBERS; ++i) {
-        log_probability[i] = bank_likelihood(bank, grid, i / LAGS, i % LAGS);
-        most = fmax(most, log_probability[i]);
-    }
+    const double most = bank_likelihoods(bank, grid, log_probability);
+    for (int l = 0; l < LAGS; ++l)
+        lags[l] = log(grid->lags[l]);
     for (int i = 0; i < MEMBERS; ++i) {
         const double probability = exp(log_probability[i] - most);
-        const double dead_time = grid->dead_times[i / LAGS], lag = log(grid->lags[i % LAGS]);
+        const double dead_time = grid->dead_times[i / LAGS], lag = lags[i % LAGS];
         sum += probability;
         moments[0] += probability * dead_time;
         moments[1] += probability * dead_time * dead_time;

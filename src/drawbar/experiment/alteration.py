@@ -3,10 +3,12 @@
 import ast
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from drawbar.errors import ConfigurationError
+from drawbar.experiment.trial import Trial
 from drawbar.machine.base import MachineWithTruth
 from drawbar.signals import Command, Measurement, Truth
 from drawbar.simulation import Simulation
@@ -16,17 +18,22 @@ FILE_NAME = "alterations.py"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alteration:
-    """A function of a Simulation as text, so that any worker can call it and a task's key tells it apart."""
+    """A function of a Simulation, or of a Trial, as text: any worker can call it, and a task's key tells it apart."""
 
     name: str
     source: str
     """of the whole file that defines it, Python"""
 
-    def apply(self, simulation: Simulation) -> None:
+    def apply(self, run: Simulation | Trial) -> None:
         """Change a run that has not begun."""
         names: dict[str, Any] = {"__name__": "alterations"}
         exec(compile(self.source, FILE_NAME, "exec"), names)
-        names[self.name](simulation)
+        names[self.name](run)
+
+
+@cache
+def _functions(source: str) -> list[str]:
+    return [each.name for each in ast.parse(source).body if isinstance(each, ast.FunctionDef)]
 
 
 def find_alteration(folder: Path, name: str) -> Alteration:
@@ -38,7 +45,7 @@ def find_alteration(folder: Path, name: str) -> Alteration:
     file = folder / FILE_NAME
     try:
         source = file.read_text("utf-8")
-        known = [each.name for each in ast.parse(source).body if isinstance(each, ast.FunctionDef)]
+        known = _functions(source)
     except (OSError, ValueError, SyntaxError) as error:
         raise ConfigurationError(f"{file}: alteration {name!r} cannot be read ({error}).") from error
     public = [each for each in known if not each.startswith("_")]

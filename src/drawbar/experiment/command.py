@@ -17,7 +17,9 @@ from drawbar.experiment.parts import Part
 from drawbar.experiment.progress import RunsProgress
 
 
-def run_experiments(console: Console, name: str, *, seeds: int | None, jobs: int | None, address: str) -> bool:
+def run_experiments(
+    console: Console, name: str, *, seeds: int | None, jobs: int | None, address: str, only: Sequence[str] = ()
+) -> bool:
     """Run the experiment of this name, or `all`, and return whether everything came out as expected.
 
     Args:
@@ -26,11 +28,12 @@ def run_experiments(console: Console, name: str, *, seeds: int | None, jobs: int
         seeds: runs of each case; None: as the experiment says.
         jobs: processes on this machine; None: one per core.
         address: of a running Dask scheduler; empty: a cluster of this machine's own.
+        only: cases whose names hold one of these texts; none: all.
 
     Raises:
-        DrawbarError: no such experiment, an impossible configuration, no cluster.
+        DrawbarError: no such experiment, no such case, an impossible configuration, no cluster.
     """
-    experiments = [load_experiment(folder) for folder in find_experiments(name)]
+    experiments = [load_experiment(folder).with_cases(only) for folder in find_experiments(name)]
     with open_cluster(address, jobs) as client:
         outcomes = [_conduct(console, client, experiment, seeds) for experiment in experiments]
     if name == "all":

@@ -1,8 +1,9 @@
 """An experiment: a folder with an experiment.toml that says what is driven, how often, and what must come out."""
 
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Self
@@ -18,27 +19,6 @@ from drawbar.settings import Positive, Settings
 FILE_NAME = "experiment.toml"
 FOLDER = Path("experiments")
 Texts = Annotated[tuple[str, ...], Field(strict=False)]
-
-
-class Variant(Settings):
-    """Changes under a name."""
-
-    name: str
-    changes: Texts = ()
-    """texts KEY=VALUE, as for --set"""
-    alteration: str = ""
-    """function of the experiment's alterations.py that changes what no KEY=VALUE can; empty: none"""
-
-
-class Case(Variant):
-    """A configuration under a name, with changes."""
-
-    configuration: str = ""
-    """shipped name, or a TOML file in the experiment's folder; empty: the case's own name"""
-    variants: Texts = ()
-    """names of those that it is driven in; empty: all"""
-    needs: str = ""
-    """file or folder, seen from where the command is run, without which the case is left out; empty: nothing"""
 
 
 class Expectation(Settings):
@@ -68,6 +48,29 @@ class Expectation(Settings):
         return f"≤ {self.at_most:g}"
 
 
+class Variant(Settings):
+    """Changes under a name."""
+
+    name: str
+    changes: Texts = ()
+    """texts KEY=VALUE, as for --set"""
+    alteration: str = ""
+    """function of the experiment's alterations.py that changes what no KEY=VALUE can; empty: none"""
+    expected: Mapping[str, Expectation] = {}
+    """by name of the figure: of it in every variant of the case, or of every case in the variant"""
+
+
+class Case(Variant):
+    """A configuration under a name, with changes."""
+
+    configuration: str = ""
+    """shipped name, or a TOML file in the experiment's folder; empty: the case's own name"""
+    variants: Texts = ()
+    """names of those that it is driven in; empty: all"""
+    needs: str = ""
+    """file or folder, seen from where the command is run, without which the case is left out; empty: nothing"""
+
+
 class ExperimentSettings(Settings):
     """The content of experiment.toml."""
 
@@ -80,6 +83,8 @@ class ExperimentSettings(Settings):
     """runs of each case, with the seeds 0, 1, …"""
     columns: Texts = ()
     """what is kept of a run step by step, see Task.columns"""
+    rehearsed: bool = False
+    """drive on stand-ins of all devices, see Task.rehearsed; alterations are functions of a Trial"""
     one_at_a_time: bool = False
     """for figures of time: no other run beside the one that is measured, and that one on a single core"""
     changes: Texts = ()
@@ -112,8 +117,25 @@ class Experiment:
     """complete TOML by name of the case (`CASE: VARIANT` where there are variants)"""
     alterations: Mapping[str, tuple[Alteration, ...]]
     """by name of the case"""
+    expected: Mapping[str, Mapping[str, Expectation]]
+    """by name of the case, then by name of the figure"""
     left_out: Mapping[str, str]
     """why a case is not driven, by its name (without a variant)"""
+
+    def with_cases(self, texts: Sequence[str]) -> Self:
+        """Return it with those of its cases only whose names hold one of some texts; none: all.
+
+        Raises:
+            ConfigurationError: there are none; lists those that there are.
+        """
+        if not texts:
+            return self
+        chosen = {name: each for name, each in self.configurations.items() if any(text in name for text in texts)}
+        if self.configurations and not chosen:
+            raise ConfigurationError(
+                f"{self.folder}: no case's name holds {' or '.join(texts)}; cases: {', '.join(self.configurations)}."
+            )
+        return replace(self, configurations=chosen)
 
     def tasks(self, seeds: int) -> dict[str, list[Task]]:
         """Return the runs of every case, with the seeds from 0 up to, but not including, the given one."""
@@ -125,6 +147,7 @@ class Experiment:
                     seed=seed,
                     columns=columns,
                     one_core=one_core,
+                    rehearsed=self.settings.rehearsed,
                     alterations=self.alterations[name],
                 )
                 for seed in range(seeds)
@@ -172,8 +195,13 @@ def load_experiment(folder: Path) -> Experiment:
     return Experiment(
         folder=folder,
         settings=settings,
-        configurations={name: _configuration(folder, settings, *each) for name, each in there.items()},
+        configurations=_configurations(folder, settings, there),
         alterations={name: _alterations(folder, *each) for name, each in there.items()},
+        expected={
+            name: figures
+            for name, (case, variant) in driven.items()
+            if (figures := {**case.expected, **variant.expected, **settings.expected.get(name, {})})
+        },
         left_out={case.name: f"{case.needs} is not here" for case in settings.cases if _missing(case)},
     )
 
@@ -202,12 +230,20 @@ def _missing(case: Case) -> bool:
     return bool(case.needs) and not Path(case.needs).exists()
 
 
-def _configuration(folder: Path, settings: ExperimentSettings, case: Case, variant: Variant) -> str:
-    """Return the complete configuration of a case in a variant."""
-    source = case.configuration or case.name
-    beside = folder / source
-    changes = (*settings.changes, *case.changes, *variant.changes)
-    return load_configuration(str(beside) if beside.is_file() else source, changes).to_toml()
+def _configurations(
+    folder: Path, settings: ExperimentSettings, driven: Mapping[str, tuple[Case, Variant]]
+) -> dict[str, str]:
+    """Return the complete configuration of every case in its variant; what differs in alterations only is read once."""
+
+    @cache
+    def complete(source: str, changes: tuple[str, ...]) -> str:
+        beside = folder / source
+        return load_configuration(str(beside) if beside.is_file() else source, changes).to_toml()
+
+    return {
+        name: complete(case.configuration or case.name, (*settings.changes, *case.changes, *variant.changes))
+        for name, (case, variant) in driven.items()
+    }
 
 
 def _alterations(folder: Path, case: Case, variant: Variant) -> tuple[Alteration, ...]:

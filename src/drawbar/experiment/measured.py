@@ -53,7 +53,7 @@ class MeasuredExperiment:
     @property
     def _expected(self) -> Mapping[str, Mapping[str, Expectation]]:
         """What is expected of the cases that were driven."""
-        return {case: each for case, each in self.experiment.settings.expected.items() if case in self.runs}
+        return {case: each for case, each in self.experiment.expected.items() if case in self.runs}
 
     def values(self, case: str, figure: str) -> list[float]:
         """Return a figure of a case, one value per seed; NaN where a run does not have it, or has no result."""

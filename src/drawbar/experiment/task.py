@@ -18,6 +18,7 @@ from drawbar.benchmark.figures import on_one_core
 from drawbar.config import Configuration
 from drawbar.experiment.alteration import Alteration
 from drawbar.experiment.deviation import RecordedDeviation
+from drawbar.experiment.trial import watch_trial
 from drawbar.geometry import Floats
 from drawbar.recording.log import RunLog
 from drawbar.report.metrics import Metrics, compute_metrics
@@ -26,10 +27,11 @@ from drawbar.simulation import Simulation
 
 _BESIDE_THE_RUN = ("benchmark", "experiment", "cli")
 """what of the package no figure of a run depends on, but for these files of experiment"""
-_OF_THE_RUN = ("task.py", "deviation.py", "alteration.py")
+_OF_THE_RUN = ("task.py", "deviation.py", "alteration.py", "trial.py")
 _BESIDE_THE_SOLVERS = ("name", "path", "start", "machine", "bounded_errors", "tuning")
 """sections of a configuration that no solver depends on"""
 _DEVIATION = "deviation."
+_WATCH = "watch."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,18 +44,23 @@ class Task:
     """of all randomness in the simulated machine"""
     columns: tuple[str, ...] = ()
     """kept step by step: names as in RunLog.column, error.BODY and progress.BODY of the true antennas, m, or
-    deviation.NAME, the standard deviation of a state or parameter of the estimator's model"""
+    deviation.NAME, the standard deviation of a state or parameter of the estimator's model; of a rehearsed run only
+    watch.NAME (trial.py)"""
     one_core: bool = False
     """stay on a single core of the processor, for figures of time"""
     alterations: tuple[Alteration, ...] = ()
     """applied before the run begins, one after the other"""
+    rehearsed: bool = False
+    """drive on stand-ins of all devices, with receivers' bytes, gate and boards (trial.py), not on the plain machine"""
 
     @property
     def key(self) -> str:
         """Return what tells this task's result from every other's, and from that of another drawbar."""
         alterations = [text for each in self.alterations for text in (each.name, each.source)]
         kept = (*self.columns, "altered by", *alterations)
-        return digest(source_digest(), self.configuration, str(self.seed), str(self.one_core), *kept)
+        return digest(
+            source_digest(), self.configuration, str(self.seed), str(self.one_core), str(self.rehearsed), *kept
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +81,8 @@ def run_task(task: Task) -> Result:
         DrawbarError: the configuration cannot be built.
         AttributeError: there is no such column.
     """
+    if task.rehearsed:
+        return _rehearse(task)
     with on_one_core() if task.one_core else nullcontext():
         log, deviations = _simulate(task)
     errors = true_path_errors(log)
@@ -121,6 +130,17 @@ def _array_to_bytes(value: NDArray[np.float64]) -> bytes:
 
 def _bytes_to_array(_kind: Any, value: bytes) -> Floats:
     return np.frombuffer(value)
+
+
+def _rehearse(task: Task) -> Result:
+    configuration = Configuration.model_validate(tomllib.loads(task.configuration))
+    trial = watch_trial(configuration, task.seed, task.alterations)
+    log = trial.log()
+    return Result(
+        source=source_digest(),
+        metrics=compute_metrics(log, true_path_errors(log)),
+        columns={name: trial.column(name.removeprefix(_WATCH)) for name in task.columns},
+    )
 
 
 def _simulate(task: Task) -> tuple[RunLog, RecordedDeviation | None]:

@@ -38,6 +38,11 @@ int feedback(struct workspace *s) { return rti_feedback(&s->component.rti, &s->w
 int shift(struct rti *work) { rti_shift(work); return SOLVED; }
 int slope(struct rti *work) { rti_gradient(work); return SOLVED; }
 int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
+int optimise(struct workspace *s)
+{
+    s->component.rti.qp.factored = 0;
+    return qp_optimise(&s->component.rti.qp, &s->work);
+}
 """
 WINDOW_PHASES = """
 int restart(struct component *component, const double *prior)

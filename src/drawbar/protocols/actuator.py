@@ -33,6 +33,7 @@ class Readiness(Enum):
     NOT_READY = "reports that it is not ready; see the machine's own display"
     OTHER_MASTER = "another program commands it too; stop that program"
     ADDRESS_LOST = "drawbar has no address on the bus; see who else claims it"
+    SHADOW = "is only listened to: drawbar looks on; start it without --shadow"
     FAULT = "reports a fault; see the machine's own display"
 
 

@@ -3,77 +3,114 @@
 | topic | what |
 |---|---|
 | `/step` | every control step, as in any log |
-| `/raw/DEVICE` | bytes as they came or went: `in`, `out` or `unsent` in the first byte (0, 1, 2), then the bytes |
+| `/raw/DEVICE` | `in`, `out` or `unsent` (0, 1, 2), length of the sender's address, that address, bytes as they went |
+| `/order` | in which order each process took in what it did: `drive_records.py` |
 | `/fixes`, `/command`, `/controller`, `/gate`, `/operator` | records of `messages.py`, as JSON |
 | `/events` | what happened, in words (foxglove.Log) |
 | `/tractor/fix`, `/trailer/fix`, `/tf`, `/path`, `/bodies`, `/plan/...` | map and scene (foxglove.*): `scene.py` |
 """
 
 import time
-from dataclasses import asdict
+from collections import deque
 from pathlib import Path
 from typing import Any
 
-import msgspec
+from foxglove import Schema
 from foxglove.messages import Log, LogLevel, Timestamp
 
-from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
-from drawbar.recording.log import RunHeader
-from drawbar.recording.recorder import Recorder
+from drawbar.messages import GateState, Message
+from drawbar.recording.drive_records import (
+    CLOCK,
+    ORDER,
+    RAW,
+    TOPICS,
+    Happening,
+    RawBytes,
+    pack_happening,
+    pack_message,
+    pack_raw,
+)
+from drawbar.recording.live import Live
+from drawbar.recording.log import STEP_TOPIC, RunHeader
+from drawbar.recording.recorder import JSON, Recorder, step_schema
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
 
-_TOPICS: dict[type[Message], str] = {
-    Fixes: "/fixes",
-    CommandMessage: "/command",
-    ControllerState: "/controller",
-    GateState: "/gate",
-    OperatorMessage: "/operator",
-}
+_STATES = 1000
+"""of the gate that are known by their sequence"""
+_AGAIN = 10
+"""steps after which what does not change is shown again, live"""
 _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
 
 
 class DriveLog(Recorder):
     """The log of a drive as a context; all times are monotonic, ns, and come out as times of the computer's clock."""
 
-    def __init__(self, file: Path, header: RunHeader, scene: Scene) -> None:
+    def __init__(self, file: Path, header: RunHeader, scene: Scene, live: Live | None = None) -> None:
         """Create the file, and draw what does not change.
+
+        Args:
+            file: to be written.
+            header: of the run.
+            scene: to be drawn.
+            live: where all of it is shown at once too.
 
         Raises:
             DrawbarError: the file cannot be created.
         """
         super().__init__(file, header)
-        self._scene, self._offset = scene, time.time_ns() - time.monotonic_ns()
-        self._channels: dict[str, int] = {}
+        self._scene, self._live, self._offset = scene, live, time.time_ns() - time.monotonic_ns()
+        self._states: deque[int] = deque(maxlen=_STATES)
+        self._channels = {STEP_TOPIC: self._channel}
         self._schemas: dict[str, int] = {}
+        self._steps_shown = 0
+        if live is not None:
+            name, schema = step_schema()
+            live.open(STEP_TOPIC, "json", Schema(name=name, encoding=JSON, data=schema))
+        self._writer.add_metadata(CLOCK, {"offset": str(self._offset)})
         for topic, message in scene.standing(time.time_ns()):
             self._add_known(topic, message, time.time_ns())
 
     def add_step(self, moment: int, data: bytes, record: StepRecord) -> None:
         """Add a control step, given as JSON and as what that means."""
         wall = moment + self._offset
-        self._add(self._channel, data, wall, record.step)
+        self._add(STEP_TOPIC, data, wall, record.step)
         for topic, message in self._scene.moving(wall, record):
             self._add_known(topic, message, wall)
+        self._show_again(wall)
 
-    def add_raw(self, moment: int, device: str, direction: int, data: bytes) -> None:
+    def _show_again(self, wall: int) -> None:
+        """Show from time to time what does not change: whoever came late has not seen it."""
+        if self._live is None:
+            return
+        if self._steps_shown % _AGAIN == 0:
+            for topic, message in self._scene.standing(wall):
+                self._live.send(topic, message.encode(), wall)
+        self._steps_shown += 1
+
+    def add_raw(self, raw: RawBytes) -> None:
         """Add bytes of a device."""
-        topic = f"/raw/{device}"
-        if topic not in self._channels:
-            self._channels[topic] = self._writer.add_channel(topic, "application/octet-stream", 0)
-        self._add(self._channels[topic], bytes((direction,)) + data, moment + self._offset)
+        self._add_plain(RAW + raw.device, pack_raw(raw), raw.time)
+
+    def add_happening(self, happening: Happening) -> None:
+        """Add what one of the processes did."""
+        self._add_plain(ORDER, pack_happening(happening), happening.time)
 
     def add_message(self, message: Message) -> None:
-        """Add a record of one of the processes; a kind that has no topic is left out."""
-        topic = _TOPICS.get(type(message))
-        if topic is None:
+        """Add a record of one of the processes; a kind that has no topic is left out.
+
+        States of the gate come twice, from the gate and from the controller that heard them, and are added once.
+        """
+        topic = TOPICS.get(type(message))
+        if topic is None or (isinstance(message, GateState) and message.sequence in self._states):
             return
+        if isinstance(message, GateState):
+            self._states.append(message.sequence)
         if topic not in self._channels:
-            name = f"drawbar.{type(message).__name__}"
-            schema = self._writer.add_schema(name, "jsonschema", json_schema(type(message)))
-            self._channels[topic] = self._writer.add_channel(topic, "json", schema)
-        self._add(self._channels[topic], msgspec.json.encode(asdict(message)), message.time + self._offset)
+            data = json_schema(type(message))
+            self._open(topic, "json", Schema(name=f"drawbar.{type(message).__name__}", encoding=JSON, data=data))
+        self._add(topic, pack_message(message), message.time + self._offset)
 
     def add_event(self, moment: int, level: str, name: str, text: str) -> None:
         """Add something said in words; level is info, warning or error."""
@@ -84,11 +121,27 @@ class DriveLog(Recorder):
     def _add_known(self, topic: str, message: Any, wall: int) -> None:
         """Add a message with a well-known schema."""
         if topic not in self._channels:
-            schema = message.get_schema()
+            self._open(topic, "protobuf", message.get_schema())
+        self._add(topic, message.encode(), wall)
+
+    def _add_plain(self, topic: str, data: bytes, moment: int) -> None:
+        """Add bytes that have no schema."""
+        if topic not in self._channels:
+            self._open(topic, "application/octet-stream", None)
+        self._add(topic, data, moment + self._offset)
+
+    def _open(self, topic: str, encoding: str, schema: Schema | None) -> None:
+        number = 0
+        if schema is not None:
             if schema.name not in self._schemas:
                 self._schemas[schema.name] = self._writer.add_schema(schema.name, schema.encoding, schema.data)
-            self._channels[topic] = self._writer.add_channel(topic, "protobuf", self._schemas[schema.name])
-        self._add(self._channels[topic], message.encode(), wall)
+            number = self._schemas[schema.name]
+        self._channels[topic] = self._writer.add_channel(topic, encoding, number)
+        if self._live is not None and schema is not None:
+            self._live.open(topic, encoding, schema)
 
-    def _add(self, channel: int, data: bytes, wall: int, sequence: int = 0) -> None:
-        self._writer.add_message(channel, data, log_time=wall, publish_time=wall, sequence=sequence % 2**32)
+    def _add(self, topic: str, data: bytes, wall: int, sequence: int = 0) -> None:
+        number = self._channels[topic]
+        self._writer.add_message(number, data, log_time=wall, publish_time=wall, sequence=sequence % 2**32)
+        if self._live is not None:
+            self._live.send(topic, data, wall)

@@ -222,9 +222,10 @@ def _decode_special(kind: Any, value: Any) -> Any:
     return np.array(value, dtype=get_args(dtype)[0])
 
 
-def _missing_to_nan(value: Any) -> Any:
+def missing_to_nan(value: Any) -> Any:
+    """Return decoded JSON in which null, a missing number, is NaN."""
     if isinstance(value, dict):
-        return {key: _missing_to_nan(item) for key, item in value.items()}
+        return {key: missing_to_nan(item) for key, item in value.items()}
     return np.nan if value is None else value
 
 
@@ -232,7 +233,7 @@ def decode_step(data: bytes) -> StepRecord:
     """Return the record of a step from its JSON, a missing number as NaN."""
     content = msgspec.json.decode(data)
     # At the top level null is an absent section (truth), below it a missing number.
-    content = {key: None if value is None else _missing_to_nan(value) for key, value in content.items()}
+    content = {key: None if value is None else missing_to_nan(value) for key, value in content.items()}
     return msgspec.convert(content, StepRecord, dec_hook=_decode_special)
 
 
@@ -253,10 +254,20 @@ def open_log(file: Path) -> Iterator[LogParts]:
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
     """
+    with reading(file) as records:
+        yield _parts(records)
+
+
+@contextmanager
+def reading(file: Path) -> Iterator[Iterator[Logged]]:
+    """Read the records of a log in a stream, as a context.
+
+    Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
+    """
     advice = "give the log.mcap that drawbar run wrote"
     try:
         with file.open("rb") as stream:
-            yield _parts(read_records(stream))
+            yield read_records(stream)
     except OSError as error:
         raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
     except _NoHeaderError as error:

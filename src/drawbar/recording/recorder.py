@@ -15,6 +15,14 @@ from drawbar.recording.precision import as_recorded
 from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
 
+JSON = "jsonschema"
+"""how schemas of JSON are written"""
+
+
+def step_schema() -> tuple[str, bytes]:
+    """Return name and JSON schema of a step."""
+    return "drawbar.StepRecord", json_schema(StepRecord)
+
 
 class Recorder:
     """The log of one run as a context: open at construction, complete with its outcome on leaving.
@@ -46,7 +54,8 @@ class Recorder:
         self._writer.add_attachment(
             HEADER_NAME, "application/json", self._encoder.encode(header), created=time.time_ns()
         )
-        schema = self._writer.add_schema("drawbar.StepRecord", "jsonschema", json_schema(StepRecord))
+        name, data = step_schema()
+        schema = self._writer.add_schema(name, JSON, data)
         self._channel = self._writer.add_channel(STEP_TOPIC, "json", schema)
 
     def write(self, record: StepRecord) -> None:

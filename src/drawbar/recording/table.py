@@ -32,14 +32,15 @@ def write_csv(log: RunLog, file: Path) -> None:
 def column_names(log: RunLog) -> Iterator[str]:
     """Yield the names of all numbers of a step, in the order of their declaration."""
     for record in log.records[:1]:
-        yield from _names(record, "")
+        yield from number_names(record)
 
 
-def _names(value: Any, name: str) -> Iterator[str]:
+def number_names(value: Any, name: str = "") -> Iterator[str]:
+    """Yield the names of all numbers of a signal, each after the name of what it is in."""
     if is_dataclass(value):
         for field in fields(value):
             if field.name not in _LONG:
-                yield from _names(getattr(value, field.name), f"{name}.{field.name}" if name else field.name)
+                yield from number_names(getattr(value, field.name), f"{name}.{field.name}" if name else field.name)
     elif isinstance(value, np.ndarray):
         yield from (f"{name}.{index}" for index in range(value.size))
     elif value is not None:

@@ -20,21 +20,21 @@ _LEAST = 0.3
 def mast_doubt(log: Columns, body: str) -> float:
     """Return by how much the point on the ground may be beside where the antenna puts it, m, root mean square.
 
-    It is the height of the mast times the slope that the estimated side-slips suggest. NaN where the lean was measured,
-    or predicted from the tractor's, and where the mast has no height.
+    It is the height of the mast times the slope that the estimated side-slips suggest; 0 where the lean was
+    measured, or predicted from the tractor's, and where the mast has no height; NaN where no side-slip was estimated.
     """
     vehicle = log.header.vehicle
     height: float = getattr(vehicle.masts, body).up
     if height == 0.0 or any(_measured(log, each) for each in {"tractor", body}):
-        return math.nan
+        return 0.0
     slope = _side_slip(log) / (SOFT * _shown(vehicle))
     return height * math.sin(min(slope, 0.5 * math.pi))
 
 
 def doubt_text(tractor: float, trailer: float) -> str:
-    """Return what there is to say of the doubts of both bodies, m; empty where there is nothing."""
+    """Return what there is to say of the doubts of both bodies, m; empty where there are none."""
     doubts = {"tractor": tractor, "trailer": trailer}
-    told = [f"{body} {100.0 * doubt:.0f} cm" for body, doubt in doubts.items() if math.isfinite(doubt)]
+    told = [f"{body} {100.0 * doubt:.0f} cm" for body, doubt in doubts.items() if doubt > 0.0]
     return f"without an attitude sensor the masts may mislead: {', '.join(told)}" if told else ""
 
 

@@ -85,7 +85,7 @@ class Metrics:
     error_estimated: bool
     """the errors are of estimated positions, as on every real machine: what the estimate is off by is not in them"""
     mast_doubt_m: Bodies[float]
-    """by how much masts may mislead for want of an attitude sensor, see masts.py; NaN: there is one, or no mast"""
+    """by how much masts may mislead for want of an attitude sensor, see masts.py; 0: there is one, or no mast"""
     yaw_rmse_rad: Bodies[float]
     """estimate against truth"""
     steering_rate_mean_rad_s: Bodies[float]

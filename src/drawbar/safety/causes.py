@@ -133,6 +133,8 @@ class Cause(Enum):
         "see who else claims it")
     ACTUATOR_FAULT = (419, True, Response.RELEASE, "an actuator reports a fault",
         "see the machine's own display")
+    SHADOW = (420, True, Response.RELEASE, "drawbar only looks on",
+        "start it without --shadow")
 
     GATE_LATE = (501, True, Response.RELEASE, "the gate itself came late",
         "end other programs; allow real-time scheduling")
@@ -154,7 +156,7 @@ class Cause(Enum):
     EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
         "stand, press the emergency stop, then acknowledge")
     WIGGLE_UNTRIED = (604, True, Response.NONE, "the actuators' signs and gains have not been tried",
-        "run drawbar check")
+        "run drawbar check --wiggle")
     BUDGET = (605, False, Response.NONE, "it has been driven degraded for as long as allowed",
         "see what worried it; engage again when it is gone")
     OPERATOR_STEERS = (606, False, Response.NONE, "the operator took over",
@@ -194,5 +196,6 @@ BY_READINESS = {
     Readiness.OTHER_MASTER: Cause.OTHER_MASTER,
     Readiness.ADDRESS_LOST: Cause.ADDRESS_LOST,
     Readiness.FAULT: Cause.ACTUATOR_FAULT,
+    Readiness.SHADOW: Cause.SHADOW,
 }
 """what an actuator that is not ready says, as a cause"""

@@ -35,6 +35,8 @@ class Observation:
     """within `engage.quiet`"""
     fixed_for: float = math.nan
     """for how long both receivers have had fixed ambiguities; NaN: they have not"""
+    fix_age: float = math.inf
+    """time since the worse receiver last had fixed ambiguities"""
     correction_age: float = math.nan
     lateral_deviation: float = math.nan
     """m"""
@@ -98,7 +100,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.CONTROLLER_STOPS: lambda o, s: o.run_ended,
     Cause.CONTROLLER_GONE: lambda o, s: o.controller_gone,
     Cause.FIX_TOO_NEW: lambda o, s: not (o.fixed_for >= s.engage.fixed),
-    Cause.FIX_LOST: lambda o, s: math.isnan(o.fixed_for),
+    Cause.FIX_LOST: lambda o, s: not (o.fix_age <= s.timing.fix),
     Cause.CORRECTIONS_OLD: lambda o, s: not (o.correction_age <= s.engage.correction_age),
     Cause.CORRECTIONS_LOST: lambda o, s: not (o.correction_age <= s.drive.correction_age),
     Cause.POSITION_UNSURE: lambda o, s: not (o.lateral_deviation <= s.engage.lateral_deviation),

@@ -52,7 +52,7 @@ class EngageSettings(Settings):
     emergency_test: bool = True
     """the operator must have tried the emergency stop since the gate started"""
     wiggle_test: bool = True
-    """sign, gain and delay of the actuators must have been tried (`drawbar check`)"""
+    """sign, gain and delay of the actuators must have been tried (`drawbar check --wiggle`)"""
     recorder: bool = True
     """the recorder must be alive and writing"""
 
@@ -142,6 +142,8 @@ class TimingSettings(Settings):
     """of wheels and receiver, above which neither is believed, m/s"""
     speed_samples: Steps = 6
     """of each source of speed whose largest counts"""
+    fix: Timeout = 0.5
+    """for which a receiver's fixed ambiguities may be missing while driving; along trees they flip, s"""
     angle: Timeout = 0.2
     """oldest measured steering angle, s"""
     angle_lost: Timeout = 0.5

@@ -38,7 +38,7 @@ class Watch:
         self._fingerprint = settings.fingerprint()
         self._state: ControllerState | None = None
         self._state_time = self._recorded = -math.inf
-        self._fixed_since = math.nan
+        self._fixed_since, self._fixed = math.nan, [-math.inf, -math.inf]
         self._overruns: deque[tuple[float, int]] = deque(maxlen=1024)
         self.command: CommandMessage | None = None
         """the last one that was admitted"""
@@ -48,7 +48,9 @@ class Watch:
     def hear_controller(self, time: float, state: ControllerState) -> None:
         """Take in a state of the controller that was received at a time, s."""
         self._state, self._state_time = state, time
-        if min(state.tractor_quality, state.trailer_quality) < FIXED:
+        qualities = (state.tractor_quality, state.trailer_quality)
+        self._fixed = [time if each >= FIXED else last for each, last in zip(qualities, self._fixed, strict=True)]
+        if min(qualities) < FIXED:
             self._fixed_since = math.nan
         elif math.isnan(self._fixed_since):
             self._fixed_since = time
@@ -111,6 +113,7 @@ class Watch:
             "solved": state.solved,
             "overruns": self._late_steps(time),
             "fixed_for": time - self._fixed_since,
+            "fix_age": time - min(self._fixed),
             "correction_age": state.correction_age,
             "lateral_deviation": state.lateral_deviation,
             "heading_deviation": state.heading_deviation,

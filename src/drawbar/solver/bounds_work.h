@@ -1,4 +1,4 @@
-/* Memory of the two methods for bounds, which never work at the same time. It is lent to them for the length of one
+/* Memory of the three methods for bounds, which never work at the same time. It is lent to them for the length of one
  * feedback: it is too large for a microcontroller's stack, and all solvers of an autopilot can share it. */
 #ifndef DRAWBAR_BOUNDS_WORK_H
 #define DRAWBAR_BOUNDS_WORK_H
@@ -17,6 +17,15 @@ struct active_set {
     double pull[NZ], dz[NZ], dpi[(N + 1) * NX];   /* one sweep: the pulls, and how they move everything */
     int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
     int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
+};
+
+/* Work of held_set.h: what each bound does, and the recursion's vectors. */
+struct held_set {
+    double p[N + 1][WIDTH], feedforward[N][NU];
+    double g[NZ], curve[NZ];               /* the cost's gradient, and what prices add to its curvature */
+    double nu[AT_LEAST_ONE(NB)];           /* multipliers: positive pulls up */
+    int32_t side[AT_LEAST_ONE(NB)], by[N][NU];   /* by: the bound that says what an input does, or -1 */
+    int32_t last;                          /* stage with the last bound that was ever held */
 };
 
 /* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
@@ -50,6 +59,7 @@ struct interior_point {
 };
 
 union bounds_work {
+    struct held_set held;
     struct active_set active;
     struct interior_point ip;
 };

@@ -10,6 +10,7 @@
 
 #include "active_set.h"
 #include "farkas.h"
+#include "held_set.h"
 #include "ip_start.h"
 
 #ifndef IP_ITERATIONS
@@ -296,7 +297,37 @@ static int qp_damped(struct qp *s, struct interior_point *ip, int reason)
     return status == SOLVED || status == INFEASIBLE ? status : reason;
 }
 
-/* One sweep (factored beforehand if s->factored) when no bound is active, the active set when few are, the interior
+/* Back to the solution without bounds. */
+static void qp_afresh(struct qp *s)
+{
+    memset(s->multiplier, 0, sizeof s->multiplier);
+    memset(s->violation, 0, sizeof s->violation);
+    if (!s->factored)
+        s->factored = qp_factor(s, NULL, N + 1);
+    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+}
+
+/* Both active sets; returns whether one of them has the solution. Else s holds the one without bounds. */
+static int qp_active(struct qp *s, union bounds_work *work)
+{
+    double gradient[NZ], defect[N][NX];
+    enum held_outcome held = HELD_FOREIGN;
+
+    if (!FREE_INITIAL) {
+        held = qp_held_set(s, &work->held);
+        if (held == HELD_SETTLED && kkt_check(s, 1, gradient, defect) == SOLVED)
+            return 1;
+        qp_afresh(s);
+    }
+    if (held == HELD_FOREIGN && qp_active_set(s, &work->active)) {
+        if (kkt_check(s, 1, gradient, defect) == SOLVED)
+            return 1;
+        qp_afresh(s);
+    }
+    return 0;
+}
+
+/* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that settles, the interior
  * point otherwise; the answer is judged by kkt_check. */
 static int qp_optimise(struct qp *s, union bounds_work *work)
 {
@@ -324,12 +355,8 @@ static int qp_optimise(struct qp *s, union bounds_work *work)
         const int status = kkt_check(s, 0, gradient, defect);
         return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, status);
     }
-    if (qp_active_set(s, &work->active)) {
-        if (kkt_check(s, 1, gradient, defect) == SOLVED)
-            return SOLVED;
-        memset(s->multiplier, 0, sizeof s->multiplier);
-        qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    }
+    if (qp_active(s, work))
+        return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
     work->ip.damping.on = 0;
     return qp_interior_point(s, &work->ip);

@@ -22,8 +22,8 @@
 #define NSIDES (2 * NB)                   /* each bounded variable has a lower and an upper side */
 #define AT_LEAST_ONE(n) ((n) > 0 ? (n) : 1)
 
-#include "bounds_work.h"
 #include "packs.h"
+#include "bounds_work.h"
 #include "status.h"
 
 #define STATE(z, k) ((z) + (k) * NX)

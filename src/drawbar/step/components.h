@@ -46,6 +46,7 @@ int drawbar_estimator_actuation(struct component *component, double tractor_lag,
 int drawbar_actuation_initialise(struct component *component);
 int drawbar_actuation_measured(struct component *component, const struct drawbar_measurement *measurement);
 int drawbar_actuation_sent(struct component *component, const struct drawbar_command *command);
+int drawbar_actuation_ready(struct component *component);
 int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double *tractor,
                             double *trailer);
 int drawbar_actuation_tell(const struct component *component, struct drawbar_actuation *told);

@@ -318,6 +318,9 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
 /* The preparation phase, after the command is out. */
 static void prepare(struct autopilot *a)
 {
+#ifdef DRAWBAR_IDENTIFIED
+    drawbar_actuation_ready(COMPONENT(a->actuation));
+#endif
     TIMED(a, TIMED_ESTIMATOR, PREPARATION, drawbar_estimator_ready(COMPONENT(a->estimator), &a->acting));
 #ifdef DRAWBAR_CENTRALISED
     TIMED(a, TIMED_TRACTOR, PREPARATION, drawbar_controller_ready(COMPONENT(a->controller)));

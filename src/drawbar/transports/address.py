@@ -10,7 +10,7 @@ from drawbar.errors import ConfigurationError
 
 TRANSPORTS = (
     "serial:/dev/ttyUSB0@460800, tcp://host:port[?silence=seconds], "
-    "udp://address:port[?peer=address:port][&broadcast=1] or file:path"
+    "udp://address:port[?peer=address:port][&broadcast=1], file:path or, to listen to, a CAN bus can:interface:channel"
 )
 BUSES = "can:socketcan:can0, can:slcan:/dev/ttyACM0@115200, can:udp_multicast:239.74.163.2:43113 or can:virtual:name"
 SLOWEST, FASTEST = 300, 4_000_000

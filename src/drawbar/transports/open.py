@@ -5,6 +5,7 @@ import time
 from drawbar.transports.address import FileAddress, SerialAddress, TcpAddress, parse_can, parse_transport
 from drawbar.transports.base import CanBus, Transport
 from drawbar.transports.can import PythonCanBus
+from drawbar.transports.can_listener import CanListener
 from drawbar.transports.clock import Clock
 from drawbar.transports.file import FileTransport
 from drawbar.transports.serial import SerialTransport
@@ -13,7 +14,7 @@ from drawbar.transports.udp import UdpTransport
 
 
 def open_transport(text: str, clock: Clock = time.monotonic) -> Transport:
-    """Open `serial:DEVICE@BAUD`, `tcp://HOST:PORT`, `udp://ADDRESS:PORT` or `file:PATH`.
+    """Open `serial:DEVICE@BAUD`, `tcp://HOST:PORT`, `udp://ADDRESS:PORT`, `file:PATH`, or a CAN bus to listen to.
 
     A device that is not there, or a server that does not answer, is no error: `connected` is False, `trouble` says
     why, and `read` tries again.
@@ -26,6 +27,8 @@ def open_transport(text: str, clock: Clock = time.monotonic) -> Transport:
         ConfigurationError: the address is none; says what is allowed.
         HardwareError: a UDP port is taken or a file cannot be read; says what to do.
     """
+    if text.startswith("can:"):
+        return CanListener(open_can(text, clock))
     address = parse_transport(text)
     if isinstance(address, SerialAddress):
         return SerialTransport(address, clock)

@@ -46,9 +46,10 @@ class SerialTransport(Transport):
         taken = 0
         if self._port:
             try:
-                taken = os.write(self.fileno(), data)
-            except BlockingIOError:
-                pass  # nothing taken
+                with contextlib.suppress(
+                    BlockingIOError
+                ):  # its buffer is full: nothing is taken, and that is told below
+                    taken = os.write(self.fileno(), data)
             except OSError as error:
                 self._lose(error.strerror or str(error))
         if self._port and taken < len(data):

@@ -2,8 +2,10 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from enum import Enum
 
+from drawbar.messages import nanoseconds, seconds
 from drawbar.transports.base import CanBus, CanFrame, Received, Transport
 from drawbar.transports.clock import Clock
 
@@ -18,7 +20,10 @@ class Direction(Enum):
 
 
 class TappedTransport(Transport):
-    """A transport that hands a copy of everything to a callback, which must not wait."""
+    """A transport that hands a copy of everything to a callback, which must not wait.
+
+    Stamps are in whole nanoseconds, as they are recorded, so that a replay goes by the very same.
+    """
 
     def __init__(
         self, inner: Transport, tap: Callable[[Direction, Received], None], clock: Clock = time.monotonic
@@ -32,7 +37,7 @@ class TappedTransport(Transport):
 
     def read(self) -> list[Received]:
         """Return what has arrived."""
-        pieces = self._inner.read()
+        pieces = [replace(piece, time=seconds(nanoseconds(piece.time))) for piece in self._inner.read()]
         self._follow()
         for piece in pieces:
             self._tap(Direction.IN, piece)

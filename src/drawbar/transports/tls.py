@@ -1,6 +1,7 @@
 """TLS between plain bytes and those on the wire, apart from any socket: the client's side."""
 
 import ssl
+from contextlib import suppress
 
 MOST = 65536
 """sealed bytes that may wait for the socket; more: the other end does not take them"""
@@ -32,11 +33,10 @@ class TlsLayer:
         """Return the plain bytes that `data` completes; ssl.SSLError: it is not what the other end sealed."""
         self._from_wire.write(data)
         plain = bytearray()
-        try:
+        # both errors say that this is all there is; an announced end is followed by the socket's own
+        with suppress(ssl.SSLWantReadError, ssl.SSLZeroReturnError):
             while piece := self._session.read(16384):
                 plain += piece
-        except (ssl.SSLWantReadError, ssl.SSLZeroReturnError):
-            pass  # all there is; an announced end is followed by the socket's own
         return bytes(plain)
 
     def seal(self, data: bytes) -> None:

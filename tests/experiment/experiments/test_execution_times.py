@@ -35,7 +35,7 @@ def run(make_result):
 def by_themselves(analysis, monkeypatch: pytest.MonkeyPatch):
     """Let the solvers by themselves take made-up times, in s, with one more sample before and after."""
 
-    def probed_runs(name, horizons, steps, *, with_other_route):
+    def probed_runs(name, horizons, steps, *, with_peers):
         names = [name] if name.endswith("centralised") else [f"{name}-tractor", f"{name}-trailer"]
         count = horizons[0] + 1 + steps
         return [

@@ -12,7 +12,7 @@ from drawbar.signals import StepRecord
 from drawbar.simulation import Simulation
 
 NAME = "readings"
-DOCS = Path(__file__).parents[3] / "docs"
+RESULTS = Path(__file__).parents[3] / "experiments" / NAME / "results.md"
 CLASSES = ("straight", "0.1", "0.125", "0.15", "all")
 SHIPPED = "paper: as shipped"
 
@@ -39,8 +39,8 @@ def test_a_row_has_means_the_worst_seed_and_all_failures(experiment, run, assemb
     assert [row[0] for row in rows[1:]] == list(experiment.configurations)[1:]
 
 
-def test_every_row_is_in_the_theory(experiment) -> None:
-    text = "\n".join(file.read_text("utf-8") for file in DOCS.rglob("*.md"))
+def test_every_row_is_in_the_committed_results(experiment) -> None:
+    text = RESULTS.read_text("utf-8")
     assert [case for case in experiment.configurations if f"| {case} |" not in text] == []
 
 

@@ -16,8 +16,6 @@ import pytest
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.exchange import Layout
 from drawbar.experiment.alteration import InterceptedMachine
-from drawbar.export.targets import find_target
-from drawbar.export.toolchain import Built, build_target
 from drawbar.geometry import Floats
 from drawbar.signals import Measurement, StepRecord
 from drawbar.simulation import Simulation
@@ -177,27 +175,19 @@ def native(exported: Callable[..., FilePath]) -> Callable[[str], Player]:
 
 
 @pytest.fixture(scope="session")
-def built(exported: Callable[..., FilePath]) -> Callable[[str], Built]:
-    """Return a function that builds the product's library for a target."""
-    return cache(lambda target: build_target(find_target(target), exported("articulated")))
-
-
-@pytest.fixture(scope="session")
-def player(
-    exported: Callable[..., FilePath], built: Callable[[str], Built], tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[str], Player]:
-    """Return a function that builds the product's library for a target, and a program that plays it there."""
+def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Player]:
+    """Return a function that builds a program that plays the product's library for a target."""
 
     @cache
     def player(target: str) -> Player:
         host = HOSTS[target]
         if host.runner and shutil.which(host.runner[0]) is None:
             pytest.skip(f"{host.runner[0]} is not installed")
-        library = built(target).files[0].parent
+        library = for_targets / "lib" / target
         sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), "-lm"]
         zig = [sys.executable, "-m", "ziglang", "cc", "-target", host.triple, "-std=gnu99", "-O2", *host.flags]
         # beside the library: where Windows looks for it, and Linux is told to
-        program = linked([*zig, f"-I{exported('articulated') / 'include'}", *sources], library / "replay.exe")
+        program = linked([*zig, f"-I{for_targets / 'include'}", *sources], library / f"replay-{os.getpid()}.exe")
         environment = {
             "LD_LIBRARY_PATH": str(library),
             "WINEDEBUG": "-all",
@@ -209,15 +199,13 @@ def player(
 
 
 @pytest.fixture(scope="session")
-def arm_player(exported: Callable[..., FilePath], built: Callable[[str], Built]) -> Player:
+def arm_player(for_targets: FilePath) -> Player:
     """Return the player for the Cortex-M7, linked by GCC with newlib; the library is as it was exported."""
     host = HOSTS["cortex-m7"]
     for program in (ARM_GCC[0], host.runner[0]):
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed")
-    library = built("cortex-m7").files[0]
-    sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library), "-lm"]
-    program = linked(
-        [*ARM_GCC, f"-I{exported('articulated') / 'include'}", *sources], library.parent / "replay-gcc.elf"
-    )
+    library = for_targets / "lib" / "cortex-m7"
+    sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), "-lm"]
+    program = linked([*ARM_GCC, f"-I{for_targets / 'include'}", *sources], library / f"replay-gcc-{os.getpid()}.elf")
     return Player(command=(*host.runner, str(program)), environment={})

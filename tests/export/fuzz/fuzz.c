@@ -11,6 +11,7 @@
 #define USUAL 9                            /* values that every machine has */
 #define MOST_STEPS 4096                    /* of one input */
 #define MOST_STATUSES 512
+#define SWAY_RATE 1.0                      /* rad/s */
 
 struct fuzz {
     struct bytes bytes;
@@ -26,6 +27,7 @@ struct fuzz {
     int32_t qualities[2];
     uint32_t noise;
     double noise_level;
+    double sway;                           /* by which fixes go from side to side, m */
     double sample_time;                    /* the caller's, s */
     int steps;
 };
@@ -77,6 +79,8 @@ static int measure(struct fuzz *f, struct drawbar_measurement *measurement)
         values[i] = f->is_replaced[i] ? f->replaced[i] : values[i] + f->added[i] + f->noise_level * scale[i] * noise(f);
         infinite |= i > 0 && isinf(values[i]);
     }
+    for (int i = 1; i <= 4; ++i)
+        values[i] += f->sway * sin(SWAY_RATE * f->vehicle.time);
     memcpy(measurement, values, sizeof values);
     measurement->tractor_fix_quality = f->qualities[0];
     measurement->trailer_fix_quality = f->qualities[1];
@@ -232,6 +236,7 @@ static void repair(struct fuzz *f)
     memset(f->is_replaced, 0, sizeof f->is_replaced);
     memset(f->qualities, 0, sizeof f->qualities);
     memset(&solver_faults, 0, sizeof solver_faults);
+    f->sway = 0.0;
     f->sample_time = DRAWBAR_SAMPLE_TIME;
 }
 
@@ -267,6 +272,25 @@ static void lose_fixes(struct fuzz *f)
         f->is_replaced[i] = 1;
         f->replaced[i] = (double)NAN;
     }
+}
+
+/* Both receivers fall back to float, and say so. */
+static void float_fixes(struct fuzz *f)
+{
+    static const size_t deviations[] = {offsetof(struct drawbar_measurement, tractor_fix_deviation),
+                                        offsetof(struct drawbar_measurement, trailer_fix_deviation)};
+
+    for (int i = 0; i < 2; ++i) {
+        f->is_replaced[deviations[i] / sizeof(double)] = 1;
+        f->replaced[deviations[i] / sizeof(double)] = 0.3;
+    }
+}
+
+/* What shows only after a while: drive on, if there is a run and until it ends. */
+static void go_on(struct fuzz *f)
+{
+    for (int i = 0; i < 6 && f->run.begun && !f->run.ended; ++i)
+        drive(f);
 }
 
 /* Solvers fail from now on. */
@@ -383,7 +407,7 @@ static void initialise(struct fuzz *f)
 
 static void act(struct fuzz *f)
 {
-    switch (next_choice(&f->bytes, 22)) {
+    switch (next_choice(&f->bytes, 24)) {
     case 0: add_fault(f); break;
     case 1: replace(f); break;
     case 2: fail(f); break;
@@ -400,6 +424,8 @@ static void act(struct fuzz *f)
     case 13: change_path(f); break;
     case 14: repair(f); break;
     case 15: lose_fixes(f); break;
+    case 16: float_fixes(f), go_on(f); break;
+    case 17: f->sway = next_fraction(&f->bytes), go_on(f); break;
     default: drive(f);
     }
 }

@@ -86,7 +86,9 @@ static void promise_pace(const struct run *run, const struct answer *answer)
     PROMISED(doubt < ENDURANCE + ROUNDING);
     PROMISED(speed <= fmax(share, 0.0) * SPEED_LIMIT + ROUNDING);
     PROMISED(answer->status & DRAWBAR_SLOWED || doubt <= KEPT + ROUNDING);
-    PROMISED(!(answer->status & DRAWBAR_SLOWED) || doubt >= KEPT - ROUNDING);
+    /* without such a doubt: coarse fixes or an oscillation, which leave at most this part of the speed */
+    PROMISED(!(answer->status & DRAWBAR_SLOWED) || doubt >= KEPT - ROUNDING
+             || speed <= fmax(SANITY_SHARE * SPEED_LIMIT, run->speed - change) + ROUNDING);
 }
 
 static void promise_new(const struct run *run, const struct answer *answer)

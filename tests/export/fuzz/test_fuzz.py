@@ -42,6 +42,7 @@ def limits() -> list[str]:
         "TRACTOR_LIMIT": vehicle.tractor_steering_limit,
         "TRAILER_LIMIT": vehicle.trailer_steering_limit,
         "SPEED_LIMIT": configuration.speed,
+        "SANITY_SHARE": max(configuration.sanity.coarse_share, configuration.sanity.swing_share),
         "ACCELERATION": configuration.acceleration,
         "TRACTOR_CHANGE": reach * vehicle.tractor_steering_rate,
         "TRAILER_CHANGE": reach * vehicle.trailer_steering_rate,

@@ -4,7 +4,9 @@ import datetime
 import math
 
 import pytest
+from pydantic import ValidationError
 
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.stand_in import nmea
 from drawbar.machine.stand_in.receiver import Report
@@ -85,3 +87,24 @@ def test_a_broken_off_sentence_is_given_up_after_a_silence() -> None:
     (epoch,) = receiver.poll(receiver.due)
     assert epoch.received == 10.0
     assert receiver.dropped == {"incomplete": 1, "noise bytes": 5}
+
+
+def on_can(sender: str) -> dict[str, str]:
+    return {"transport": "can:virtual:x", "sender": sender}
+
+
+@pytest.mark.parametrize("senders", [("", ""), ("32", ""), ("32", "32")])
+def test_two_receivers_on_one_can_bus_need_two_senders(senders: tuple[str, str]) -> None:
+    boards = {
+        body: {"address": f"192.168.{net}.126", "max_angle": 0.3} for net, body in ((5, "tractor"), (6, "trailer"))
+    }
+    devices: dict[str, object] = {f"{body}_board": board for body, board in boards.items()}
+    devices |= {"tractor_receiver": on_can(senders[0]), "trailer_receiver": on_can(senders[1])}
+    with pytest.raises(ValidationError, match="need a sender each"):
+        DeviceSettings.model_validate(devices)
+    DeviceSettings.model_validate(devices | {"trailer_receiver": on_can("33"), "tractor_receiver": on_can("32")})
+
+
+def test_a_sender_on_a_can_bus_is_a_number() -> None:
+    with pytest.raises(ValidationError, match="no address on a CAN bus"):
+        ReceiverSettings.model_validate(on_can("192.168.5.126"))

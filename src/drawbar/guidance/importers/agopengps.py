@@ -14,7 +14,7 @@ import numpy as np
 from drawbar.errors import PathError
 from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance.importers.agopengps_lines import FORMATS, FoundLine
-from drawbar.guidance.importers.boundary import read_boundary
+from drawbar.guidance.importers.boundary import Boundary, read_boundary
 from drawbar.guidance.importers.line import RecordedLine, choose, on_frame
 from drawbar.guidance.importers.text import numbers, read_lines
 
@@ -28,21 +28,48 @@ def read_agopengps(folder: Path, track: str | None, extension: float = 0.0) -> R
     sides, or where there is none 100 m on. The points of the other lines are not looked at: not even a NaN there is
     refused. Raises PathError with file and line number for anything else that is not as AgOpenGPS writes it.
     """
+    files = _files(folder)
+    frame = _frame(files[_ORIGIN.lower()])
+    lines, looked_for = _lines(files)
+    if not lines:
+        raise PathError(f"{folder}: holds no line: {'; '.join(looked_for)}; record one in AgOpenGPS")
+    chosen = lines[choose(folder, [line.name for line in lines], track)]
+    line = chosen.read(None if extension else _edge(files), extension)
+    points = on_frame(*plane_to_wgs84(line.x, line.y, frame), frame, [f"{folder}: line {line.name!r}"] * len(line.x))
+    return replace(line, x=points[:, 0].copy(), y=points[:, 1].copy(), frame=frame)
+
+
+def field_lines(folder: Path) -> tuple[LocalFrame, list[RecordedLine], Boundary | None]:
+    """Return a field folder's origin, all its lines and its edge, on AgOpenGPS's plane, m; errors as read_agopengps.
+
+    A-B lines go from boundary to boundary, or without one 100 m on.
+    """
+    files = _files(folder)
+    edge = _edge(files)
+    return _frame(files[_ORIGIN.lower()]), [line.read(edge, 0.0) for line in _lines(files)[0]], edge
+
+
+def _files(folder: Path) -> dict[str, Path]:
+    """Return a field folder's files by their names in small letters."""
     files = {file.name.lower(): file for file in sorted(folder.iterdir(), reverse=True)}
     if _ORIGIN.lower() not in files:
         raise PathError(
             f"{folder}: has no {_ORIGIN}; give the folder of one AgOpenGPS field, which holds {_ORIGIN} and "
             f"{', '.join(FORMATS)}"
         )
-    frame = _frame(files[_ORIGIN.lower()])
-    lines, looked_for = _lines(files)
-    if not lines:
-        raise PathError(f"{folder}: holds no line: {'; '.join(looked_for)}; record one in AgOpenGPS")
-    chosen = lines[choose(folder, [line.name for line in lines], track)]
+    return files
+
+
+def _edge(files: dict[str, Path]) -> Boundary | None:
     edge = files.get(_BOUNDARY.lower())
-    line = chosen.read(read_boundary(edge) if edge and not extension else None, extension)
-    points = on_frame(*plane_to_wgs84(line.x, line.y, frame), frame, [f"{folder}: line {line.name!r}"] * len(line.x))
-    return replace(line, x=points[:, 0].copy(), y=points[:, 1].copy(), frame=frame)
+    return read_boundary(edge) if edge else None
+
+
+def wgs84_to_plane(latitude: Floats, longitude: Floats, origin: LocalFrame) -> tuple[Floats, Floats]:
+    """Return east and north (m, (n,)) on AgOpenGPS's plane of points in degrees; the inverse of plane_to_wgs84."""
+    by_latitude, _ = _degree_lengths(np.full_like(latitude, origin.latitude))
+    _, by_longitude = _degree_lengths(latitude)
+    return (longitude - origin.longitude) * by_longitude, (latitude - origin.latitude) * by_latitude
 
 
 def plane_to_wgs84(east: Floats, north: Floats, origin: LocalFrame) -> tuple[Floats, Floats]:
@@ -51,12 +78,16 @@ def plane_to_wgs84(east: Floats, north: Floats, origin: LocalFrame) -> tuple[Flo
     The inverse of AgOpenGPS.Core/Models/Base/LocalPlane.cs: a degree of latitude is measured at the origin, a degree of
     longitude at the point.
     """
-    phi = np.radians(origin.latitude)
-    degree = 111132.92 - 559.82 * np.cos(2.0 * phi) + 1.175 * np.cos(4.0 * phi) - 0.0023 * np.cos(6.0 * phi)
-    latitude = origin.latitude + north / degree
+    latitude = origin.latitude + north / _degree_lengths(np.full_like(north, origin.latitude))[0]
+    return latitude, origin.longitude + east / _degree_lengths(latitude)[1]
+
+
+def _degree_lengths(latitude: Floats) -> tuple[Floats, Floats]:
+    """Return how long a degree of latitude and one of longitude are at latitudes (degrees), m."""
     phi = np.radians(latitude)
-    degree = 111412.84 * np.cos(phi) - 93.5 * np.cos(3.0 * phi) + 0.118 * np.cos(5.0 * phi)
-    return latitude, origin.longitude + east / degree
+    north = 111132.92 - 559.82 * np.cos(2.0 * phi) + 1.175 * np.cos(4.0 * phi) - 0.0023 * np.cos(6.0 * phi)
+    east = 111412.84 * np.cos(phi) - 93.5 * np.cos(3.0 * phi) + 0.118 * np.cos(5.0 * phi)
+    return north, east
 
 
 def _lines(files: dict[str, Path]) -> tuple[list[FoundLine], list[str]]:

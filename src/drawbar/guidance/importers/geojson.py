@@ -24,16 +24,9 @@ def read_geojson(path: Path, track: str | None) -> RecordedLine:
     Lines are called by their "name" property, else by the file's name and their index. Only the chosen one is
     checked. Raises PathError with the file and the place in it.
     """
-    try:
-        document = json.loads(read_text(path), parse_int=float)
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise PathError(f"{path}: is not valid JSON: {error}") from None
-    features = [document]
-    if _type(document) == "FeatureCollection":
-        _require_wgs84(document, str(path))
-        features = _list(document, "features", str(path))
+    _, features = features_of(path)
     lines = [
-        (_name(feature, f"{path.stem} {index}" if index else path.stem), feature, f"{path}, feature {index}")
+        (name_of(feature, f"{path.stem} {index}" if index else path.stem), feature, f"{path}, feature {index}")
         for index, feature in enumerate(features)
         if _type(_geometry(feature)) == "LineString"
     ]
@@ -46,12 +39,29 @@ def read_geojson(path: Path, track: str | None) -> RecordedLine:
     return _line(*lines[choose(path, [name for name, _, _ in lines], track)])
 
 
+def features_of(path: Path) -> tuple[str, list[Any]]:
+    """Return the name of a collection, empty where it has none, and its features; of other documents their one.
+
+    Raises PathError for what is not JSON or not in WGS84.
+    """
+    try:
+        document = json.loads(read_text(path), parse_int=float)
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise PathError(f"{path}: is not valid JSON: {error}") from None
+    if _type(document) != "FeatureCollection":
+        return "", [document]
+    _require_wgs84(document, str(path))
+    name = document.get("name")
+    return name if isinstance(name, str) else "", _list(document, "features", str(path))
+
+
 def _geometry(feature: Any) -> Any:
     return feature.get("geometry") if _type(feature) == "Feature" else feature
 
 
-def _name(feature: dict[str, Any], otherwise: str) -> str:
-    properties = feature.get("properties")
+def name_of(feature: Any, otherwise: str) -> str:
+    """Return the name of a feature, by its properties."""
+    properties = feature.get("properties") if isinstance(feature, dict) else None
     name = properties.get("name") if isinstance(properties, dict) else None
     return name if isinstance(name, str) and name else otherwise
 
@@ -63,7 +73,7 @@ def _line(name: str, feature: dict[str, Any], place: str) -> RecordedLine:
         _require_wgs84(member, place)
     positions = _list(geometry, "coordinates", place)
     places = [f"{place}, position {index}" for index in range(len(positions))]
-    degrees = np.array([_position(*pair) for pair in zip(positions, places, strict=True)]).reshape(-1, 2)
+    degrees = np.array([position(*pair) for pair in zip(positions, places, strict=True)]).reshape(-1, 2)
     longitude = np.unwrap(degrees[:, 0], period=360.0)  # the line may cross the date line
     latitude = degrees[:, 1]
     if not positions:
@@ -73,12 +83,12 @@ def _line(name: str, feature: dict[str, Any], place: str) -> RecordedLine:
     return replace(line, frame=frame)
 
 
-def _position(position: Any, place: str) -> list[float]:
-    """Return longitude and latitude of one position, in degrees."""
-    numbers = isinstance(position, list) and len(position) >= 2
-    if not numbers or not all(type(value) is float for value in position):
-        raise PathError(f"{place}: is {reprlib.repr(position)}; [longitude, latitude] in degrees is needed")
-    longitude, latitude = position[:2]
+def position(given: Any, place: str) -> list[float]:
+    """Return longitude and latitude of one position, in degrees; raises PathError with the place."""
+    numbers = isinstance(given, list) and len(given) >= 2
+    if not numbers or not all(type(value) is float for value in given):
+        raise PathError(f"{place}: is {reprlib.repr(given)}; [longitude, latitude] in degrees is needed")
+    longitude, latitude = given[:2]
     if not (abs(longitude) <= 180.0 and abs(latitude) < 90.0):
         raise PathError(
             f"{place}: longitude {longitude:z.10g}, latitude {latitude:z.10g}; they must lie within ±180° and ±90°: "

@@ -55,6 +55,13 @@ class DeviceSettings(Settings):
                     f"the {body} is steered by {body}_board or by isobus.{body}_valve; {given} is given, give one"
                 )
         refuse_equal_boards([board for board in (self.tractor_board, self.trailer_board) if board is not None])
+        receivers = (self.tractor_receiver, self.trailer_receiver)
+        if receivers[0].is_on_can and receivers[0].transport == receivers[1].transport:
+            senders = [receiver.sender for receiver in receivers]
+            if "" in senders or senders[0] == senders[1]:
+                raise ValueError(
+                    f"two receivers on one CAN bus need a sender each, and different ones; given are {senders}"
+                )
         if self.speed == "isobus" and self.isobus is None:
             raise ValueError('speed = "isobus" needs the section isobus; add it, or set speed = "driver"')
         return self

@@ -2,19 +2,56 @@
 
 import math
 from collections import Counter
+from typing import Protocol, Self
+
+from pydantic import model_validator
 
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.transports.base import Transport
+
+CAN = "can:"
+"""begins the address of a CAN bus"""
 
 
 class ReceiverSettings(EpochSettings):
     """Section of one receiver."""
 
     transport: str
-    """where its bytes come from, e.g. serial:/dev/ttyACM0@460800, tcp://192.168.3.1:28784, udp://:9999"""
+    """where its bytes come from, e.g. serial:/dev/ttyACM0@460800, tcp://192.168.3.1:28784, udp://:9999; of NMEA 2000 as
+    can:socketcan:can0"""
     sender: str = ""
-    """address of the board whose datagrams are its; empty: the first that is heard. Two boards send to the same port"""
+    """address of the board whose datagrams are its, or of the receiver on its CAN bus; empty: the first that is heard.
+    Two boards send to the same port"""
+
+    @property
+    def is_on_can(self) -> bool:
+        """Whether it speaks NMEA 2000."""
+        return self.transport.startswith(CAN)
+
+    @model_validator(mode="after")
+    def _sender_fits(self) -> Self:
+        if self.is_on_can and self.sender and not (self.sender.isascii() and self.sender.isdigit()):
+            raise ValueError(
+                f"sender = {self.sender!r} is no address on a CAN bus; give a number from 0 to 253, as a text"
+            )
+        return self
+
+
+class _Stream(Protocol):
+    """Bytes of a receiver in, its epochs out."""
+
+    @property
+    def due(self) -> float: ...
+    @property
+    def dropped(self) -> Counter[str]: ...
+    @property
+    def frozen(self) -> int: ...
+
+    kinds: Counter[str]
+
+    def push(self, data: bytes, time: float) -> list[Epoch]: ...
+    def poll(self, time: float) -> list[Epoch]: ...
 
 
 class Receiver:
@@ -29,10 +66,8 @@ class Receiver:
         self.transport = transport
         self.heard = -math.inf
         self.last = None
-        from drawbar.protocols.gnss.stream import EpochStream  # its parsers come with an extra
-
-        self._stream = EpochStream(settings)
-        self._sender = settings.sender
+        self._stream = _stream(settings)
+        self._sender = "" if settings.is_on_can else settings.sender
         self._others: Counter[str] = Counter()
 
     @property
@@ -78,3 +113,13 @@ class Receiver:
             return True
         self._others["datagram of another sender"] += 1
         return False
+
+
+def _stream(settings: ReceiverSettings) -> _Stream:
+    if settings.is_on_can:
+        from drawbar.protocols.nmea2000.stream import Nmea2000Stream
+
+        return Nmea2000Stream(settings, int(settings.sender) if settings.sender else None)
+    from drawbar.protocols.gnss.stream import EpochStream  # its parsers come with an extra
+
+    return EpochStream(settings)

@@ -118,11 +118,15 @@ class SteerBoardSettings(Settings):
         return f"{network}.{STEER_HOST}" if last == "255" else self.address
 
     @property
+    def ear(self) -> str:
+        """Address of a socket for `drawbar.transports` that hears the board, and sends to nobody."""
+        return f"udp://{self.listen}" + ("" if ":" in self.listen else f":{COMPUTER_PORT}")
+
+    @property
     def transport(self) -> str:
         """Address of the socket for `drawbar.transports`; boards that `listen` at one place share one socket."""
         host, port = self.destination
-        listen = self.listen if ":" in self.listen else f"{self.listen}:{COMPUTER_PORT}"
-        return f"udp://{listen}?peer={host}:{port}" + ("&broadcast=1" if host.endswith(".255") else "")
+        return f"{self.ear}?peer={host}:{port}" + ("&broadcast=1" if host.endswith(".255") else "")
 
     def actuator(self, own: Collection[str] = ()) -> SteerBoard:
         """Return the board as the gate commands it; own: `address:port` of this computer's own sockets.

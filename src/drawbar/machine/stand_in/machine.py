@@ -12,6 +12,7 @@ import numpy as np
 
 from drawbar.geometry import LocalFrame
 from drawbar.machine.stand_in.board import Output, StandInBoard
+from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
@@ -74,8 +75,14 @@ class Driver:
         """Creep once more, after the boards have let go and the vehicle stands."""
         self._steered, self._let_go = False, math.inf
 
-    def tick(self, time: float, steered: bool) -> None:
-        """Decide on the speed at a time, s; steered: both boards turn their wheels."""
+    def tick(self, time: float, steered: bool, commanded: float | None = None) -> None:
+        """Decide on the speed at a time, s.
+
+        Args:
+            time: s.
+            steered: both steerings follow set points.
+            commanded: speed that the tractor itself keeps to, m/s; None: the driver drives.
+        """
         self._steered |= steered
         if (steered and not self.told_to_stop) or (not self._steered and not self.told_to_stop):
             self._let_go = math.inf
@@ -86,6 +93,7 @@ class Driver:
             self._let_go = min(self._let_go, time)
         if time - self._let_go >= self.REACTION:
             wish = 0.0
+        wish = wish if commanded is None else commanded
         step = TICK * (self.ACCELERATION if wish > self.speed else self.DECELERATION)
         self.speed += min(max(wish - self.speed, -step), step)
 
@@ -98,6 +106,7 @@ class StandInMachine:
         world: World,
         frame: LocalFrame,
         boards: dict[str, tuple[StandInBoard, HeldWheel]],
+        can: CanMachine | None,
         encoders: dict[str, Encoder],
         driver: Driver,
         settings: StandInSettings,
@@ -108,15 +117,18 @@ class StandInMachine:
         Args:
             world: with the simulated machine.
             frame: of the path.
-            boards: of tractor and trailer, each with the wheel that it measures.
+            boards: of the bodies that one steers, each with the wheel that it measures.
+            can: what steers the others, and takes the speed; None: there is no ISOBUS.
             encoders: of tractor's and trailer's receivers.
             driver: who drives.
             settings: of the receivers.
             seed: of the noise of their speeds.
         """
         self._rng = np.random.default_rng(seed)
-        self.world, self.boards, self.driver = world, boards, driver
-        self._frame, self._encoders, self._settings = frame, encoders, settings
+        self.world, self.boards, self.can, self.driver = world, boards, can, driver
+        self._frame, self._settings = frame, settings
+        self.encoders = encoders
+        """make a receiver's bytes of what it reports, by body"""
         self._ticks = self._epochs = self._reports = 0
         self._way = 0.0
         self._leaving: deque[tuple[float, str, bytes]] = deque()
@@ -150,12 +162,18 @@ class StandInMachine:
 
     def _tick(self, time: float) -> None:
         points = {body: board.set_point for body, (board, _) in self.boards.items()}
-        self.driver.tick(time, all(board.driving for board, _ in self.boards.values()))
+        points |= self.can.set_points() if self.can else {}
+        steered = all(board.driving for board, _ in self.boards.values())
+        steered &= self.can is None or all(valve.engaged for valve in self.can.valves.values())
+        self.driver.tick(time, steered, self.can.speed(time) if self.can else None)
         if self._ticks:
             self.world.tick(points["tractor"], points["trailer"], self.driver.speed)
         truth = self.world.truth
-        self.boards["tractor"][1].angle = truth.tractor_steering
-        self.boards["trailer"][1].angle = truth.trailer_steering
+        angles = {"tractor": truth.tractor_steering, "trailer": truth.trailer_steering}
+        for body, (_, wheel) in self.boards.items():
+            wheel.angle = angles[body]
+        if self.can:
+            self.can.step(time, angles, truth.speed)
         self._way += TICK * truth.speed
         if time + _SAME >= self._reports * _REPORTS:
             self._reports += 1
@@ -190,5 +208,4 @@ class StandInMachine:
                 course=yaw,
                 correction_age=moved.correction_age,
             )
-            data = b"".join(self._encoders[body](report))
-            self._leaving.append((time + moved.latency, body, data))
+            self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]

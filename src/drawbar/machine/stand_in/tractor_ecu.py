@@ -4,6 +4,7 @@ import math
 from collections import Counter
 
 from drawbar.protocols.isobus.cadence import Cadence
+from drawbar.protocols.isobus.guidance_messages import LimitStatus
 from drawbar.protocols.isobus.identifier import Message
 from drawbar.protocols.isobus.node import Component, IsobusNode
 from drawbar.protocols.isobus.tractor_messages import (
@@ -35,6 +36,8 @@ class StandInTractor(Component):
         """at the wheels, m/s, reverse negative; None: this facility is lost"""
         self.ground_speed: float | None = 0.0
         """over ground, m/s, reverse negative; None: this facility is lost"""
+        self.operator_drives = False
+        """the operator has taken the speed over by pedal or lever"""
         self._node = node
         self._cadence = Cadence(_PERIOD)
         self._distances = [0.0, 0.0]
@@ -46,7 +49,8 @@ class StandInTractor(Component):
     def commanded(self, time: float) -> float | None:
         """Return the speed that is asked of it, m/s, None where none is or the last one is too old."""
         fresh = time - self._set_point_time <= _TIMEOUT
-        return self._set_point if fresh and math.isfinite(self._set_point) else None
+        obeys = fresh and math.isfinite(self._set_point) and not self.operator_drives
+        return self._set_point if obeys else None
 
     def hear(self, time: float, message: Message) -> None:
         """Take in a speed command."""
@@ -76,8 +80,9 @@ class StandInTractor(Component):
         if self.wheel_speed is not None:
             value = WheelOrGroundSpeed(speed=self.wheel_speed, distance=wheel)
             frames.append(self._node.frame(WHEEL_SPEED, encode_speed(value, WheelStates(key_on=True))))
+            limit = LimitStatus.OPERATOR if self.operator_drives else LimitStatus.NOT_LIMITED
             selected = SelectedSpeed(
-                speed=self.wheel_speed, distance=wheel, source=SpeedSource.WHEEL, exit_reason=0, limit=0
+                speed=self.wheel_speed, distance=wheel, source=SpeedSource.WHEEL, exit_reason=0, limit=limit
             )
             frames.append(self._node.frame(SELECTED_SPEED, encode_selected_speed(selected)))
         if self.ground_speed is not None:

@@ -107,6 +107,11 @@ class Nmea2000Receiver(Component):
             else:
                 self.dropped["other receiver"] += 1
 
+    @property
+    def due(self) -> float:
+        """Monotonic time at which an open epoch ends without more of it, infinite while there is none, s."""
+        return min((epoch.complete_by for epoch in self._open.values()), default=math.inf)
+
     def epochs(self, time: float) -> list[Nmea2000Epoch]:
         """Return the epochs finished since the last call, oldest first."""
         self._finish_due(time)

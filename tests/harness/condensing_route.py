@@ -4,32 +4,33 @@ Condensing (Bock and Plitt 1984): with the states eliminated, dx_k = drift_k + t
 remains is a small dense quadratic program in xi = (dx_0 where it is free, all du).
 """
 
-from typing import Any
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.optimal.solver import ControlSolver, EstimationSolver
-from drawbar.optimal.transcription import LEVENBERG, Transcription
+from drawbar.optimal.transcription import LEVENBERG, Transcription, transcribe
 
 _UNBOUNDED = 1e30
 """DAQP's infinity."""
+
+
+def transcription_now(solver: ControlSolver | EstimationSolver) -> Transcription:
+    """Return a solver's transcription with its constants as they are now: an estimator learns some while driving."""
+    made = transcribe(solver.problem)
+    values = solver.workspace.array("constants")
+    now = [replace(each, value=float(value)) for each, value in zip(made.constants, values, strict=True)]
+    return replace(made, constants=tuple(now))
 
 
 class CondensingRoute:
     """One real-time iteration from a solver's present trajectory and data, which are only read."""
 
     def __init__(self, transcription: Transcription, solver: ControlSolver | EstimationSolver) -> None:
-        """Make the CasADi functions of all stages.
-
-        Raises:
-            ImportError: daqp is not installed.
-        """
-        import daqp  # a test extra, needed nowhere else
-
+        """Make the CasADi functions of all stages."""
         t = self._transcription = transcription.numeric()
-        self._solve: Any = daqp.solve
         self._solver, self._array = solver, solver.workspace.array
         z = ca.vertcat(t.x, t.u)
         dynamics = ca.Function("dynamics", [t.x, t.u, t.p], [t.next_state, ca.jacobian(t.next_state, z)])
@@ -52,6 +53,8 @@ class CondensingRoute:
 
     def feedback(self) -> Floats:
         """Solve with the newest data and return the step xi (size,)."""
+        import daqp  # the test extra has it
+
         solver, horizon = self._solver, self._transcription.horizon
         offset = self._drift.copy()
         if not self._first:
@@ -78,7 +81,7 @@ class CondensingRoute:
             upper.append(high - now[index] - moved)
         matrix = np.array(rows).reshape(-1, self._size)
         limits = (np.clip(side, -_UNBOUNDED, _UNBOUNDED) for side in (np.array(upper), np.array(lower)))
-        step: Floats = self._solve(self._H, gradient, matrix, *limits, np.zeros(len(rows), np.int32))[0]
+        step: Floats = daqp.solve(self._H, gradient, matrix, *limits, np.zeros(len(rows), np.int32))[0]
         return step
 
     def _by_stage(self, wide: Floats) -> Floats:

@@ -1,0 +1,63 @@
+"""Card of import and export: files of other programs in, the field that is shown out."""
+
+import asyncio
+from collections.abc import Callable
+
+from nicegui import events, ui
+
+from drawbar.console.catalogue import Words
+from drawbar.console.guard import LARGEST_UPLOAD
+from drawbar.console.page_head import tell
+from drawbar.console.workshop import Workshop
+from drawbar.errors import DrawbarError
+from drawbar.fields.exchange import KINDS, WRITERS, take_in
+from drawbar.fields.field import Field
+
+
+class ExchangeCard:
+    """Takes files, and gives them."""
+
+    def __init__(
+        self,
+        workshop: Workshop,
+        words: Words,
+        shown: Callable[[], Field | None],
+        keep: Callable[[tuple[Field, ...]], None],
+    ) -> None:
+        """Build the card; `shown` returns the field to export, `keep` keeps what was imported."""
+        self._frame, self._words, self._shown, self._keep = workshop.frame, words, shown, keep
+        with ui.element("section").classes("card"):
+            with ui.element("h2"):
+                ui.label(words("import_export"))
+            ui.upload(label=words("import_file"), on_upload=self._take, auto_upload=True, max_file_size=LARGEST_UPLOAD)
+            ui.label(words("import_kinds", kinds=", ".join(KINDS))).classes("note")
+            with ui.element("div").classes("line-up"):
+                self._kind = ui.select(list(WRITERS), value="GeoJSON", label=words("format")).props("outlined")
+                button = ui.button(words("export"), on_click=self._give, color=None)
+                button.props("no-caps unelevated").classes("action")
+
+    async def _take(self, event: events.UploadEventArguments) -> None:
+        data = await event.file.read()
+        try:
+            fields = await asyncio.to_thread(take_in, event.file.name, data, self._frame)
+            self._keep(fields)
+        except DrawbarError as error:
+            tell(str(error))
+            return
+        left_out = [each for field in fields for each in field.left_out]
+        lines = sum(len(field.lines) for field in fields)
+        tell(self._words("imported", fields=", ".join(field.name for field in fields), lines=lines), good=True)
+        if left_out:
+            tell(self._words("left_out", what=", ".join(left_out)))
+
+    def _give(self) -> None:
+        field = self._shown()
+        if field is None:
+            tell(self._words("no_field"))
+            return
+        suffix, write = WRITERS[self._kind.value]
+        name = "TASKDATA.XML" if self._kind.value.startswith("ISOXML") else f"{field.name}{suffix}"
+        try:
+            ui.download.content(write(field), name)
+        except DrawbarError as error:
+            tell(str(error))

@@ -1,0 +1,244 @@
+"""Fields page: choose a line and a pass on the map, see what was smoothed of it, and take it for the next drive."""
+
+import asyncio
+import json
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from nicegui import background_tasks, ui
+
+from drawbar.console.audit import Audit
+from drawbar.console.catalogue import Words
+from drawbar.console.exchange_card import ExchangeCard
+from drawbar.console.field_map import FieldMap
+from drawbar.console.link import Link
+from drawbar.console.new_line_card import NewLineCard
+from drawbar.console.page_head import PageHead, tell
+from drawbar.console.visitors import Visitor
+from drawbar.console.workshop import Workshop
+from drawbar.errors import DrawbarError, PathError
+from drawbar.fields.field import Field, FieldLine
+from drawbar.fields.formats import geojson
+from drawbar.fields.lines import on_earth, on_plane
+from drawbar.fields.planning import PlannedPass, plan_pass
+from drawbar.geometry import Floats
+from drawbar.simulation import build_path
+
+_POINTS = 1500
+"""of a line that is drawn, at most"""
+_NEAR = 5000.0
+"""from its first point, within which a new line belongs to a field, m"""
+_TEXTS = ("field_map", "zoom_in", "zoom_out", "whole")
+
+
+class FieldsPage:
+    """The page of one browser."""
+
+    def __init__(
+        self, workshop: Workshop, link: Link, visitor: Visitor, words: Words, audit: Audit, *, login: bool
+    ) -> None:
+        """Build the page."""
+        self._workshop, self._link, self._visitor, self._words, self._audit = workshop, link, visitor, words, audit
+        self._field: Field | None = None
+        self._planned: PlannedPass | None = None
+        self._wanted, self._plans = 0, False
+        self._head = PageHead(link, visitor, words, words("fields"), login=login)
+        with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
+            with ui.element("div").classes("left"):
+                self._map = FieldMap({key: words(key) for key in _TEXTS}, self._choose)
+            with ui.element("div"):
+                self._build_choice()
+                if visitor.may_drive:
+                    self._new_line = NewLineCard(workshop, link, words, self._keep_line)
+                    ExchangeCard(workshop, words, lambda: self._field, self._take_in)
+        names = workshop.fields.names()
+        self._show_field(names[0] if names else None)
+
+    def refresh(self) -> None:
+        """Show where the tractor is, and what is being recorded."""
+        self._head.refresh()
+        if self._visitor.may_drive:
+            self._new_line.refresh()
+        field = self._field
+        frame = self._workshop.frame if field is None or field.is_empty else field.frame()
+        place, track = self._link.surveyor.place, self._link.surveyor.track
+        at = self._moved(np.array([place[:2]]), frame)[0] if place is not None else None
+        yaw = place[2] if place is not None and math.isfinite(place[2]) else None
+        drawn = self._moved(np.array(track.points), frame) if track is not None and track.points else []
+        self._map.place([*at, yaw] if at is not None else None, drawn)
+
+    def _moved(self, points: Floats, frame: Any) -> list[Any]:
+        """Return points of the drive's frame in the field's, rounded."""
+        return _rounded(on_plane(on_earth(points, self._workshop.frame), frame))
+
+    def _build_choice(self) -> None:
+        words = self._words
+        with ui.element("section").classes("card"):
+            with ui.element("h2"):
+                ui.label(words("line_to_drive"))
+            with ui.element("div").classes("line-up"):
+                self._fields = ui.select([], label=words("field"), on_change=self._field_chosen).props("outlined")
+                self._lines = ui.select([], label=words("line"), on_change=self._replan).props("outlined")
+            with ui.element("div").classes("line-up"):
+                self._number = self._figure("pass_number", 0, "", "%.0f")
+                self._width = self._figure("working_width", 3.0, "m", "%.2f")
+                self._offset = self._figure("offset", 0, "cm", "%.0f")
+            ui.label(words("pass_help")).classes("note")
+            self._told = ui.label().classes("note")
+            self._flaw = ui.label().classes("flaw").props("role=alert")
+            self._take = ui.button(words("take_line"), on_click=self._take_line, color=None)
+            self._take.props("no-caps unelevated").classes("action main")
+
+    def _figure(self, key: str, value: float, unit: str, shape: str) -> ui.number:
+        return ui.number(
+            self._words(key), value=value, suffix=unit or None, format=shape, on_change=self._replan
+        ).props("outlined debounce=300")
+
+    def _show_field(self, name: str | None) -> None:
+        self._fields.set_options(self._workshop.fields.names(), value=name)
+        self._field_chosen()
+
+    def _field_chosen(self) -> None:
+        name = self._fields.value
+        try:
+            self._field = self._workshop.fields.load(name) if name else None
+        except DrawbarError as error:
+            self._field = None
+            tell(str(error))
+        lines = [line.name for line in self._field.lines] if self._field is not None else []
+        self._lines.set_options(lines, value=lines[0] if lines else None)
+        self._replan()
+
+    def _choose(self, name: str) -> None:
+        if self._field is not None and any(line.name == name for line in self._field.lines):
+            self._lines.set_value(name)
+
+    def _replan(self) -> None:
+        """Plan the chosen pass, and draw it, as soon as that is computed."""
+        self._wanted += 1
+        self._planned = None
+        self._take.set_enabled(False)
+        if not self._plans:
+            self._plans = True
+            background_tasks.create(self._plan_newest())
+
+    async def _plan_newest(self) -> None:
+        """Plan in a thread, which must not hold up the pictures of those who drive, until nothing newer is wanted."""
+        try:
+            while True:
+                wanted, planned, flaw = self._wanted, None, ""
+                self._told.set_text(self._words("planning"))
+                try:
+                    if self._field is not None and self._lines.value:
+                        planned = await asyncio.to_thread(self._plan(self._field, self._lines.value))
+                except DrawbarError as error:
+                    flaw = str(error)
+                if wanted == self._wanted:
+                    break
+        finally:
+            self._plans = False
+        self._planned = planned
+        self._flaw.set_text(flaw)
+        self._told.set_text(self._said())
+        self._take.set_enabled(self._planned is not None and self._visitor.may_drive)
+        self._map.show(self._scene())
+
+    def _plan(self, field: Field, line: str) -> Callable[[], PlannedPass]:
+        """Return what plans the pass that is chosen now; raises PathError."""
+        numbers = [each.value for each in (self._number, self._width, self._offset)]
+        if any(each is None for each in numbers):
+            raise PathError(self._words("number_missing"))
+        configuration = self._workshop.configuration
+        return partial(
+            plan_pass,
+            field,
+            line,
+            round(numbers[0]),
+            width=float(numbers[1]),
+            offset=float(numbers[2]) / 100.0,
+            curvature_limit=configuration.vehicle.curvature_limit,
+            curvature_rate_limit=configuration.guidance.curvature_rate_limit,
+            tolerance=configuration.guidance.path_tolerance,
+        )
+
+    def _said(self) -> str:
+        if self._planned is None:
+            return self._words("no_field") if self._field is None else ""
+        length = f"{self._planned.drivable.path.length:.0f}"
+        centimetres = self._words.number(100.0 * self._planned.largest, 0)
+        limit = self._words.number(100.0 * self._workshop.configuration.guidance.path_tolerance, 0)
+        key = "smoothed_marked" if self._planned.aside else "smoothed"
+        return self._words(key, length=length, most=centimetres, limit=limit)
+
+    def _scene(self) -> dict[str, Any]:
+        field, planned = self._field, self._planned
+        if field is None or field.is_empty:
+            return {"name": "", "boundary": [], "lines": [], "chosen": [], "driven": [], "aside": []}
+        frame = field.frame()
+        lines = [{"name": line.name, "points": _rounded(on_plane(line.points, frame))} for line in field.lines]
+        return {
+            "name": field.name,
+            "boundary": _rounded(on_plane(field.boundary, frame)) if field.boundary is not None else [],
+            "lines": lines,
+            "chosen": _rounded(planned.drivable.recorded) if planned is not None else [],
+            "driven": _rounded(planned.drivable.path.nodes[:, 1:3]) if planned is not None else [],
+            "aside": [_rounded(piece) for piece in planned.aside] if planned is not None else [],
+        }
+
+    async def _take_line(self) -> None:
+        """Save the chosen pass, and a configuration that drives it, for the next drive."""
+        if self._planned is None or self._field is None:
+            return
+        workshop, line = self._workshop, self._planned.line
+        points = on_earth(np.column_stack([line.x, line.y]), self._field.frame())
+        file = workshop.versions.next_file(workshop.configuration.name, ".geojson")
+        content = geojson.write(Field(name=self._field.name, lines=(FieldLine(name=line.name, points=points),)))
+        texts = {"path.file": str(file), "path.track": line.name}
+        try:
+            if self._link.is_engaged:
+                raise PathError(self._words("not_while_engaged"))
+            changed = workshop.changed([f"{key}={json.dumps(text)}" for key, text in texts.items()])
+            workshop.versions.write(file, content)
+            try:
+                await asyncio.to_thread(build_path, changed)
+                saved = workshop.save(changed, engaged=lambda: self._link.is_engaged)
+            except DrawbarError:
+                file.unlink()
+                raise
+        except DrawbarError as error:
+            self._flaw.set_text(str(error))
+            return
+        self._audit.write(self._visitor, "TAKE_LINE", file=str(saved), line=line.name)
+        tell(self._words("saved_for_next", file=str(saved)), good=True)
+
+    def _keep_line(self, name: str, points: Floats) -> None:
+        """Keep a new line, (n, 2) m of the drive's frame, in the field that is shown; in a new one if that is far."""
+        workshop = self._workshop
+        degrees = on_earth(points, workshop.frame)
+        if self._field is None or not _is_near(self._field, degrees):
+            kept = workshop.fields.add(Field(name=self._words("new_field"), lines=()))
+            self._field = Field(name=kept)
+        line = workshop.fields.add_line(self._field.name, FieldLine(name=name, points=degrees))
+        self._audit.write(self._visitor, "NEW_LINE", field=self._field.name, line=line)
+        self._show_field(self._field.name)
+        self._lines.set_value(line)
+
+    def _take_in(self, fields: tuple[Field, ...]) -> None:
+        """Keep imported fields, and show the first."""
+        names = [self._workshop.fields.add(field) for field in fields]
+        self._audit.write(self._visitor, "IMPORT", fields=names)
+        self._show_field(names[0])
+
+
+def _is_near(field: Field, degrees: Floats) -> bool:
+    return field.is_empty or float(np.abs(on_plane(degrees[:1], field.frame())).max()) <= _NEAR
+
+
+def _rounded(points: Floats) -> list[Any]:
+    every = max(1, len(points) // _POINTS)
+    thinned = points if every == 1 else np.vstack([points[::every], points[-1:]])
+    rounded: list[Any] = np.round(thinned, 3).tolist()
+    return rounded

@@ -1,0 +1,186 @@
+"""Set-up page: the vehicle's numbers beside a drawing to scale, devices with rates and ages, versions."""
+
+import math
+from functools import partial
+
+from nicegui import ui
+
+from drawbar.config import Configuration
+from drawbar.console.audit import Audit
+from drawbar.console.catalogue import Words
+from drawbar.console.device_rates import DEVICES
+from drawbar.console.link import Link
+from drawbar.console.page_head import PageHead, tell
+from drawbar.console.set_up_values import GROUPS, SetUpValue
+from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
+from drawbar.console.versions import Version, changes_between, read_version
+from drawbar.console.visitors import Rank, Visitor
+from drawbar.console.workshop import Workshop
+from drawbar.errors import DrawbarError
+
+_VERSIONS = 10
+"""that are listed"""
+_FRESH = 1.0
+"""s; a device that said nothing for longer is marked"""
+_PERIOD = 500_000_000
+"""between two looks at the devices, ns"""
+
+
+class SetUpPage:
+    """The page of one browser."""
+
+    def __init__(
+        self, workshop: Workshop, link: Link, visitor: Visitor, words: Words, audit: Audit, *, login: bool
+    ) -> None:
+        """Build the page."""
+        self._workshop, self._link, self._visitor, self._words, self._audit = workshop, link, visitor, words, audit
+        self._numbers: dict[SetUpValue, ui.number] = {}
+        self._changed: Configuration | None = None
+        self._due, self._fills = 0, False
+        self._head = PageHead(link, visitor, words, words("setup"), login=login)
+        with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
+            with ui.element("div").classes("left"):
+                with ui.element("section").classes("card"):
+                    self._drawing = ui.html("", sanitize=False)
+                    ui.label(words("drawing_help")).classes("note")
+                self._build_devices()
+            with ui.element("div"):
+                for title, values in GROUPS:
+                    self._build_group(title, values)
+                self._build_saving()
+                self._versions = ui.element("section").classes("card")
+        self._start_anew()
+
+    def refresh(self) -> None:
+        """Show how drive and devices are."""
+        self._head.refresh()
+        self._save.set_enabled(self._may_save())
+        now = self._link.clock()
+        if now < self._due:
+            return
+        self._due = now + _PERIOD
+        for state in self._link.devices.states(now):
+            known = math.isfinite(state.age)
+            good = known and (state.age <= _FRESH if math.isfinite(state.rate) else state.age <= 5.0)
+            age = f"{self._words.number(state.age, 1)} s" if known else "–"
+            rate = f"{self._words.number(state.rate, 0)} Hz" if math.isfinite(state.rate) else ""
+            for label, text in zip(self._devices[state.name], ("✓" if good else "!", rate, age), strict=True):
+                label.set_text(text)
+
+    def _build_group(self, title: str, values: tuple[SetUpValue, ...]) -> None:
+        with ui.element("section").classes("card"):
+            with ui.element("h2"):
+                ui.label(self._words(title))
+            with ui.element("div").classes("numbers"):
+                for value in values:
+                    name = f"{value.letter}  {self._words(value.text)}" if value.letter else self._words(value.text)
+                    number = ui.number(name, suffix=value.unit.name, on_change=self._check)
+                    number.props(f"outlined debounce=300 for={number_id(value)}")
+                    number.set_enabled(self._may_change)
+                    self._numbers[value] = number
+
+    @property
+    def _may_change(self) -> bool:
+        return self._visitor.rank >= Rank.MAINTAINER
+
+    def _may_save(self) -> bool:
+        return self._may_change and self._changed is not None and not self._link.is_engaged
+
+    def _build_saving(self) -> None:
+        words = self._words
+        with ui.element("section").classes("card"):
+            with ui.element("h2"):
+                ui.label(words("changes"))
+            self._said = ui.label().classes("note lines").props("aria-live=polite")
+            self._flaw = ui.label().classes("flaw").props("role=alert")
+            with ui.element("div").classes("line-up"):
+                self._save = ui.button(words("save_version"), on_click=self._keep, color=None)
+                self._save.props("no-caps unelevated").classes("action main")
+                undo = ui.button(words("undo"), on_click=self._start_anew, color=None)
+                undo.props("no-caps unelevated").classes("action")
+            ui.label(words("saving_help" if self._may_change else "only_maintainer")).classes("note")
+
+    def _build_devices(self) -> None:
+        self._devices: dict[str, list[ui.label]] = {}
+        with ui.element("section").classes("card"):
+            with ui.element("h2"):
+                ui.label(self._words("devices"))
+            with ui.element("table").classes("figures-table"):
+                for name in (*DEVICES, "corrections"):
+                    with ui.element("tr"):
+                        with ui.element("td"):
+                            ui.label(self._words(name))
+                        self._devices[name] = [_cell() for _ in range(3)]
+
+    def _start_anew(self) -> None:
+        """Show what was saved last."""
+        self._fills = True  # each number that is filled in would be checked with all others
+        for value, number in self._numbers.items():
+            number.set_value(value.shown(self._workshop.configuration))
+        self._fills = False
+        self._check()
+        self._list_versions()
+
+    def _check(self) -> None:
+        """Validate what is shown, draw it, and say what is changed."""
+        if self._fills:
+            return
+        before = self._workshop.configuration
+        self._changed, flaw, said = None, "", ""
+        try:
+            after = self._workshop.changed(self._changes(before))
+            self._drawing.set_content(vehicle_drawing(after.vehicle))
+            different = changes_between(before, after)
+            said = "\n".join(f"{key}: {old} → {new}" for key, old, new in different) or self._words("no_changes")
+            self._changed = after if different else None
+        except DrawbarError as error:
+            flaw = str(error)
+        self._said.set_text(said)
+        self._flaw.set_text(flaw)
+        self._save.set_enabled(self._may_save())
+
+    def _changes(self, before: Configuration) -> list[str]:
+        """Return KEY=VALUE of all numbers that are not shown as they were."""
+        changes = []
+        for value, number in self._numbers.items():
+            shown = math.nan if number.value is None else float(number.value)
+            if shown != value.shown(before):
+                changes.append(value.change(shown))
+        return changes
+
+    def _keep(self) -> None:
+        if self._changed is None or not self._may_change:
+            return
+        try:
+            file = self._workshop.save(self._changed, engaged=lambda: self._link.is_engaged)
+        except DrawbarError as error:
+            tell(str(error))
+            return
+        self._audit.write(self._visitor, "SET_UP", file=str(file))
+        tell(self._words("saved_for_next", file=str(file)), good=True)
+        self._start_anew()
+
+    def _list_versions(self) -> None:
+        words = self._words
+        self._versions.clear()
+        with self._versions:
+            with ui.element("h2"):
+                ui.label(words("versions"))
+            for version in self._workshop.versions.all()[:_VERSIONS]:
+                with ui.element("div").classes("line-up"):
+                    ui.label(f"{version.file.name} · {version.written}").classes("grow")
+                    if self._may_change:
+                        button = ui.button(words("go_on_from"), on_click=partial(self._go_back, version))
+                        button.props("no-caps unelevated color=none").classes("action")
+
+    def _go_back(self, version: Version) -> None:
+        try:
+            self._workshop.configuration = read_version(version)
+        except DrawbarError as error:
+            tell(str(error))
+        self._start_anew()
+
+
+def _cell() -> ui.label:
+    with ui.element("td"):
+        return ui.label("–")

@@ -1,0 +1,163 @@
+"""A trial: a rehearsal of a drive in which a fault begins at a place of the path, watched until the vehicle stands."""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drawbar.config import Configuration
+from drawbar.driving.rehearsal import STEP, Rehearsal
+from drawbar.geometry import Floats, wrap
+from drawbar.machine.stand_in.machine import BODIES
+from drawbar.messages import SupervisorState
+from drawbar.protocols.agopengps.frame import Frame, parse
+from drawbar.protocols.agopengps.steering import decode_steer
+from drawbar.recording.header import run_header
+from drawbar.recording.log import Outcome, RunLog
+from drawbar.safety.envelope import Bounds, Envelope
+from drawbar.signals import Pose, StepRecord
+from drawbar.simulation import build_path
+
+if TYPE_CHECKING:
+    from drawbar.experiment.alteration import Alteration
+
+LONGEST = 150.0
+"""time in which the fault's place must be reached, s"""
+_NEAR = 4.0
+"""the path is searched so far around the last place, m"""
+_RESTS = 1.0
+"""how long a vehicle that stands is watched after it has been let go of, s"""
+_SAME = 1e-3
+"""rad, s: half the wire's resolution of angles, and more"""
+WATCHED = (
+    *("time", "state", "cause", "driving", "speed", "way", "tractor", "trailer", "beyond", "clips", "rejects"),
+    *("dropped", "flags"),
+)
+"""columns `watch.NAME`: s since the fault; SupervisorState; code of its cause; boards that turn their wheel; m/s; m
+since the fault; signed distances of both bodies from the path, m; set points on the wire beyond the envelope; the
+gate's counts since the fault; flags of the control step"""
+
+
+class Trial:
+    """What alterations of a rehearsal are given; they say what happens, where, and for how long it is watched."""
+
+    def __init__(self, configuration: Configuration, seed: int) -> None:
+        """Build the rehearsal.
+
+        Args:
+            configuration: of the run.
+            seed: of everything random.
+
+        Raises:
+            DrawbarError: it cannot be built.
+        """
+        self.configuration, self.seed = configuration, seed
+        self.path, self._drivable = build_path(configuration)
+        self.rehearsal = Rehearsal(configuration, self.path, seed, configuration.safety)
+        self.place = -math.inf
+        """arc length of the tractor at which the fault begins, once the vehicle is steered, m; -inf: at the start"""
+        self.begin: Callable[[], None] = lambda: None
+        """puts the fault in"""
+        self.watched = 16.0
+        """longest time for which it is watched, s"""
+        vehicle = configuration.vehicle
+        limits = (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit)
+        self._envelope = Envelope(
+            configuration.safety, Bounds(wheelbase=vehicle.wheelbase, tractor_limit=limits[0], trailer_limit=limits[1])
+        )
+        self._trailer_limit, self._beyond = limits[1], 0
+        self._near, self._errors = [0.0, 0.0], [0.0, 0.0]
+        self._rows: list[tuple[float, ...]] = []
+        self._records: list[StepRecord] = []
+
+    def watch(self) -> None:
+        """Drive to the fault's place, put it in, and watch what comes of it.
+
+        Raises:
+            RuntimeError: the place was never reached.
+        """
+        rehearsal = self.rehearsal
+        while self.place > -math.inf and not (self._steered and self._near[0] >= self.place):
+            if rehearsal.time > LONGEST:
+                raise RuntimeError(f"arc length {self.place} m was not reached, the gate says {rehearsal.gate_state}")
+            self._advance()
+        self._rows.clear()
+        start, before = rehearsal.time, self._counts()
+        for body in BODIES:
+            self._judge_set_points(body)
+        self.begin()
+        way, rested = 0.0, 0.0
+        while rehearsal.time < start + self.watched and rested < _RESTS:
+            self._advance()
+            truth = rehearsal.machine.world.truth
+            way += truth.speed * STEP * 1e-9
+            rests = abs(truth.speed) < 0.02 and not self._steered and self.place > -math.inf
+            rested = rested + STEP * 1e-9 if rests else 0.0
+            counts = [after - count for after, count in zip(self._counts(), before, strict=True)]
+            self._rows.append((rehearsal.time - start, *self._state(), truth.speed, way, *self._errors, self._beyond,
+                *counts, float(self._records[-1].flags) if self._records else 0.0))  # fmt: skip
+
+    def log(self) -> RunLog:
+        """Return the log of the control step, whose outcome is that it was watched to the end."""
+        header = run_header(self.configuration, self.path, self._drivable, self.seed)
+        return RunLog(
+            header=header,
+            records=tuple(self._records),
+            wall_time=np.full(len(self._records), time.time()),
+            outcome=Outcome(finished=True, reason="the fault was watched to its end"),
+        )
+
+    def column(self, name: str) -> Floats:
+        """Return one of WATCHED, (n,), every 5 ms from the fault on."""
+        return np.array([row[WATCHED.index(name)] for row in self._rows])
+
+    @property
+    def _steered(self) -> bool:
+        return any(board.driving for board, _ in self.rehearsal.machine.boards.values())
+
+    def _advance(self) -> None:
+        for record, truth in self.rehearsal.run(STEP * 1e-9):
+            self._records.append(replace(record, truth=truth))
+        truth = self.rehearsal.machine.world.truth
+        for i, pose in enumerate((truth.tractor, truth.trailer)):
+            self._near[i], self._errors[i] = self._project(pose, self._near[i])
+
+    def _project(self, pose: Pose, near: float) -> tuple[float, float]:
+        progress, error = self.path.project(pose.x, pose.y, near - _NEAR, near + _NEAR)
+        return float(progress), float(error)
+
+    def _state(self) -> tuple[float, float, float]:
+        state = self.rehearsal.gate_state
+        driving = sum(board.driving for board, _ in self.rehearsal.machine.boards.values())
+        return (float(state.state if state else SupervisorState.BOOT), float(state.cause if state else 0), driving)
+
+    def _counts(self) -> tuple[int, int, int]:
+        state = self.rehearsal.gate_state
+        return (state.clips, state.rejects, state.dropped) if state else (0, 0, 0)
+
+    def _judge_set_points(self, body: str) -> None:
+        """Count set points that leave the gate and are beyond the envelope at the speed that the vehicle truly has."""
+        wire = f"{body} set point"
+
+        def tap(now: float, data: bytes) -> list[tuple[float, bytes]]:
+            frame = parse(data)
+            decoded = decode_steer(frame) if isinstance(frame, Frame) else None
+            if decoded is not None and decoded[0].steer:
+                speed = max(self.rehearsal.machine.world.truth.speed - 0.1, 0.0)
+                limit = self._envelope.angle_cap(speed) if body == "tractor" else self._trailer_limit
+                self._beyond += not abs(wrap(decoded[0].angle)) <= limit + _SAME
+            return [(0.0, data)]
+
+        self.rehearsal.post.taps[wire] = tap
+
+
+def watch_trial(configuration: Configuration, seed: int, alterations: "Sequence[Alteration]") -> Trial:
+    """Return a trial that has been watched, with these alterations, the last one's last."""
+    trial = Trial(configuration, seed)
+    for alteration in alterations:
+        alteration.apply(trial)
+    trial.watch()
+    return trial

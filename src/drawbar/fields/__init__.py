@@ -1,0 +1,1 @@
+"""Fields: boundary and lines as they lie on Earth, new lines beside them, and the formats of other programs."""

@@ -1,0 +1,127 @@
+"""One door for all formats of fields: files of other programs in, files for other programs out."""
+
+import io
+import tempfile
+import zipfile
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path, PurePosixPath
+
+from drawbar.errors import PathError
+from drawbar.fields.field import Field, make_field
+from drawbar.fields.formats import agopengps, csv, geojson, gpx, isoxml, kml, shapefiles
+from drawbar.geometry import LocalFrame
+
+_LARGEST, _MOST = 1 << 26, 1000
+"""bytes and files of an archive, unpacked"""
+_TASK_DATA = "taskdata.xml"
+_ORIGIN = "field.txt"
+_READERS: Mapping[str, Callable[[Path], tuple[Field, ...]]] = {
+    ".geojson": geojson.read,
+    ".json": geojson.read,
+    ".kml": kml.read,
+    ".gpx": gpx.read,
+    ".shp": shapefiles.read,
+    ".xml": isoxml.read,
+}
+WRITERS: Mapping[str, tuple[str, Callable[[Field], bytes]]] = {
+    "GeoJSON": (".geojson", geojson.write),
+    "KML": (".kml", kml.write),
+    "GPX": (".gpx", gpx.write),
+    "CSV": (".csv", csv.write),
+    "Shapefile": (".zip", shapefiles.write),
+    "ISOXML 4": (".xml", partial(isoxml.write, version=4)),
+    "ISOXML 3": (".xml", partial(isoxml.write, version=3)),
+    "AgOpenGPS": (".zip", agopengps.write),
+}
+"""by name: how the file ends, and what writes it. GPX and CSV hold lines only"""
+KINDS = ("AgOpenGPS", "ISOXML", "Shapefile", "KML", "GPX", "GeoJSON", "CSV")
+"""what is read; a folder of several files as .zip"""
+
+
+def read_fields(path: Path, frame: LocalFrame) -> tuple[Field, ...]:
+    """Return the fields of a file, or of an AgOpenGPS folder.
+
+    Args:
+        path: of a type that is known.
+        frame: from whose origin the metres of a CSV file count.
+
+    Raises:
+        PathError: nothing readable is there; says what, where and what to do.
+    """
+    if path.is_dir():
+        return agopengps.read(path)
+    if path.suffix.lower() == ".csv":
+        return csv.read(path, frame)
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise PathError(
+            f"{path.name}: is of none of the types {', '.join(_READERS)}, .csv, .kmz and .zip; give one of these"
+        )
+    return reader(path)
+
+
+def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
+    """Return the fields of a file that was handed over; all shapefiles of one archive are one field.
+
+    Args:
+        name: of the file.
+        data: its content.
+        frame: from whose origin the metres of a CSV file count.
+
+    Raises:
+        PathError: nothing readable is there; says what, where and what to do.
+    """
+    with tempfile.TemporaryDirectory(prefix="drawbar-import-") as folder:
+        paths = unpack(name, data, Path(folder))
+        fields = [field for path in paths for field in read_fields(path, frame) if not field.is_empty]
+    if not fields:
+        raise PathError(f"{name}: holds neither a line nor a boundary")
+    if all(path.suffix.lower() == ".shp" for path in paths):
+        boundary = next((field.boundary for field in fields if field.boundary is not None), None)
+        lines = [(line.name, [(p[0], p[1]) for p in line.points.tolist()]) for field in fields for line in field.lines]
+        ring = [(p[0], p[1]) for p in boundary.tolist()] if boundary is not None else None
+        left_out = [each for field in fields for each in field.left_out]
+        return (make_field(name, Path(name).stem, lines, ring, left_out),)
+    return tuple(fields)
+
+
+def unpack(name: str, data: bytes, folder: Path) -> list[Path]:
+    """Put a file that was handed over into an empty folder; return what there is to read.
+
+    Of an archive only the last part of each name is used, with the folder before it for fields of AgOpenGPS.
+
+    Raises:
+        PathError: the archive is broken, too large, or holds nothing that can be read.
+    """
+    plain = PurePosixPath(name.replace("\\", "/")).name
+    if Path(plain).suffix.lower() not in (".zip", ".kmz"):
+        (folder / plain).write_bytes(data)
+        return [folder / plain]
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            entries = [each for each in archive.infolist() if not each.is_dir()]
+            if len(entries) > _MOST or sum(each.file_size for each in entries) > _LARGEST:
+                raise PathError(f"{plain}: holds more than {_MOST} files or {_LARGEST >> 20} MiB; pack the field alone")
+            for entry in entries:
+                parts = PurePosixPath(entry.filename.replace("\\", "/")).parts[-2:]
+                target = folder.joinpath(*(part for part in parts if part not in ("/", "..", ".")))
+                target.parent.mkdir(exist_ok=True)
+                with archive.open(entry) as file:
+                    target.write_bytes(file.read(entry.file_size))
+    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, EOFError) as error:
+        raise PathError(f"{plain}: cannot be unpacked: {error}; pack it again") from None
+    return _readable(folder, plain)
+
+
+def _readable(folder: Path, name: str) -> list[Path]:
+    files = sorted(each for each in folder.rglob("*") if each.is_file())
+    fields = sorted({each.parent for each in files if each.name.lower() == _ORIGIN})
+    others = [each for each in files if each.suffix.lower() in (*_READERS, ".csv") and each.parent not in fields]
+    tasks = [each for each in others if each.name.lower() == _TASK_DATA]
+    found = [*fields, *(tasks or others)]
+    if not found:
+        raise PathError(
+            f"{name}: holds no field; a folder of AgOpenGPS, TASKDATA.XML, or .shp, .kml, .gpx, .geojson, .csv"
+        )
+    return found

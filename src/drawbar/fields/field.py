@@ -1,0 +1,119 @@
+"""A field: its boundary and its lines, in WGS84 degrees; what every format reads and writes."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drawbar.errors import PathError
+from drawbar.geometry import Floats, LocalFrame
+
+Degrees = Sequence[tuple[float, float]]
+"""latitude and longitude of each point"""
+_FEWEST = {"line": 2, "boundary": 3}
+_LONGEST = 100
+"""characters of a name"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FieldLine:
+    """A line of a field."""
+
+    name: str
+    points: Floats
+    """(n, 2): latitude and longitude, degrees. Two: an A-B line, which has no end; more: a curve"""
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether this is an A-B line."""
+        return len(self.points) == 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """A field."""
+
+    name: str
+    lines: tuple[FieldLine, ...] = ()
+    """each of another name"""
+    boundary: Floats | None = None
+    """(n, 2): latitude and longitude, degrees; the last point joins the first"""
+    left_out: tuple[str, ...] = ()
+    """what its source holds besides, in a few words each"""
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is neither a line nor a boundary."""
+        return not self.lines and self.boundary is None
+
+    def line(self, name: str) -> FieldLine:
+        """Return a line by its name; raises PathError, which names those that there are."""
+        found = next((line for line in self.lines if line.name == name), None)
+        if found is None:
+            names = ", ".join(repr(line.name) for line in self.lines) or "none"
+            raise PathError(f"field {self.name!r} has no line {name!r}; its lines are: {names}")
+        return found
+
+    def frame(self) -> LocalFrame:
+        """Return a plane that touches the Earth at the field's first point; raises PathError for a field of nothing."""
+        known = [self.boundary] if self.boundary is not None else [line.points for line in self.lines]
+        if not known:
+            raise PathError(f"field {self.name!r} holds neither a line nor a boundary; record or import one")
+        latitude, longitude = known[0][0].tolist()
+        return LocalFrame(latitude=latitude, longitude=longitude)
+
+
+def make_field(
+    source: str,
+    name: str,
+    lines: Sequence[tuple[str, Degrees]],
+    boundary: Degrees | None = None,
+    left_out: Sequence[str] = (),
+) -> Field:
+    """Return a field of what a source holds, checked.
+
+    Lines without a name are called by their place; of equal names the later ones get a number. A closed ring loses its
+    last point.
+
+    Args:
+        source: file or page, for errors.
+        name: of the field.
+        lines: name and points of each.
+        boundary: outer ring.
+        left_out: what else the source holds.
+
+    Raises:
+        PathError: a coordinate is none on Earth, or points are too few; says which.
+    """
+    taken: Counter[str] = Counter()
+    found = []
+    for index, (given, degrees) in enumerate(lines, 1):
+        plain = _plain(given) or f"line {index}"
+        taken[plain] += 1
+        unique = plain if taken[plain] == 1 else f"{plain} ({taken[plain]})"
+        found.append(FieldLine(name=unique, points=_checked(source, "line", unique, degrees)))
+    ring = None
+    if boundary is not None:
+        ring = _checked(source, "boundary", "", boundary)
+        ring = ring[:-1] if len(ring) > 3 and (ring[0] == ring[-1]).all() else ring
+    return Field(name=_plain(name) or "field", lines=tuple(found), boundary=ring, left_out=tuple(left_out))
+
+
+def _plain(name: str) -> str:
+    """Return a name that can be that of a file, and a row of one."""
+    return " ".join(re.sub(r"[/\\\x00-\x1f]", " ", name).split()).lstrip(". ")[:_LONGEST]
+
+
+def _checked(source: str, what: str, name: str, degrees: Degrees) -> Floats:
+    points = np.array(degrees, dtype=np.float64).reshape(-1, 2)
+    place = f"{source}: {what} {name!r}" if name else f"{source}: the {what}"
+    if len(points) < _FEWEST[what]:
+        raise PathError(f"{place} has {len(points)} point(s); it needs at least {_FEWEST[what]}")
+    for bad in np.flatnonzero(~((np.abs(points) <= (89.999, 180.0)).all(axis=1)))[:1]:
+        raise PathError(
+            f"{place}, point {bad + 1}: latitude {points[bad, 0]:z.10g}, longitude {points[bad, 1]:z.10g}; "
+            f"degrees within ±90 and ±180 are needed"
+        )
+    return points

@@ -1,0 +1,66 @@
+"""GeoJSON (RFC 7946): lines as LineStrings with their "name", the boundary as a Polygon."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from drawbar.errors import PathError
+from drawbar.fields.field import Degrees, Field, make_field
+from drawbar.geometry import Floats
+from drawbar.guidance.importers.geojson import features_of, name_of, position
+
+
+def read(path: Path) -> tuple[Field, ...]:
+    """Return the field of a file; further polygons, holes and points are left out. Raises PathError with the place."""
+    lines: list[tuple[str, Degrees]] = []
+    boundary: Degrees | None = None
+    left_out = []
+    name, features = features_of(path)
+    for index, feature in enumerate(features):
+        geometry: Any = feature.get("geometry") if isinstance(feature, dict) and "geometry" in feature else feature
+        kind = geometry.get("type") if isinstance(geometry, dict) else None
+        place = f"{path}, feature {index}"
+        called = name_of(feature, "")
+        if kind == "LineString":
+            lines.append((called, _degrees(geometry.get("coordinates"), place)))
+        elif kind == "MultiLineString":
+            lines += [(called, _degrees(part, place)) for part in _list(geometry, place)]
+        elif kind == "Polygon" and boundary is None:
+            boundary = _degrees(next(iter(_list(geometry, place)), None), place)
+        else:
+            left_out.append(f"{kind} {called}".strip())
+    return (make_field(str(path), name or path.stem, lines, boundary, left_out),)
+
+
+def _list(geometry: Any, place: str) -> list[Any]:
+    found = geometry.get("coordinates")
+    if not isinstance(found, list):
+        raise PathError(f"{place}: 'coordinates' is no list")
+    return found
+
+
+def _degrees(positions: Any, place: str) -> Degrees:
+    if not isinstance(positions, list):
+        raise PathError(f"{place}: 'coordinates' is no list of positions")
+    found = [position(each, f"{place}, position {index}") for index, each in enumerate(positions)]
+    return [(latitude, longitude) for longitude, latitude in found]
+
+
+def write(field: Field) -> bytes:
+    """Return the field as a FeatureCollection."""
+    features = [
+        _feature({"type": "LineString", "coordinates": _positions(line.points)}, line.name) for line in field.lines
+    ]
+    if field.boundary is not None:
+        ring = _positions(field.boundary)
+        features.append(_feature({"type": "Polygon", "coordinates": [[*ring, ring[0]]]}, field.name))
+    document = {"type": "FeatureCollection", "name": field.name, "features": features}
+    return json.dumps(document, ensure_ascii=False, indent=1).encode()
+
+
+def _feature(geometry: dict[str, Any], name: str) -> dict[str, Any]:
+    return {"type": "Feature", "properties": {"name": name}, "geometry": geometry}
+
+
+def _positions(points: Floats) -> list[list[float]]:
+    return [[round(longitude, 9), round(latitude, 9)] for latitude, longitude in points.tolist()]

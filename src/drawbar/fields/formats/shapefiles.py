@@ -1,0 +1,105 @@
+"""Shapefiles: poly-lines and polygons with their .prj, read and written by pyshp; other projections by pyproj."""
+
+import io
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pyproj
+import shapefile
+
+from drawbar.errors import PathError
+from drawbar.fields.field import Degrees, Field, FieldLine, make_field
+from drawbar.geometry import Floats
+
+_NAMES = ("name", "line", "track", "designator", "label")
+_WGS84 = (
+    'GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984",SPHEROID["WGS_1984",6378137.0,298.257223563]],'
+    'PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]]'
+)
+
+
+def read(path: Path) -> tuple[Field, ...]:
+    """Return the lines of a .shp, or its first polygon as boundary; .dbf and .prj lie beside it.
+
+    Raises:
+        PathError: it cannot be read, or has no .prj, without which nobody knows what its numbers are.
+    """
+    to_degrees = _projection(path)
+    lines: list[tuple[str, Degrees]] = []
+    boundary: Degrees | None = None
+    left_out = []
+    try:
+        with shapefile.Reader(str(path), encoding="utf-8", encodingErrors="replace") as reader:
+            for item in reader.iterShapeRecords():
+                name, shape = _name(item.record.as_dict()), item.shape
+                kind = shape.shapeTypeName.removesuffix("Z").removesuffix("M")
+                parts = [[*shape.parts, len(shape.points)][i : i + 2] for i in range(len(shape.parts))]
+                pieces = [[point[:2] for point in shape.points[first:last]] for first, last in parts]
+                if kind == "POLYLINE":
+                    lines += [(name, to_degrees(piece)) for piece in pieces]
+                elif kind == "POLYGON" and boundary is None:
+                    boundary = to_degrees(pieces[0])
+                else:
+                    left_out.append(f"{kind} {name}".strip())
+    except (shapefile.ShapefileException, OSError, ValueError, IndexError) as error:
+        raise PathError(f"{path}: cannot be read as a shapefile: {error}; export it again") from None
+    return (make_field(str(path), path.stem, lines, boundary, left_out),)
+
+
+def _projection(path: Path) -> Callable[[Any], Degrees]:
+    """Return what makes latitude and longitude of a file's own coordinates."""
+    beside = next((each for each in path.parent.iterdir() if each.name.lower() == f"{path.stem.lower()}.prj"), None)
+    if beside is None:
+        raise PathError(f"{path}: has no {path.stem}.prj beside it, so that nobody knows its projection; export it too")
+    try:
+        system = pyproj.CRS.from_wkt(beside.read_text("utf-8", "replace"))
+        transformer = pyproj.Transformer.from_crs(system, "EPSG:4326", always_xy=True)
+    except pyproj.exceptions.ProjError as error:
+        raise PathError(f"{beside}: is no projection that is known: {error}; export in WGS84") from None
+
+    def to_degrees(points: Any) -> Degrees:
+        longitude, latitude = transformer.transform([x for x, _ in points], [y for _, y in points])
+        return list(zip(latitude, longitude, strict=True))
+
+    return to_degrees
+
+
+def _name(record: dict[str, Any]) -> str:
+    named = {key.lower(): value for key, value in record.items() if isinstance(value, str)}
+    return next((named[key] for key in _NAMES if named.get(key)), "")
+
+
+def write(field: Field) -> bytes:
+    """Return a zip with NAME-lines.shp and, where there is a boundary, NAME-boundary.shp, and what lies beside them."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        if field.lines:
+            _add(archive, f"{field.name}-lines", shapefile.POLYLINE, field.lines)
+        if field.boundary is not None:
+            ring = FieldLine(name=field.name, points=field.boundary)
+            _add(archive, f"{field.name}-boundary", shapefile.POLYGON, (ring,))
+    return content.getvalue()
+
+
+def _add(archive: zipfile.ZipFile, name: str, kind: int, lines: tuple[FieldLine, ...]) -> None:
+    files = {suffix: io.BytesIO() for suffix in ("shp", "shx", "dbf")}
+    with shapefile.Writer(**files, shapeType=kind, encoding="utf-8") as writer:
+        writer.field("name", "C", size=100)
+        for line in lines:
+            points = _longitude_first(line.points)
+            if kind == shapefile.POLYGON:
+                writer.poly([[*points, points[0]]])
+            else:
+                writer.line([points])
+            writer.record(line.name)
+    for suffix, file in files.items():
+        archive.writestr(f"{name}.{suffix}", file.getvalue())
+    archive.writestr(f"{name}.prj", _WGS84)
+    archive.writestr(f"{name}.cpg", "UTF-8")
+
+
+def _longitude_first(points: Floats) -> list[list[float]]:
+    turned: list[list[float]] = points[:, ::-1].tolist()
+    return turned

@@ -1,0 +1,78 @@
+"""NMEA 2000 of a receiver's stand-in: position (129029) and course and speed (129026), as packed CAN frames."""
+
+import math
+import struct
+from collections.abc import Iterator
+
+from drawbar.machine.stand_in.receiver import Encoder, Report
+from drawbar.protocols.isobus.identifier import Message, encode
+from drawbar.protocols.nmea2000.messages import COURSE_SPEED, GNSS_POSITION, FixMethod
+from drawbar.signals import FixQuality
+from drawbar.transports.can_listener import packed
+
+_METHODS = {
+    FixQuality.NONE: FixMethod.NONE,
+    FixQuality.SINGLE: FixMethod.SINGLE,
+    FixQuality.DIFFERENTIAL: FixMethod.DIFFERENTIAL,
+    FixQuality.FLOAT: FixMethod.RTK_FLOAT,
+    FixQuality.FIXED: FixMethod.RTK_FIXED,
+}
+_POSITION = struct.Struct("<BHIqqqBBBhhiBHH")
+_MOTION = struct.Struct("<BBHHH")
+_SIDS = 253
+_DAY = 86400.0
+_SAFE = 1
+
+
+def nmea2000(source: int) -> Encoder:
+    """Return what makes frames of reports, sent from an address."""
+    counter = iter(_count())
+
+    def encoder(report: Report) -> list[bytes]:
+        count = next(counter)
+        motion = Message(pgn=COURSE_SPEED, source=source, priority=2, data=_motion(report, count % _SIDS))
+        whole = _position(report, count % _SIDS)
+        pieces = [bytes((len(whole),)) + whole[:6], *(whole[at : at + 7] for at in range(6, len(whole), 7))]
+        frames = [
+            Message(
+                pgn=GNSS_POSITION, source=source, data=(bytes(((count % 8) << 5 | index,)) + piece).ljust(8, b"\xff")
+            )
+            for index, piece in enumerate(pieces)
+        ]
+        return [packed(encode(message)) for message in (*frames, motion)]
+
+    return encoder
+
+
+def _count() -> Iterator[int]:
+    count = 0
+    while True:
+        yield count
+        count += 1
+
+
+def _position(report: Report, sid: int) -> bytes:
+    days, seconds = divmod(report.time.timestamp(), _DAY)
+    latitude, longitude = (round(each * 1e16) for each in (report.latitude, report.longitude))
+    return _POSITION.pack(
+        sid,
+        int(days),
+        round(seconds * 1e4),
+        latitude,
+        longitude,
+        round(report.height * 1e6),
+        _METHODS[report.quality] << 4,
+        0xFC | _SAFE,
+        report.satellites,
+        70,
+        100,
+        0,
+        1,
+        report.station << 4,
+        round(report.correction_age * 100.0),
+    )
+
+
+def _motion(report: Report, sid: int) -> bytes:
+    course = 0xFFFF if math.isnan(report.course) else round((math.pi / 2 - report.course) % (2.0 * math.pi) * 1e4)
+    return _MOTION.pack(sid, 0xFC, course, round(report.speed * 100.0), 0xFFFF)

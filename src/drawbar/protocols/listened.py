@@ -1,0 +1,25 @@
+"""Listened steering: an actuator that is heard and never told anything, for a drive in which drawbar only looks on."""
+
+from dataclasses import replace
+
+from drawbar.protocols.actuator import Frame, Readiness, SteeringActuator, SteeringReport, SteeringRequest
+
+
+class ListenedSteering(SteeringActuator[Frame]):
+    """Another actuator's ears: its angle is known, and it cannot be engaged."""
+
+    def __init__(self, actuator: SteeringActuator[Frame]) -> None:
+        """Take the actuator, which is given all frames and asked for none."""
+        self._actuator, self.dropped = actuator, actuator.dropped
+
+    def receive(self, time: float, frame: Frame, source: str = "") -> None:
+        """Take in one frame."""
+        self._actuator.receive(time, frame, source)
+
+    def send(self, time: float, request: SteeringRequest) -> list[Frame]:
+        """Return nothing, whatever is requested."""
+        return []
+
+    def report(self, time: float) -> SteeringReport:
+        """Return the measured angle."""
+        return replace(self._actuator.report(time), engaged=False, overridden=False, readiness=Readiness.SHADOW)

@@ -1,0 +1,181 @@
+"""The runs page, by simulated users: events in plain words, comparison, export, deleting."""
+
+import asyncio
+import json
+from dataclasses import asdict
+
+import msgspec
+import numpy as np
+import pytest
+
+pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
+
+from console_stage import Stage, console
+
+from drawbar.console.catalogue import Words
+from drawbar.console.run_comparison import FIGURES, value_of
+from drawbar.console.run_events import run_events
+from drawbar.console.visitors import Rank
+from drawbar.errors import DrawbarError
+from drawbar.messages import Action, OperatorMessage
+from drawbar.recording.chunks import ChunkedWriter
+from drawbar.recording.recorder import Recorder
+from drawbar.report.folder import write_report
+from drawbar.safety.causes import Cause
+
+SECOND = 10**9
+
+
+@pytest.fixture
+def runs(tmp_path, run_log):
+    """Return a folder of two runs with reports and one without."""
+    log, configuration = run_log
+    for name in ("first", "second", "broken"):
+        folder = tmp_path / "runs" / name
+        folder.mkdir(parents=True)
+        (folder / "config.toml").write_text(configuration.to_toml(), "utf-8")
+    for name in ("first", "second"):
+        folder = tmp_path / "runs" / name
+        with Recorder(folder / "log.mcap", log.header) as recorder:
+            for record in log.records[: 200 if name == "first" else 100]:
+                recorder.write(record)
+        write_report(folder)
+    return tmp_path / "runs"
+
+
+def on_page(runs, test, current="elsewhere", rank=Rank.MAINTAINER):
+    """Run an asynchronous test in front of the page."""
+
+    async def whole():
+        stage = Stage(runs.parent / "audit")
+        orders = {"runs": str(runs), "configuration": str(runs / current / "config.toml")}
+        async with console(stage, **orders) as browser:
+            one = browser()
+            visitors = one.pages._visitors
+            admit = visitors.admit
+            visitors.admit = lambda name, _, time: admit(name, rank, time)
+            return await test(await one.open("/runs"))
+
+    return asyncio.run(whole())
+
+
+def test_two_runs_are_compared_by_their_figures(runs):
+    async def test(one):
+        one.press("Compare")
+        return one.text()
+
+    shown = on_page(runs, test)
+    first, second = (json.loads((runs / name / "metrics.json").read_text()) for name in ("first", "second"))
+    assert "Largest error, Trailer (cm)" in shown
+    for metrics in (first, second):
+        assert f"{100.0 * metrics['error_m']['trailer']['all']['max']:.1f}" in shown
+    by_path = {figure.path: value_of(figure, first) for figure in FIGURES}
+    assert by_path["length_m"] == first["length_m"]
+    assert not any(np.isnan(value) for value in by_path.values())
+    assert all(np.isnan(value_of(figure, {})) for figure in FIGURES)
+
+
+def test_a_run_is_exported_as_a_table_and_what_cannot_be_is_said(runs):
+    async def test(one):
+        assert "Export CSV" in [getattr(each, "text", "") for each in one.user.client.elements.values()]
+        (run,) = (each for each in _listed(runs) if each.name == "second")
+        for kind in ("CSV", "GeoJSON"):
+            with one.user.client:
+                await one.page._export(run, kind)
+        await asyncio.sleep(0.1)
+        return [answer.content for answer in one.user.download.http_responses], one.told()
+
+    (table,), told = on_page(runs, test)
+    assert table.count(b"\n") == 101
+    assert "no place on Earth" in told
+
+
+def test_a_run_is_deleted_after_asking_and_the_one_that_is_on_never(runs):
+    async def test(one):
+        names = [each.text for each in one.user.client.elements.values() if getattr(each, "text", "") == "Delete"]
+        one.page._ask_deletion(next(run for run in _listed(runs) if run.name == "broken"))
+        assert "Delete broken with all its files?" in one.text()
+        assert (runs / "broken").exists()
+        one.press("Delete now")
+        one.page._delete(next(run for run in _listed(runs) if run.name == "first"))  # forged
+        return len(names)
+
+    assert on_page(runs, test, current="first") == 2
+    assert sorted(each.name for each in runs.iterdir()) == ["first", "second"]
+    assert json.loads((runs.parent / "audit").read_text())["run"] == "broken"
+
+
+def test_an_operator_deletes_nothing(runs):
+    async def test(one):
+        assert "Delete" not in [getattr(each, "text", "") for each in one.user.client.elements.values()]
+        one.page._delete(_listed(runs)[0])
+
+    on_page(runs, test, rank=Rank.OPERATOR)
+    assert len(list(runs.iterdir())) == 3
+
+
+def _listed(runs):
+    from drawbar.console.runs_page import list_runs
+
+    return list_runs(runs)
+
+
+@pytest.fixture
+def drive_log(tmp_path):
+    """Return the log of a drive by the gate's real desk: engaged, stopped, acknowledged."""
+    stage, file = Stage(), tmp_path / "log.mcap"
+    states, asked = [], []
+    hear = stage.link.hear
+    stage.link.hear = lambda data: (hear(data), states.append(stage.link.gate))
+    stage.run(4.0)
+    for action in (Action.EMERGENCY, Action.ACKNOWLEDGE):
+        stage.standing = True
+        message = OperatorMessage(
+            time=stage.now,
+            valid_until=stage.now + SECOND,
+            action=action,
+            lease=5,
+            nonce=stage.now,
+            seen_sequence=stage.link.gate.sequence,
+            seen_time=stage.link.gate.time,
+        )
+        stage.desk.receive(stage.time, message)
+        asked += [message, message]  # the recorder may hear a message twice
+        stage.run(3.0)
+    with file.open("wb") as stream:
+        writer = ChunkedWriter(stream, "")
+        channels = {name: writer.add_channel(f"/{name}", "json", 0) for name in ("gate", "operator")}
+        named = [("gate", each) for each in states] + [("operator", each) for each in asked]
+        for name, each in sorted(named, key=lambda pair: pair[1].time):
+            data = msgspec.json.encode(asdict(each))
+            writer.add_message(channels[name], data, log_time=each.time, publish_time=each.time, sequence=0)
+        writer.finish()
+    return file
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_events_are_told_in_plain_words(drive_log, language):
+    words = Words(language)
+    told = [event.text for event in run_events(drive_log, words)]
+    assert words("ESTOP") + ". " + words("because", cause=words.cause(Cause.EMERGENCY)[0]) in told
+    assert told.count(words("operator_pressed", what=words("emergency"))) == 1
+    assert told.index(words("operator_pressed", what=words("emergency"))) < len(told) - 2
+    assert told[-1].startswith(words("STANDBY"))
+
+
+def test_a_simulated_run_has_no_events_and_a_broken_log_is_refused(runs):
+    assert run_events(runs / "first" / "log.mcap", Words("en")) == []
+    with pytest.raises(DrawbarError, match="cannot be read"):
+        run_events(runs / "broken" / "log.mcap", Words("en"))
+    (runs / "broken" / "log.mcap").write_bytes(b"nonsense")
+    with pytest.raises(DrawbarError, match="cannot be read"):
+        run_events(runs / "broken" / "log.mcap", Words("en"))
+
+    async def test(one):
+        (run,) = (each for each in _listed(runs) if each.name == "first")
+        with one.user.client:
+            await one.page._show_events(run)
+        return one.text()
+
+    assert "it was simulated" in on_page(runs, test)

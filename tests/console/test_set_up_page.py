@@ -1,0 +1,203 @@
+"""The set-up page, by simulated users: numbers in people's units, checked as a configuration, kept as versions."""
+
+import math
+import re
+from xml.etree import ElementTree
+
+import pytest
+
+pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
+
+from console_stage import staged
+from nicegui import ui
+
+from drawbar.config import load_configuration
+from drawbar.console.device_rates import DeviceRates
+from drawbar.console.set_up_values import GROUPS
+from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
+from drawbar.console.versions import Versions, changes_between
+from drawbar.console.visitors import Rank
+from drawbar.errors import StorageError
+from drawbar.messages import Action
+
+VALUES = [value for _, values in GROUPS for value in values]
+
+
+def number(one, key):
+    """Return the input of a key of the configuration."""
+    name = number_id(next(value for value in VALUES if value.key == key))
+    (found,) = (
+        each
+        for each in one.user.client.elements.values()
+        if isinstance(each, ui.number) and each.props.get("for") == name
+    )
+    return found
+
+
+@staged
+async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser):
+    one = await browser().open("/setup")
+    assert number(one, "vehicle.wheelbase").value == 140.0
+    assert number(one, "speed").value == 3.6
+    assert number(one, "vehicle.tractor_steering_limit").value == 30.0
+    assert not one.enabled("Save as a new version")
+    for key, value in {
+        "vehicle.wheelbase": 215.5,
+        "vehicle.masts.tractor.up": 250.0,
+        "vehicle.tractor_steering_limit": 25.0,
+        "vehicle.curvature_limit": 6.0,
+        "speed": 2.7,
+    }.items():
+        number(one, key).set_value(value)
+    assert "vehicle.wheelbase: 1.4 → 2.155" in one.text()
+    one.press("Save as a new version")
+    (version,) = stage.workshop.versions.all()
+    saved = load_configuration(str(version.file))
+    assert saved.vehicle.wheelbase == 2.155
+    assert saved.vehicle.masts.tractor.up == 2.5
+    assert saved.vehicle.tractor_steering_limit == pytest.approx(math.radians(25.0), abs=1e-12)
+    assert saved.vehicle.curvature_limit == pytest.approx(1.0 / 6.0, abs=1e-12)
+    assert saved.speed == pytest.approx(0.75)
+    assert saved.vehicle.hitch_length == stage.configuration.vehicle.hitch_length
+    assert "No number is changed" in one.text()
+    assert version.file.name in one.text()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "reason"),
+    [
+        ("vehicle.wheelbase", 0.0, "vehicle.wheelbase"),
+        ("vehicle.wheelbase", 215500.0, "millimetres?"),
+        ("vehicle.trailer_antenna", 500.0, "ahead of the actuated joint"),
+        ("vehicle.tractor_steering_limit", 89.0, "vehicle.tractor_steering_limit"),
+        ("speed", None, "speed = nan"),
+        ("vehicle.curvature_limit", 0.0, "vehicle.curvature_limit"),
+    ],
+)
+def test_what_is_no_configuration_cannot_be_saved(key, value, reason):
+    @staged
+    async def test(stage, browser):
+        one = await browser().open("/setup")
+        before = one.user.find(ui.html).elements
+        content = {each.content for each in before}
+        number(one, key).set_value(value)
+        assert reason in one.text()
+        assert not one.enabled("Save as a new version")
+        assert {each.content for each in before} == content
+        one.press("Undo")
+        assert reason not in one.text()
+        assert stage.workshop.versions.all() == []
+
+    test()
+
+
+@staged
+async def test_nothing_is_changed_while_the_vehicle_is_steered(stage, browser):
+    drives = await browser().open()
+    stage.run(4.0, drives)
+    one = await browser().open("/setup")
+    number(one, "vehicle.wheelbase").set_value(150.0)
+    assert one.enabled("Save as a new version")
+    for action in (Action.ARM, Action.ENGAGE):
+        stage.link.ask(drives.page._visitor, action)
+        stage.run(0.2, drives)
+    with one.user.client:
+        one.page._keep()  # a forged event
+    assert "the vehicle is steered now" in one.told()
+    one.refresh()
+    assert not one.enabled("Save as a new version")
+    assert stage.workshop.versions.all() == []
+    assert stage.workshop.configuration == stage.configuration
+
+
+@staged
+async def test_an_operator_may_look_and_change_nothing(stage, browser):
+    one = browser()
+    visitors = one.pages._visitors
+    admit = visitors.admit
+    visitors.admit = lambda name, rank, time: admit(name, Rank.OPERATOR, time)
+    await one.open("/setup")
+    assert not number(one, "vehicle.wheelbase").enabled
+    assert "Only a maintainer" in one.text()
+    number(one, "vehicle.wheelbase").set_value(150.0)
+    with one.user.client:
+        one.page._keep()
+    assert stage.workshop.versions.all() == []
+
+
+@staged
+async def test_versions_build_on_each_other_and_one_can_go_back(stage, browser):
+    one = await browser().open("/setup")
+    for value in (150.0, 160.0):
+        number(one, "vehicle.wheelbase").set_value(value)
+        one.press("Save as a new version")
+    newest, first = stage.workshop.versions.all()
+    assert (first.number, newest.number) == (1, 2)
+    one.page._go_back(first)
+    assert number(one, "vehicle.wheelbase").value == 150.0
+    number(one, "vehicle.hitch_length").set_value(120.0)
+    one.press("Save as a new version")
+    third = load_configuration(str(stage.workshop.versions.all()[0].file))
+    assert (third.vehicle.wheelbase, third.vehicle.hitch_length) == (1.5, 1.2)
+    assert load_configuration(str(newest.file)).vehicle.wheelbase == 1.6
+
+
+def test_a_version_is_never_overwritten(tmp_path):
+    versions, configuration = Versions(tmp_path / "setup"), load_configuration("articulated")
+    file = versions.save(configuration)
+    with pytest.raises(StorageError, match="nothing was changed"):
+        versions.write(file, b"")
+    assert load_configuration(str(file)) == configuration
+    assert changes_between(configuration, load_configuration("articulated", ["speed=0.5"])) == [("speed", "1", "0.5")]
+
+
+@pytest.mark.parametrize("value", VALUES, ids=lambda value: value.key)
+def test_what_is_shown_is_what_is_configured(value):
+    configuration = load_configuration("articulated")
+    shown = value.shown(configuration)
+    again = load_configuration("articulated", [value.change(shown)])
+    assert value.shown(again) == shown
+    more = load_configuration("articulated", [value.change(shown + 1.0)]) if value.unit.name == "cm" else again
+    assert value.shown(more) in (shown, shown + 1.0)
+
+
+def test_the_drawing_is_to_scale_and_has_a_letter_for_every_length():
+    changes = ["vehicle.masts.tractor={forward=0.4, left=0.3, up=2.4}", "vehicle.masts.trailer={left=-0.2, up=1.0}"]
+    vehicle = load_configuration("articulated", [*changes, "vehicle.masts.trailer.forward=0.1"]).vehicle
+    root = ElementTree.fromstring(vehicle_drawing(vehicle))
+    letters = {each.text for each in root.findall("text")}
+    assert letters == {value.letter for value in VALUES if value.letter}
+    lengths = sorted(
+        abs(float(each.get("x2")) - float(each.get("x1")))
+        for each in root.findall("line[@class='dimension']")
+        if each.get("y1") == each.get("y2")
+    )
+    assert lengths == pytest.approx(sorted([1.4, 1.1, 0.2, 1.3, 0.25, 0.4, 0.1]), abs=1e-3)
+    left, top, width, height = map(float, root.get("viewBox").split())
+    places = [(float(x), float(y)) for x, y in re.findall(r"(-?[\d.]+),(-?[\d.]+)", vehicle_drawing(vehicle))]
+    assert all(left <= x <= left + width and top <= y <= top + height for x, y in places)
+
+
+@staged
+async def test_devices_are_shown_with_rate_and_age(stage, browser):
+    one = await browser().open("/setup")
+    for step in range(40):
+        stage.run(0.1)
+        if step < 35:
+            stage.hear_fixes(0.0, 0.0)
+        stage.hear_controller()
+        one.refresh()
+    states = {state.name: state for state in stage.link.devices.states(stage.now)}
+    assert states["tractor_receiver"].rate == pytest.approx(10.0, rel=0.05)
+    assert states["tractor_receiver"].age == pytest.approx(0.5, abs=0.11)
+    assert states["gate"].rate == pytest.approx(50.0, rel=0.05)
+    assert math.isnan(states["hitch_sensor"].age)
+    assert "10 Hz" in one.text()
+    assert states["corrections"].age == 1.0
+
+
+def test_a_device_that_was_never_heard_has_no_rate():
+    states = DeviceRates().states(10**12)
+    assert {state.rate for state in states[:-1]} == {0.0}
+    assert all(math.isnan(state.age) for state in states)

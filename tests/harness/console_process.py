@@ -1,0 +1,62 @@
+"""The console as a process of its own, in front of a socket that stands for the gate's."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+from drawbar.config import load_configuration
+from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.orders import GATE
+
+WAIT = 120.0
+"""s; a loaded machine takes its time"""
+PROGRAM = (sys.executable, "-m", "drawbar.console.console_main")
+
+
+def free_port():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+@contextmanager
+def console_process(folder, **orders):
+    """Start a console; yields its process, the gate's mailbox and the port."""
+    configuration = folder / "config.toml"
+    configuration.write_text(load_configuration("articulated").to_toml(), "utf-8")
+    port = free_port()
+    text = ConsoleOrders(
+        folder=str(folder), configuration=str(configuration), port=port, runs=str(folder), **orders
+    ).model_dump_json()
+    gate = Mailbox(str(folder / GATE))
+    surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
+    with subprocess.Popen(PROGRAM, stdin=subprocess.PIPE, env=surroundings, cwd=folder) as running:
+        running.stdin.write(text.encode())
+        running.stdin.close()
+        yield running, gate, port
+        running.send_signal(signal.SIGTERM)
+        try:
+            running.wait(30)
+        except subprocess.TimeoutExpired:
+            running.kill()
+    gate.close()
+
+
+def until(condition):
+    end = time.monotonic() + WAIT
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def reaches(host, port):
+    try:
+        socket.create_connection((host, port), timeout=1.0).close()
+    except OSError:
+        return False
+    return True
