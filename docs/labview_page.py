@@ -31,8 +31,8 @@ since LabVIEW would then copy it. Its content means nothing to anybody else.
 The library keeps the pointer to the path's table, not a copy, and LabVIEW moves its arrays. So the table needs
 memory that stays where it is:
 
-1. Read the table of `drawbar path … --out path.csv` as a 2-D array of DBL, four columns (arc length, x, y, yaw),
-   and *Reshape Array* to one dimension, row after row.
+1. Read the table of `drawbar path … --out path.csv` (or have `drawbar_line_path` make it of recorded points) as a
+   2-D array of DBL, four columns (arc length, x, y, yaw), and *Reshape Array* to one dimension, row after row.
 2. `DSNewPtr` (Call Library Function node on the library name `LabVIEW`, C): return type Numeric, Unsigned
    Pointer-sized Integer; `size`: Numeric, Unsigned Pointer-sized Integer, Value: 8 bytes times the number of
    elements.

@@ -62,7 +62,9 @@ def estimator(prior: Any = PRIOR) -> EstimationSolver:
     return EstimationSolver(problem, prior)
 
 
-@pytest.mark.parametrize("name", ["x", "u", "y", "w", "p", "initial", "initial_lower", "initial_upper", "defects"])
+@pytest.mark.parametrize(
+    "name", ["x", "u", "y", "w", "p", "initial", "before", "initial_lower", "initial_upper", "defects"]
+)
 def test_another_array_under_a_name_of_the_solvers_is_refused(name: str) -> None:
     solver = controller()
     own = getattr(solver, name)

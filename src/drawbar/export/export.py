@@ -93,6 +93,7 @@ def _source_files(configuration: Configuration, components: Sequence[Component])
     texts = {f"{component.name}.c": sources.component_text(component) for component in components}
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
+    texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n'
     every = {
         **texts,
         **sources.headers(texts.values()),

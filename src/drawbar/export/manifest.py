@@ -18,7 +18,7 @@ ENTRIES = tuple(
     f"drawbar_{name}"
     for name in (
         *("init", "set_path", "begin_at", "change_path", "set_speed", "set_engaged", "feedback", "prepare", "step"),
-        *("actuate_init", "actuate"),
+        *("actuate_init", "actuate", "line_path"),
     )
 )
 """functions whose stack is stated"""

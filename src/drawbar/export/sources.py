@@ -9,7 +9,7 @@ from drawbar.codegen.cache import runtime_sources
 from drawbar.export.initialise import initialiser
 from drawbar.step.library import STEP_DOUBLES
 
-PUBLIC = ("drawbar.h", "drawbar_actuate.h", "drawbar_api.h", "drawbar_signals.h", "drawbar_size.h")
+PUBLIC = ("drawbar.h", "drawbar_actuate.h", "drawbar_api.h", "drawbar_line.h", "drawbar_signals.h", "drawbar_size.h")
 """headers that the library's users include"""
 _WORK_FITS = "typedef char work_fits[sizeof(WORK) <= DRAWBAR_WORK_SIZE ? 1 : -1];\n"
 _INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)

@@ -4,9 +4,10 @@
  *     s.t.  x_{k+1} = A_k x_k + B_k u_k + c_k,   x_0 given (or free: FREE_INITIAL, arrival cost in Q_0, q_0)
  *           lower <= z_i <= upper for the bounded variables i, hard or soft
  *
- * Riccati recursion as in Rao, Wright and Rawlings (1998), section 4; cost linear in N. The including unit defines
- * N (stages), NX, NU, NB (bounded variables), NC (trailing states that are constant: rows [0 I] of A), CROSS (0 where S
- * is zero), FREE_INITIAL, and LEAST_STEP 1 where steps are not judged by themselves alone (kkt.h). No heap, no recursion, every loop bounded.
+ * Riccati recursion as in Rao, Wright and Rawlings (1998), section 4; cost linear in N. The including unit defines N
+ * (stages), NX, NU, NB (bounded variables), NC (trailing states that are constant: rows [0 I] of A), CROSS (0 where S
+ * is zero), FREE_INITIAL, and LEAST_STEP 1 where steps are not judged by themselves alone (kkt.h). No heap, no
+ * recursion, every loop bounded.
  */
 #ifndef DRAWBAR_QP_H
 #define DRAWBAR_QP_H

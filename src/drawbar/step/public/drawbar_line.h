@@ -1,0 +1,59 @@
+/* A recorded line as a path for drawbar_set_path, made on the vehicle's own computer.
+ *
+ * For a line that the vehicle can follow once details below 0.7 m are smoothed away: then the path is the one of
+ * `drawbar path`. A line with kinks is refused (DRAWBAR_LINE_TIGHT); rounding them takes optimisation: `drawbar path`.
+ *
+ * No function of this header needs a state, allocates memory, or touches anything but its arguments.
+ */
+#ifndef DRAWBAR_LINE_H
+#define DRAWBAR_LINE_H
+
+#include <stdint.h>
+#include "drawbar_api.h"
+#include "drawbar_signals.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum drawbar_line_status {
+    DRAWBAR_LINE_MADE = 0,
+    DRAWBAR_LINE_NULL = 1,                 /* a pointer is NULL */
+    DRAWBAR_LINE_POINTS = 2,               /* fewer than two points, or one that is not finite, beyond 1e7 m, or where
+                                            * the one before is; or a limit that is not positive */
+    DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made` says how many */
+    DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can: `made` is
+                                            * the first such node */
+    DRAWBAR_LINE_FAR = 5,                  /* a recorded point is further from the path than the tolerance: `made` is
+                                            * the furthest */
+};
+
+struct drawbar_line_point {
+    double x, y;                           /* east and north, m */
+};
+
+struct drawbar_line_limits {
+    double curvature;                      /* vehicle.curvature_limit of the configuration, 1/m */
+    double curvature_rate;                 /* guidance.curvature_rate_limit, 1/m^2 */
+    double tolerance;                      /* guidance.path_tolerance, m */
+};
+
+/* One row of what drawbar_line_path works in; its content means nothing. */
+struct drawbar_line_row {
+    double values[6];
+};
+
+/* Make the path along a recorded line. Returns enum drawbar_line_status.
+ *
+ * points: count of them, in the order of driving.
+ * nodes, work: room for `capacity` of each; a line of L m needs ceil(4 L) + 1, and at least 9.
+ * made: how many nodes there are; what it is otherwise, the statuses say. */
+DRAWBAR_API int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
+                                  const struct drawbar_line_limits *limits, struct drawbar_path_node *nodes,
+                                  struct drawbar_line_row *work, int32_t capacity, int32_t *made);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,105 @@
+"""The C function that makes a path of a recorded line makes that of make_drivable, or refuses."""
+
+import ctypes
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from drawbar.codegen import build
+from drawbar.codegen.library import load
+from drawbar.geometry import Floats
+from drawbar.guidance.importers.line import RecordedLine
+from drawbar.guidance.smoothing import make_drivable
+
+MADE, NULL, POINTS, MEMORY, TIGHT, FAR = range(6)
+LIMITS = (0.3, 0.3, 0.3)
+"""curvature (1/m), its rate (1/m²), tolerance (m)"""
+Outcome = tuple[int, int, Floats]
+
+
+@pytest.fixture(scope="module")
+def line_path() -> Callable[..., Outcome]:
+    """Return what the C function returns, its `made`, and the nodes; memory behind the nodes must stay as it was."""
+    made = load(build("line", '#include "line_path.h"\n')).drawbar_line_path
+
+    def line_path(points: Floats, limits: tuple[float, ...] = LIMITS, capacity: int = 5000) -> Outcome:
+        given = np.ascontiguousarray(points, np.float64)
+        nodes, work, count = np.full((capacity + 1, 4), 7.0), np.full((capacity + 1, 6), 7.0), ctypes.c_int32(-1)
+        status = made(
+            given.ctypes.data_as(ctypes.c_void_p),
+            len(given),
+            np.array(limits).ctypes.data_as(ctypes.c_void_p),
+            nodes.ctypes.data_as(ctypes.c_void_p),
+            work.ctypes.data_as(ctypes.c_void_p),
+            capacity,
+            ctypes.byref(count),
+        )
+        assert (nodes[-1] == 7.0).all()
+        assert (work[-1] == 7.0).all()
+        return status, count.value, nodes[: count.value]
+
+    return line_path
+
+
+def driven(seed: int) -> Floats:
+    """Return a winding line as a receiver records it, (n, 2) m: uneven distances, 1 cm of noise."""
+    rng = np.random.default_rng(seed)
+    along = np.cumsum(rng.uniform(0.3, 2.0, 150))
+    line = np.column_stack([30.0 * np.cos(along / 30.0), 25.0 * np.sin(along / 25.0) + 2.0 * np.sin(along / 9.0)])
+    return line + 0.01 * rng.standard_normal(line.shape)
+
+
+def in_python(points: Floats, limits: tuple[float, ...] = LIMITS) -> Floats:
+    """Return the nodes that drawbar path writes."""
+    line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None, repeated=0)
+    curvature, rate, tolerance = limits
+    drivable = make_drivable(line, curvature_limit=curvature, curvature_rate_limit=rate, tolerance=tolerance)
+    return drivable.path.nodes
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_line_without_kinks_becomes_the_path_that_drawbar_writes(line_path, seed: int) -> None:
+    points = driven(seed)
+    status, count, nodes = line_path(points, (0.4, 2.0, 0.3))
+    expected = in_python(points, (0.4, 2.0, 0.3))
+    assert status == MADE
+    assert count == len(expected)
+    np.testing.assert_allclose(nodes, expected, rtol=0.0, atol=1e-9)
+
+
+def test_a_line_of_two_points_is_straight(line_path) -> None:
+    points = np.array([[0.0, 0.0], [3.0, 4.0]])
+    status, count, nodes = line_path(points)
+    assert (status, count) == (MADE, 21)
+    np.testing.assert_allclose(nodes, in_python(points), rtol=0.0, atol=1e-9)
+
+
+def test_a_kink_is_refused_and_the_node_named(line_path) -> None:
+    status, node, _ = line_path(np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]]))
+    assert status == TIGHT
+    assert abs(node - 80) < 8, "20 m from the start, in steps of 0.25 m"
+
+
+def test_a_point_that_the_path_leaves_is_refused_and_named(line_path) -> None:
+    points = np.column_stack([np.arange(0.0, 60.0, 0.5), np.zeros(120)])
+    points[60, 1] = 0.05
+    assert line_path(points, (1.0, 9.0, 0.06))[0] == MADE
+    assert line_path(points, (1.0, 9.0, 0.005))[:2] == (FAR, 60)
+
+
+def test_too_little_memory_is_refused_and_what_is_needed_is_told(line_path) -> None:
+    points = driven(0)
+    _, needed, _ = line_path(points, (0.4, 2.0, 0.3))
+    assert line_path(points, (0.4, 2.0, 0.3), needed - 1)[:2] == (MEMORY, needed)
+    assert line_path(points, (0.4, 2.0, 0.3), needed)[0] == MADE
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, 2e7])
+def test_points_that_are_none_are_refused(line_path, wrong: float) -> None:
+    points = driven(0)
+    points[7, 1] = wrong
+    assert line_path(points)[0] == POINTS
+    assert line_path(driven(0)[:1])[0] == POINTS
+    assert line_path(np.zeros((3, 2)))[0] == POINTS
+    assert line_path(driven(0), (0.3, 0.0, 0.3))[0] == POINTS
