@@ -224,6 +224,8 @@ def test_an_archive_writes_nothing_outside_its_folder(tmp_path: Path) -> None:
     inner = tmp_path / "inner"
     inner.mkdir()
     kml = WRITERS["KML"][1](FIELD).decode()
-    for path in unpack("../x.kmz", packed(**{"../../../evil/doc.kml": kml, "/etc/other.kml": kml}), inner):
+    for path in unpack(
+        "../x.kmz", packed(**{"../../../evil/doc.kml": kml, "/etc/other.kml": kml, "../up.kml": kml}), inner
+    ):
         assert path.resolve().is_relative_to(inner.resolve())
     assert [each.name for each in tmp_path.iterdir()] == ["inner"]
