@@ -67,6 +67,7 @@ def test_the_browsers_first_known_language_is_taken(accepted, language):
 
 def test_numbers_are_written_as_in_the_language():
     assert (Words("en").number(1.25, 1), Words("de").number(12.3, 1)) == ("1.2", "12,3")
+    assert Words("en").number(-0.01, 1) == "0.0"
 
 
 def luminance(colour):

@@ -203,6 +203,9 @@ def packed(**files: str) -> bytes:
         ("a.csv", b"line,latitude,longitude\na,50\n", r"csv:2: .* 2 cells"),
         ("a.shp", b"x", r"no a\.prj"),
         ("a.doc", b"x", "of none of the types"),
+        ("..", b"x", "cannot be the name of a file"),
+        ("a\0.kml", b"x", "cannot be the name of a file"),
+        ("x" * 300 + ".kml", b"x", "cannot be the name of a file"),
         ("a.zip", b"x", "cannot be unpacked"),
         ("a.zip", packed(readme="x"), "holds no field"),
         ("TASKDATA.XML", b"<x", "is not XML"),
@@ -221,6 +224,8 @@ def test_an_archive_writes_nothing_outside_its_folder(tmp_path: Path) -> None:
     inner = tmp_path / "inner"
     inner.mkdir()
     kml = WRITERS["KML"][1](FIELD).decode()
-    for path in unpack("../x.kmz", packed(**{"../../../evil/doc.kml": kml, "/etc/other.kml": kml}), inner):
+    for path in unpack(
+        "../x.kmz", packed(**{"../../../evil/doc.kml": kml, "/etc/other.kml": kml, "../up.kml": kml}), inner
+    ):
         assert path.resolve().is_relative_to(inner.resolve())
     assert [each.name for each in tmp_path.iterdir()] == ["inner"]

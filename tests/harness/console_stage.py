@@ -189,8 +189,14 @@ async def console(stage, users=None, **orders):
             pages = Pages(settings, stage.link, stage.workshop, STANDING, users, stage.link._audit)
             pages.install()
             ui.run(storage_secret="simulated", reload=False, show=False)
+            failure = None
             async with core.app.router.lifespan_context(core.app):
-                yield lambda: Watcher(stage, pages)
+                try:
+                    yield lambda: Watcher(stage, pages)
+                except BaseException as error:  # NiceGUI ends its tasks only where its life ends well
+                    failure = error
+            if failure is not None:
+                raise failure
         finally:
             os.environ.pop("NICEGUI_USER_SIMULATION", None)
             ui.navigate, ui.notify = Navigate(), notify

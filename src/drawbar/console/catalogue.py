@@ -266,7 +266,7 @@ class Words:
 
     def number(self, value: float, decimals: int) -> str:
         """Return a number as people write it."""
-        text = f"{value:.{decimals}f}"
+        text = f"{value:z.{decimals}f}"
         return text.replace(".", ",") if self.language == "de" else text
 
 

@@ -96,7 +96,10 @@ def unpack(name: str, data: bytes, folder: Path) -> list[Path]:
     """
     plain = PurePosixPath(name.replace("\\", "/")).name
     if Path(plain).suffix.lower() not in (".zip", ".kmz"):
-        (folder / plain).write_bytes(data)
+        try:
+            (folder / plain).write_bytes(data)
+        except (OSError, ValueError) as error:
+            raise PathError(f"{plain!r} cannot be the name of a file ({error}); rename it") from None
         return [folder / plain]
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
