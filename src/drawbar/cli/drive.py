@@ -124,7 +124,8 @@ def _report(folder: FilePath, *, shadow: bool) -> None:
     from drawbar.driving.shadow import COMPARED, steering_differences, tell
     from drawbar.recording.columns import read_columns
     from drawbar.report.console import summary
-    from drawbar.report.folder import LOG_NAME, write_report
+    from drawbar.recording.log import LOG_NAME
+    from drawbar.report.folder import write_report
 
     console.print(summary(write_report(folder)))
     if shadow:

@@ -22,11 +22,9 @@ from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Order, RawBytes
 from drawbar.recording.header import run_header
 from drawbar.recording.live import Live
-from drawbar.recording.log import decode_step
+from drawbar.recording.log import LOG_NAME, decode_step
 from drawbar.recording.scene import Scene
 from drawbar.simulation import build_path
-
-LOG_NAME = "log.mcap"
 
 
 def main() -> int:
