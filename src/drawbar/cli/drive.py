@@ -123,8 +123,8 @@ def _report(folder: FilePath, *, shadow: bool) -> None:
     """Write the report, and tell what there is to tell at the end."""
     from drawbar.driving.shadow import COMPARED, steering_differences, tell
     from drawbar.recording.columns import read_columns
-    from drawbar.report.console import summary
     from drawbar.recording.log import LOG_NAME
+    from drawbar.report.console import summary
     from drawbar.report.folder import write_report
 
     console.print(summary(write_report(folder)))
