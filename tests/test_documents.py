@@ -30,12 +30,7 @@ NOT_OURS = {
     ),
     *("example/path.csv", "step.c", "line.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
     "build/reference/index.html",
-<<<<<<< HEAD
-    "my.calibrated.toml",
-    "my.toml",
-=======
     *("my.toml", "my.calibrated.toml"),
->>>>>>> daily2
     *("ABLines.txt", "Boundary.txt", "CurveLines.txt", "FOLDER/config.toml", "zig/"),
 }
 """written by a command, or an example of a user's own"""
