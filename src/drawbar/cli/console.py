@@ -94,8 +94,12 @@ def check(orders: "ConsoleOrders") -> None:
     from drawbar.console.passwords import load_users
     from drawbar.extras import install_command
 
-    if find_spec("nicegui") is None:
-        raise ConfigurationError(f"the console needs NiceGUI; install it with: {install_command('console')}")
+    missing = [name for name in ("nicegui", "pyproj", "shapefile", "shapely") if find_spec(name) is None]
+    if missing:
+        raise ConfigurationError(
+            f"the console needs what is not installed here ({', '.join(missing)}); install it with: "
+            f"{install_command('console')}"
+        )
     orders.check()
     if orders.passwords is not None:
         load_users(Path(orders.passwords))
