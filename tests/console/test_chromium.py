@@ -13,6 +13,7 @@ import pytest
 from drawbar.console.screenshots import chromium_path
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
 WAIT = 120_000

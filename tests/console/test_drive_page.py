@@ -3,6 +3,7 @@
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import staged
 

@@ -7,6 +7,7 @@ import stat
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import HOST, Stage, client_id, console
 from nicegui import core

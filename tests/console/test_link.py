@@ -7,6 +7,7 @@ import socket
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_process import console_process, reaches, until
 from console_stage import Stage

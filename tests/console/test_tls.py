@@ -8,6 +8,7 @@ import urllib.parse
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from certificates import certificate
 from console_process import PROGRAM, console_process, free_port, reaches, until

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import Stage
 

@@ -103,8 +103,12 @@ def console_orders(*, host: str, port: int, name: list[str] | None, **others: st
     from drawbar.driving.console_orders import ConsoleOrders
     from drawbar.extras import install_command
 
-    if find_spec("nicegui") is None:
-        raise ConfigurationError(f"the console needs NiceGUI; install it with: {install_command('console')}")
+    missing = [name for name in ("nicegui", "pyproj", "shapefile", "shapely") if find_spec(name) is None]
+    if missing:
+        raise ConfigurationError(
+            f"the console needs what is not installed here ({', '.join(missing)}); install it with: "
+            f"{install_command('console')}"
+        )
     place = {"host": host, "port": port or free_port(host), "names": tuple(name or ())}
     orders = ConsoleOrders.model_validate(others | place)
     orders.check()

@@ -95,7 +95,6 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "setup": ("Set-up", "Einrichten"),
     "runs": ("Runs", "Fahrten"),
     "inside": ("Look inside", "Einblick"),
-    "not_while_engaged": ("The vehicle is steered now: stop first", "Das Fahrzeug wird gelenkt: zuerst anhalten"),
     "saved_for_next": (
         "Saved. For the next drive: drawbar drive {file}",
         "Gespeichert. Für die nächste Fahrt: drawbar drive {file}",

@@ -60,6 +60,7 @@ class FieldsPage:
     def refresh(self) -> None:
         """Show where the tractor is, and what is being recorded."""
         self._head.refresh()
+        self._take.set_enabled(self._may_take())
         if self._visitor.may_drive:
             self._new_line.refresh()
         field = self._field
@@ -143,7 +144,7 @@ class FieldsPage:
         self._planned = planned
         self._flaw.set_text(flaw)
         self._told.set_text(self._said())
-        self._take.set_enabled(self._planned is not None and self._visitor.may_drive)
+        self._take.set_enabled(self._may_take())
         self._map.show(self._scene())
 
     def _plan(self, field: Field, line: str) -> Callable[[], PlannedPass]:
@@ -188,9 +189,12 @@ class FieldsPage:
             "aside": [_rounded(piece) for piece in planned.aside] if planned is not None else [],
         }
 
+    def _may_take(self) -> bool:
+        return self._planned is not None and self._visitor.may_drive and not self._link.is_engaged
+
     async def _take_line(self) -> None:
         """Save the chosen pass, and a configuration that drives it, for the next drive."""
-        if self._planned is None or self._field is None:
+        if self._planned is None or self._field is None or not self._visitor.may_drive:
             return
         workshop, line = self._workshop, self._planned.line
         points = on_earth(np.column_stack([line.x, line.y]), self._field.frame())
@@ -198,8 +202,6 @@ class FieldsPage:
         content = geojson.write(Field(name=self._field.name, lines=(FieldLine(name=line.name, points=points),)))
         texts = {"path.file": str(file), "path.track": line.name}
         try:
-            if self._link.is_engaged:
-                raise PathError(self._words("not_while_engaged"))
             changed = workshop.changed([f"{key}={json.dumps(text)}" for key, text in texts.items()])
             workshop.versions.write(file, content)
             try:
