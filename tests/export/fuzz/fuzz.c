@@ -319,6 +319,13 @@ static void push(struct fuzz *f)
     f->vehicle.trailer_yaw += next_fraction(&f->bytes);
 }
 
+/* Somebody carries the vehicle, as it stands, to another place. */
+static void carry_away(struct fuzz *f)
+{
+    f->vehicle.x += 20.0 * next_fraction(&f->bytes);
+    f->vehicle.y += 20.0 * next_fraction(&f->bytes);
+}
+
 static void let_time_pass(struct fuzz *f)
 {
     f->vehicle.time += 2.0 * next_fraction(&f->bytes);
@@ -407,7 +414,7 @@ static void initialise(struct fuzz *f)
 
 static void act(struct fuzz *f)
 {
-    switch (next_choice(&f->bytes, 24)) {
+    switch (next_choice(&f->bytes, 25)) {
     case 0: add_fault(f); break;
     case 1: replace(f); break;
     case 2: fail(f); break;
@@ -426,6 +433,7 @@ static void act(struct fuzz *f)
     case 15: lose_fixes(f); break;
     case 16: float_fixes(f), go_on(f); break;
     case 17: f->sway = next_fraction(&f->bytes), go_on(f); break;
+    case 18: carry_away(f), go_on(f); break;
     default: drive(f);
     }
 }
