@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from drawbar.messages import Action, CommandMessage, GateState, Heartbeat, Mode, Role, SupervisorState, decode, encode
 from drawbar.protocols.actuator import Readiness
+from drawbar.safety import machine_gate
 from drawbar.safety.causes import BY_READINESS, Cause
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.wires import Wire
@@ -566,6 +567,6 @@ def test_two_wires_and_their_faults_are_apart():
 
 
 def test_limits_that_do_not_limit_are_a_fault_at_the_start(monkeypatch):
-    monkeypatch.setattr("drawbar.safety.machine_gate.limits_hold", lambda *given: False)
+    monkeypatch.setattr(machine_gate, "limits_hold", lambda *given: False)
     bench = Bench().run(0.2)
     assert (bench.state, bench.cause) == (FAULT, Cause.SELFTEST)
