@@ -55,15 +55,19 @@ class History:
         """Begin with a machine that has always stood as its first row (n,) says."""
         self._step, self._rng, self._read = step, rng, read
         self._rows = np.tile(first, (round(_REACH / step) + 2, 1))
+        self._moments: dict[int, Moment] = {}  # since the newest row, by steps ago
 
     def append(self, rows: Floats) -> None:
         """Take in the rows (m, n) after the newest integration steps."""
         self._rows = np.concatenate((self._rows, rows))[len(rows) :]
+        self._moments.clear()
 
     def seen(self, delay: Delay) -> Moment:
         """Return the moment that a sensor with this delay reports now; its jitter is drawn anew."""
         age = delay.latency + (delay.jitter * self._rng.standard_normal() if delay.jitter else 0.0)
         steps = min(max(round(age / self._step), 0), len(self._rows) - 2)
-        row, before = self._rows[-1 - steps], self._rows[-2 - steps]
-        tractor_rate, trailer_rate = ((row[YAWS] - before[YAWS]) / self._step).tolist()
-        return self._read(steps * self._step, row, (tractor_rate, trailer_rate))
+        if steps not in self._moments:
+            row, before = self._rows[-1 - steps], self._rows[-2 - steps]
+            tractor_rate, trailer_rate = ((row[YAWS] - before[YAWS]) / self._step).tolist()
+            self._moments[steps] = self._read(steps * self._step, row, (tractor_rate, trailer_rate))
+        return self._moments[steps]
