@@ -5,26 +5,21 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drawbar.errors import ConfigurationError
 from drawbar.geometry import Floats
 from drawbar.machine.attitude import ANGLES, Attitude
-from drawbar.machine.base import MachineWithTruth
-from drawbar.machine.command import accepted
 from drawbar.machine.ground import Ground
 from drawbar.machine.history import BodyMoment, History, Moment
 from drawbar.machine.motion import LagMotion, Motion, ValveMotion
-from drawbar.machine.plant import COMMANDS, EFFECTS
+from drawbar.machine.plant import EFFECTS
+from drawbar.machine.sampled import BLOCK, SampledMachine
 from drawbar.machine.senses import Senses
-from drawbar.machine.settings import SimulatedMachineSettings, steps_per_sample, whole_steps
+from drawbar.machine.settings import SimulatedMachineSettings
 from drawbar.machine.terrain import Terrain
-from drawbar.signals import Command, Measurement, Pose, Truth
+from drawbar.signals import Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
-_BLOCK = 64
-"""Samples whose randomness is drawn at once. Part of what a seed means: another value gives another run."""
 
-
-class SimulatedMachine(MachineWithTruth):
+class SimulatedMachine(SampledMachine):
     """A tractor and trailer in a computer. Same settings and seed: the identical run.
 
     It starts at rest with the trailer straight behind it; its lengths are the vehicle's times `settings.lengths`.
@@ -53,11 +48,8 @@ class SimulatedMachine(MachineWithTruth):
             unknown: gives what is added to mu, kappa, b, alpha_r, alpha_i during a sample, and that not even the truth
                 tells.
         """
-        self._vehicle = settings.lengths.applied_to(vehicle)
-        self._settings, self._sample_time = settings, sample_time
-        self._steps = steps_per_sample(sample_time, settings.step)
-        if not all(map(math.isfinite, (start.x, start.y, start.yaw))):
-            raise ConfigurationError(f"the simulated machine cannot start at {start}; give finite m and rad")
+        super().__init__(vehicle, settings, sample_time, start)
+        self._settings = settings
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         history_rng, attitude_rng, floating_rng = (np.random.default_rng((seed, stream)) for stream in range(2, 5))
@@ -76,14 +68,9 @@ class SimulatedMachine(MachineWithTruth):
         )
         self._state = self._motion.state
         self._state[:4] = start.x, start.y, start.yaw, start.yaw
-        delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
-        self._commands = np.zeros((delay + self._steps, COMMANDS))
         self._unknown = unknown
-        self._sample = 0
         self._terrain = Terrain.of_seed(settings.terrain, seed)
         self._settle(history_rng)
-        self._newest = (0.0, 0.0, 0.0)
-        self._begun = False
         self._draw()
 
     def _settle(self, history_rng: np.random.Generator) -> None:
@@ -93,39 +80,12 @@ class SimulatedMachine(MachineWithTruth):
         begun = np.concatenate((first, self._attitude.angles))
         self._history = History(settings.step, begun, history_rng, self._moment)
 
-    def read(self) -> Measurement:
-        """Let one sample period pass under the newest command, and return what the sensors report then.
-
-        The first measurement is that of the machine where it was placed.
-        """
-        if self._begun:
-            self._let_pass()
-        self._begun = True
-        return self._senses.measure(self._sample, self._history)
-
-    def write(self, command: Command) -> None:
-        """Take over the command, which acts from now on.
-
-        Raises HardwareError when the command is not finite or beyond the limits; then the last one goes on to act.
-        """
-        self._newest = accepted(command, self._vehicle, self._settings.hydrostat.full_speed)
-
-    def stop(self) -> None:
-        """Stop with the steering held."""
-        self._newest = *self._newest[:2], 0.0
-
-    def _let_pass(self) -> None:
-        """Move on by one sample period."""
-        self._commands[: -self._steps] = self._commands[self._steps :]
-        self._commands[-self._steps :] = self._newest
-        effects = self._effects[self._sample % _BLOCK].copy()
+    def _move(self, commands: Floats) -> None:
+        effects = self._effects[self._sample % BLOCK].copy()
         effects[:, 2:5] += self._creep()
         if self._unknown is not None:
             effects[:, :5] += self._unknown()
-        self._remember(self._motion.advance(self._commands[: self._steps], effects))
-        self._sample += 1
-        if self._sample % _BLOCK == 0:
-            self._draw()
+        self._remember(self._motion.advance(commands, effects))
 
     def _creep(self) -> tuple[float, float, float]:
         """Return what the slope adds to b, alpha_r and alpha_i now, rad."""
@@ -142,7 +102,7 @@ class SimulatedMachine(MachineWithTruth):
     def truth(self) -> Truth:
         """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""
         x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
-        mu, kappa, *slides = self._effects[self._sample % _BLOCK, 0, :5].tolist()
+        mu, kappa, *slides = self._effects[self._sample % BLOCK, 0, :5].tolist()
         offset, tractor_crab, trailer_crab = map(sum, zip(slides, self._creep(), strict=True))
         tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = self._attitude.angles.tolist()
         trailer_x, trailer_y = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
@@ -180,11 +140,10 @@ class SimulatedMachine(MachineWithTruth):
         )
 
     def _draw(self) -> None:
-        """Draw the randomness of the next block of samples, always as much and in the same order."""
-        samples = self._sample + np.arange(_BLOCK, dtype=np.float64)
-        steps = self._sample * self._steps + np.arange(_BLOCK * self._steps, dtype=np.float64)
+        samples = self._sample + np.arange(BLOCK, dtype=np.float64)
+        steps = self._sample * self._steps + np.arange(BLOCK * self._steps, dtype=np.float64)
         effects = self._ground.block(self._settings.step * steps)
-        self._effects = effects.reshape(_BLOCK, self._steps, EFFECTS)
+        self._effects = effects.reshape(BLOCK, self._steps, EFFECTS)
         self._senses.draw(samples)
 
 

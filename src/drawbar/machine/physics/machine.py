@@ -4,29 +4,23 @@ import math
 
 import numpy as np
 
-from drawbar.errors import ConfigurationError
 from drawbar.geometry import Floats
-from drawbar.machine.base import MachineWithTruth
-from drawbar.machine.command import accepted
 from drawbar.machine.history import BodyMoment, History, Moment
-from drawbar.machine.physics.forces import COMMANDS
 from drawbar.machine.physics.multibody import Multibody
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.physics.state import Slides, State, slides
+from drawbar.machine.sampled import BLOCK, SampledMachine
 from drawbar.machine.senses import Senses
-from drawbar.machine.settings import steps_per_sample, whole_steps
 from drawbar.machine.terrain import Terrain
-from drawbar.signals import Command, Measurement, Pose, Truth
+from drawbar.signals import Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
 _SMOOTHED = 2.0
 """time constant of the slips and side-slips that the truth tells, s: the controllers' models hold them for constant,
 while on tyres they follow every motion of the wheels; who believes their momentary values steers against himself"""
-_BLOCK = 64
-"""Samples whose randomness is drawn at once. Part of what a seed means: another value gives another run."""
 
 
-class PhysicsMachine(MachineWithTruth):
+class PhysicsMachine(SampledMachine):
     """A tractor and trailer with masses, tyres and ground. Same settings and seed: the identical run.
 
     It starts at rest with the trailer straight behind it; its lengths are the vehicle's times `settings.lengths`.
@@ -52,11 +46,7 @@ class PhysicsMachine(MachineWithTruth):
             start: of the tractor.
             seed: of everything random; the same seed is the same ground as the simulated machine's.
         """
-        self._vehicle = settings.lengths.applied_to(vehicle)
-        self._settings, self._sample_time = settings, sample_time
-        self._steps = steps_per_sample(sample_time, settings.step)
-        if not all(map(math.isfinite, (start.x, start.y, start.yaw))):
-            raise ConfigurationError(f"the physics machine cannot start at {start}; give finite m and rad")
+        super().__init__(vehicle, settings, sample_time, start)
         rng, history_rng, attitude_rng, floating_rng = _streams(seed)
         self.terrain = Terrain.of_seed(settings.terrain, seed)
         self.multibody = Multibody(self._vehicle, settings, self.terrain, start)
@@ -71,32 +61,7 @@ class PhysicsMachine(MachineWithTruth):
         self._now = self._state()
         self._slides = Slides(longitudinal_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0)
         self._history = History(settings.step, np.array(self._now), history_rng, _moment)
-        delay = whole_steps(settings.actuators.dead_time, settings.step) or 0
-        self._commands = np.zeros((delay + self._steps, COMMANDS))
-        self._newest = (0.0, 0.0, 0.0)
-        self._sample, self._begun = 0, False
         self._draw()
-
-    def read(self) -> Measurement:
-        """Let one sample period pass under the newest command, and return what the sensors report then.
-
-        The first measurement is that of the machine where it was placed.
-        """
-        if self._begun:
-            self._let_pass()
-        self._begun = True
-        return self._senses.measure(self._sample, self._history)
-
-    def write(self, command: Command) -> None:
-        """Take over the command, which acts from now on.
-
-        Raises HardwareError when the command is not finite or beyond the limits; then the last one goes on to act.
-        """
-        self._newest = accepted(command, self._vehicle, self._settings.hydrostat.full_speed)
-
-    def stop(self) -> None:
-        """Stop with the steering held."""
-        self._newest = *self._newest[:2], 0.0
 
     def truth(self) -> Truth:
         """Return the true state. Slips and side-slips are averages over the last seconds, see _SMOOTHED."""
@@ -121,21 +86,15 @@ class PhysicsMachine(MachineWithTruth):
             trailer_height=state.trailer_z,
         )
 
-    def _let_pass(self) -> None:
-        """Move on by one sample period."""
-        self._commands[: -self._steps] = self._commands[self._steps :]
-        self._commands[-self._steps :] = self._newest
+    def _move(self, commands: Floats) -> None:
         rows: Floats = np.empty((self._steps, len(State._fields)))
         before = self._now
-        for step in range(self._steps):
-            self.multibody.advance(self._commands[step])
+        for step, command in enumerate(commands):
+            self.multibody.advance(command)
             self._now = self._state()
             rows[step] = self._now
         self._history.append(rows)
         self._smooth(slides(self._now, before, self._sample_time, self._vehicle))
-        self._sample += 1
-        if self._sample % _BLOCK == 0:
-            self._draw()
 
     def _smooth(self, slid: Slides) -> None:
         """Take what the wheels did during a sample into the averages."""
@@ -165,8 +124,7 @@ class PhysicsMachine(MachineWithTruth):
         )
 
     def _draw(self) -> None:
-        """Draw the sensors' errors of the next block of samples."""
-        self._senses.draw(self._sample + np.arange(_BLOCK, dtype=np.float64))
+        self._senses.draw(self._sample + np.arange(BLOCK, dtype=np.float64))
 
 
 def _moment(age: float, row: Floats, rates: tuple[float, float]) -> Moment:
