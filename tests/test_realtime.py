@@ -145,3 +145,4 @@ def test_without_a_manager_nothing_happens(monkeypatch, tmp_path):
     deaf = Notifier()
     deaf.tell("READY=1")
     deaf.close()
+    assert list(tmp_path.iterdir()) == []

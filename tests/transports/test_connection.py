@@ -91,6 +91,9 @@ def test_next_address_is_tried_where_the_first_refuses() -> None:
         connection = Connection("127.0.0.1", port)
         connection._look_up.addresses = [(socket.AF_INET, (host, port)) for host in ("127.0.0.1", "127.0.0.2")]
         until(lambda: connection.advance() is Phase.OPEN)
+        accepted, peer = server.accept()
+        assert peer[0].startswith("127.")
+        accepted.close()
         connection.close()
 
 

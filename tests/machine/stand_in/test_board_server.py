@@ -91,9 +91,11 @@ def test_replies_go_to_the_computer_that_is_told(computer: socket.socket) -> Non
 
 def test_before_anyone_is_heard_nothing_is_sent() -> None:
     clock = Clock()
-    server = BoardServer(Aio26(HeldWheel(), start=clock.time), port=0, clock=clock)
+    board = Aio26(HeldWheel(), start=clock.time)
+    server = BoardServer(board, port=0, clock=clock)
     clock.time += 0.1
     server.poll()
+    assert board.next_tick > clock.time, "it has run all the same"
     server.close()
 
 

@@ -45,6 +45,7 @@ def test_no_phase_between_computer_and_board_loses_the_edge(phase: int) -> None:
     bench = Bench("v4", 100.0)
     bench.board.restart(bench.start + phase / 1000.0)
     bench.engage()
+    assert bench.board.driving
 
 
 def test_the_wheel_follows_the_set_point(firmware: str) -> None:
