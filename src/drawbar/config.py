@@ -309,6 +309,8 @@ def _explain(problem: Any, data: dict[str, Any]) -> str:
     """Return one line: key, what was given, what is allowed."""
     kind, context, key = problem["type"], problem.get("ctx", {}), _key(problem, data)
     message = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if "discriminator" in context:  # pydantic names the key, or the function that finds it
+        context["discriminator"] = repr(context["discriminator"].strip("'_()"))
     reason = _REASONS[kind].format(**context) if kind in _REASONS else message
     # a whole section is not shown: its message says what is wrong in it
     whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")

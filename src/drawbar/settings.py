@@ -58,6 +58,8 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Length = Annotated[float, Field(gt=0.0), AfterValidator(metres)]
 """A length of a vehicle's part or a distance near it, m; one above 30 m is taken for millimetres and refused."""
 NonNegativeLength = Annotated[float, Field(ge=0.0), AfterValidator(metres)]
+Offset = Annotated[float, AfterValidator(metres)]
+"""A length to either side, m."""
 Speed = Annotated[float, Field(gt=0.0), AfterValidator(metres_per_second)]
 """A speed, m/s; one above 20 m/s is taken for km/h and refused."""
 Angle = Annotated[float, AfterValidator(radians)]

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError, model_validator
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
 from drawbar.machine.low_level.settings import LowLevelSettings
-from drawbar.settings import Angle, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Speed
+from drawbar.settings import Angle, NonNegative, NonNegativeAngle, Offset, Positive, PositiveAngle, Settings, Speed
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -164,11 +164,11 @@ class BodySettings(Settings):
 class MastError(Settings):
     """How far an antenna truly stands from where `vehicle.masts` says, along its body's axes."""
 
-    forward: float = 0.0
+    forward: Offset = 0.0
     """m"""
-    left: float = 0.0
+    left: Offset = 0.0
     """m"""
-    up: float = 0.0
+    up: Offset = 0.0
     """m"""
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drawbar.settings import Angle, Length, NonNegative, NonNegativeLength, Positive, PositiveAngle, Settings
+from drawbar.settings import Angle, Length, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
@@ -14,11 +14,11 @@ SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 class Mast(Settings):
     """Where an antenna stands, from its body's point on the ground, along the body's axes."""
 
-    forward: float = 0.0
+    forward: Offset = 0.0
     """m"""
-    left: float = 0.0
+    left: Offset = 0.0
     """m"""
-    up: NonNegative = 0.0
+    up: NonNegativeLength = 0.0
     """height above the ground; 0: it is not known, and roll and pitch are not corrected for, m"""
     roll_offset: Angle = 0.0
     """what the body's attitude sensor shows as roll while the body stands level, rad"""
