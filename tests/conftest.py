@@ -1,5 +1,6 @@
 """Whole runs through the library, driven once per session and shared by the tests that look at them."""
 
+import signal
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -16,6 +17,7 @@ from drawbar.signals import StepRecord
 from drawbar.simulation import Simulation
 
 ROOT = FilePath(__file__).parents[1]
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would start everything deaf to it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

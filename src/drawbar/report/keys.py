@@ -18,7 +18,7 @@ from drawbar.declared_words import declared_words
 from drawbar.settings import FASTEST, LONGEST, Settings, metres, metres_per_second, radians
 
 _UNIT = r"(?:1/)?(?:rad|m|s)[²³]?(?:/(?:rad|m|s|\(m s\))[²³]?)?"
-_WITHIN: dict[Any, str] = {radians: f"±{math.pi:.4g}", metres: f"≤ {LONGEST:g}", metres_per_second: f"≤ {FASTEST:g}"}
+_WITHIN: dict[Any, str] = {radians: f"±{math.pi:.4g}", metres: f"±{LONGEST:g}", metres_per_second: f"±{FASTEST:g}"}
 """what the validators of numbers allow"""
 
 
@@ -146,7 +146,8 @@ def _limits(metadata: Sequence[Any]) -> str:
             found.append(f"{sign} {getattr(each, limit):.4g}")
         elif isinstance(each, MinLen):
             found.append(f"at least {each.min_length}")
-    return ", ".join(dict.fromkeys(text for text in found if text))
+    limits = ", ".join(dict.fromkeys(text for text in found if text))
+    return limits.replace("±", "≤ ") if {">", "≥"} & set(limits) else limits
 
 
 def _toml(value: Any) -> str:
