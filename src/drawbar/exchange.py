@@ -5,10 +5,12 @@
 
 import ctypes
 import math
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from enum import IntEnum, IntFlag
 from functools import cache
 from importlib import resources
+from itertools import count
 from operator import attrgetter
 from pathlib import Path
 from struct import Struct
@@ -84,6 +86,7 @@ class Layout:
         self.struct = Struct("".join("d" if issubclass(leaf, float) else "i" for _, leaf in members))
         self.size = self.struct.size + self.struct.size % 8
         self._values = attrgetter(*(place for place, _ in members))
+        self._assemble = _assembler(kind)
 
     def pack(self, buffer: Any, signal: Any, offset: int = 0) -> None:
         """Write a signal into a buffer."""
@@ -91,7 +94,7 @@ class Layout:
 
     def unpack(self, buffer: Any, offset: int = 0) -> Any:
         """Read a signal out of a buffer."""
-        return _assemble(self.kind)(iter(self.struct.unpack_from(buffer, offset)))
+        return self._assemble(self.struct.unpack_from(buffer, offset))
 
     def buffer(self) -> Any:
         """Return new memory for one structure, aligned, all zero."""
@@ -108,24 +111,36 @@ def _leaves(kind: Any, place: str = "") -> list[tuple[str, Any]]:
 
 
 @cache
-def _assemble(kind: Any) -> Any:
-    """Return what makes a signal of an iterator over its numbers."""
-    makers = [(name, _maker(_base(hint))) for name, hint, _ in _members(kind)]
-
-    def assemble(values: Any) -> Any:
-        return kind(**{name: make(values) for name, make in makers})
-
-    return assemble
+def _assembler(kind: Any) -> Any:
+    """Return a function that makes a signal of its numbers in C's order: one expression, as quick as Python can."""
+    names: dict[str, Any] = {}
+    return eval(f"lambda numbers: {_construction(kind, names, count())}", names)
 
 
-def _maker(base: type[Any]) -> Any:
-    """Return what makes one field of an iterator over the numbers that follow."""
-    if is_dataclass(base):
-        return _assemble(base)
-    if base is float:
-        return next
-    members = base._value2member_map_ if issubclass(base, IntEnum) else {}  # quicker than to call the enumeration
-    return lambda values: members.get(number := next(values)) or base(number)
+def _construction(kind: Any, names: dict[str, Any], places: Iterator[int]) -> str:
+    """Return the call that makes a signal of `numbers`; the types and enumerations that it names are added to names."""
+    made = is_dataclass(kind)
+    names[kind.__name__] = kind if made else Members(kind)
+    if not made:
+        return f"{kind.__name__}[numbers[{next(places)}]]"
+    given = []
+    for name, hint, _ in _members(kind):
+        base = _base(hint)
+        plain = base in (float, int)
+        given.append(f"{name}={f'numbers[{next(places)}]' if plain else _construction(base, names, places)}")
+    return f"{kind.__name__}({', '.join(given)})"
+
+
+class Members(dict[int, Any]):
+    """The members of an enumeration by number; a look here is quicker than to call the enumeration."""
+
+    def __init__(self, kind: Any) -> None:
+        super().__init__()
+        self._kind = kind
+
+    def __missing__(self, number: int) -> Any:
+        self[number] = self._kind(number)
+        return self[number]
 
 
 def _base(hint: Any) -> Any:

@@ -12,7 +12,6 @@ from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.machine.base import EndOfMeasurements
 from drawbar.machine.replayed import ReplayedMachine
 from drawbar.recording.log import RunLog
-from drawbar.recording.precision import as_recorded
 from drawbar.signals import StepRecord
 from drawbar.step.build import build_autopilot
 
@@ -52,7 +51,7 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
     """Recompute a run from its recorded measurements.
 
     With the same build of drawbar on the same machine every number is the recorded one, bit for bit; predictions as far
-    as they are recorded (recording/precision.py).
+    as they are recorded (step/record.py).
 
     Args:
         log: of the run.
@@ -80,7 +79,7 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
             records.append(autopilot.record(recorded.truth))
     comparison = Comparison()
     for recorded, recomputed in zip(log.records, records, strict=True):
-        comparison.add(recorded.step, recorded, as_recorded(recomputed))
+        comparison.add(recorded.step, recorded, recomputed)
     return comparison.replay(records)
 
 

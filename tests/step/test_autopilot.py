@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from drawbar.errors import PathError
 from drawbar.guidance.path import Path
 from drawbar.signals import Flag, Status
 from drawbar.simulation import build_path
+from drawbar.step import record as step_record
 from drawbar.step.build import build_autopilot, step_settings
 
 STEPS = 150
@@ -116,6 +118,23 @@ def test_later_steps_leave_a_record_alone(build):
     samples = first.reference.tractor.samples.copy()
     next(steps)
     np.testing.assert_array_equal(first.reference.tractor.samples, samples)
+
+
+def test_predictions_are_rounded_to_a_millionth_and_nothing_else(build, monkeypatch):
+    steps = build("articulated").steps()
+    rounded = [next(steps) for _ in range(20)][-1]
+    monkeypatch.setattr(step_record, "DIGITS", 15)
+    steps = build("articulated").steps()
+    exact = [next(steps) for _ in range(20)][-1]
+    for body in ("tractor", "trailer"):
+        for name in ("reference.{}.samples", "plan.{}.poses", "plan.{}.steerings"):
+            kept, whole = (attrgetter(name.format(body))(each) for each in (rounded, exact))
+            assert 0.0 < abs(kept - whole).max() <= 0.501e-6
+        for name in ("reference.{}.closest", "plan.{}.deviation"):
+            kept, whole = (attrgetter(name.format(body))(each) for each in (rounded, exact))
+            np.testing.assert_array_equal(kept, whole)
+    for name in ("estimate", "command", "tractor_steering", "trailer_steering", "truth"):
+        assert getattr(rounded, name) == getattr(exact, name)
 
 
 def test_what_a_step_did_not_come_to_is_not_a_number(build):

@@ -25,7 +25,6 @@ from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, d
 from drawbar.realtime import prepare
 from drawbar.recording.drive_records import Happening, Kind, Order
 from drawbar.recording.log import encode_special
-from drawbar.recording.precision import as_recorded
 from drawbar.signals import StepRecord
 from drawbar.simulation import build_path
 
@@ -119,7 +118,7 @@ class Words:
     def keep(self, record: StepRecord) -> None:
         """Have a step recorded and shown."""
         self.tell_done()
-        letter = pack(Step(time=time.monotonic_ns(), data=self._encoder.encode(as_recorded(record))))
+        letter = pack(Step(time=time.monotonic_ns(), data=self._encoder.encode(record)))
         self._mailbox.post(self._recorder, letter)
         self._mailbox.send(self._console, letter)
 

@@ -24,7 +24,6 @@ from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
 from drawbar.recompute import Comparison, Replay
 from drawbar.recording.drive_records import DriveRecord, Happening, Kind, RawBytes, open_drive
 from drawbar.recording.log import RunHeader, open_log
-from drawbar.recording.precision import as_recorded
 from drawbar.signals import StepRecord
 from drawbar.transports.tapped import Direction
 
@@ -36,7 +35,7 @@ def replay_drive(file: Path, changes: Sequence[str] = ()) -> Replay:
     """Recompute a drive from its raw bytes; fixes, steps and commands are compared with what was recorded.
 
     With the same build of drawbar on the same machine every number is the recorded one, bit for bit; predictions as far
-    as they are recorded (recording/precision.py).
+    as they are recorded (step/record.py).
 
     Args:
         file: log of the drive.
@@ -163,4 +162,4 @@ class _Controller:
         self._steps.append(again)
         if place < len(self._recorded.steps):
             recorded = self._recorded.steps[place]
-            self._comparison.add(recorded.step, recorded, as_recorded(again))
+            self._comparison.add(recorded.step, recorded, again)

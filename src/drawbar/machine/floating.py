@@ -7,6 +7,7 @@ import numpy as np
 from drawbar.geometry import Floats
 from drawbar.machine.events import Event, GpsFloat, active
 
+_NONE = [math.nan] * 4
 _COLUMNS = {"tractor": slice(0, 2), "trailer": slice(2, 4), "both": slice(0, 4)}
 
 
@@ -18,12 +19,14 @@ class Floating:
         self._sample_time, self._rng = sample_time, rng
         self._noise: list[Floats | None] = [None] * len(self._events)
 
-    def sample(self, time: float) -> tuple[Floats, Floats]:
+    def sample(self, time: float) -> tuple[list[float], list[float]]:
         """Return the errors (4,) of tractor x, y, trailer x, y, and the deviations (4,) that honest receivers tell.
 
         Both in m, of the sample taken at the time (s). NaN: this coordinate is not in float; of a deviation also where
         the receiver does not tell.
         """
+        if not self._events:
+            return _NONE, _NONE
         errors, told = np.full(4, np.nan), np.full(4, np.nan)
         for index, event in enumerate(self._events):
             if active(np.array([time]), event.start, event.duration)[0]:
@@ -31,7 +34,7 @@ class Floating:
                 errors[columns] = event.deviation * self._next(index, event.correlation)[columns]
                 if event.honest:
                     told[columns] = event.deviation
-        return errors, told
+        return errors.tolist(), told.tolist()
 
     def _next(self, index: int, correlation: float) -> Floats:
         """Return the next values (4,) of an event's noise, of variance one."""

@@ -44,8 +44,8 @@ class Moment(NamedTuple):
     """of the wheels, m/s"""
 
 
-Read = Callable[[float, Floats, tuple[float, float]], Moment]
-"""makes a moment of its age, a machine's row (n,), and the yaw rates of both bodies then"""
+Read = Callable[[float, list[float], tuple[float, float]], Moment]
+"""makes a moment of its age, a machine's row of n numbers, and the yaw rates of both bodies then"""
 
 
 class History:
@@ -67,7 +67,7 @@ class History:
         age = delay.latency + (delay.jitter * self._rng.standard_normal() if delay.jitter else 0.0)
         steps = min(max(round(age / self._step), 0), len(self._rows) - 2)
         if steps not in self._moments:
-            row, before = self._rows[-1 - steps], self._rows[-2 - steps]
-            tractor_rate, trailer_rate = ((row[YAWS] - before[YAWS]) / self._step).tolist()
-            self._moments[steps] = self._read(steps * self._step, row, (tractor_rate, trailer_rate))
+            row, before = self._rows[-1 - steps].tolist(), self._rows[-2 - steps].tolist()
+            rates = [(now - then) / self._step for now, then in zip(row[YAWS], before[YAWS], strict=True)]
+            self._moments[steps] = self._read(steps * self._step, row, (rates[0], rates[1]))
         return self._moments[steps]

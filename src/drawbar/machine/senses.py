@@ -59,7 +59,14 @@ class Senses:
             attitude_rng: of roll, pitch and yaw rate.
             floating_rng: of fixes in float.
         """
-        self._vehicle, self._settings, self._sample_time = vehicle, settings, sample_time
+        self._settings, self._sample_time = settings, sample_time
+        self._arms = {
+            body: tuple(
+                getattr(getattr(vehicle.masts, body), axis) + getattr(getattr(settings.masts, body), axis)
+                for axis in ("forward", "left", "up")
+            )
+            for body in ("tractor", "trailer")
+        }
         self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
         self._floating = Floating(settings.events, sample_time, floating_rng)
         self._attitude_rng = attitude_rng
@@ -67,11 +74,12 @@ class Senses:
 
     def draw(self, samples: Floats) -> None:
         """Draw the errors of the next block of samples (n,), given by their numbers."""
-        self._errors, self._held = self._sensing.block(self._sample_time * samples)
+        errors, held = self._sensing.block(self._sample_time * samples)
+        self._errors, self._held = errors.tolist(), held.tolist()
 
     def measure(self, sample: int, history: History) -> Measurement:
         """Look at the machine through the sensors, as it was when each of them looked."""
-        settings, errors = self._settings, self._errors[sample % len(self._errors)].tolist()
+        settings, errors = self._settings, self._errors[sample % len(self._errors)]
         delays, resolution = settings.delays, settings.sensors.steering_resolution
         fixes = self._find(sample, errors, history)
         hitch, speed, steering = map(history.seen, (delays.hitch_angle, delays.speed, delays.steering))
@@ -96,7 +104,7 @@ class Senses:
         delays, sensors = self._settings.delays, self._settings.sensors
         seen = [history.seen(delays.fix) for _ in range(2)]
         true = [*self._antenna("tractor", seen[0].tractor), *self._antenna("trailer", seen[1].trailer)]
-        floating, deviations = (each.tolist() for each in self._floating.sample(sample * self._sample_time))
+        floating, deviations = self._floating.sample(sample * self._sample_time)
         for i, held in enumerate(self._held[sample % len(self._held)]):
             error = errors[i] if math.isnan(floating[i] + errors[i]) else floating[i]
             self._fix[i] = self._fix[i] if held else true[i] + error
@@ -112,9 +120,7 @@ class Senses:
 
     def _antenna(self, body: str, seen: BodyMoment) -> tuple[float, float]:
         """Return where a body's antenna truly was, m."""
-        stated, wrong = getattr(self._vehicle.masts, body), getattr(self._settings.masts, body)
-        arm = (stated.forward + wrong.forward, stated.left + wrong.left, stated.up + wrong.up)
-        east, north = arm_offset(seen.yaw, seen.roll, seen.pitch, arm)
+        east, north = arm_offset(seen.yaw, seen.roll, seen.pitch, self._arms[body])
         return seen.x + east, seen.y + north
 
     def _balance(self, body: str, sensor: AttitudeSensorSettings, history: History) -> dict[str, Any]:

@@ -82,7 +82,8 @@ class SimulatedMachine(SampledMachine):
 
     def _move(self, commands: Floats) -> None:
         effects = self._effects[self._sample % BLOCK].copy()
-        effects[:, 2:5] += self._creep()
+        if not self._settings.terrain.is_flat:
+            effects[:, 2:5] += self._creep()
         if self._unknown is not None:
             effects[:, :5] += self._unknown()
         self._remember(self._motion.advance(commands, effects))
@@ -95,9 +96,11 @@ class SimulatedMachine(SampledMachine):
 
     def _remember(self, states: Floats) -> None:
         """Let the bodies settle on the ground, and keep all that sensors may report late; states: of the plant."""
-        states, flat = np.array(states), self._settings.terrain.is_flat
-        angles = np.zeros((len(states), ANGLES)) if flat else self._attitude.advance(states)
-        self._history.append(np.hstack((states, angles)))
+        rows = np.zeros((len(states), states.shape[1] + ANGLES))
+        rows[:, :-ANGLES] = states
+        if not self._settings.terrain.is_flat:
+            rows[:, -ANGLES:] = self._attitude.advance(states)
+        self._history.append(rows)
 
     def truth(self) -> Truth:
         """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""
@@ -124,10 +127,10 @@ class SimulatedMachine(SampledMachine):
             trailer_pitch=trailer_pitch,
         )
 
-    def _moment(self, age: float, row: Floats, rates: tuple[float, float]) -> Moment:
-        """Return what sensors see of a state with its attitudes (15,)."""
-        x, y, yaw, trailer_yaw, joint, steering, speed = row[:7].tolist()
-        tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = row[-ANGLES:].tolist()
+    def _moment(self, age: float, row: list[float], rates: tuple[float, float]) -> Moment:
+        """Return what sensors see of a state with its attitudes, 15 numbers."""
+        x, y, yaw, trailer_yaw, joint, steering, speed = row[:7]
+        tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = row[-ANGLES:]
         trailer = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
         return Moment(
             age=age,

@@ -35,6 +35,7 @@ HEADER_NAME = "run.json"
 OUTCOME_NAME = "outcome"
 STEP_TOPIC = "/step"
 _DRAWN_POINTS = 3000
+_NUMPY = (np.ndarray, np.generic)
 _DAMAGE = (
     McapError,
     zstandard.ZstdError,
@@ -210,7 +211,7 @@ def _number(name: str) -> Callable[[StepRecord], Any]:
 
 def encode_special(value: Any) -> Any:
     """Turn what msgspec does not know into what it knows: arrays, numpy scalars, configuration sections."""
-    if isinstance(value, np.ndarray | np.generic):
+    if isinstance(value, _NUMPY):
         return value.tolist()
     if isinstance(value, BaseModel):
         return value.model_dump()

@@ -11,7 +11,6 @@ import msgspec
 from drawbar.errors import StorageError
 from drawbar.recording.chunks import ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
-from drawbar.recording.precision import as_recorded
 from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
 
@@ -66,7 +65,7 @@ class Recorder:
         try:
             self._writer.add_message(
                 self._channel,
-                self._encoder.encode(as_recorded(record)),
+                self._encoder.encode(record),
                 sequence=record.step,
                 log_time=round(record.measurement.time * 1e9),
                 publish_time=time.time_ns(),

@@ -1,10 +1,16 @@
-"""The record of a step: one copy of C's struct drawbar_record, read into signals."""
+"""The record of a step: one copy of C's struct drawbar_record, read into signals.
 
+All its numbers are C's, bit for bit, but predictions (the path ahead of both bodies, planned poses and steerings) are
+rounded to a millionth of a metre or radian: they are most of a record, and their digits beyond would be more than half
+of a log. Nothing that is commanded, measured or estimated is rounded.
+"""
+
+from itertools import pairwise
 from struct import Struct
 
 import numpy as np
 
-from drawbar.exchange import Layout
+from drawbar.exchange import Layout, Members
 from drawbar.geometry import Floats
 from drawbar.signals import (
     Actuation,
@@ -27,12 +33,14 @@ from drawbar.signals import (
 )
 from drawbar.step.library import StepLibrary
 
+DIGITS = 6
+"""decimals of predictions, m and rad"""
 _ESTIMATE, _DIAGNOSTICS, _STEERING = Layout(Estimate), Layout(Diagnostics), Layout(BodySteering)
 _ACTUATION = Layout(Actuation)
 _TOLD = Struct("6i")
 """the numbers at the end of the diagnostics"""
 _REFERENCE, _PLAN, _TIMES = Struct("6d"), Struct("5d2i"), Struct("6d")
-_BODIES = (0, 1)
+_SOLVERS, _GATES, _FLAGS = Members(SolverStatus), Members(GateVerdict), Members(Flag)
 
 
 class RecordReader:
@@ -48,73 +56,66 @@ class RecordReader:
         self._plans = self._references + 2 * _REFERENCE.size
         self._times = self._plans + 2 * _PLAN.size
         self._actuation = self._times + _TIMES.size
-        arrays = self._actuation + _ACTUATION.size
-        shapes = ((2, horizon + 1, 4), (2, horizon + 1, 3), (2, horizon))
-        self._samples, self._poses, self._planned = shapes
-        sizes = [8 * int(np.prod(shape)) for shape in shapes]
-        self._offsets = (arrays, arrays + sizes[0], arrays + sizes[0] + sizes[1])
-        if arrays + sum(sizes) != library.record.size:
+        self._predictions = (self._actuation + _ACTUATION.size) // 8
+        shapes = [(horizon + 1, 4)] * 2 + [(horizon + 1, 3)] * 2 + [(horizon,)] * 2
+        ends = np.cumsum([np.prod(shape) for shape in shapes]).tolist()
+        self._parts = [(slice(*part), shape) for part, shape in zip(pairwise([0, *ends]), shapes, strict=True)]
+        if 8 * (self._predictions + ends[-1]) != library.record.size:
             raise AssertionError("struct drawbar_record and record.py differ")
 
     def read(self, number: int, measurement: Measurement, command: Command, truth: Truth | None) -> StepRecord:
         """Return the record of the newest step, which is not changed by later ones."""
         self._copy()
         data = self._memory.tobytes()
+        numbers = np.frombuffer(data)
+        rounded = numbers[self._predictions :].round(DIGITS)
+        ahead, behind, poses, trailer_poses, steerings, trailer_steerings = (
+            rounded[part].reshape(shape) for part, shape in self._parts
+        )
         estimate = _ESTIMATE.unpack(data)
         status, flags, estimator, gate, _, _ = _TOLD.unpack_from(data, self._told)
         times = _TIMES.unpack_from(data, self._times)
-        references, plans = self._read_references(data), self._read_plans(data)
-        tractor, trailer = (_STEERING.unpack(data, self._steerings + body * _STEERING.size) for body in _BODIES)
-        statuses = (estimator, plans[0].status, plans[1].status)
+        tractor = _plan(data, numbers, self._plans, poses, steerings)
+        trailer = _plan(data, numbers, self._plans + _PLAN.size, trailer_poses, trailer_steerings)
         return StepRecord(
             step=number,
             measurement=measurement,
             estimate=estimate,
-            reference=Reference(time=estimate.time, tractor=references[0], trailer=references[1]),
-            plan=Plan(time=estimate.time, tractor=plans[0], trailer=plans[1]),
-            tractor_steering=tractor,
-            trailer_steering=trailer,
+            reference=Reference(
+                time=estimate.time,
+                tractor=_reference(numbers, self._references // 8, ahead),
+                trailer=_reference(numbers, (self._references + _REFERENCE.size) // 8, behind),
+            ),
+            plan=Plan(time=estimate.time, tractor=tractor, trailer=trailer),
+            tractor_steering=_STEERING.unpack(data, self._steerings),
+            trailer_steering=_STEERING.unpack(data, self._steerings + _STEERING.size),
             command=command,
             truth=truth,
             estimator_times=SolveTimes(prepare=times[0], feedback=times[1]),
             tractor_times=SolveTimes(prepare=times[2], feedback=times[3]),
             trailer_times=SolveTimes(prepare=times[4], feedback=times[5]),
-            solver_failures=sum(each != SolverStatus.SOLVED for each in statuses),
-            gate=GateVerdict(gate),
+            solver_failures=3 - (estimator, tractor.status, trailer.status).count(SolverStatus.SOLVED),
+            gate=_GATES[gate],
             status=Status.OK if status < Status.REFUSED else Status(status),
-            flags=Flag(flags),
+            flags=_FLAGS[flags],
             actuation=_ACTUATION.unpack(data, self._actuation),
         )
 
-    def _array(self, data: bytes, which: int, shape: tuple[int, ...]) -> Floats:
-        count = shape[0] * shape[1] * (shape[2] if len(shape) > 2 else 1)
-        return np.frombuffer(data, np.float64, count, self._offsets[which]).reshape(shape)
 
-    def _read_references(self, data: bytes) -> list[BodyReference]:
-        samples = self._array(data, 0, self._samples)
-        found = []
-        for body in _BODIES:
-            at = self._references + body * _REFERENCE.size
-            progress, lateral_error, *_ = _REFERENCE.unpack_from(data, at)
-            closest = np.frombuffer(data, np.float64, 4, at + 16)
-            found.append(
-                BodyReference(progress=progress, lateral_error=lateral_error, closest=closest, samples=samples[body])
-            )
-        return found
+def _reference(numbers: Floats, at: int, samples: Floats) -> BodyReference:
+    progress, lateral_error = numbers[at : at + 2].tolist()
+    return BodyReference(
+        progress=progress, lateral_error=lateral_error, closest=numbers[at + 2 : at + 6], samples=samples
+    )
 
-    def _read_plans(self, data: bytes) -> list[BodyPlan]:
-        poses, planned = self._array(data, 1, self._poses), self._array(data, 2, self._planned)
-        found = []
-        for body in _BODIES:
-            at = self._plans + body * _PLAN.size
-            steering, _, _, _, _, status, deviations = _PLAN.unpack_from(data, at)
-            found.append(
-                BodyPlan(
-                    steering=steering,
-                    poses=poses[body],
-                    steerings=planned[body],
-                    deviation=np.frombuffer(data, np.float64, deviations, at + 8),
-                    status=SolverStatus(status),
-                )
-            )
-        return found
+
+def _plan(data: bytes, numbers: Floats, offset: int, poses: Floats, steerings: Floats) -> BodyPlan:
+    steering, _, _, _, _, status, deviations = _PLAN.unpack_from(data, offset)
+    at = offset // 8 + 1
+    return BodyPlan(
+        steering=steering,
+        poses=poses,
+        steerings=steerings,
+        deviation=numbers[at : at + deviations],
+        status=_SOLVERS[status],
+    )

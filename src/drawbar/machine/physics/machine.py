@@ -127,9 +127,9 @@ class PhysicsMachine(SampledMachine):
         self._senses.draw(self._sample + np.arange(BLOCK, dtype=np.float64))
 
 
-def _moment(age: float, row: Floats, rates: tuple[float, float]) -> Moment:
+def _moment(age: float, row: list[float], rates: tuple[float, float]) -> Moment:
     """Return what sensors see of a state."""
-    state = State(*row.tolist())
+    state = State(*row)
     return Moment(
         age=age,
         tractor=BodyMoment(
