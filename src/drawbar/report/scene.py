@@ -12,6 +12,7 @@ from drawbar.geometry import Floats
 from drawbar.machine.terrain import Terrain
 from drawbar.recording.log import Columns
 from drawbar.report import style
+from drawbar.report.decimation import thinned
 from drawbar.report.map import outlined_steps, polyline
 from drawbar.report.solids import Solid, joined, mast_solid, rotation, tractor_solid, trailer_solid
 from drawbar.report.style import Figure
@@ -28,11 +29,11 @@ _LIFTED = 0.03
 
 def scene_figure(log: Columns) -> Figure:
     """Draw the scene; it is empty where the ground is flat or not known, as on a real machine."""
-    truths, configuration = _truths(log), _configuration(log)
-    if not truths or configuration is None or configuration.machine.terrain.is_flat:
+    configuration = _configuration(log) if log.has_truth else None
+    if configuration is None or configuration.machine.terrain.is_flat:
         return {"data": [], "layout": {}}
     terrain, vehicle = Terrain.of_seed(configuration.machine.terrain, log.header.seed), configuration.vehicle
-    moments = [truths[step] for step in outlined_steps(log)]
+    truths, moments = _truths(log, thinned(log.steps).tolist()), _truths(log, outlined_steps(log))
     traces = [_ground(terrain, np.array([(truth.tractor.x, truth.tractor.y) for truth in truths]))]
     path = polyline(log.header.path)
     traces.append(_line(_on(terrain, path), "Path", style.REFERENCE, width=6))
@@ -44,17 +45,15 @@ def scene_figure(log: Columns) -> Figure:
     return {"data": traces, "layout": _layout()}
 
 
-def _truths(log: Columns) -> list[Truth]:
-    """Return the true places of both bodies at every step; all else is not asked for, and NaN."""
-    if not log.has_truth:
-        return []
+def _truths(log: Columns, steps: list[int]) -> list[Truth]:
+    """Return the true places of both bodies at some steps; all else is not asked for, and NaN."""
     angles = [f"{body}_{angle}" for body in style.BODY_COLOURS for angle in ("roll", "pitch")]
     poses = {
         body: [log.column(f"truth.{body}.{name}").tolist() for name in ("x", "y", "yaw")] for body in style.BODY_COLOURS
     }
     known = {name: log.column(f"truth.{name}").tolist() for name in (*angles, "tractor_steering", "trailer_steering")}
     values: dict[str, Any] = {field.name: math.nan for field in fields(Truth)}
-    return [Truth(**values | _of_step(poses, known, i)) for i in range(log.steps)]
+    return [Truth(**values | _of_step(poses, known, step)) for step in steps]
 
 
 def _of_step(poses: dict[str, list[list[float]]], known: dict[str, list[float]], step: int) -> dict[str, Any]:
