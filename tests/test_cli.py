@@ -420,3 +420,11 @@ def test_a_report_is_made_again_from_a_log_whole_or_cut(drawbar: Drawbar, tmp_pa
     assert "stopped: the log just stops" in " ".join(said.split())
     assert {file.name for file in (tmp_path / "again").iterdir()} == {"metrics.json", "report.html", "map.svg"}
     assert drawbar("report", "nowhere")[0] == 2
+
+
+def test_a_run_is_named_by_its_folder_or_by_its_log(drawbar: Drawbar) -> None:
+    drawbar("run", *SHORT, "--out", "out")
+    for command in (["replay"], ["log", "export", "--csv", "table.csv"]):
+        said = [drawbar(*command, run) for run in ("out", "out/log.mcap")]
+        assert said[0] == said[1]
+        assert said[0][0] == 0

@@ -7,19 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import console
+from drawbar.cli.options import RunLogFile, console
 from drawbar.errors import ConfigurationError, DrawbarError
 
 if TYPE_CHECKING:
     from drawbar.driving.calibrating import Found
     from drawbar.signals import BodyActuation
 
-Log = Annotated[FilePath, typer.Argument(metavar="RUN.mcap", help="log of a drive")]
-
 
 def calibrate(
     configuration: Annotated[FilePath, typer.Argument(metavar="FILE", help="configuration of the machine")],
-    log: Log,
+    log: RunLogFile,
 ) -> None:
     """Find sensors' zeros and scales, the wheels' pulses and the mounting roll in a drive by hand.
 
@@ -66,7 +64,7 @@ def _tell(found: "Found") -> None:
         console.print(Text(f"{found.name}: {refusal}", style="yellow"))
 
 
-def identify(log: Log) -> None:
+def identify(log: RunLogFile) -> None:
     """Find dead time and lag of both steerings in the log of a run or a drive, for `vehicle` of the configuration."""
     from drawbar.config import recorded_configuration
     from drawbar.estimation.identification import identify as evaluate

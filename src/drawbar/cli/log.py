@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import console
+from drawbar.cli.options import RunLogFile, console
 from drawbar.errors import DrawbarError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def group() -> None:
 
 @log.command()
 def export(
-    file: Annotated[FilePath, typer.Argument(help="log.mcap of a run or a drive")],
+    file: RunLogFile,
     csv: Annotated[FilePath | None, typer.Option(help="table of all numbers of all steps")] = None,
     ros2: Annotated[FilePath | None, typer.Option(help="MCAP with standard ROS 2 messages")] = None,
     geojson: Annotated[FilePath | None, typer.Option(help="path and tracks in WGS84")] = None,

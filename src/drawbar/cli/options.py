@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path as FilePath
 from typing import Annotated
 
 import typer
@@ -14,6 +15,19 @@ console = Console(highlight=False, markup=False)  # names of files and lines may
 
 ConfigurationName = Annotated[
     str, typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}")
+]
+
+
+def _log_of(run: FilePath) -> FilePath:
+    """Return the log of a run that is given by its folder or by the log itself."""
+    from drawbar.recording.log import LOG_NAME
+
+    return run / LOG_NAME if run.is_dir() else run
+
+
+RunLogFile = Annotated[
+    FilePath,
+    typer.Argument(metavar="RUN", callback=_log_of, help="folder of a run or a drive, or its log.mcap"),
 ]
 Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]

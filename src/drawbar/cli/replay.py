@@ -1,18 +1,17 @@
 """`drawbar replay`: recompute a recorded run, and tell where it differs."""
 
-from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import console
+from drawbar.cli.options import RunLogFile, console
 
 if TYPE_CHECKING:
     from drawbar.recompute import Replay
 
 
 def replay(
-    log: Annotated[FilePath, typer.Argument(metavar="RUN.mcap", help="log of a run")],
+    log: RunLogFile,
     changes: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="try another setting, e.g. controller.tractor.lateral=50"),

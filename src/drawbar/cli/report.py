@@ -5,20 +5,18 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import console
+from drawbar.cli.options import RunLogFile, console
 from drawbar.errors import DrawbarError
 
 
 def report(
-    run: Annotated[FilePath, typer.Argument(metavar="RUN", help="folder of a run, or its log")],
+    log: RunLogFile,
     out: Annotated[FilePath | None, typer.Option(help="folder for the report; default: beside the log")] = None,
 ) -> None:
     """Make report, metrics and map of a run from its log; a log that a crash or a full disk cut off will do."""
-    from drawbar.recording.log import LOG_NAME
     from drawbar.report.console import summary
     from drawbar.report.folder import write_report
 
-    log = run / LOG_NAME if run.is_dir() else run
     folder = out or log.parent
     try:
         folder.mkdir(parents=True, exist_ok=True)
