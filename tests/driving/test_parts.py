@@ -142,6 +142,9 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     look = Happening(kind=Kind.LOOK, time=123456789)
     with DriveLog(tmp_path / "log.mcap", header, Scene(path=path, vehicle=configuration.vehicle, frame=frame)) as log:
         log.add_raw(raw)
+        log.flush()
+        with open_drive(tmp_path / "log.mcap") as records:  # as a kill at this moment would leave it
+            assert list(records) == [raw]
         log.add_order(Order((look,)))
         for _ in range(2):
             log.add_message(state)

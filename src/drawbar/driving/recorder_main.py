@@ -67,6 +67,8 @@ def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
     try:
         for data in mailbox.receive():
             _write(data, log, beat)
+        if time.monotonic_ns() >= beat.due:
+            log.flush()
     except (OSError, DrawbarError) as error:
         print(f"recorder: the log cannot be written any further ({error})", file=sys.stderr)
         return False

@@ -1,8 +1,9 @@
 """Writes an MCAP file (https://mcap.dev/spec) whose chunks are compressed and yet readable while they grow.
 
 A chunk is one zstd frame. Its header is written when it begins, with an impossible length; each message is compressed
-and flushed to the operating system as it comes; when the chunk is full its header is written again, complete. A killed
-process leaves a last chunk that says it is endless: readers (stream.py) take from it what is there.
+as it comes, and what has come is flushed to the operating system when the caller asks; when the chunk is full its
+header is written again, complete. A killed process leaves a last chunk that says it is endless: readers (stream.py)
+take from it what is there.
 """
 
 import struct
@@ -87,17 +88,22 @@ class ChunkedWriter:
         self._indices[Opcode.METADATA_INDEX].append(MetadataIndex(offset=offset, length=length, name=name))
 
     def add_message(self, channel: int, data: bytes, *, sequence: int, log_time: int, publish_time: int) -> None:
-        """Append a message, times in ns; it has reached the operating system when this returns."""
+        """Append a message, times in ns; it may stay in memory until flush()."""
         if self._chunk is None:
             self._chunk = _Chunk(self._stream)
         head = _MESSAGE.pack(Opcode.MESSAGE, _MESSAGE.size - 9 + len(data), channel, sequence, log_time, publish_time)
         self._chunk.append(channel, log_time, head + data)
-        self._stream.flush()
         self._counts[channel] += 1
         first, last = self._times or (log_time, log_time)
         self._times = min(first, log_time), max(last, log_time)
         if self._chunk.size >= CHUNK_BYTES:
             self._end_chunk()
+
+    def flush(self) -> None:
+        """Let all that was written reach the operating system; each time costs some of the compression."""
+        if self._chunk is not None:
+            self._chunk.flush()
+        self._stream.flush()
 
     def finish(self) -> None:
         """Write what remains of the last chunk, and the summary."""
@@ -185,7 +191,10 @@ class _Chunk:
         self._messages.setdefault(channel, []).append((log_time, self.size))
         self._crc = zlib.crc32(record, self._crc)
         self.size += len(record)
-        self._write(self._compressor.compress(record) + self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))
+        self._write(self._compressor.compress(record))
+
+    def flush(self) -> None:
+        self._write(self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))
 
     def end(self) -> ChunkIndex:
         """Complete the header, write the messages' index behind it; return what the summary says of the chunk."""

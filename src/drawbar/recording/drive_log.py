@@ -78,7 +78,12 @@ class DriveLog(Recorder):
         self._add(STEP_TOPIC, data, wall, record.step)
         for topic, message in self._scene.moving(wall, record):
             self._add_known(topic, message, wall)
+        self.flush()
         self._show_again(wall)
+
+    def flush(self) -> None:
+        """Let all that was added reach the operating system; a step does so by itself."""
+        self._writer.flush()
 
     def _show_again(self, wall: int) -> None:
         """Show from time to time what does not change: whoever came late has not seen it."""

@@ -70,6 +70,7 @@ class Recorder:
                 log_time=round(record.measurement.time * 1e9),
                 publish_time=time.time_ns(),
             )
+            self._writer.flush()
         except OSError as error:
             raise self._full(error) from error
         self._steps += 1
