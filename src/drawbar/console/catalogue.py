@@ -51,6 +51,9 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "nudge_left": ("Line 2 cm to the left", "Linie 2 cm nach links"),
     "nudge_right": ("Line 2 cm to the right", "Linie 2 cm nach rechts"),
     "set_speed": ("Set speed", "Soll-Tempo"),
+    "pass_left": ("Next line to the left", "Nächste Linie links"),
+    "pass_right": ("Next line to the right", "Nächste Linie rechts"),
+    "not_drivable": ("✖ not drivable", "✖ nicht fahrbar"),
     "line_shift": ("Line", "Linie"),
     # lease
     "you_control": ("You have control", "Sie steuern"),
@@ -85,7 +88,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "fix_FLOAT": ("RTK float", "RTK Float"),
     "fix_FIXED": ("RTK fixed", "RTK Fix"),
     "old": ("OLD PICTURE – steer yourself", "ALTES BILD – selbst lenken"),
-    "map": ("Map: line, tractor, trailer and plan", "Karte: Linie, Traktor, Anhänger und Plan"),
+    "map": ("Map: field, lines, tractor, trailer and plan", "Karte: Feld, Linien, Traktor, Anhänger und Plan"),
     "zoom_in": ("Closer", "Näher"),
     "zoom_out": ("Farther", "Weiter"),
     "whole": ("Whole line", "Ganze Linie"),
