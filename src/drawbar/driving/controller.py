@@ -3,7 +3,7 @@
 import math
 
 from drawbar.config import Configuration
-from drawbar.driving.certainty import certainty
+from drawbar.driving.certainty import Certainty, certainty
 from drawbar.driving.driven_line import DrivenLine
 from drawbar.errors import PathError
 from drawbar.geometry import wrap
@@ -46,6 +46,8 @@ class Controller:
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
+        self.sureness = Certainty()
+        """of the newest estimate"""
         self._gate: GateState | None = None
         self._sequence = self._solved = self._overruns = self._doubted = 0
         self._record: StepRecord | None = None
@@ -102,7 +104,7 @@ class Controller:
             self._record = record
             self._doubted = self._doubted + 1 if _both_rejected(record) else 0
             known = self._status.is_new_command and self._doubted < DOUBTED
-            self._deviations = self._certainty(record.estimate) if known else (math.nan, math.nan)
+            self.sureness = self._certainty(record.estimate) if known else Certainty()
         return record
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
@@ -115,7 +117,7 @@ class Controller:
         """
         record, measurement = self._record, self._measurement
         assert record is not None
-        lateral, heading = self._deviations
+        lateral, heading = self.sureness.across
         tractor, trailer = record.reference.tractor, record.reference.trailer
         return ControllerState(
             sequence=self._sequence % 2**32,
