@@ -41,11 +41,16 @@ class Moving:
     plans: tuple[Points, Points]
     """where tractor and trailer are to go"""
 
+    @property
+    def bodies(self) -> tuple[float, ...]:
+        """x, y and yaw of tractor and trailer, as they are shown."""
+        return tuple(round(each, 4) for each in (*self.tractor, *self.trailer))
+
     def to_browser(self) -> dict[str, Any]:
         """Return it as JSON."""
         return {
-            "tractor": [round(each, 4) for each in self.tractor],
-            "trailer": [round(each, 4) for each in self.trailer],
+            "tractor": list(self.bodies[:3]),
+            "trailer": list(self.bodies[3:]),
             "steering": round(self.steering, 4),
             "plans": list(self.plans),
         }
