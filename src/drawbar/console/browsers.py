@@ -73,7 +73,7 @@ def _opened(address: str) -> aiohttp.ClientSession:
 
 async def _page(session: aiohttp.ClientSession, address: str) -> tuple[str, str]:
     """Return the ids of the page and of what hears that a picture was drawn."""
-    async with session.get(address) as answer:
+    async with session.get(address, headers={"Connection": "close"}) as answer:  # browsers use another for the socket
         text = await answer.text()
     client, listener = _CLIENT.search(text), _DRAWN.search(text)
     if client is None or listener is None:
