@@ -19,7 +19,8 @@ from drawbar.safety.engagement import TABLE
 from drawbar.safety.settings import SafetySettings
 
 DOCS = Path(__file__).parent
-TYPES = {"B": ("u8", 1), "H": ("u16", 2), "I": ("u32", 4), "Q": ("u64", 8), "d": ("f64", 8), "8H": ("u16 × 8", 16)}
+TYPES = {"B": ("u8", 1), "H": ("u16", 2), "I": ("u32", 4), "i": ("i32", 4), "Q": ("u64", 8), "d": ("f64", 8)}
+TYPES["8H"] = ("u16 × 8", 16)
 CHANNELS = """\
 The controller's channel is a pair of Unix sockets that keep records apart (SOCK_SEQPACKET): commands and states of the
 controller one way, states of the gate the other. Front ends and the recorder send to the gate's Unix datagram socket,

@@ -52,6 +52,9 @@ class PathSettings(Settings):
     extension: Annotated[float, Field(ge=0.0, le=10_000.0)] = 0.0
     """how far an A-B line of AgOpenGPS, which has no end, goes beyond its points, m; 0: to the field's boundary, or
     100 m where the field has none"""
+    working_width: Annotated[float, Field(ge=0.0, le=60.0)] = 0.0
+    """between parallel lines beside this one, which the operator may choose while the vehicle is not steered, m; each
+    is driven in the direction in which the vehicle faces. 0: there is only this line"""
     radii: Annotated[tuple[TrackLength, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
     """of the figure-eights, one after the other, m"""
     straight_length: TrackLength = 20.0

@@ -15,7 +15,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 MARK = 0x4244
 """first two bytes of every record: "DB" """
-VERSION = 1
+VERSION = 2
 """of the layouts; a record of another version is refused"""
 
 
@@ -31,6 +31,7 @@ class Cell:
 
 Byte = Annotated[int, Cell("B")]
 Count = Annotated[int, Cell("I")]
+Signed = Annotated[int, Cell("i")]
 Long = Annotated[int, Cell("Q")]
 Time = Annotated[int, Cell("Q")]
 Codes = Annotated[tuple[int, ...], Cell("8H")]
@@ -108,9 +109,12 @@ class Action(IntEnum):
     ACKNOWLEDGE = 6
     """leave a state that waits for the operator"""
     NUDGE = 7
-    """move the line by `value`, m, left positive"""
+    """move the line by `value`, m, to the left of the configured line's direction"""
     SET_SPEED = 8
     """drive at `value`, m/s"""
+    LINE = 9
+    """drive the line so many working widths to the left of the configured one as `value` says, a whole number; while
+    the vehicle is not steered. Takes the lease"""
 
 
 class Role(IntEnum):
@@ -187,6 +191,10 @@ class ControllerState(Message):
     """m/s, forward positive"""
     receiver_speed: Known
     """of the tractor's receiver, m/s, forward positive"""
+    line_offset: Number = 0.0
+    """how far left of the configured line lies the one that is driven, m"""
+    against: Byte = 0
+    """1: it is driven against the configured line's direction"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,13 +241,15 @@ class GateState(Message):
     set_speed: Known
     """the operator's wish, m/s; NaN: none"""
     nudge: Number
-    """the operator's shift of the line, m, left positive"""
+    """the operator's shift of the line, m, to the left of the configured line's direction"""
     clips: Count
     """commands that were limited, since the start"""
     rejects: Count
     """commands that were refused, since the start"""
     dropped: Count
     """other records and frames that were refused, since the start"""
+    line: Signed = 0
+    """the operator's choice of the line: so many working widths to the left of the configured one"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -256,7 +266,7 @@ class OperatorMessage(Message):
     seen_time: Time
     """of the gate's state that the operator sees, ns"""
     value: Number = 0.0
-    """of NUDGE and SET_SPEED"""
+    """of NUDGE, SET_SPEED and LINE"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,9 +22,10 @@ WAIT = 120_000
 pytestmark = pytest.mark.skipif(chromium_path() is None, reason="no Chromium is installed")
 
 
-@pytest.fixture
-def drive(tmp_path):
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory):
     """Return the address of the console of a drive that is on."""
+    tmp_path = tmp_path_factory.mktemp("drive")
     surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -53,11 +54,12 @@ def drive(tmp_path):
         _await_page(address, process, tmp_path / "out")
         yield address
     finally:
-        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGTERM)  # SIGINT is ignored by children of a shell's background job
         try:
-            process.wait(60)
+            process.wait(15)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
 
 
 def _await_page(address, process, out):
@@ -72,20 +74,41 @@ def _await_page(address, process, out):
     raise AssertionError(out.read_text())
 
 
-@pytest.fixture
-def page():
-    """Return a page of a browser that reaches nothing but this computer; `asked` holds what it asked for."""
+@pytest.fixture(scope="module")
+def browser():
     with playwright.sync_playwright() as playing:
-        browser = playing.chromium.launch(executable_path=chromium_path(), args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": 360, "height": 740}, locale="en-GB")
+        launched = playing.chromium.launch(executable_path=chromium_path(), args=["--no-sandbox"])
+        yield launched
+        launched.close()
+
+
+@pytest.fixture
+def another(browser):
+    """Return what opens a page of one more visitor that reaches nothing but this computer.
+
+    `asked` holds what it asked for, `troubles` what went wrong in it.
+    """
+    visitors = []
+
+    def opened():
+        visitors.append(browser.new_context(viewport={"width": 360, "height": 740}, locale="en-GB"))
+        page = visitors[-1].new_page()
         page.set_default_timeout(WAIT)
         page.asked, page.troubles = [], []
         page.on("request", lambda request: page.asked.append(request.url))
         page.on("websocket", lambda line: page.asked.append(line.url.replace("ws://", "http://")))
         page.on("pageerror", lambda error: page.troubles.append(str(error)))
         page.route(lambda url: not url.startswith(("http://127.0.0.1:", "data:")), lambda route: route.abort())
-        yield page
-        browser.close()
+        return page
+
+    yield opened
+    for visitor in visitors:
+        visitor.close()
+
+
+@pytest.fixture
+def page(another):
+    return another()
 
 
 def see(page, word):
@@ -145,9 +168,34 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
 
 def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, page):
     page.goto(drive)
-    see(page, "Not ready")
     page.locator("body:not(.old-picture)").wait_for()
     page.context.set_offline(True)
     page.evaluate("window.socket.disconnect()")
     page.locator("body.old-picture").wait_for(timeout=10_000)
     assert "OLD PICTURE" in page.locator(".old").inner_text()
+
+
+def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(drive, another):
+    one, other = another(), another()
+    for page in (one, other):
+        page.goto(drive)
+        page.locator("body:not(.old-picture)").wait_for()
+    press(one, "EMERGENCY")
+    see(one, "Emergency stop")
+    see(other, "Emergency stop")
+    press(one, "Acknowledge")
+    one.get_by_text("You have control").wait_for()
+    other.get_by_text("has control").wait_for()
+    press(other, "Ask for control")
+    one.get_by_text("asks for control").wait_for()
+    press(one, "EMERGENCY")
+    press(other, "Acknowledge")
+    other.get_by_text("another operator holds the lease").or_(other.get_by_text("the vehicle moves")).first.wait_for()
+
+
+def test_a_curve_is_recorded_while_driving(drive, page):
+    page.goto(f"{drive}fields")
+    press(page, "● Record a curve")
+    page.get_by_text("Recording:").wait_for()
+    press(page, "Discard")
+    page.get_by_text("Recording:").wait_for(state="hidden")

@@ -227,6 +227,43 @@ async def test_nudge_and_speed_reach_the_gate(stage, browser):
 
 
 @staged
+async def test_the_next_line_is_chosen_while_nothing_is_steered_as_the_driver_sees_it(stage, browser):
+    one = await browser().open()
+    stage.causes = {Cause.OFF_LINE}
+    stage.hear_controller(line_offset=0.0)
+    stage.run(0.3, one)
+    one.press("pass_left")
+    stage.hear_controller(line_offset=3.0)
+    stage.run(0.3, one)
+    assert stage.desk.line == 1
+    assert "You have control" in one.text()
+    stage.hear_controller(line_offset=3.0, against=1)
+    for _ in range(2):
+        one.press("pass_left")
+        stage.run(0.3, one)
+    assert stage.desk.line == -1
+    stage.run(1.2, one)
+    assert "-1 ✖ not drivable" in one.text()
+    stage.hear_controller(line_offset=-3.0, against=1)
+    stage.run(0.3, one)
+    assert "not drivable" not in one.text()
+    one.press("nudge_left")
+    stage.run(0.1, one)
+    assert stage.desk.nudge == pytest.approx(-0.02)
+    assert "◀ 2 cm" in one.text()
+
+
+@staged
+async def test_the_line_is_not_chosen_while_it_is_steered(stage, browser):
+    one = await driving(stage, browser)
+    (row,) = (each for each in one.user.client.elements.values() if "passes" in each.classes)
+    assert not row.visible
+    stage.link.ask(one.page._visitor, Action.LINE, 1.0)
+    stage.run(0.1, one)
+    assert Cause.STEERED.sentence[1:] in one.told()
+
+
+@staged
 async def test_commands_in_a_burst_are_limited_and_stops_are_not(stage, browser):
     one = await driving(stage, browser)
     before = len(stage.sent)

@@ -12,6 +12,7 @@ from console_stage import FRAME, staged
 from nicegui import ui
 
 from drawbar.config import load_configuration
+from drawbar.console.drawing import boundary
 from drawbar.console.field_map import FieldMap
 from drawbar.console.guard import LARGEST_UPLOAD
 from drawbar.console.visitors import Rank
@@ -123,6 +124,8 @@ async def test_the_taken_pass_is_a_version_of_the_configuration_that_drives_it(s
     line = load_line(version.file.parent / saved.path.file, saved.path.track)
     assert line.name == "AB +1"
     np.testing.assert_allclose([line.y[0], line.y[-1]], [0.0, 120.0], atol=2e-3)  # from edge to edge
+    assert saved.path.working_width == 3.0
+    np.testing.assert_allclose(boundary(saved, line.frame)[2], [83.0, 120.0], atol=0.01)  # the pass begins at -3, -20
     assert saved.model_copy(update={"path": stage.configuration.path}) == stage.configuration
     assert f"drawbar drive {version.file}" in one.told()
 

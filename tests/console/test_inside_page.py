@@ -11,14 +11,14 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 from console_stage import staged
 
 from drawbar.console.catalogue import TEXTS
-from drawbar.console.signal_history import PRESETS, all_names, series
-from drawbar.driving.letters import Step, pack
+from drawbar.console.signal_history import PRESETS, ShownStep, all_names, series
+from drawbar.driving.letters import Step, Sureness, pack
 from drawbar.recording.log import encode_special
 
 
 def test_every_signal_of_a_step_has_a_name_and_a_series(run_log):
     log, _ = run_log
-    steps = [(record, None) for record in log.records[:50]]
+    steps = [ShownStep(record, None) for record in log.records[:50]]
     names = all_names(steps)
     assert len(names) == len(set(names)) > 100
     for preset in PRESETS.values():
@@ -30,9 +30,9 @@ def test_every_signal_of_a_step_has_a_name_and_a_series(run_log):
         assert points[-1][0] == 0.0
         assert points[0][0] == pytest.approx(-49 * 0.2)
     errors = [value for _, value in series(steps, "reference.trailer.lateral_error")]
-    assert errors == pytest.approx([record.reference.trailer.lateral_error for record, _ in steps], abs=1e-5)
+    assert errors == pytest.approx([record.reference.trailer.lateral_error for record, *_ in steps], abs=1e-5)
     curvature = [value for _, value in series(steps, "reference.tractor.closest.3")]
-    assert curvature == pytest.approx([record.reference.tractor.closest[3] for record, _ in steps], abs=1e-5)
+    assert curvature == pytest.approx([record.reference.tractor.closest[3] for record, *_ in steps], abs=1e-5)
     assert {value for _, value in series(steps, "controller.lateral_deviation")} == {None}
     assert {value for _, value in series(steps, "no.such")} == {None}
     assert series([], "step") == all_names([]) == []
@@ -77,10 +77,18 @@ async def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(stage
     assert "measurement.tractor_x" in one.page._names.options
     one.page._names.set_value(["measurement.tractor_x"])
     assert sent[-1][0]["data"][-1][1] == pytest.approx(records[9].measurement.tractor_x, rel=1e-5)
+    stage.link.hear(pack(Sureness({"tractor_slip": 0.25})))
+    one.page._preset.set_value("plot_slips")
+    step(records[10])
+    value = records[10].estimate.tractor_slip
+    of_slip = [line["data"][-1][1] for line in sent[-1] if line["name"] == "estimate.tractor_slip"]
+    assert of_slip == pytest.approx([value, value - 0.25, value + 0.25], abs=1e-5)
+    assert [line["lineStyle"]["width"] for line in sent[-1]].count(1) == 2
     before = len(sent)
     one.press("Pause")
-    step(records[10])
+    step(records[11])
     assert len(sent) == before
     one.press("Go on")
-    step(records[11])
-    assert len(sent[-1][0]["data"]) == 12
+    step(records[12])
+    assert len(sent[-1][0]["data"]) == 13
+    assert sent[-1][2]["data"][-1][1] is None  # each step has its own deviations

@@ -12,9 +12,10 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 from console_process import console_process, reaches, until
 from console_stage import Stage
 
-from drawbar.console.drawing import moving, standing
+from drawbar.console.drawing import Lines, moving, standing
 from drawbar.driving.letters import Step, pack
 from drawbar.driving.orders import CONSOLE
+from drawbar.guidance.figure_eight import figure_eights
 from drawbar.messages import Action, OperatorMessage, decode
 from drawbar.recording.log import encode_special
 from drawbar.simulation import build_path
@@ -44,7 +45,7 @@ def test_a_step_is_drawn_where_its_record_says(record):
 def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
     step, configuration = record
     path, _ = build_path(configuration)
-    shapes, vehicle = standing(path, configuration.vehicle, 1.0), configuration.vehicle
+    shapes, vehicle = standing(configuration.vehicle, 1.0, 0.0, []), configuration.vehicle
     place = moving(step)
     import math
 
@@ -53,7 +54,7 @@ def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
 
     apart = math.dist(at(place.tractor, shapes["tractorJoint"]), at(place.trailer, shapes["trailerJoint"]))
     assert apart == pytest.approx(vehicle.drawbar_length, abs=0.05)
-    assert shapes["path"][-1] == pytest.approx(path.nodes[-1, 1:3], abs=1e-3)
+    assert Lines(path, 0.0)(0.0)["path"][-1] == pytest.approx(path.nodes[-1, 1:3], abs=1e-3)
 
 
 def test_garbage_is_no_message():
@@ -89,3 +90,13 @@ def test_it_listens_at_loopback_only_and_is_nobody_by_itself(process):
     assert running.wait(60) in (0, -signal.SIGTERM)
     assert not (folder / ".nicegui").exists()
     assert not (folder / CONSOLE).exists()
+
+
+def test_neighbours_are_so_far_from_the_driven_line_and_not_drawn_where_there_is_no_room():
+    path = figure_eights((8.0,), 20.0)
+    drawn = Lines(path, 3.0)(0.5)
+    assert len(drawn["neighbours"]) == 4
+    for line, offset in zip([drawn["path"], *drawn["neighbours"]], (0.5, -5.5, -2.5, 3.5, 6.5), strict=True):
+        assert path.project(*line[10], 0.0, 20.0)[1] == pytest.approx(offset, abs=1e-3)
+    assert len(Lines(path, 5.0)(0.0)["neighbours"]) == 2  # 10 m are more than the curves' radii
+    assert Lines(path, 0.0)(0.0)["neighbours"] == []

@@ -26,7 +26,7 @@ def stage():
 
 def drawn(stage, words=EN, **numbers):
     stage.hear_controller(**numbers)
-    return picture(stage.link.gate, stage.link.controller, None, words, stale=False, speed=1.0)
+    return picture(stage.link.gate, stage.link.controller, None, words, stale=False)
 
 
 @pytest.mark.parametrize(

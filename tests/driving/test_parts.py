@@ -12,7 +12,7 @@ from drawbar.config import load_configuration
 from drawbar.driving.certainty import across
 from drawbar.driving.demonstration import with_stand_ins, without_stand_ins
 from drawbar.driving.display import KEYS, picture
-from drawbar.driving.letters import Step, pack, unpack
+from drawbar.driving.letters import Step, Sureness, pack, unpack
 from drawbar.driving.mail import MOST_KEPT, Mailbox
 from drawbar.geometry import LocalFrame
 from drawbar.messages import GateState, SupervisorState, encode
@@ -83,6 +83,7 @@ def test_certainty_is_what_many_draws_show():
         RawBytes(time=6, device="sensors", direction=Direction.IN, data=b"", source="192.168.5.126:5120"),
         Order((Happening(kind=Kind.LOOK, time=1), Happening(kind=Kind.FIXES, time=2**45, sequence=2**32 - 1))),
         Step(time=2**40, data=b'{"step":1}'),
+        Sureness({"tractor_slip": 0.015625}),
     ],
 )
 def test_letters_arrive_as_they_were_sent(letter):
@@ -91,7 +92,16 @@ def test_letters_arrive_as_they_were_sent(letter):
 
 @pytest.mark.parametrize(
     "data",
-    [b"", b"DBr\0", b"DBs\0" + bytes(7), b"DBo\0", b"DBo\0" + bytes(14), b"DBr\0" + bytes(8) + b"\xff\x00", b"x" * 40],
+    [
+        b"",
+        b"DBr\0",
+        b"DBs\0" + bytes(7),
+        b"DBo\0",
+        b"DBo\0" + bytes(14),
+        b"DBv\0[1]",
+        b"DBr\0" + bytes(8) + b"\xff\x00",
+        b"x" * 40,
+    ],
 )
 def test_what_is_no_letter_is_none(data):
     assert unpack(data) is None

@@ -187,3 +187,28 @@ def test_an_operator_at_the_tractors_pedal_takes_over():
     assert rehearsal.gate_state.state is SupervisorState.OVERRIDE
     for _ in rehearsal.run(1.0):
         assert not any(valve.engaged for valve in rehearsal.machine.can.valves.values())
+
+
+def test_the_line_is_nudged_while_driving_and_another_one_chosen_after_a_stop():
+    rehearsal, path = rehearse(*QUIET, "path.working_width=0.75", "path.straight_length=60.0")
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    for _ in rehearsal.run(5.0):
+        pass
+    rehearsal.ask(Action.NUDGE, 0.2)
+    steps = list(rehearsal.run(12.0))
+    assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+    truth = steps[-1][1]
+    for pose in (truth.tractor, truth.trailer):
+        assert path.project(pose.x, pose.y, 0.0, 40.0)[1] == pytest.approx(0.2, abs=0.03)
+    rehearsal.ask(Action.LINE, 1.0)
+    list(rehearsal.run(0.5))
+    assert rehearsal.gate_state.line == 0
+    rehearsal.ask(Action.STOP)
+    drive_until(rehearsal, SupervisorState.STOPPED)
+    list(rehearsal.run(1.0))
+    rehearsal.ask(Action.ACKNOWLEDGE)
+    list(rehearsal.run(0.5))
+    rehearsal.ask(Action.LINE, 1.0)
+    (*_, (record, _)) = rehearsal.run(1.0)
+    assert rehearsal.gate_state.line == 1
+    assert record.reference.tractor.lateral_error == pytest.approx(-0.75, abs=0.05)

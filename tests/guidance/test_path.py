@@ -214,3 +214,36 @@ def test_track_is_projected_as_its_places_are_one_by_one():
             continue
         last, expected = path.project(*place.tolist(), last - 1.0, last + 3.0)
         assert (progress, error) == (last, expected)
+
+
+@pytest.mark.parametrize("offset", [0.4, -2.5])
+def test_a_parallel_line_is_so_far_from_the_path_everywhere_and_as_smooth(offset):
+    path = figure_eights((8.0,), 20.0)
+    beside = path.beside(offset)
+    assert np.diff(beside.nodes[:, 0]).max() <= PIECE_LENGTH + 1e-9
+    s = np.linspace(0.0, beside.length, 997)
+    near = 0.0
+    for x, y, yaw, curvature in beside.sample(s):
+        near, lateral = path.project(float(x), float(y), near - 1.0, near + 3.0)
+        assert lateral == pytest.approx(offset, abs=1e-3)
+        of_path = path.sample(np.array([near]))[0]
+        assert yaw == pytest.approx(of_path[2], abs=2e-3)
+        if np.ptp(path.sample(np.array([near + 0.3, near - 0.3]))[:, 3]) < 0.01:  # not where it jumps
+            assert curvature == pytest.approx(of_path[3] / (1.0 - offset * of_path[3]), abs=5e-3)
+    ahead = np.gradient(beside.sample(s)[:, :2], s, axis=0)
+    np.testing.assert_allclose(np.hypot(*ahead.T), 1.0, atol=1e-3)  # its arc length is one
+
+
+def test_there_is_no_parallel_line_inside_of_a_curve_that_is_tighter():
+    with pytest.raises(PathError, match="curves too tightly"):
+        figure_eights((8.0,), 20.0).beside(7.9)
+
+
+def test_a_reversed_path_leads_from_the_end_to_the_start():
+    path = arc(RADIUS)
+    back = path.reversed()
+    s = np.linspace(0.0, path.length, 50)
+    there, again = path.sample(path.length - s), back.sample(s)
+    np.testing.assert_allclose(again[:, :2], there[:, :2], atol=1e-9)
+    np.testing.assert_allclose(again[:, 2], there[:, 2] + math.pi, atol=1e-9)
+    np.testing.assert_allclose(again[1:-1, 3], -there[1:-1, 3], atol=1e-6)

@@ -19,12 +19,14 @@ from nicegui.testing.user import User
 
 from drawbar.config import load_configuration
 from drawbar.console.audit import Audit
+from drawbar.console.drawing import Lines
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.pages import Pages
 from drawbar.console.workshop import Workshop
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.geometry import LocalFrame
+from drawbar.guidance.figure_eight import figure_eights
 from drawbar.messages import ControllerState, Fixes, encode
 from drawbar.safety.causes import Cause
 from drawbar.safety.desk import Desk
@@ -34,7 +36,7 @@ from drawbar.safety.settings import SafetySettings
 
 HOST = "test"
 FRAME = LocalFrame(latitude=50.87, longitude=4.7)
-STANDING = {"speed": 1.0, "path": [[0, 0], [1, 0]], "tractor": [], "trailer": [], "steered": 0}
+STANDING = {"speed": 1.0, "workingWidth": 3.0, "boundary": [], "tractor": [], "trailer": [], "steered": 0}
 STANDING |= {"tractorJoint": 0, "trailerJoint": 0}
 TICK = 20_000_000
 """ns"""
@@ -186,7 +188,8 @@ async def console(stage, users=None, **orders):
         os.environ["NICEGUI_USER_SIMULATION"] = "true"
         try:
             prepare_simulation()
-            pages = Pages(settings, stage.link, stage.workshop, STANDING, users, stage.link._audit)
+            lines = Lines(figure_eights((8.0,), 20.0), 3.0)
+            pages = Pages(settings, stage.link, stage.workshop, STANDING, lines, users, stage.link._audit)
             pages.install()
             ui.run(storage_secret="simulated", reload=False, show=False)
             failure = None

@@ -225,3 +225,16 @@ def test_the_answer_is_in_the_gates_state():
     bench.operator = False
     bench.run()
     assert (bench.shown.answer, bench.shown.answered) == (Cause.STATE_NOT_READY.value, bench.nonce)
+
+
+def test_a_line_is_chosen_while_nothing_is_steered_and_takes_the_lease():
+    table = Table(SupervisorState.STANDBY)
+    assert table.ask(Action.LINE, -2.0) is None
+    assert (table.desk.line, table.desk.lease) == (-2, 7)
+    assert table.ask(Action.LINE, 1.0, lease=8) is Cause.LEASE_HELD
+    for value in (0.5, 1e5, -1e300):
+        assert table.ask(Action.LINE, value) is Cause.OUT_OF_RANGE
+    table.engagement.state = SupervisorState.ACTIVE
+    assert table.ask(Action.LINE, 1.0) is Cause.STEERED
+    assert table.desk.line == -2
+    assert table.desk.take() == set()

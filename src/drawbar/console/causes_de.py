@@ -141,4 +141,6 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Grenzen stehen in docs/safety.md"),
     Cause.NOTHING_TO_ACKNOWLEDGE: ("es gibt nichts zu bestätigen",
         "nichts"),
+    Cause.STEERED: ("das Fahrzeug wird gelenkt",
+        "zuerst anhalten, dann die Linie wählen"),
 }  # fmt: skip

@@ -63,7 +63,7 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     """Return the console's own socket, its end of the drive, and all pages."""
     from drawbar.config import load_configuration
     from drawbar.console.audit import Audit
-    from drawbar.console.drawing import standing
+    from drawbar.console.drawing import Lines, boundary, standing
     from drawbar.console.link import Link
     from drawbar.console.pages import Pages
     from drawbar.console.passwords import load_users
@@ -86,9 +86,10 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     mast = configuration.vehicle.masts.tractor
     link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns, mast)
     kept = without_stand_ins(configuration) if orders.stand_ins else configuration
-    workshop = Workshop(kept, local_frame(configuration), fields=Path(orders.fields), setup=Path(orders.setup))
-    scene = standing(path, configuration.vehicle, configuration.speed)
-    return mailbox, link, Pages(orders, link, workshop, scene, users, audit)
+    frame, width = local_frame(configuration), configuration.path.working_width
+    workshop = Workshop(kept, frame, fields=Path(orders.fields), setup=Path(orders.setup))
+    scene = standing(configuration.vehicle, configuration.speed, width, boundary(configuration, frame))
+    return mailbox, link, Pages(orders, link, workshop, scene, Lines(path, width), users, audit)
 
 
 async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:

@@ -2,11 +2,17 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
-from drawbar.geometry import Floats
+from drawbar.config import Configuration
+from drawbar.errors import DrawbarError, PathError
+from drawbar.fields.exchange import read_fields
+from drawbar.fields.lines import on_plane
+from drawbar.geometry import Floats, LocalFrame
+from drawbar.guidance.importers.load import LINE_FILES
 from drawbar.guidance.path import Path
 from drawbar.report.outline import tractor_outline, trailer_outline
 from drawbar.signals import Pose, StepRecord
@@ -16,6 +22,8 @@ _POINTS = 2000
 """of the path, at most"""
 _STEERED = 2
 """shapes of the tractor's outline that are its front wheels, the last ones"""
+_BESIDE = (-2, -1, 1, 2)
+"""neighbours that are drawn"""
 _ZERO = Pose(x=0.0, y=0.0, yaw=0.0)
 
 Numbers = list[float]
@@ -33,23 +41,70 @@ class Moving:
     plans: tuple[Points, Points]
     """where tractor and trailer are to go"""
 
+    @property
+    def bodies(self) -> tuple[float, ...]:
+        """x, y and yaw of tractor and trailer, as they are shown."""
+        return tuple(round(each, 4) for each in (*self.tractor, *self.trailer))
+
     def to_browser(self) -> dict[str, Any]:
         """Return it as JSON."""
         return {
-            "tractor": [round(each, 4) for each in self.tractor],
-            "trailer": [round(each, 4) for each in self.trailer],
+            "tractor": list(self.bodies[:3]),
+            "trailer": list(self.bodies[3:]),
             "steering": round(self.steering, 4),
             "plans": list(self.plans),
         }
 
 
-def standing(path: Path, vehicle: VehicleParameters, speed: float) -> dict[str, Any]:
-    """Return what does not move, as JSON: the path, both bodies' shapes in their own frames, the set speed (m/s)."""
-    every = max(1, len(path.nodes) // _POINTS)
+class Lines:
+    """The line that is driven and those beside it, as JSON; by how far it is left of the configured one, m."""
+
+    def __init__(self, path: Path, working_width: float) -> None:
+        """Take the configured line, and the distance between lines, m; 0: there is only one."""
+        self._path, self._width = path, working_width
+        self._newest = (0.0, self._drawn(0.0))
+
+    def __call__(self, offset: float) -> dict[str, Any]:
+        """Return the lines around an offset."""
+        if self._newest[0] != offset:
+            self._newest = (offset, self._drawn(offset))
+        return self._newest[1]
+
+    def _drawn(self, offset: float) -> dict[str, Any]:
+        beside = [offset + count * self._width for count in _BESIDE] if self._width > 0.0 else []
+        drawn = [self._beside(each) for each in beside]
+        return {"path": self._beside(offset), "neighbours": [each for each in drawn if each]}
+
+    def _beside(self, offset: float) -> Points:
+        try:
+            nodes = self._path.beside(offset).nodes
+        except PathError:
+            return []
+        every = max(1, len(nodes) // _POINTS)
+        return _rounded(np.vstack([nodes[::every, 1:3], nodes[-1:, 1:3]]))
+
+
+def boundary(configuration: Configuration, frame: LocalFrame) -> Points:
+    """Return the boundary of the field of the configured line, m of its frame; empty where none is known."""
+    file = configuration.path.file
+    if not file:
+        return []
+    source = FilePath(file)
+    try:
+        fields = read_fields(source.parent if source.name.lower() in LINE_FILES else source, frame)
+    except DrawbarError:
+        return []  # the line has been read, and is driven without
+    ring = next((field.boundary for field in fields if field.boundary is not None), None)
+    return [] if ring is None else _rounded(on_plane(ring, frame))
+
+
+def standing(vehicle: VehicleParameters, speed: float, working_width: float, ring: Points) -> dict[str, Any]:
+    """Return what never changes, as JSON: both bodies' shapes in their own frames, set speed (m/s), boundary."""
     axle = -vehicle.trailer_antenna
     return {
         "speed": speed,
-        "path": _rounded(np.vstack([path.nodes[::every, 1:3], path.nodes[-1:, 1:3]])),
+        "workingWidth": working_width,
+        "boundary": ring,
         "tractor": _shapes(tractor_outline(_ZERO, 0.0, vehicle)),
         "trailer": _shapes(trailer_outline(_ZERO, vehicle)),
         "steered": _STEERED,

@@ -5,33 +5,36 @@ from typing import Any
 
 from nicegui import ui
 
+from drawbar.console.adjusting import Adjusting
 from drawbar.console.catalogue import Words
+from drawbar.console.drawing import Lines
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
-from drawbar.console.view import Board, board, display_name, picture, wished_speed
+from drawbar.console.view import Board, board, display_name, picture
 from drawbar.console.visitors import Visitor
 from drawbar.messages import Action
 
-NUDGE = 0.02
-"""m"""
-SPEED_STEP = 0.1 / 3.6 * 2
-"""0.2 km/h, in m/s"""
 _TEXTS = ("old", "map", "zoom_in", "zoom_out", "whole")
 
 
 class DrivePage:
     """The page of one browser."""
 
-    def __init__(self, link: Link, visitor: Visitor, words: Words, standing: dict[str, Any], *, login: bool) -> None:
-        """Build the page; standing: what does not move (drawing.py); login: the visitor may log out."""
-        self._link, self._visitor, self._words = link, visitor, words
-        self._speed_otherwise = float(standing["speed"])
+    def __init__(
+        self, link: Link, visitor: Visitor, words: Words, standing: dict[str, Any], lines: Lines, *, login: bool
+    ) -> None:
+        """Build the page; standing, lines: what does not move by itself (drawing.py); login: visitors may log out."""
+        self._link, self._visitor, self._words, self._lines = link, visitor, words, lines
+        self._speed, self._working_width = float(standing["speed"]), float(standing["workingWidth"])
+        self._offset = 0.0
         self._shown: Board | None = None
         self._told = link.session(visitor).told
         with ui.element("div").classes("cockpit"):
             self._build_bar(login=login)
-            scene = standing | {"trail": list(link.trail)}
+            if link.controller is not None:
+                self._offset = link.controller.line_offset
+            scene = standing | {"trail": list(link.trail), "lines": lines(self._offset)}
             texts = {key: words(key) for key in _TEXTS}
             self._instruments = Instruments(scene, texts, lambda seen: link.drawn(visitor, seen))
             self._why = ui.element("section").classes("why").props(f'aria-label="{words("why_not")}" aria-live=polite')
@@ -63,10 +66,16 @@ class DrivePage:
         if session.unanswered(now):
             self._notify(words("no_answer"))
         if self._instruments.may_draw:
-            drawn = picture(gate, link.controller, link.moving, words, stale=link.is_stale, speed=self._speed_otherwise)
-            self._speed.set_text(str(drawn.pop("setSpeed")))
-            self._shift.set_text(str(drawn.pop("shift")))
-            self._instruments.draw(drawn)
+            self._adjusting.refresh()
+            self._show_lines()
+            self._instruments.draw(picture(gate, link.controller, link.moving, words, stale=link.is_stale))
+
+    def _show_lines(self) -> None:
+        """Draw the line that is driven and its neighbours, where that is another one than before."""
+        controller = self._link.controller
+        if controller is not None and controller.line_offset != self._offset:
+            self._offset = controller.line_offset
+            self._instruments.show_lines(self._lines(self._offset))
 
     def _notify(self, text: str) -> None:
         ui.notify(text, type="warning", position="top", timeout=6000, multi_line=True)
@@ -88,14 +97,7 @@ class DrivePage:
             self._wish = self._button("ask_control", self._wish_control, "plain")
             self._wished = ui.label()
             self._give = self._button("give_control", ask(Action.RELEASE), "plain")
-        with ui.element("div").classes("adjust needs-sight") as self._adjusting:
-            nudges = ((NUDGE, "nudge_left", "◀"), (-NUDGE, "nudge_right", "▶"))
-            left, right = (self._small(sign, key, ask(Action.NUDGE, value)) for value, key, sign in nudges)
-            slower = self._small("−", "slower", lambda: self._change_speed(-SPEED_STEP))
-            faster = self._small("+", "faster", lambda: self._change_speed(SPEED_STEP))
-            self._shift, self._speed = self._reading("line_shift"), self._reading("set_speed")
-            for place, each in enumerate((left, self._shift_box, right, slower, self._speed_box, faster)):
-                each.move(target_index=place)
+        self._adjusting = Adjusting(self._link, words, self._send, speed=self._speed, working_width=self._working_width)
         self._arm = self._button("arm", ask(Action.ARM), "first needs-sight")
         self._engage = self._button("engage", ask(Action.ENGAGE), "second needs-sight")
         self._acknowledge = self._button("acknowledge", ask(Action.ACKNOWLEDGE), "first wide needs-sight")
@@ -104,40 +106,17 @@ class DrivePage:
             self._button("emergency", ask(Action.EMERGENCY), "emergency")
             self._button("release", ask(Action.RELEASE), "release")
 
-    def _reading(self, key: str) -> ui.label:
-        with ui.element("div").classes("reading") as box:
-            with ui.element("small"):
-                ui.label(self._words(key))
-            label = ui.label("–").classes("value")
-        if key == "line_shift":
-            self._shift_box = box
-        else:
-            self._speed_box = box
-        return label
-
     def _button(self, key: str, act: Callable[[], None], classes: str) -> ui.button:
         return ui.button(self._words(key), on_click=act, color=None).props("no-caps unelevated").classes(classes)
 
-    def _small(self, sign: str, key: str, act: Callable[[], None]) -> ui.button:
-        return (
-            ui.button(sign, on_click=act, color=None)
-            .props(f'no-caps unelevated aria-label="{self._words(key)}"')
-            .classes("first")
-            .mark(key)
-        )
+    def _ask(self, action: Action) -> Callable[[], None]:
+        return lambda: self._send(action)
 
-    def _ask(self, action: Action, value: float = 0.0) -> Callable[[], None]:
-        def act() -> None:
-            session = self._link.session(self._visitor)
-            told = session.told
-            if not self._link.ask(self._visitor, action, value) and session.told == told:
-                self._notify(self._words("too_often"))
-
-        return act
-
-    def _change_speed(self, change: float) -> None:
-        if self._link.gate is not None:
-            self._ask(Action.SET_SPEED, wished_speed(self._link.gate, self._speed_otherwise) + change)()
+    def _send(self, action: Action, value: float = 0.0) -> None:
+        session = self._link.session(self._visitor)
+        told = session.told
+        if not self._link.ask(self._visitor, action, value) and session.told == told:
+            self._notify(self._words("too_often"))
 
     def _wish_control(self) -> None:
         self._link.wish(self._visitor)
@@ -157,7 +136,7 @@ class DrivePage:
         for button in (self._arm, self._engage):
             button.set_visibility(not shown.may_acknowledge)
         self._acknowledge.set_visibility(shown.may_acknowledge)
-        self._adjusting.set_visibility(shown.may_adjust)
+        self._adjusting.show(shown)
         self._why.set_visibility(bool(shown.reasons))
         self._why.clear()
         with self._why:

@@ -199,10 +199,16 @@ class FieldsPage:
         workshop, line = self._workshop, self._planned.line
         points = on_earth(np.column_stack([line.x, line.y]), self._field.frame())
         file = workshop.versions.next_file(workshop.configuration.name, ".geojson")
-        content = geojson.write(Field(name=self._field.name, lines=(FieldLine(name=line.name, points=points),)))
-        texts = {"path.file": str(file), "path.track": line.name}
+        content = geojson.write(
+            Field(
+                name=self._field.name,
+                lines=(FieldLine(name=line.name, points=points),),
+                boundary=self._field.boundary,
+            )
+        )
+        changes = {"path.file": str(file), "path.track": line.name, "path.working_width": float(self._width.value)}
         try:
-            changed = workshop.changed([f"{key}={json.dumps(text)}" for key, text in texts.items()])
+            changed = workshop.changed([f"{key}={json.dumps(value)}" for key, value in changes.items()])
             workshop.versions.write(file, content)
             try:
                 await asyncio.to_thread(build_path, changed)

@@ -8,7 +8,7 @@ from nicegui import ui
 from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead
-from drawbar.console.signal_history import PRESETS, all_names, series
+from drawbar.console.signal_history import PRESETS, all_names, band, series
 from drawbar.console.visitors import Visitor
 
 _PERIOD = 200_000_000
@@ -34,7 +34,7 @@ class InsidePage:
                 self._preset = ui.select(presets, value="plot_errors", label=words("plot"), on_change=self._choose)
                 self._preset.props("outlined")
                 self._names = ui.select([], label=words("signals"), multiple=True, on_change=self._restart)
-                self._names.props("outlined use-chips use-input input-debounce=0")
+                self._names.props("outlined use-chips use-input input-debounce=0").classes("whole")
                 self._pause = ui.button(words("pause"), on_click=self._toggle, color=None)
                 self._pause.props("no-caps unelevated").classes("action")
             self._chart = ui.echart(_options()).classes("plot")
@@ -55,7 +55,11 @@ class InsidePage:
     def _draw(self) -> None:
         steps = list(self._link.steps)[-_STEPS:]
         self._said.set_visibility(not steps)
-        drawn = [_line(index, name, series(steps, name)) for index, name in enumerate(self._names.value)]
+        drawn = [
+            _line(index, name, points, thin=thin)
+            for index, name in enumerate(self._names.value)
+            for thin, points in ((False, series(steps, name)), *((True, each) for each in band(steps, name)))
+        ]
         options = f"{{...plotLook(), series: {json.dumps(drawn)}}}"
         self._chart.run_chart_method(":setOption", options, "{replaceMerge: ['series']}")
 
@@ -77,7 +81,7 @@ class InsidePage:
         self._pause.set_text(self._words("go_on" if self._stands else "pause"))
 
 
-def _line(index: int, name: str, points: list[Any]) -> dict[str, Any]:
+def _line(index: int, name: str, points: list[Any], *, thin: bool) -> dict[str, Any]:
     colour, shape = _COLOURS[index % len(_COLOURS)], _SHAPES[index % len(_SHAPES)]
     return {
         "type": "line",
@@ -85,7 +89,7 @@ def _line(index: int, name: str, points: list[Any]) -> dict[str, Any]:
         "data": points,
         "showSymbol": False,
         "animation": False,
-        "lineStyle": {"width": 2.5, "color": colour, "type": shape},
+        "lineStyle": {"width": 1 if thin else 2.5, "color": colour, "type": shape},
         "itemStyle": {"color": colour},
     }
 
@@ -94,9 +98,9 @@ def _options() -> dict[str, Any]:
     axis = {"axisLabel": {"fontSize": 14}}
     return {
         "animation": False,
-        "legend": {"top": 0, "textStyle": {"fontSize": 14}, "type": "scroll"},
+        "legend": {"top": 0, "textStyle": {"fontSize": 14}, "type": "plain"},
         "tooltip": {"trigger": "axis"},
-        "grid": {"left": 8, "right": 16, "top": 44, "bottom": 28, "containLabel": True},
+        "grid": {"left": 8, "right": 16, "top": 64, "bottom": 28, "containLabel": True},
         "xAxis": {"type": "value", "name": "s", "min": "dataMin", "max": 0, **axis},
         "yAxis": {"type": "value", "scale": True, **axis},
         "series": [],

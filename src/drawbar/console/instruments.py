@@ -34,6 +34,10 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
         """Whether another picture may be sent: not while two are under way, unless they must have been lost."""
         return self._under_way < _UNACKNOWLEDGED or time.monotonic() - self._sent > _LOST
 
+    def show_lines(self, lines: dict[str, Any]) -> None:
+        """Draw other lines from now on."""
+        self.run_method("showLines", lines)
+
     def draw(self, picture: dict[str, Any]) -> None:
         """Send a picture."""
         self._under_way = min(self._under_way + 1, _UNACKNOWLEDGED)

@@ -4,21 +4,21 @@ import itertools
 import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from drawbar.console.audit import Audit
 from drawbar.console.device_rates import DeviceRates
 from drawbar.console.drawing import Moving, moving
 from drawbar.console.session import Session
+from drawbar.console.signal_history import ShownStep
 from drawbar.console.surveyor import Surveyor
 from drawbar.console.visitors import Visitor
-from drawbar.driving.letters import Step, unpack
+from drawbar.driving.letters import Step, Sureness, unpack
 from drawbar.driving.operator import Operator
 from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage, decode
 from drawbar.recording.log import decode_step
 from drawbar.safety.desk import ALWAYS
 from drawbar.safety.engagement import STEERING
-from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import Mast
 
 STALE = 1_000_000_000
@@ -49,8 +49,9 @@ class Link:
         self.gate: GateState | None = None
         self.controller: ControllerState | None = None
         self.moving: Moving | None = None
-        self.steps: deque[tuple[StepRecord, ControllerState | None]] = deque(maxlen=_STEPS)
-        """the newest control steps, each with what the controller last said of itself"""
+        self._deviations: Mapping[str, float] = {}
+        self.steps: deque[ShownStep] = deque(maxlen=_STEPS)
+        """the newest control steps"""
         self.devices = DeviceRates()
         self.surveyor = Surveyor(mast, clock)
         self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
@@ -86,6 +87,9 @@ class Link:
         if isinstance(letter, Step):
             self._hear_step(letter)
             return
+        if isinstance(letter, Sureness):
+            self._deviations = letter.deviations
+            return
         message = decode(data, GateState, ControllerState, Fixes)
         if isinstance(message, GateState):
             self._hear_gate(message)
@@ -104,7 +108,8 @@ class Link:
             self.refused += 1
             return
         self.moving = moving(record)
-        self.steps.append((record, self.controller))
+        self.steps.append(ShownStep(record, self.controller, self._deviations))
+        self._deviations = {}
         self.version += 1
         self._stepped = self.clock()
         if self.moving is not None:

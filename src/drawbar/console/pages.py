@@ -12,6 +12,7 @@ from starlette.responses import FileResponse, PlainTextResponse, RedirectRespons
 
 from drawbar.console.audit import Audit
 from drawbar.console.catalogue import Words, language_of
+from drawbar.console.drawing import Lines
 from drawbar.console.drive_page import DrivePage
 from drawbar.console.fields_page import FieldsPage
 from drawbar.console.guard import VISITOR, Guard
@@ -45,12 +46,13 @@ class Pages:
         link: Link,
         workshop: Workshop,
         standing: Mapping[str, Any],
+        lines: Lines,
         users: dict[str, User] | None,
         audit: Audit,
     ) -> None:
         """Take what they show; users: None: nobody is asked for a password."""
         self._orders, self._link, self._workshop, self._audit = orders, link, workshop, audit
-        self._standing = dict(standing)
+        self._standing, self._lines = dict(standing), lines
         self._login = users is not None
         self._visitors = Visitors()
         self._open: dict[str, tuple[Visitor, Page]] = {}
@@ -103,7 +105,7 @@ class Pages:
 
     def _drive_page(self, request: Request) -> None:
         visitor, words = self._begin(request)
-        self._opened(visitor, DrivePage(self._link, visitor, words, self._standing, login=self._login))
+        self._opened(visitor, DrivePage(self._link, visitor, words, self._standing, self._lines, login=self._login))
 
     def _fields_page(self, request: Request) -> None:
         visitor, words = self._begin(request)

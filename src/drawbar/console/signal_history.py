@@ -4,14 +4,22 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 from drawbar.messages import ControllerState
 from drawbar.recording.table import number_names
 from drawbar.signals import StepRecord
 
-Step = tuple[StepRecord, ControllerState | None]
-"""a step, and what the controller said of itself then"""
+
+class ShownStep(NamedTuple):
+    """A control step, and what else was known then."""
+
+    record: StepRecord
+    controller: ControllerState | None
+    deviations: Mapping[str, float] = {}
+    """standard deviations by the names of the estimate's fields"""
+
+
 PRESETS: Mapping[str, tuple[str, ...]] = {
     "plot_errors": ("reference.tractor.lateral_error", "reference.trailer.lateral_error"),
     "plot_times": (
@@ -27,6 +35,8 @@ PRESETS: Mapping[str, tuple[str, ...]] = {
         "estimate.longitudinal_slip",
         "estimate.tractor_slip",
         "estimate.trailer_slip",
+    ),
+    "plot_angles": (
         "estimate.steering_offset",
         "estimate.tractor_crab",
         "estimate.trailer_crab",
@@ -43,28 +53,46 @@ PRESETS: Mapping[str, tuple[str, ...]] = {
 _OF_CONTROLLER = ("lateral_deviation", "heading_deviation", "correction_age", "solved", "overruns")
 
 
-def all_names(steps: Sequence[Step]) -> list[str]:
+def all_names(steps: Sequence[ShownStep]) -> list[str]:
     """Return the names of all signals that there are."""
-    names = [name for record, _ in list(steps)[-1:] for name in number_names(record)]
+    names = [name for step in list(steps)[-1:] for name in number_names(step.record)]
     return [*names, *(f"controller.{name}" for name in _OF_CONTROLLER)] if names else []
 
 
-def series(steps: Sequence[Step], name: str) -> list[list[float | None]]:
+def series(steps: Sequence[ShownStep], name: str) -> list[list[float | None]]:
     """Return pairs of time (s, 0 is now) and value of a signal; None: it is missing."""
     if not steps:
         return []
-    now = steps[-1][0].measurement.time
-    return [[round(each[0].measurement.time - now, 3), _value(each, name)] for each in steps]
+    now = steps[-1].record.measurement.time
+    return [[round(each.record.measurement.time - now, 3), _value(each, name)] for each in steps]
 
 
-def _value(step: Step, name: str) -> float | None:
-    record, controller = step
+def band(steps: Sequence[ShownStep], name: str) -> list[list[list[float | None]]]:
+    """Return series of an estimated signal less and plus its standard deviation; none where that is not known."""
+    section, _, field = name.rpartition(".")
+    if section != "estimate" or not any(field in step.deviations for step in steps):
+        return []
+    deviations = [step.deviations.get(field, math.nan) for step in steps]
+    return [
+        [
+            [time, _rounded(value + sign * deviation) if value is not None else None]
+            for (time, value), deviation in zip(series(steps, name), deviations, strict=True)
+        ]
+        for sign in (-1.0, 1.0)
+    ]
+
+
+def _value(step: ShownStep, name: str) -> float | None:
     first, _, rest = name.partition(".")
     try:
-        found = getattr(controller, rest) if first == "controller" else _picker(name)(record)
+        found = getattr(step.controller, rest) if first == "controller" else _picker(name)(step.record)
         number = float(found)
     except (AttributeError, TypeError, ValueError, IndexError):
         return None
+    return _rounded(number)
+
+
+def _rounded(number: float) -> float | None:
     return float(f"{number:.6g}") if math.isfinite(number) else None
 
 

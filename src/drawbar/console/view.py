@@ -16,6 +16,8 @@ KMH = 3.6
 """of m/s"""
 _STANDS = 0.05
 """slower is standing, m/s"""
+_SAME = 1e-6
+"""lines that are nearer are the same, m"""
 _BAR = 0.3
 """lateral error at the ends of the light bar, m"""
 _GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
@@ -58,6 +60,7 @@ class Board:
     may_acknowledge: bool
     may_adjust: bool
     """nudge and set speed"""
+    may_choose_line: bool
     may_give: bool
     """the lease to somebody who asks for it"""
     may_wish: bool
@@ -103,6 +106,7 @@ def board(
         may_engage=drives and ready and mine and bool(gate.armed),
         may_acknowledge=drives and latched,
         may_adjust=drives and mine,
+        may_choose_line=drives and not driving and (mine or holder is None),
         may_give=mine and not driving,
         may_wish=drives and holder is not None and not mine,
     )
@@ -122,6 +126,7 @@ def _no_contact(words: Words) -> Board:
         may_engage=False,
         may_acknowledge=False,
         may_adjust=False,
+        may_choose_line=False,
         may_give=False,
         may_wish=False,
     )
@@ -168,20 +173,14 @@ def picture(
     words: Words,
     *,
     stale: bool,
-    speed: float,
 ) -> dict[str, Any]:
-    """Return what a browser draws ten times a second, as JSON; `seen` is what it acknowledges.
-
-    speed: at which is driven where the operator wishes none, m/s.
-    """
+    """Return what a browser draws ten times a second, as JSON; `seen` is what it acknowledges."""
     return {
         "seen": gate.sequence if gate is not None else -1,
         "stale": stale,
         "state": gate.state.name if gate is not None else "NO_CONTACT",
         "bodies": [_body(controller, body, words) for body in ("tractor", "trailer")],
         "chips": _chips(controller, words),
-        "setSpeed": _set_speed(gate, words, speed),
-        "shift": _shift(gate, words),
         "moving": place.to_browser() if place is not None else None,
         "error": _finite(controller.tractor_lateral_error) if controller is not None else None,
     }
@@ -225,7 +224,8 @@ def _chips(controller: ControllerState | None, words: Words) -> list[dict[str, A
     ]
 
 
-def _set_speed(gate: GateState | None, words: Words, speed: float) -> str:
+def set_speed_text(gate: GateState | None, words: Words, speed: float) -> str:
+    """Return the set speed; speed: at which is driven where the operator wishes none, m/s."""
     if gate is None:
         return "–"
     return f"{words.number(wished_speed(gate, speed) * KMH, 1)} km/h"
@@ -236,10 +236,16 @@ def wished_speed(gate: GateState, otherwise: float) -> float:
     return gate.set_speed if math.isfinite(gate.set_speed) else otherwise
 
 
-def _shift(gate: GateState | None, words: Words) -> str:
+def shift_text(gate: GateState | None, *, left: int) -> str:
+    """Return how far the line is moved; left: 1 where the driver's left is the line's, else -1."""
     if gate is None or not round(gate.nudge * 100.0):
         return "0 cm"
-    return f"{'◀' if gate.nudge > 0.0 else '▶'} {abs(round(gate.nudge * 100.0))} cm"
+    return f"{'◀' if left * gate.nudge > 0.0 else '▶'} {abs(round(gate.nudge * 100.0))} cm"
+
+
+def drives_chosen_line(gate: GateState, controller: ControllerState, working_width: float) -> bool:
+    """Return whether the controller drives the line that was chosen and moved; width between lines in m."""
+    return abs(controller.line_offset - gate.line * working_width - gate.nudge) < _SAME
 
 
 def _finite(value: float) -> float | None:

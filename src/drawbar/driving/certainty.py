@@ -1,7 +1,8 @@
 """Certainty: how well the estimator knows where both bodies are across the line, and which way they face."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,25 +12,46 @@ from drawbar.estimation.settings import ArticulatedEstimatorSettings
 from drawbar.geometry import Floats
 from drawbar.signals import Estimate
 from drawbar.step.autopilot import Autopilot
+from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.parameters import VehicleParameters
 
-Certainty = Callable[[Estimate], tuple[float, float]]
-"""gives the standard deviations of the position across the body (m) and of the yaw (rad), the larger of both bodies'"""
+_UNKNOWN = (math.nan, math.nan)
 
 
-def certainty(autopilot: Autopilot, configuration: Configuration) -> Certainty:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Certainty:
+    """How sure an estimate is; NaN, or none, where that is not known."""
+
+    across: tuple[float, float] = _UNKNOWN
+    """standard deviations of the position across the body (m) and of the yaw (rad), the larger of both bodies'"""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """standard deviations of the estimate's fields of these names, slips and angles, each in its own unit"""
+
+
+def certainty(autopilot: Autopilot, configuration: Configuration) -> Callable[[Estimate], Certainty]:
     """Return what tells how sure the newest estimate is; to be asked between the two phases of a step.
 
-    Both are NaN with an estimator that keeps no covariance of the whole chain.
+    Nothing is known with an estimator that keeps no covariance of the whole chain.
     """
-    settings = configuration.estimator
+    settings, vehicle = configuration.estimator, configuration.vehicle
     if not isinstance(settings, ArticulatedEstimatorSettings):
-        return lambda estimate: (math.nan, math.nan)
+        return lambda estimate: Certainty()
+    chain = articulated(vehicle)
+    names = [variable.name for variable in chain.parameters]
     estimator = autopilot.library.components["estimator"].live
-    if settings.method == "extended_kalman":
+
+    def covariance() -> Floats:
+        if settings.method != "extended_kalman":
+            return newest_covariance(estimator)
         root = estimator.array("filter.R")  # of the covariance: the transpose of a square root
-        return lambda estimate: across(configuration.vehicle, estimate, root.T @ root)
-    return lambda estimate: across(configuration.vehicle, estimate, newest_covariance(estimator))
+        return np.asarray(root.T @ root)
+
+    def tell(estimate: Estimate) -> Certainty:
+        found = covariance()
+        deviations = np.sqrt(np.diag(found)[len(chain.states) :]).tolist()
+        return Certainty(across=across(vehicle, estimate, found), parameters=dict(zip(names, deviations, strict=True)))
+
+    return tell
 
 
 def across(vehicle: VehicleParameters, estimate: Estimate, covariance: Floats) -> tuple[float, float]:

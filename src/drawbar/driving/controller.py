@@ -3,7 +3,9 @@
 import math
 
 from drawbar.config import Configuration
-from drawbar.driving.certainty import certainty
+from drawbar.driving.certainty import Certainty, certainty
+from drawbar.driving.driven_line import DrivenLine
+from drawbar.errors import PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
@@ -14,6 +16,8 @@ VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
 DOUBTED = 3
 """samples in a row in which neither antenna is where it can be, from which on the position is not known"""
+_NEAR = 5.0
+"""along the line, within which the place beside the vehicle is searched when the line is moved, m"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
 
 
@@ -35,14 +39,18 @@ class Controller:
         Raises:
             DrawbarError: the autopilot cannot be built.
         """
-        self._configuration, self._path, self._fingerprint = configuration, path, fingerprint
+        self._configuration, self._fingerprint = configuration, fingerprint
+        self._line, self._wished, self._anew = DrivenLine.first(configuration, path), math.nan, False
         self._wiggled = wiggled
         self._autopilot = build_autopilot(configuration)
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
+        self.sureness = Certainty()
+        """of the newest estimate"""
         self._gate: GateState | None = None
         self._sequence = self._solved = self._overruns = self._doubted = 0
+        self._record: StepRecord | None = None
         self._status = Status.POSITION
         self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
 
@@ -56,12 +64,14 @@ class Controller:
         before, self._gate = self.engaged, state
         if self.engaged != before:
             self._autopilot.set_engaged(self.engaged)
+            self._wished = math.nan  # what was not possible may be now
+        self._choose_line(state.line * self._configuration.path.working_width + state.nudge)
         wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
         self._autopilot.set_speed(max(0.0, min(wish, state.speed_limit, self._configuration.speed)))
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
-        if not self.engaged and (self._status.has_ended or self._status is Status.START):
+        if not self.engaged and self._is_to_begin(measurement):
             self._begin_beside(measurement)
         self._status, self._command = self._autopilot.feedback(measurement)
         self._measurement = measurement
@@ -94,7 +104,7 @@ class Controller:
             self._record = record
             self._doubted = self._doubted + 1 if _both_rejected(record) else 0
             known = self._status.is_new_command and self._doubted < DOUBTED
-            self._deviations = self._certainty(record.estimate) if known else (math.nan, math.nan)
+            self.sureness = self._certainty(record.estimate) if known else Certainty()
         return record
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
@@ -106,7 +116,8 @@ class Controller:
             receiver_speed: over ground, NaN where not known, m/s.
         """
         record, measurement = self._record, self._measurement
-        lateral, heading = self._deviations
+        assert record is not None
+        lateral, heading = self.sureness.across
         tractor, trailer = record.reference.tractor, record.reference.trailer
         return ControllerState(
             sequence=self._sequence % 2**32,
@@ -130,6 +141,8 @@ class Controller:
             hitch_angle=record.estimate.hitch_angle,
             wheel_speed=measurement.speed,
             receiver_speed=receiver_speed,
+            line_offset=self._line.offset,
+            against=int(self._line.against),
         )
 
     def _mode(self) -> Mode:
@@ -137,14 +150,56 @@ class Controller:
             return Mode.STOP if self.engaged else Mode.IDLE
         return Mode.DRIVE if self.engaged and self._status < Status.POSITION else Mode.IDLE
 
+    def _choose_line(self, offset: float) -> None:
+        """Drive the line so far left of the configured one, m: at once if it is under the vehicle, else by a new run.
+
+        Where that is not possible, the old one stays; `line_offset` of the controller's state says which is driven.
+        """
+        if offset in (self._wished, self._line.offset):
+            return
+        self._wished = offset
+        try:
+            chosen = self._line.beside(offset)
+        except PathError:
+            return
+        try:
+            self._autopilot.change_path(chosen.path, at=self._progress_on(chosen.path))
+        except PathError:
+            if self.engaged:
+                return
+            self._anew = True
+        self._line = chosen
+
+    def _progress_on(self, path: Path) -> float:
+        """Return the arc length of another path beside the tractor, near that of the newest step, m."""
+        if self._record is None:
+            return 0.0
+        reference, place = self._record.reference.tractor, self._record.estimate.tractor
+        near = reference.progress
+        if not math.isfinite(near + place.x + place.y):
+            return 0.0
+        progress, _ = path.project(place.x, place.y, max(near - _NEAR, 0.0), min(near + _NEAR, path.length))
+        return _within(progress, path)
+
+    def _is_to_begin(self, measurement: Measurement) -> bool:
+        if self._anew or self._status.has_ended or self._status is Status.START:
+            return True
+        return self._record is not None and self._line.faces_away(
+            measurement, self._record.reference.tractor.closest[2]
+        )
+
     def _begin_beside(self, measurement: Measurement) -> None:
         """Let the next sample begin a run where the path is nearest, if the position is known."""
-        x, y = measurement.tractor_x, measurement.tractor_y
-        if not math.isfinite(x + y):
+        if not math.isfinite(measurement.tractor_x + measurement.tractor_y):
             return
-        progress, _ = self._path.project(x, y, 0.0, self._path.length)
-        self._autopilot.begin(self._path, at=min(max(progress, 0.0), math.nextafter(self._path.length, 0.0)))
+        self._line, progress = self._line.nearest(measurement)
+        self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
         self._autopilot.set_engaged(False)
+        self._anew = False
+
+
+def _within(progress: float, path: Path) -> float:
+    return min(max(progress, 0.0), math.nextafter(path.length, 0.0))
 
 
 def _both_rejected(record: StepRecord) -> bool:

@@ -7,7 +7,7 @@ import select
 import socket
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import msgspec
 
@@ -16,7 +16,7 @@ from drawbar.driving.beat import Beat
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
 from drawbar.driving.ending import Ending
-from drawbar.driving.letters import Step, pack
+from drawbar.driving.letters import Step, Sureness, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
 from drawbar.driving.wiggled import has_passed
@@ -44,11 +44,12 @@ def main() -> int:
     beat, ending, words = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending(), Words(gate, mailbox, orders)
     path, _ = build_path(configuration)
     fingerprint, wiggled = configuration.safety.fingerprint(), has_passed(configuration)
+    controller = Controller(configuration, path, fingerprint, wiggled=wiggled)
     loop = ControlLoop(
-        Controller(configuration, path, fingerprint, wiggled=wiggled),
+        controller,
         Sampler(configuration.sample_time),
         send=words.send,
-        record=words.keep,
+        record=lambda record: words.keep(record, controller.sureness.parameters),
         clock=time.monotonic_ns,
         tell=words.tell,
     )
@@ -115,12 +116,13 @@ class Words:
             self._mailbox.post(self._recorder, pack(Order(tuple(self._done))))
             self._done.clear()
 
-    def keep(self, record: StepRecord) -> None:
-        """Have a step recorded and shown."""
+    def keep(self, record: StepRecord, deviations: Mapping[str, float]) -> None:
+        """Have a step recorded, and shown with the standard deviations of fields of its estimate."""
         self.tell_done()
         letter = pack(Step(time=time.monotonic_ns(), data=self._encoder.encode(record)))
         self._mailbox.post(self._recorder, letter)
-        self._mailbox.send(self._console, letter)
+        for shown in (pack(Sureness(deviations)), letter):
+            self._mailbox.send(self._console, shown)
 
     def repeat(self, record: bytes) -> None:
         """Have a state of the gate recorded: the gate itself does not wait for a recorder that is busy."""

@@ -1,11 +1,14 @@
-"""Letters: what the processes of a drive send to its recorder, as datagrams with a kind in front.
+"""Letters: what the processes of a drive send to its recorder or console, as datagrams with a kind in front.
 
 Records of `messages.py` go as they are; they begin with their own mark. All times are monotonic, ns.
 """
 
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+
+import msgspec
 
 from drawbar.recording.drive_records import Order, RawBytes, pack_order, unpack_order
 from drawbar.transports.tapped import Direction
@@ -13,7 +16,7 @@ from drawbar.transports.tapped import Direction
 _RAW = struct.Struct("<4sQBBB")
 _STEP = struct.Struct("<4sQ")
 _DIRECTIONS = tuple(Direction)
-RAW, STEP, ORDER = b"DBr\0", b"DBs\0", b"DBo\0"
+RAW, STEP, ORDER, SURE = b"DBr\0", b"DBs\0", b"DBo\0", b"DBv\0"
 
 
 class Device(IntEnum):
@@ -37,7 +40,14 @@ class Step:
     data: bytes
 
 
-Letter = RawBytes | Step | Order
+@dataclass(frozen=True, slots=True)
+class Sureness:
+    """How sure the estimate of the step that follows is: standard deviations by the names of its fields."""
+
+    deviations: Mapping[str, float]
+
+
+Letter = RawBytes | Step | Order | Sureness
 
 
 def pack(letter: Letter) -> bytes:
@@ -48,6 +58,8 @@ def pack(letter: Letter) -> bytes:
         return _RAW.pack(RAW, letter.time, device, direction, len(source)) + source + letter.data
     if isinstance(letter, Order):
         return ORDER + pack_order(letter)
+    if isinstance(letter, Sureness):
+        return SURE + msgspec.json.encode(letter.deviations)
     return _STEP.pack(STEP, letter.time) + letter.data
 
 
@@ -60,6 +72,8 @@ def unpack(data: bytes) -> Letter | None:
             return Step(time=_STEP.unpack_from(data)[1], data=data[_STEP.size :])
         if data[:4] == ORDER:
             return unpack_order(data[4:])
+        if data[:4] == SURE:
+            return Sureness(msgspec.json.decode(data[4:], type=dict[str, float]))
     except (ValueError, IndexError, struct.error):
         return None
     return None

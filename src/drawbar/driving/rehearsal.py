@@ -160,9 +160,9 @@ class Rehearsal:
             records, self._records = self._records, []
             yield from records
 
-    def ask(self, action: Action) -> None:
+    def ask(self, action: Action, value: float = 0.0) -> None:
         """Let the operator ask for something now."""
-        self.operator.operator.ask(action, self.now)
+        self.operator.operator.ask(action, self.now, value)
 
     def advance(self) -> None:
         """Let a step of the clock pass."""

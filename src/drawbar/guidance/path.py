@@ -4,6 +4,7 @@ The arithmetic is C, path.h; a look-up costs about the same for any length of pa
 """
 
 import ctypes
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import Self
@@ -20,6 +21,8 @@ Complexes = NDArray[np.complex128]
 
 PIECE_LENGTH = 0.25
 """longest piece, m: the accuracy of the cubics and the grid of the projection rest on it"""
+_LEAST_STRETCH = 0.1
+"""of a parallel line against its path, where it runs inside of a curve"""
 
 _SOURCE = """\
 #include "path.h"
@@ -101,6 +104,44 @@ class Path:
         samples = np.empty((*asked.shape, 4))
         _library().samples(CPath(self.nodes), asked.ctypes.data, asked.size, samples.ctypes.data)
         return samples
+
+    def beside(self, offset: float) -> Self:
+        """Return the parallel line so far to the left (right: negative), m.
+
+        Raises:
+            PathError: the path curves too tightly towards that side.
+        """
+        if offset == 0.0:
+            return self
+        nodes = self.nodes[:, 0]
+        stretch = 1.0 - offset * self.sample(nodes)[:, 3]  # d(new arc length) / d(arc length)
+        if not float(stretch.min()) > _LEAST_STRETCH:
+            raise PathError(f"there is no line {abs(offset):.2f} m beside the path: it curves too tightly")
+        longest = float((np.diff(nodes) * np.maximum(stretch[1:], stretch[:-1])).max())
+        pieces = math.ceil(longest / PIECE_LENGTH)  # of each of this path's
+        count = len(nodes) - 1
+        places = np.interp(np.arange(count * pieces + 1) / pieces, np.arange(count + 1), nodes)
+        x, y, yaw, _ = self.sample(places).T
+        return type(self).through(
+            arc_length=places - offset * (yaw - yaw[0]),  # the integral of the stretch
+            x=x - offset * np.sin(yaw),
+            y=y + offset * np.cos(yaw),
+            yaw=yaw,
+            label_of_piece=np.repeat(self.label_of_piece, pieces),
+            label_names=self.label_names,
+        )
+
+    def reversed(self) -> Self:
+        """Return the path from its end to its start."""
+        arc_length, x, y, yaw = self.nodes[::-1].T
+        return type(self).through(
+            arc_length=self.length - arc_length,
+            x=x,
+            y=y,
+            yaw=yaw + math.pi,
+            label_of_piece=self.label_of_piece[::-1],
+            label_names=self.label_names,
+        )
 
     def labels(self, arc_length: Floats) -> list[str]:
         """Return the class of the path at each arc length (m); beyond the ends that of the nearest piece."""

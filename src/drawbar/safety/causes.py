@@ -181,6 +181,8 @@ class Cause(Enum):
         "see docs/safety.md for the limits")
     NOTHING_TO_ACKNOWLEDGE = (627, False, Response.NONE, "no state waits for the operator",
         "nothing")
+    STEERED = (628, False, Response.NONE, "the vehicle is steered",
+        "stop first, then choose the line")
     # fmt: on
 
 

@@ -16,6 +16,9 @@ SESSIONS = 16
 """sessions whose nonces are remembered; the one that was silent for longest is forgotten first"""
 ALWAYS = frozenset({Action.RELEASE, Action.STOP, Action.EMERGENCY})
 """accepted from everybody, whatever they see"""
+_TAKE_LEASE = frozenset({Action.ARM, Action.ACKNOWLEDGE, Action.LINE})
+_LINES = 10_000
+"""most working widths from the configured line"""
 
 
 class Desk:
@@ -37,6 +40,8 @@ class Desk:
         """m, left positive"""
         self.set_speed = math.nan
         """m/s"""
+        self.line = 0
+        """working widths to the left of the configured line"""
 
     def show(self, sequence: int, time: int) -> None:
         """Remember a state of the gate that operators can see from now on; time in ns."""
@@ -107,12 +112,14 @@ class Desk:
             return None
         if self.lease and time - self._holder_heard <= self._settings.timing.lease:
             return Cause.LEASE_HELD
-        return None if message.action in (Action.ARM, Action.ACKNOWLEDGE) else Cause.NOT_ARMED
+        return None if message.action in _TAKE_LEASE else Cause.NOT_ARMED
 
     def _value_refusal(self, message: OperatorMessage) -> Cause | None:
         allowed = True
         if message.action is Action.NUDGE:
             allowed = abs(self.nudge + message.value) <= self._settings.nudge
+        elif message.action is Action.LINE:
+            allowed = abs(message.value) <= _LINES and message.value == int(message.value)
         elif message.action is Action.SET_SPEED:
             allowed = 0.0 < message.value <= self._settings.envelope.speed
         return None if allowed else Cause.OUT_OF_RANGE
@@ -120,7 +127,7 @@ class Desk:
     def _accept(self, time: float, message: OperatorMessage) -> None:
         action = message.action
         self._heard = time
-        if action in (Action.ARM, Action.ACKNOWLEDGE):
+        if action in _TAKE_LEASE:
             self.lease = message.lease
         if message.lease == self.lease:
             self._holder_heard = time
@@ -130,6 +137,8 @@ class Desk:
             self.nudge += message.value
         elif action is Action.SET_SPEED:
             self.set_speed = message.value
+        elif action is Action.LINE:
+            self.line = int(message.value)
         elif action is not Action.PRESENT:
             self._actions.add(action)
             self._by_switch &= action is not Action.ENGAGE

@@ -140,6 +140,8 @@ class Engagement:
             return Cause.STATE_NOT_READY
         if action is Action.ENGAGE and not self.armed(time):
             return Cause.NOT_ARMED if self.state is READY else Cause.STATE_NOT_READY
+        if action is Action.LINE and self.steers:
+            return Cause.STEERED
         if action is Action.ACKNOWLEDGE:
             if self.state not in LATCHED:
                 return Cause.NOTHING_TO_ACKNOWLEDGE

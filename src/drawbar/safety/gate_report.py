@@ -98,6 +98,7 @@ def gate_state(
         clips=counts.clips % COUNTS,
         rejects=counts.rejects % COUNTS,
         dropped=counts.dropped % COUNTS,
+        line=desk.line,
     )
 
 

@@ -44,6 +44,7 @@ export default {
     };
   },
   mounted() {
+    this.lines = this.standing.lines;
     this.trail = (this.standing.trail || []).slice();
     this.last = 0;
     if (this.$refs.box.clientWidth > 600) this.scale = 26;
@@ -61,6 +62,10 @@ export default {
     this.looks.disconnect();
   },
   methods: {
+    showLines(lines) {
+      this.lines = lines;
+      this.paint();
+    },
     draw(picture) {
       this.picture = picture;
       this.last = performance.now();
@@ -116,7 +121,10 @@ export default {
       ink.fillRect(0, 0, width, height);
       const to = this.camera(width, height);
       grid(ink, to, width, height, colour("--grid"));
-      stroke(ink, to, this.standing.path, colour("--line"), 2.5, [9, 6]);
+      const boundary = this.standing.boundary;
+      if (boundary.length) stroke(ink, to, [...boundary, boundary[0]], colour("--edge"), 5, []);
+      for (const line of this.lines.neighbours) stroke(ink, to, line, colour("--edge"), 1.5, [2, 5]);
+      stroke(ink, to, this.lines.path, colour("--line"), 2.5, [9, 6]);
       this.paintTrail(ink, to, colour);
       const moving = this.picture.moving;
       if (!moving) return;
@@ -127,7 +135,7 @@ export default {
     camera(width, height) {
       const moving = this.picture.moving;
       if (this.whole || !moving) {
-        const [low, high] = extent(this.standing.path);
+        const [low, high] = extent([...this.lines.path, ...this.standing.boundary]);
         const scale = 0.9 * Math.min(width / Math.max(high[0] - low[0], 1), height / Math.max(high[1] - low[1], 1));
         const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
         return transform(middle, Math.PI / 2, scale, [width / 2, height / 2]);

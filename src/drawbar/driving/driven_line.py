@@ -1,0 +1,70 @@
+"""Driven line: the configured line or one beside it, in the direction in which the vehicle faces. Pure."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from drawbar.config import Configuration
+from drawbar.geometry import wrap
+from drawbar.guidance.demands import demand_steering
+from drawbar.guidance.path import Path
+from drawbar.signals import Measurement
+
+_AWAY = math.radians(120.0)
+"""from the line's direction; farther, the vehicle drives it the other way, rad"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivenLine:
+    """A line beside the configured one. Where there are parallel lines, each is driven in both directions."""
+
+    configuration: Configuration
+    base: Path
+    """the configured line"""
+    path: Path
+    """to drive along"""
+    offset: float = 0.0
+    """of the path, to the left of the configured line, m"""
+    against: bool = False
+    """the path leads against the configured line's direction"""
+
+    @classmethod
+    def first(cls, configuration: Configuration, path: Path) -> Self:
+        """Return the configured line itself."""
+        return cls(configuration=configuration, base=path, path=path)
+
+    def beside(self, offset: float) -> Self:
+        """Return the line so far to the left of the configured one, m.
+
+        Raises:
+            PathError: the vehicle cannot drive it.
+        """
+        path = self.base.beside(offset)
+        demand_steering(
+            path,
+            self.configuration.vehicle,
+            speed=self.configuration.speed,
+            tolerance=self.configuration.guidance.path_tolerance,
+        )
+        return replace(self, path=path.reversed() if self.against else path, offset=offset)
+
+    def faces_away(self, measurement: Measurement, yaw: float) -> bool:
+        """Return whether this line is to be turned round for a vehicle that is seen there.
+
+        Args:
+            measurement: with both antennas; where one is missing, the line stays as it is.
+            yaw: of the line beside the vehicle, rad.
+        """
+        if not self.configuration.path.working_width > 0.0:
+            return False
+        ahead = measurement.tractor_x - measurement.trailer_x, measurement.tractor_y - measurement.trailer_y
+        return abs(wrap(math.atan2(ahead[1], ahead[0]) - yaw)) > _AWAY
+
+    def nearest(self, measurement: Measurement) -> tuple[Self, float]:
+        """Return this line in the direction in which the vehicle faces, and the nearest arc length on it, m."""
+        progress, _ = self.path.project(measurement.tractor_x, measurement.tractor_y, 0.0, self.path.length)
+        if self.faces_away(measurement, float(self.path.sample(np.array([progress]))[0, 2])):
+            return replace(self, path=self.path.reversed(), against=not self.against), self.path.length - progress
+        return self, progress
