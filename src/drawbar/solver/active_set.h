@@ -2,8 +2,9 @@
  *
  * Bounds that are taken as active become equations z_i = bound with a multiplier nu_i each. The solution is linear in
  * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit pull on z_i, so that a handful of active
- * bounds costs a handful of sweeps and a small dense system (their Schur complement). Wherever this does not settle the
- * interior point takes over.
+ * bounds costs a handful of sweeps and a small dense system (their Schur complement). Bounds of a free first state, an
+ * estimator's, cost no sweep: their columns are those of its factor's inverse. Wherever this does not settle the interior
+ * point takes over.
  */
 #ifndef DRAWBAR_ACTIVE_SET_H
 #define DRAWBAR_ACTIVE_SET_H
@@ -20,6 +21,14 @@ static void active_sweep(const struct qp *s, struct active_set *a)
     qp_solve(s, a->pull, zero, still, a->dz, a->dpi);
 }
 
+/* Where a free first state goes, given the gradient of the cost to go from it. */
+static void active_first(const struct qp *s, const double *gradient, double *first)
+{
+    for (int j = 0; j < NX; ++j)
+        first[j] = -gradient[j];
+    ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, first);
+}
+
 /* Make the column of bounded variable i; returns 0 when there is no room for another. */
 static int active_add(const struct qp *s, struct active_set *a, int i)
 {
@@ -27,7 +36,10 @@ static int active_add(const struct qp *s, struct active_set *a, int i)
         return 0;
     memset(a->pull, 0, sizeof a->pull);
     a->pull[s->bound[i]] = -1.0;
-    active_sweep(s, a);
+    if (a->first_alone)
+        active_first(s, a->pull, a->dz);
+    else
+        active_sweep(s, a);
     for (int j = 0; j < NB; ++j)
         a->column[a->count][j] = a->dz[s->bound[j]];
     a->member[a->count] = i;
@@ -98,32 +110,55 @@ static int active_update(const struct qp *s, struct active_set *a)
     return changes;
 }
 
-/* One sweep with the settled multipliers, and one to correct them for what rounding left; returns 0, without having
- * changed anything, when a soft bound should rather give way. */
-static int active_publish(struct qp *s, struct active_set *a)
+/* Let the multipliers, changed by as much, pull at the gradient. */
+static void active_pull(const struct qp *s, struct active_set *a, const double *change, double *gradient)
 {
-    double correction[AT_LEAST_ONE(ACTIVE_MOST)];
+    for (int r = 0; r < a->count; ++r)
+        gradient[s->bound[a->member[r]]] -= change[r];
+}
+
+/* One sweep with the settled multipliers, and one to correct them for what rounding left: the latter moves everything, or
+ * the first state alone, before the way forward. */
+static void active_move(struct qp *s, struct active_set *a, double *correction)
+{
+    double feedforward[N][NU], first[NX];
 
     memcpy(a->pull, s->g, sizeof a->pull);
-    for (int r = 0; r < a->count; ++r) {
-        if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))
-            return 0;
-        a->pull[s->bound[a->member[r]]] -= a->nu[r];
+    active_pull(s, a, a->nu, a->pull);
+    if (a->first_alone) {
+        solve_backward(s, a->pull, (const double (*)[NX])s->c, s->pi, feedforward);
+        active_first(s, s->pi, s->z);
+        active_solve(s, a, correction);
+        active_pull(s, a, correction, s->pi);
+        active_first(s, s->pi, first);
+        solve_forward(s, (const double (*)[NU])feedforward, (const double (*)[NX])s->c, first, s->z, s->pi);
+        return;
     }
     qp_solve(s, a->pull, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
     active_solve(s, a, correction);
     memset(a->pull, 0, sizeof a->pull);
-    for (int r = 0; r < a->count; ++r) {
-        const double nu = a->nu[r] + correction[r];
-        a->pull[s->bound[a->member[r]]] -= correction[r];
-        s->multiplier[2 * a->member[r]] = nu > 0.0 ? nu : 0.0;
-        s->multiplier[2 * a->member[r] + 1] = nu < 0.0 ? -nu : 0.0;
-    }
+    active_pull(s, a, correction, a->pull);
     active_sweep(s, a);
     for (int i = 0; i < NZ; ++i)
         s->z[i] += a->dz[i];
     for (int i = 0; i < (N + 1) * NX; ++i)
         s->pi[i] += a->dpi[i];
+}
+
+/* Move to the settled bounds; returns 0, without having changed anything, when a soft bound should rather give way. */
+static int active_publish(struct qp *s, struct active_set *a)
+{
+    double correction[AT_LEAST_ONE(ACTIVE_MOST)];
+
+    for (int r = 0; r < a->count; ++r)
+        if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))
+            return 0;
+    active_move(s, a, correction);
+    for (int r = 0; r < a->count; ++r) {
+        const double nu = a->nu[r] + correction[r];
+        s->multiplier[2 * a->member[r]] = nu > 0.0 ? nu : 0.0;
+        s->multiplier[2 * a->member[r] + 1] = nu < 0.0 ? -nu : 0.0;
+    }
     return 1;
 }
 
@@ -132,6 +167,9 @@ static int active_publish(struct qp *s, struct active_set *a)
 static int qp_active_set(struct qp *s, struct active_set *a)
 {
     a->count = 0;
+    a->first_alone = FREE_INITIAL;
+    for (int i = 0; i < NB; ++i)
+        a->first_alone &= s->bound[i] < NX;
     memset(a->side, 0, sizeof a->side);
     for (int i = 0; i < NB; ++i)
         a->slot[i] = -1;
