@@ -122,16 +122,31 @@ struct kkt_scale {
 static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scale *restrict scale)
 {
     double primal[NX + NU] = {0.0}, dual[NX + NU] = {0.0}, size[NX + NU] = {0.0};
+    pack most[PACKS], steepest[PACKS], sum[PACKS];
     double least_primal = 1e-12, least_dual = 1e-12, objective = 1e-12, terms = 0.0;
 
-    for (int k = 0; k <= N; ++k)
-        for (int j = 0; j < NX; ++j) {
-            const double x = STATE(s->z, k)[j], q = STATE(s->g, k)[j];
-            primal[j] = largest(primal[j], x);
-            dual[j] = largest(largest(largest(dual[j], q), k > 0 || !FREE_INITIAL ? STATE(s->pi, k)[j] : 0.0),
-                              s->Q[k][j][j] * x);
-            size[j] += fabs(q * x);
+    EACH_PACK(b)
+        most[b] = steepest[b] = sum[b] = (pack){0};
+    for (int k = 0; k <= N; ++k) {
+        pack x[PACKS], q[PACKS], pi[PACKS], term[PACKS];
+        read_vector(x, STATE(s->z, k));
+        read_vector(q, STATE(s->g, k));
+        grow(most, x);
+        grow(steepest, q);
+        if (k > 0 || !FREE_INITIAL) {
+            read_vector(pi, STATE(s->pi, k));
+            grow(steepest, pi);
         }
+        read_diagonal(term, (const double (*)[WIDTH])s->Q[k]);
+        EACH_PACK(b)
+            term[b] *= x[b];
+        grow(steepest, term);
+        EACH_PACK(b)
+            sum[b] += pack_size(q[b] * x[b]);
+    }
+    write_vector(primal, most);
+    write_vector(dual, steepest);
+    write_vector(size, sum);
     for (int k = 0; k < N; ++k)
         for (int a = 0; a < NU; ++a) {
             const double u = INPUT(s->z, k)[a], r = INPUT(s->g, k)[a];
@@ -229,7 +244,8 @@ static double kkt_cost(const struct qp *restrict s, int bounded)
  * much times the costate, and the gap of bounds and multipliers by itself. */
 static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defect)[NX])
 {
-    double stationarity[NX + NU] = {0.0}, feasibility[NX] = {0.0}, worst = 0.0, gap = 0.0;
+    double stationarity[NX + NU] = {0.0}, feasibility[NX], worst = 0.0, gap = 0.0;
+    pack steepest[PACKS], missed[PACKS], row[PACKS];
     struct kkt_scale scale ON_STACK;
 
     if (!all_finite(s->z, NZ) || !all_finite(s->pi, (N + 1) * NX) || (bounded && !all_finite(s->multiplier, NSIDES)))
@@ -238,15 +254,20 @@ static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defec
     kkt_scales(s, bounded, &scale);
     if (bounded)
         worst = kkt_bounds(s, &scale, gradient, &gap);
-    for (int k = 0; k <= N; ++k)
-        for (int j = 0; j < NX; ++j)
-            stationarity[j] = largest(stationarity[j], STATE(gradient, k)[j]);
+    EACH_PACK(b)
+        steepest[b] = missed[b] = (pack){0};
+    for (int k = 0; k <= N; ++k) {
+        read_vector(row, STATE(gradient, k));
+        grow(steepest, row);
+    }
     for (int k = 0; k < N; ++k) {
+        read_vector(row, defect[k]);
+        grow(missed, row);
         for (int a = 0; a < NU; ++a)
             stationarity[NX + a] = largest(stationarity[NX + a], INPUT(gradient, k)[a]);
-        for (int j = 0; j < NX; ++j)
-            feasibility[j] = largest(feasibility[j], defect[k][j]);
     }
+    write_vector(stationarity, steepest);
+    write_vector(feasibility, missed);
     for (int j = 0; j < NX && !FREE_INITIAL; ++j)
         feasibility[j] = largest(feasibility[j], s->z[j] - s->initial[j]);
     for (int j = 0; j < NX + NU; ++j) {
