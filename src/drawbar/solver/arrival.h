@@ -19,15 +19,6 @@
 static void output_constants(const struct rti *work, double (*rows)[OLD_WIDTH]);
 static void outputs(const struct rti *work, double (*rows)[OLD_WIDTH], int first, int count);
 
-/* Loops over packs whose number each turn knows, so that products stay in SIMD registers. */
-#if PACK > 1 && defined(__clang__)
-#define EACH_OLD_PACK(b) _Pragma("clang loop unroll(full)") for (int b = 0; b < OLD_PACKS; ++b)
-#elif PACK > 1
-#define EACH_OLD_PACK(b) _Pragma("GCC unroll 8") for (int b = 0; b < OLD_PACKS; ++b)
-#else
-#define EACH_OLD_PACK(b) for (int b = 0; b < OLD_PACKS; ++b)
-#endif
-
 /* Householder reflection of rows pivot and first .. last - 1 of M that clears `column`, of pack `from`, below the pivot.
  * Columns before it are cleared already: what is left of them below the pivots is never read. */
 static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first, int last, int column, int from)
@@ -77,7 +68,7 @@ static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first
  * - 1 are cleared, and those between pivot and `others` have nothing there. */
 static inline void triangularise(double (*restrict M)[OLD_WIDTH], int first, int end, int others, int last)
 {
-    EACH_OLD_PACK(b)
+    EACH_KNOWN for (int b = 0; b < OLD_PACKS; ++b)
         for (int j = b * PACK > first ? b * PACK : first; j < end && j < (b + 1) * PACK; ++j)
             reflect(M, j - first, j - first < others ? others : j - first + 1, last, j, b);
 }

@@ -44,6 +44,19 @@ typedef double pack, pack_in_memory;
 #define UNROLLED
 #endif
 #define EACH_PACK(b) UNROLLED for (int b = 0; b < PACKS; ++b)
+/* Loops whose turns each know the number of their pack, so that what they work on stays in registers: over packs, and over
+ * the rows i < count whose diagonal lies in pack c. */
+#if PACK > 1 && defined(__clang__)
+#define EACH_KNOWN _Pragma("clang loop unroll(full)")
+#elif PACK > 1
+#define EACH_KNOWN _Pragma("GCC unroll 8")
+#else
+#define EACH_KNOWN UNROLLED
+#endif
+#define EACH_ROW_BY_PACK(i, c)                                                                \
+    EACH_KNOWN for (int c = 0; c < PACKS; ++c)                                                \
+        UNROLLED for (int i = c * PACK; i < NX && i < (c + 1) * PACK; ++i)
+#define FROM_PACK(b, c) UNROLLED for (int b = c; b < PACKS; ++b)
 
 static inline pack read_pack(const double *row, int b)
 {
@@ -91,6 +104,30 @@ static inline void add_row(pack *restrict sum, double factor, const double *rest
 {
     EACH_PACK(b)
         sum[b] += factor * read_pack(row, b);
+}
+
+/* The lower half of a symmetric matrix from its upper one, by whole packs: what is stored number by number cannot be read
+ * in one soon after. */
+static inline void mirror(double (*restrict M)[WIDTH])
+{
+#if PACK == 1
+    UNROLLED for (int i = 1; i < NX; ++i)
+        UNROLLED for (int j = 0; j < i; ++j)
+            M[i][j] = M[j][i];
+#else
+    EACH_KNOWN for (int c = 0; c < PACKS; ++c) {
+        const int d = c * PACK;
+        EACH_KNOWN for (int i = d; i < NX && i < d + PACK; ++i)
+            for (int b = 0; b < c; ++b)
+                write_pack(M[i], b, ((pack){M[b * PACK][i], M[b * PACK + 1][i], M[b * PACK + 2][i], M[b * PACK + 3][i]}));
+        EACH_KNOWN for (int i = d + 1; i < NX && i < d + PACK; ++i) {
+            pack row = read_pack(M[i], c);
+            for (int j = d; j < i; ++j)
+                row[j - d] = M[j][i];
+            write_pack(M[i], c, row);
+        }
+    }
+#endif
 }
 
 /* 1 for the states that are constant (ND and later), 0 for the others. */
