@@ -209,17 +209,18 @@ static inline void arrival_substitute(const double (*restrict B)[NU], const doub
     }
 }
 
-/* Absorb the oldest stage into the arrival cost, which stays as it is on failure; call after feedback, before
- * rti_shift. */
+/* Absorb the oldest stage into the arrival cost, which stays as it is on failure; call after feedback, before rti_shift and
+ * the next rti_prepare, for which this linearises: the lanes of its last stages have room for one more. */
 static int arrival_update(struct rti *s)
 {
     double T[NX + NY][OLD_WIDTH] = {{0.0}}, M[NX + NU][OLD_WIDTH] = {{0.0}}, Z[NX][WIDTH], d[NX];
 
-    dynamics(s, 0, 1);
+    s->linearised = 1;
+    dynamics(s, 0, N + 1);
     arrival_measure(s, T);
-    if (!arrival_transition((const double (*)[WIDTH])s->qp.A[0], (const double (*)[OLD_WIDTH])T, Z))
+    if (!arrival_transition((const double (*)[WIDTH])s->qp.A[N], (const double (*)[OLD_WIDTH])T, Z))
         return NOT_FINITE;
-    arrival_substitute((const double (*)[NU])s->qp.B[0], (const double (*)[OLD_WIDTH])T, (const double (*)[WIDTH])Z, M);
+    arrival_substitute((const double (*)[NU])s->qp.B[N], (const double (*)[OLD_WIDTH])T, (const double (*)[WIDTH])Z, M);
     arrival_widen(s, M);
     for (int a = 0; a < NU; ++a)           /* the rows that du claims are the last ones */
         reflect(M, NX + NU - 1 - a, 0, NX + NU - 1 - a, a, a / PACK);
@@ -233,7 +234,7 @@ static int arrival_update(struct rti *s)
     if (!all_finite(&M[0][0], sizeof M / sizeof(double)) || !all_finite(d, NX))
         return NOT_FINITE;
     for (int i = 0; i < NX; ++i) {
-        s->prior[i] = s->qp.c[0][i] + d[i];
+        s->prior[i] = s->qp.c[N][i] + d[i];
         memset(s->root[i], 0, (size_t)i * sizeof(double));
         memcpy(s->root[i] + i, M[i] + NU + i, (size_t)(NX - i) * sizeof(double));
     }

@@ -53,9 +53,10 @@ typedef double pack, pack_in_memory;
 #else
 #define EACH_KNOWN UNROLLED
 #endif
+#define PACK_END(c) ((c) < NX / PACK ? ((c) + 1) * PACK : NX)
 #define EACH_ROW_BY_PACK(i, c)                                                                \
     EACH_KNOWN for (int c = 0; c < PACKS; ++c)                                                \
-        UNROLLED for (int i = c * PACK; i < NX && i < (c + 1) * PACK; ++i)
+        for (int i = c * PACK; i < PACK_END(c); ++i)
 #define FROM_PACK(b, c) UNROLLED for (int b = c; b < PACKS; ++b)
 
 static inline pack read_pack(const double *row, int b)
@@ -117,10 +118,10 @@ static inline void mirror(double (*restrict M)[WIDTH])
 #else
     EACH_KNOWN for (int c = 0; c < PACKS; ++c) {
         const int d = c * PACK;
-        EACH_KNOWN for (int i = d; i < NX && i < d + PACK; ++i)
+        for (int i = d; i < PACK_END(c); ++i)
             for (int b = 0; b < c; ++b)
                 write_pack(M[i], b, ((pack){M[b * PACK][i], M[b * PACK + 1][i], M[b * PACK + 2][i], M[b * PACK + 3][i]}));
-        EACH_KNOWN for (int i = d + 1; i < NX && i < d + PACK; ++i) {
+        for (int i = d + 1; i < PACK_END(c); ++i) {
             pack row = read_pack(M[i], c);
             for (int j = d; j < i; ++j)
                 row[j - d] = M[j][i];

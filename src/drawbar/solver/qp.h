@@ -29,6 +29,9 @@
 #define STATE(z, k) ((z) + (k) * NX)
 #define INPUT(z, k) ((z) + (N + 1) * NX + (k) * NU)
 
+#ifndef LEAVING
+#define LEAVING 0                          /* 1 where a stage that leaves the window is linearised with it, see rti.h */
+#endif
 #ifndef LEAST_STEP
 #define LEAST_STEP 0
 #endif
@@ -36,7 +39,8 @@
 struct qp {
     /* problem */
     double Q[N + 1][NX][WIDTH], S[CROSS ? N : 1][NU][WIDTH], R[N][NU][NU];
-    double A[N][ND][WIDTH], B[N][ND][NU], c[N][NX];   /* the rows below of A are [0 I], those of B zero */
+    double A[N + LEAVING][ND][WIDTH], B[N + LEAVING][ND][NU], c[N + LEAVING][NX];   /* the rows below of A are [0 I], those
+                                            * of B zero */
     double g[NZ];                          /* q_0 .. q_N, r_0 .. r_{N-1} */
     double initial[NX];                    /* x_0 where it is given */
     double lower[AT_LEAST_ONE(NB)], upper[AT_LEAST_ONE(NB)];   /* infinite: none */
