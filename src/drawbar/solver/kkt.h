@@ -159,6 +159,8 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         }
     for (int i = 0; bounded && i < NB; ++i) {   /* both sides of a bound at once: only their difference acts */
         const double net = s->multiplier[2 * i] - s->multiplier[2 * i + 1];
+        if (net == 0.0)
+            continue;
         dual[kind_of(s->bound[i])] = largest(dual[kind_of(s->bound[i])], net);
         objective += fabs(net * s->z[s->bound[i]]);
     }
@@ -183,10 +185,11 @@ static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *re
     double outside[NX + NU] = {0.0}, negative[NX + NU] = {0.0}, worst = 0.0, gap = 0.0;
 
     for (int m = 0; m < NSIDES; ++m) {
-        const int i = m / 2, kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < INFINITY;
+        const int i = m / 2;
         const double lambda = s->multiplier[m], slack = s->violation[m], distance = bound_distance(s, s->z, m) + slack;
         if (lambda == 0.0 && slack == 0.0 && distance >= 0.0)
             continue;
+        const int kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < INFINITY;
         gradient[s->bound[i]] -= m % 2 == 0 ? lambda : -lambda;
         outside[kind] = largest(outside[kind], distance < 0.0 ? distance : 0.0);
         outside[kind] = largest(outside[kind], slack < 0.0 || !soft ? slack : 0.0);
