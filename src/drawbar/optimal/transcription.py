@@ -156,9 +156,7 @@ class Transcription:
                     value=slope[:moving, :nx],
                     stride="WIDTH",
                 ),
-                Output(
-                    place="((double *)work->qp.B[PLACE(work, k)])", rows="(N + LEAVING)", value=slope[:moving, nx:]
-                ),
+                Output(place="((double *)work->qp.B[PLACE(work, k)])", rows="(N + LEAVING)", value=slope[:moving, nx:]),
             ],
             "hessian": [
                 Output(
