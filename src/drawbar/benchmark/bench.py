@@ -10,6 +10,7 @@ from rich.progress import Progress
 from drawbar.benchmark.closed_loop import WholeRun, probed_runs, whole_run
 from drawbar.benchmark.figures import machine, microseconds, one_core, race_rows, row
 from drawbar.benchmark.peers.race import PEERS
+from drawbar.benchmark.start_up import start_up
 from drawbar.benchmark.tables import bounds_table, growth_table, race_growth_table, race_table, solver_table
 from drawbar.errors import DrawbarError
 
@@ -63,6 +64,7 @@ def measure(progress: Progress, *, steps: int) -> dict[str, Any]:
         "peers": [each for probe in probes for each in race_rows(probe)],
         "peers_missing": {name: why for probe in probes if probe.race for name, why in probe.race.missing.items()},
         "machine": machine(),
+        "start_up": start_up(),
         **_step_figures(run),
     }
 
@@ -105,3 +107,6 @@ def show(console: Console, figures: dict[str, Any]) -> None:
         if figure := figures[key]:
             console.print(f"{text:30}{' / '.join(f'{value:.2f}' for value in figure.values())}", highlight=False)
     console.print(f"real-time factor of a whole run, simulation included: {figures['real_time_factor']:.0f}")
+    start = figures["start_up"]
+    console.print(f"from a process' start, warm: import drawbar {start['import_s']:.2f} s, ", end="")
+    console.print(f"a run's first step {start['first_step_s']:.2f} s")

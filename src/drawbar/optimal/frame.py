@@ -13,6 +13,7 @@ UNIT = """
 #define CONSTANTS {constants}
 #define CROSS {cross}
 #define FREE_INITIAL {free}
+#define LEAVING {leaving}
 #define LEAST_STEP {added}
 #define IP_ITERATIONS {iterations}
 #include "{header}"

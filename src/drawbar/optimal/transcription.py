@@ -110,6 +110,7 @@ class Transcription:
             constants=len(self.constants),
             cross=int(self.crosses),
             free=int(self.free_initial),
+            leaving=int(self.arrival),
             added=int(self.added),
             iterations=self.iterations,
             header="window.h" if self.arrival else "rti.h",
@@ -148,9 +149,14 @@ class Transcription:
         step, slope = ca.cse([self.next_state, slope])
         functions = {
             "dynamics": [
-                Output(place="work->qp.c[k]", rows="N", value=step),
-                Output(place="((double *)work->qp.A[k])", rows="N", value=slope[:moving, :nx], stride="WIDTH"),
-                Output(place="((double *)work->qp.B[k])", rows="N", value=slope[:moving, nx:]),
+                Output(place="work->qp.c[PLACE(work, k)]", rows="(N + LEAVING)", value=step),
+                Output(
+                    place="((double *)work->qp.A[PLACE(work, k)])",
+                    rows="(N + LEAVING)",
+                    value=slope[:moving, :nx],
+                    stride="WIDTH",
+                ),
+                Output(place="((double *)work->qp.B[PLACE(work, k)])", rows="(N + LEAVING)", value=slope[:moving, nx:]),
             ],
             "hessian": [
                 Output(

@@ -2,8 +2,9 @@
  *
  * Bounds that are taken as active become equations z_i = bound with a multiplier nu_i each. The solution is linear in
  * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit pull on z_i, so that a handful of active
- * bounds costs a handful of sweeps and a small dense system (their Schur complement). Wherever this does not settle the
- * interior point takes over.
+ * bounds costs a handful of sweeps and a small dense system (their Schur complement). Bounds of a free first state alone,
+ * an estimator's, cost no sweep: their columns are those of its factor's inverse, and they are found before the way
+ * forward. Wherever this does not settle the interior point takes over.
  */
 #ifndef DRAWBAR_ACTIVE_SET_H
 #define DRAWBAR_ACTIVE_SET_H
@@ -20,6 +21,30 @@ static void active_sweep(const struct qp *s, struct active_set *a)
     qp_solve(s, a->pull, zero, still, a->dz, a->dpi);
 }
 
+/* Are all bounds those of a free first state? */
+static int bounds_at_first(const struct qp *s)
+{
+    int first = FREE_INITIAL;
+    for (int i = 0; i < NB; ++i)
+        first &= s->bound[i] < NX;
+    return first;
+}
+
+/* Where a free first state goes, given the gradient of the cost to go from it. */
+static void active_first(const struct qp *s, const double *gradient, double *first)
+{
+    for (int j = 0; j < NX; ++j)
+        first[j] = -gradient[j];
+    ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, first);
+}
+
+/* Let the multipliers, changed by as much, pull at the gradient. */
+static void active_pull(const struct qp *s, const struct active_set *a, const double *change, double *gradient)
+{
+    for (int r = 0; r < a->count; ++r)
+        gradient[s->bound[a->member[r]]] -= change[r];
+}
+
 /* Make the column of bounded variable i; returns 0 when there is no room for another. */
 static int active_add(const struct qp *s, struct active_set *a, int i)
 {
@@ -27,7 +52,10 @@ static int active_add(const struct qp *s, struct active_set *a, int i)
         return 0;
     memset(a->pull, 0, sizeof a->pull);
     a->pull[s->bound[i]] = -1.0;
-    active_sweep(s, a);
+    if (a->first)
+        active_first(s, a->pull, a->dz);
+    else
+        active_sweep(s, a);
     for (int j = 0; j < NB; ++j)
         a->column[a->count][j] = a->dz[s->bound[j]];
     a->member[a->count] = i;
@@ -98,27 +126,55 @@ static int active_update(const struct qp *s, struct active_set *a)
     return changes;
 }
 
-/* One sweep with the settled multipliers, and one to correct them for what rounding left; returns 0, without having
- * changed anything, when a soft bound should rather give way. */
-static int active_publish(struct qp *s, struct active_set *a)
+/* Find the bounds that are active, starting from s->z as it is without; returns 0 when they do not settle, or when a soft
+ * one should rather give way. */
+static int active_settle(struct qp *s, struct active_set *a, int first)
 {
-    double correction[AT_LEAST_ONE(ACTIVE_MOST)];
-
-    memcpy(a->pull, s->g, sizeof a->pull);
-    for (int r = 0; r < a->count; ++r) {
-        if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))
+    a->first = first;
+    a->count = 0;
+    memset(a->side, 0, sizeof a->side);
+    for (int i = 0; i < NB; ++i)
+        a->slot[i] = -1;
+    for (int pass = 0; pass < ACTIVE_PASSES; ++pass) {
+        const int changes = active_update(s, a);
+        int dear = 0;
+        if (changes == 0) {
+            for (int r = 0; r < a->count; ++r)
+                dear |= !(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]);
+            return !dear;
+        }
+        s->iterations = pass + 1;
+        if (changes < 0 || !active_factor(a))
             return 0;
-        a->pull[s->bound[a->member[r]]] -= a->nu[r];
+        active_solve(s, a, a->nu);
     }
-    qp_solve(s, a->pull, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    active_solve(s, a, correction);
-    memset(a->pull, 0, sizeof a->pull);
+    return 0;
+}
+
+static void active_multipliers(struct qp *s, const struct active_set *a, const double *correction)
+{
     for (int r = 0; r < a->count; ++r) {
         const double nu = a->nu[r] + correction[r];
-        a->pull[s->bound[a->member[r]]] -= correction[r];
         s->multiplier[2 * a->member[r]] = nu > 0.0 ? nu : 0.0;
         s->multiplier[2 * a->member[r] + 1] = nu < 0.0 ? -nu : 0.0;
     }
+}
+
+/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without: one sweep with the settled multipliers, and
+ * one to correct them for what rounding left. Returns 0, with z, pi and multipliers as they were, when it does not settle. */
+static int qp_active_set(struct qp *s, struct active_set *a)
+{
+    double correction[AT_LEAST_ONE(ACTIVE_MOST)];
+
+    if (!active_settle(s, a, 0))
+        return 0;
+    memcpy(a->pull, s->g, sizeof a->pull);
+    active_pull(s, a, a->nu, a->pull);
+    qp_solve(s, a->pull, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+    active_solve(s, a, correction);
+    memset(a->pull, 0, sizeof a->pull);
+    active_pull(s, a, correction, a->pull);
+    active_multipliers(s, a, correction);
     active_sweep(s, a);
     for (int i = 0; i < NZ; ++i)
         s->z[i] += a->dz[i];
@@ -127,23 +183,25 @@ static int active_publish(struct qp *s, struct active_set *a)
     return 1;
 }
 
-/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without; returns 0, with z, pi and multipliers
- * as they were, when it does not settle. */
-static int qp_active_set(struct qp *s, struct active_set *a)
+/* Solve where all bounds are those of a free first state; s->iterations stays 0 where none is active. Returns 0, with the
+ * solution without bounds, when it does not settle. */
+static int qp_first_set(struct qp *s, struct active_set *a)
 {
-    a->count = 0;
-    memset(a->side, 0, sizeof a->side);
-    for (int i = 0; i < NB; ++i)
-        a->slot[i] = -1;
-    for (s->iterations = 1; s->iterations <= ACTIVE_PASSES; ++s->iterations) {
-        const int changes = active_update(s, a);
-        if (changes == 0)
-            return active_publish(s, a);
-        if (changes < 0 || !active_factor(a))
-            return 0;
-        active_solve(s, a, a->nu);
+    double feedforward[N][NU], first[NX], correction[AT_LEAST_ONE(ACTIVE_MOST)];
+
+    solve_backward(s, s->g, (const double (*)[NX])s->c, s->pi, feedforward);
+    active_first(s, s->pi, s->z);
+    const int settled = active_settle(s, a, 1);
+    if (settled && a->count > 0) {         /* once with the settled multipliers, and once corrected for rounding */
+        active_pull(s, a, a->nu, s->pi);
+        active_first(s, s->pi, s->z);
+        active_solve(s, a, correction);
+        active_pull(s, a, correction, s->pi);
+        active_multipliers(s, a, correction);
     }
-    return 0;
+    active_first(s, s->pi, first);
+    solve_forward(s, (const double (*)[NU])feedforward, (const double (*)[NX])s->c, first, s->z, s->pi);
+    return settled;
 }
 
 #endif

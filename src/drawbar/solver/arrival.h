@@ -19,52 +19,58 @@
 static void output_constants(const struct rti *work, double (*rows)[OLD_WIDTH]);
 static void outputs(const struct rti *work, double (*rows)[OLD_WIDTH], int first, int count);
 
-/* product = sum over rows first .. last - 1 of M[i][column] M[i]: inner products of `column` with every column. */
-static inline void column_products(const double (*restrict M)[OLD_WIDTH], int first, int last, int column,
-                                   pack *restrict product)
-{
-    for (int i = first; i < last; ++i)
-        for (int b = 0; b < OLD_PACKS; ++b)
-            product[b] += M[i][column] * read_pack(M[i], b);
-}
-
-/* Subtract product times factor times `column` from rows first .. last - 1. */
-static inline void subtract_products(double (*restrict M)[OLD_WIDTH], int first, int last, int column, double factor,
-                                     const pack *restrict product)
-{
-    for (int i = first; i < last; ++i) {
-        const double own = factor * M[i][column];
-        for (int b = 0; b < OLD_PACKS; ++b)
-            write_pack(M[i], b, read_pack(M[i], b) - own * product[b]);
-    }
-}
-
-/* Householder reflection of rows pivot and first .. last - 1 of M that clears `column` below the pivot. All columns
- * are swept, since those already cleared stay zero and a constant length runs in SIMD registers. */
-static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first, int last, int column)
+/* Householder reflection of rows pivot and first .. last - 1 of M that clears `column`, of pack `from`, below the pivot.
+ * Columns before it are cleared already: what is left of them below the pivots is never read. */
+static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first, int last, int column, int from)
 {
     const double own = M[pivot][column];
-    double norm[OLD_WIDTH];
-    pack product[OLD_PACKS];
+    double norm = own * own, more = 0.0;
+    pack product[OLD_PACKS], second[OLD_PACKS];
+    int i = first;
 
-    for (int b = 0; b < OLD_PACKS; ++b)
+    for (int b = from; b < OLD_PACKS; ++b) {
         product[b] = own * read_pack(M[pivot], b);
-    column_products((const double (*)[OLD_WIDTH])M, first, last, column, product);
-    for (int b = 0; b < OLD_PACKS; ++b)
-        write_pack(norm, b, product[b]);
-    if (!(norm[column] > 0.0))
+        second[b] = 0.0 * product[b];
+    }
+    for (; i + 1 < last; i += 2) {         /* two sums side by side: each waits for itself alone */
+        const double one = M[i][column], two = M[i + 1][column];
+        norm += one * one;
+        more += two * two;
+        for (int b = from; b < OLD_PACKS; ++b) {
+            product[b] += one * read_pack(M[i], b);
+            second[b] += two * read_pack(M[i + 1], b);
+        }
+    }
+    if (i < last) {
+        norm += M[i][column] * M[i][column];
+        for (int b = from; b < OLD_PACKS; ++b)
+            product[b] += M[i][column] * read_pack(M[i], b);
+    }
+    norm += more;
+    if (!(norm > 0.0))
         return;
-    const double alpha = own > 0.0 ? -sqrt(norm[column]) : sqrt(norm[column]);
+    const double alpha = own > 0.0 ? -sqrt(norm) : sqrt(norm);
     const double v = own - alpha, beta = -1.0 / (alpha * v);
-    for (int b = 0; b < OLD_PACKS; ++b) {
+    for (int b = from; b < OLD_PACKS; ++b) {
         const pack row = read_pack(M[pivot], b);
-        product[b] = beta * (product[b] - alpha * row);
+        product[b] = beta * (product[b] + second[b] - alpha * row);
         write_pack(M[pivot], b, row - v * product[b]);
     }
-    subtract_products(M, first, last, column, 1.0, product);
-    for (int i = first; i < last; ++i)
-        M[i][column] = 0.0;
+    for (i = first; i < last; ++i) {
+        const double factor = M[i][column];
+        for (int b = from; b < OLD_PACKS; ++b)
+            write_pack(M[i], b, read_pack(M[i], b) - factor * product[b]);
+    }
     M[pivot][column] = alpha;
+}
+
+/* Let row i be the only one but earlier rows that has column first + i, for all columns before `end`: rows `others` .. last
+ * - 1 are cleared, and those between pivot and `others` have nothing there. */
+static inline void triangularise(double (*restrict M)[OLD_WIDTH], int first, int end, int others, int last)
+{
+    EACH_KNOWN for (int b = 0; b < OLD_PACKS; ++b)
+        for (int j = b * PACK > first ? b * PACK : first; j < end && j < (b + 1) * PACK; ++j)
+            reflect(M, j - first, j - first < others ? others : j - first + 1, last, j, b);
 }
 
 /* Let a unit noise n act through a vector g on the states of the NX rows M, given `along` = M g: || M d ||^2 becomes
@@ -122,10 +128,7 @@ static inline void arrival_measure(const struct rti *restrict s, double (*restri
             T[NX + i][j] *= scale;
         T[NX + i][OLD - 1] = scale * (rti_target(s, 0, i) - T[NX + i][OLD - 1]);
     }
-    for (int j = 0; j < NX; ++j)
-        reflect(T, j, NX, NX + NY, j);
-    for (int a = 0; a < NU; ++a)
-        reflect(T, NX + a, NX + a + 1, NX + NY, NX + a);
+    triangularise(T, 0, NX + NU, NX, NX + NY);
 }
 
 /* Z = T A^-1 for A = [A1 A2; 0 I], by LU with partial pivoting of A1', all rows of T side by side. */
@@ -138,7 +141,7 @@ static inline int arrival_transition(const double (*restrict A)[WIDTH], const do
         for (int j = 0; j < ND; ++j)
             M[i][j] = A[j][i];
         for (int r = 0; r < WIDTH; ++r)
-            X[i][r] = r < NX ? T[r][i] : 0.0;
+            X[i][r] = r <= i ? T[r][i] : 0.0;
     }
     for (int j = 0; j < ND; ++j) {
         int pivot = j;
@@ -176,7 +179,7 @@ static inline int arrival_transition(const double (*restrict A)[WIDTH], const do
     }
     for (int i = 0; i < NX; ++i) {
         for (int j = 0; j < WIDTH; ++j)
-            Z[i][j] = j < ND ? X[j < ND ? j : 0][i] : j < NX ? T[i][j] : 0.0;
+            Z[i][j] = j < ND ? X[j < ND ? j : 0][i] : i <= j && j < NX ? T[i][j] : 0.0;
         for (int m = 0; m < ND; ++m)
             for (int j = ND; j < NX; ++j)
                 Z[i][j] -= X[m][i] * A[m][j];
@@ -200,28 +203,28 @@ static inline void arrival_substitute(const double (*restrict B)[NU], const doub
         M[i][OLD - 1] = T[i][OLD - 1];
     }
     for (int a = 0; a < NU; ++a) {
-        for (int b = 0; b < NU; ++b)
+        for (int b = a; b < NU; ++b)
             M[NX + a][b] = T[NX + a][NX + b];
         M[NX + a][OLD - 1] = T[NX + a][OLD - 1];
     }
 }
 
-/* Absorb the oldest stage into the arrival cost, which stays as it is on failure; call after feedback, before
- * rti_shift. */
+/* Absorb the oldest stage into the arrival cost, which stays as it is on failure; call after feedback, before rti_shift and
+ * the next rti_prepare, for which this linearises: the lanes of its last stages have room for one more. */
 static int arrival_update(struct rti *s)
 {
     double T[NX + NY][OLD_WIDTH] = {{0.0}}, M[NX + NU][OLD_WIDTH] = {{0.0}}, Z[NX][WIDTH], d[NX];
 
-    dynamics(s, 0, 1);
+    s->linearised = 1;
+    dynamics(s, 0, N + 1);
     arrival_measure(s, T);
-    if (!arrival_transition((const double (*)[WIDTH])s->qp.A[0], (const double (*)[OLD_WIDTH])T, Z))
+    if (!arrival_transition((const double (*)[WIDTH])s->qp.A[N], (const double (*)[OLD_WIDTH])T, Z))
         return NOT_FINITE;
-    arrival_substitute((const double (*)[NU])s->qp.B[0], (const double (*)[OLD_WIDTH])T, (const double (*)[WIDTH])Z, M);
+    arrival_substitute((const double (*)[NU])s->qp.B[N], (const double (*)[OLD_WIDTH])T, (const double (*)[WIDTH])Z, M);
     arrival_widen(s, M);
     for (int a = 0; a < NU; ++a)           /* the rows that du claims are the last ones */
-        reflect(M, NX + NU - 1 - a, 0, NX + NU - 1 - a, a);
-    for (int j = 0; j < NX; ++j)
-        reflect(M, j, j + 1, NX, NU + j);
+        reflect(M, NX + NU - 1 - a, 0, NX + NU - 1 - a, a, a / PACK);
+    triangularise(M, NU, NU + NX, 0, NX);
     for (int i = NX - 1; i >= 0; --i) {
         double sum = M[i][OLD - 1];
         for (int j = i + 1; j < NX; ++j)
@@ -231,7 +234,7 @@ static int arrival_update(struct rti *s)
     if (!all_finite(&M[0][0], sizeof M / sizeof(double)) || !all_finite(d, NX))
         return NOT_FINITE;
     for (int i = 0; i < NX; ++i) {
-        s->prior[i] = s->qp.c[0][i] + d[i];
+        s->prior[i] = s->qp.c[N][i] + d[i];
         memset(s->root[i], 0, (size_t)i * sizeof(double));
         memcpy(s->root[i] + i, M[i] + NU + i, (size_t)(NX - i) * sizeof(double));
     }

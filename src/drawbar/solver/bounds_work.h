@@ -17,6 +17,7 @@ struct active_set {
     double pull[NZ], dz[NZ], dpi[(N + 1) * NX];   /* one sweep: the pulls, and how they move everything */
     int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
     int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
+    int32_t first;                         /* all bounds are those of a free first state */
 };
 
 /* Work of held_set.h: what each bound does, and the recursion's vectors. */

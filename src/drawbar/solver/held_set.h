@@ -46,15 +46,18 @@ static inline int held_choose(const struct qp *s, const struct held_set *h, int 
 /* Decide anew about all bounds; returns how many changed, or -1 where one cannot be held here. */
 static int held_update(const struct qp *restrict s, struct held_set *restrict h)
 {
-    int next[AT_LEAST_ONE(NB)], changes = 0;
+    int next[AT_LEAST_ONE(NB)], held[AT_LEAST_ONE(NB)], count = 0, changes = 0;
 
     memset(h->by, -1, sizeof h->by);
-    for (int i = 0; i < NB; ++i)
+    for (int i = 0; i < NB; ++i) {
         next[i] = held_next(s, h, i);
+        if (next[i] == HELD || next[i] == -HELD)
+            held[count++] = i;
+    }
     for (int states = 0; states < 2; ++states)
-        for (int i = 0; i < NB; ++i) {
-            const int k = held_stage(s, i);
-            if ((s->bound[i] < (N + 1) * NX) != states || (next[i] != HELD && next[i] != -HELD))
+        for (int r = 0; r < count; ++r) {
+            const int i = held[r], k = held_stage(s, i);
+            if ((s->bound[i] < (N + 1) * NX) != states)
                 continue;
             const int a = held_input(s, i), other = a < 0 ? -1 : h->by[k][a];
             if (a < 0 || (other >= 0 && (!states || s->bound[other] < (N + 1) * NX)))
@@ -65,10 +68,12 @@ static int held_update(const struct qp *restrict s, struct held_set *restrict h)
                 h->by[k][a] = i;
         }
     for (int i = 0; i < NB; ++i) {
+        if (next[i] == h->side[i])
+            continue;
         if (next[i] != 0 && held_stage(s, i) > h->last)
             h->last = held_stage(s, i);
-        changes += next[i] != h->side[i];
         h->side[i] = next[i];
+        ++changes;
     }
     return changes;
 }
@@ -76,6 +81,8 @@ static int held_update(const struct qp *restrict s, struct held_set *restrict h)
 static void held_publish(struct qp *restrict s, const struct held_set *restrict h)
 {
     for (int i = 0; i < NB; ++i) {
+        if (h->side[i] == 0)
+            continue;
         const int beyond = h->side[i] == BEYOND || h->side[i] == -BEYOND, lower = 2 * i, upper = 2 * i + 1;
         const double violation = fabs(s->z[s->bound[i]] - held_limit(s, h, i));
         s->multiplier[lower] = h->nu[i] > 0.0 ? h->nu[i] : 0.0;

@@ -327,12 +327,27 @@ static int qp_active(struct qp *s, union bounds_work *work)
     return 0;
 }
 
+/* Solve without bounds; returns whether they are respected, those of a free first state too where they are all. */
+static int qp_solve_free(struct qp *s, struct active_set *active)
+{
+    int violated = 0;
+
+    if (bounds_at_first(s))
+        return qp_first_set(s, active);
+    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+    for (int i = 0; i < NB; ++i) {
+        const double value = s->z[s->bound[i]];
+        violated |= (value < s->lower[i]) | (value > s->upper[i]);
+    }
+    return !violated;
+}
+
 /* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that settles, the interior
  * point otherwise; the answer is judged by kkt_check. */
 static int qp_optimise(struct qp *s, union bounds_work *work)
 {
     double gradient[NZ], defect[N][NX];
-    int invalid = !bounds_exist(s), violated = 0;
+    int invalid = !bounds_exist(s);
 
     s->iterations = 0;
     s->kkt = INFINITY;
@@ -346,16 +361,12 @@ static int qp_optimise(struct qp *s, union bounds_work *work)
     if (!s->factored && !qp_factor(s, NULL, N + 1))
         return qp_damped(s, &work->ip, NOT_FINITE);
     s->factored = 1;
-    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    for (int i = 0; i < NB; ++i) {
-        const double value = s->z[s->bound[i]];
-        violated |= (value < s->lower[i]) | (value > s->upper[i]);
-    }
-    if (!violated) {
-        const int status = kkt_check(s, 0, gradient, defect);
-        return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, status);
-    }
-    if (qp_active(s, work))
+    if (qp_solve_free(s, &work->active)) {
+        const int status = kkt_check(s, s->iterations > 0, gradient, defect);
+        if (status == SOLVED || s->iterations == 0)
+            return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, status);
+        qp_afresh(s);
+    } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
     work->ip.damping.on = 0;

@@ -122,16 +122,31 @@ struct kkt_scale {
 static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scale *restrict scale)
 {
     double primal[NX + NU] = {0.0}, dual[NX + NU] = {0.0}, size[NX + NU] = {0.0};
+    pack most[PACKS], steepest[PACKS], sum[PACKS];
     double least_primal = 1e-12, least_dual = 1e-12, objective = 1e-12, terms = 0.0;
 
-    for (int k = 0; k <= N; ++k)
-        for (int j = 0; j < NX; ++j) {
-            const double x = STATE(s->z, k)[j], q = STATE(s->g, k)[j];
-            primal[j] = largest(primal[j], x);
-            dual[j] = largest(largest(largest(dual[j], q), k > 0 || !FREE_INITIAL ? STATE(s->pi, k)[j] : 0.0),
-                              s->Q[k][j][j] * x);
-            size[j] += fabs(q * x);
+    EACH_PACK(b)
+        most[b] = steepest[b] = sum[b] = (pack){0};
+    for (int k = 0; k <= N; ++k) {
+        pack x[PACKS], q[PACKS], pi[PACKS], term[PACKS];
+        read_vector(x, STATE(s->z, k));
+        read_vector(q, STATE(s->g, k));
+        grow(most, x);
+        grow(steepest, q);
+        if (k > 0 || !FREE_INITIAL) {
+            read_vector(pi, STATE(s->pi, k));
+            grow(steepest, pi);
         }
+        read_diagonal(term, (const double (*)[WIDTH])s->Q[k]);
+        EACH_PACK(b)
+            term[b] *= x[b];
+        grow(steepest, term);
+        EACH_PACK(b)
+            sum[b] += pack_size(q[b] * x[b]);
+    }
+    write_vector(primal, most);
+    write_vector(dual, steepest);
+    write_vector(size, sum);
     for (int k = 0; k < N; ++k)
         for (int a = 0; a < NU; ++a) {
             const double u = INPUT(s->z, k)[a], r = INPUT(s->g, k)[a];
@@ -144,6 +159,8 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         }
     for (int i = 0; bounded && i < NB; ++i) {   /* both sides of a bound at once: only their difference acts */
         const double net = s->multiplier[2 * i] - s->multiplier[2 * i + 1];
+        if (net == 0.0)
+            continue;
         dual[kind_of(s->bound[i])] = largest(dual[kind_of(s->bound[i])], net);
         objective += fabs(net * s->z[s->bound[i]]);
     }
@@ -168,10 +185,11 @@ static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *re
     double outside[NX + NU] = {0.0}, negative[NX + NU] = {0.0}, worst = 0.0, gap = 0.0;
 
     for (int m = 0; m < NSIDES; ++m) {
-        const int i = m / 2, kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < INFINITY;
+        const int i = m / 2;
         const double lambda = s->multiplier[m], slack = s->violation[m], distance = bound_distance(s, s->z, m) + slack;
         if (lambda == 0.0 && slack == 0.0 && distance >= 0.0)
             continue;
+        const int kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < INFINITY;
         gradient[s->bound[i]] -= m % 2 == 0 ? lambda : -lambda;
         outside[kind] = largest(outside[kind], distance < 0.0 ? distance : 0.0);
         outside[kind] = largest(outside[kind], slack < 0.0 || !soft ? slack : 0.0);
@@ -229,7 +247,8 @@ static double kkt_cost(const struct qp *restrict s, int bounded)
  * much times the costate, and the gap of bounds and multipliers by itself. */
 static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defect)[NX])
 {
-    double stationarity[NX + NU] = {0.0}, feasibility[NX] = {0.0}, worst = 0.0, gap = 0.0;
+    double stationarity[NX + NU] = {0.0}, feasibility[NX], worst = 0.0, gap = 0.0;
+    pack steepest[PACKS], missed[PACKS], row[PACKS];
     struct kkt_scale scale ON_STACK;
 
     if (!all_finite(s->z, NZ) || !all_finite(s->pi, (N + 1) * NX) || (bounded && !all_finite(s->multiplier, NSIDES)))
@@ -238,15 +257,20 @@ static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defec
     kkt_scales(s, bounded, &scale);
     if (bounded)
         worst = kkt_bounds(s, &scale, gradient, &gap);
-    for (int k = 0; k <= N; ++k)
-        for (int j = 0; j < NX; ++j)
-            stationarity[j] = largest(stationarity[j], STATE(gradient, k)[j]);
+    EACH_PACK(b)
+        steepest[b] = missed[b] = (pack){0};
+    for (int k = 0; k <= N; ++k) {
+        read_vector(row, STATE(gradient, k));
+        grow(steepest, row);
+    }
     for (int k = 0; k < N; ++k) {
+        read_vector(row, defect[k]);
+        grow(missed, row);
         for (int a = 0; a < NU; ++a)
             stationarity[NX + a] = largest(stationarity[NX + a], INPUT(gradient, k)[a]);
-        for (int j = 0; j < NX; ++j)
-            feasibility[j] = largest(feasibility[j], defect[k][j]);
     }
+    write_vector(stationarity, steepest);
+    write_vector(feasibility, missed);
     for (int j = 0; j < NX && !FREE_INITIAL; ++j)
         feasibility[j] = largest(feasibility[j], s->z[j] - s->initial[j]);
     for (int j = 0; j < NX + NU; ++j) {

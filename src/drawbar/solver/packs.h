@@ -18,11 +18,14 @@
 #pragma GCC diagnostic ignored "-Wpsabi"   /* packs are passed between inlined functions only */
 #endif
 typedef double pack __attribute__((vector_size(8 * PACK)));
+typedef int64_t pack_bits __attribute__((vector_size(8 * PACK)));
 typedef double pack_in_memory __attribute__((vector_size(8 * PACK), aligned(8), may_alias));
 #define LANE_OF(value, l) ((value)[l])
+#define pack_size(value) ((pack)((pack_bits)(value) & INT64_MAX))
 #else
 typedef double pack, pack_in_memory;
 #define LANE_OF(value, l) (value)
+#define pack_size(value) fabs(value)
 #endif
 
 /* gcc 12 may take a large struct on the stack for aligned to whole registers without seeing to it: say so. */
@@ -41,6 +44,20 @@ typedef double pack, pack_in_memory;
 #define UNROLLED
 #endif
 #define EACH_PACK(b) UNROLLED for (int b = 0; b < PACKS; ++b)
+/* Loops whose turns each know the number of their pack, so that what they work on stays in registers: over packs, and over
+ * the rows i < count whose diagonal lies in pack c. */
+#if PACK > 1 && defined(__clang__)
+#define EACH_KNOWN _Pragma("clang loop unroll(full)")
+#elif PACK > 1
+#define EACH_KNOWN _Pragma("GCC unroll 8")
+#else
+#define EACH_KNOWN UNROLLED
+#endif
+#define PACK_END(c) ((c) < NX / PACK ? ((c) + 1) * PACK : NX)
+#define EACH_ROW_BY_PACK(i, c)                                                                \
+    EACH_KNOWN for (int c = 0; c < PACKS; ++c)                                                \
+        for (int i = c * PACK; i < PACK_END(c); ++i)
+#define FROM_PACK(b, c) UNROLLED for (int b = c; b < PACKS; ++b)
 
 static inline pack read_pack(const double *row, int b)
 {
@@ -90,6 +107,30 @@ static inline void add_row(pack *restrict sum, double factor, const double *rest
         sum[b] += factor * read_pack(row, b);
 }
 
+/* The lower half of a symmetric matrix from its upper one, by whole packs: what is stored number by number cannot be read
+ * in one soon after. */
+static inline void mirror(double (*restrict M)[WIDTH])
+{
+#if PACK == 1
+    UNROLLED for (int i = 1; i < NX; ++i)
+        UNROLLED for (int j = 0; j < i; ++j)
+            M[i][j] = M[j][i];
+#else
+    EACH_KNOWN for (int c = 0; c < PACKS; ++c) {
+        const int d = c * PACK;
+        for (int i = d; i < PACK_END(c); ++i)
+            for (int b = 0; b < c; ++b)
+                write_pack(M[i], b, ((pack){M[b * PACK][i], M[b * PACK + 1][i], M[b * PACK + 2][i], M[b * PACK + 3][i]}));
+        for (int i = d + 1; i < PACK_END(c); ++i) {
+            pack row = read_pack(M[i], c);
+            for (int j = d; j < i; ++j)
+                row[j - d] = M[j][i];
+            write_pack(M[i], c, row);
+        }
+    }
+#endif
+}
+
 /* 1 for the states that are constant (ND and later), 0 for the others. */
 static inline pack constant_mask(int b)
 {
@@ -102,6 +143,36 @@ static inline pack constant_mask(int b)
 #else
     return b >= ND;
 #endif
+}
+
+/* The largest absolute value so far, number by number; a NaN is passed over. */
+static inline void grow(pack *restrict most, const pack *restrict values)
+{
+    EACH_PACK(b) {
+#if PACK == 1
+        const double size = pack_size(values[b]);
+        most[b] = size > most[b] ? size : most[b];
+#else
+        const pack size = pack_size(values[b]);
+        const pack_bits above = size > most[b];
+        most[b] = (pack)((above & (pack_bits)size) | (~above & (pack_bits)most[b]));
+#endif
+    }
+}
+
+/* The diagonal of a matrix with padded rows. */
+static inline void read_diagonal(pack *restrict to, const double (*restrict M)[WIDTH])
+{
+#define ON_DIAGONAL(j) ((j) < NX ? M[(j) < NX ? (j) : 0][(j)] : 0.0)
+    EACH_PACK(b) {
+#if PACK == 1
+        to[b] = M[b][b];
+#else
+        const int j = b * PACK;
+        to[b] = (pack){ON_DIAGONAL(j), ON_DIAGONAL(j + 1), ON_DIAGONAL(j + 2), ON_DIAGONAL(j + 3)};
+#endif
+    }
+#undef ON_DIAGONAL
 }
 
 /* start + row' vector */

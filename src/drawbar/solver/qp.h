@@ -29,6 +29,9 @@
 #define STATE(z, k) ((z) + (k) * NX)
 #define INPUT(z, k) ((z) + (N + 1) * NX + (k) * NU)
 
+#ifndef LEAVING
+#define LEAVING 0                          /* 1 where a stage that leaves the window is linearised with it, see rti.h */
+#endif
 #ifndef LEAST_STEP
 #define LEAST_STEP 0
 #endif
@@ -36,7 +39,8 @@
 struct qp {
     /* problem */
     double Q[N + 1][NX][WIDTH], S[CROSS ? N : 1][NU][WIDTH], R[N][NU][NU];
-    double A[N][ND][WIDTH], B[N][ND][NU], c[N][NX];   /* the rows below of A are [0 I], those of B zero */
+    double A[N + LEAVING][ND][WIDTH], B[N + LEAVING][ND][NU], c[N + LEAVING][NX];   /* the rows below of A are [0 I], those
+                                            * of B zero */
     double g[NZ];                          /* q_0 .. q_N, r_0 .. r_{N-1} */
     double initial[NX];                    /* x_0 where it is given */
     double lower[AT_LEAST_ONE(NB)], upper[AT_LEAST_ONE(NB)];   /* infinite: none */
@@ -131,11 +135,12 @@ static inline void feedback_rows(const double (*restrict L)[NU], const double *r
     }
 }
 
-/* Huu = R + B' P B, factorised; P is that of stage k+1. */
-static inline int riccati_input(struct qp *restrict s, int k, const double *restrict barrier,
-                                const double (*restrict P)[WIDTH])
+/* Huu = R + B' P B, factorised, and Hux = S + B' P A; P is that of stage k+1. */
+static inline int riccati_input(struct qp *restrict s, int k, const double *restrict barrier, double (*restrict Hux)[WIDTH])
 {
+    const double (*restrict A)[WIDTH] = (const double (*)[WIDTH])s->A[k];
     const double (*restrict B)[NU] = (const double (*)[NU])s->B[k];
+    const double (*restrict P)[WIDTH] = (const double (*)[WIDTH])s->P[k + 1];
     double Huu[NU][NU];
 
     UNROLLED for (int a = 0; a < NU; ++a) {
@@ -147,6 +152,13 @@ static inline int riccati_input(struct qp *restrict s, int k, const double *rest
         UNROLLED for (int m = 1; m < ND; ++m)
             add_row(row, B[m][a], P[m]);
         write_row(BP, row);
+        EACH_PACK(b)
+            row[b] *= constant_mask(b);
+        UNROLLED for (int m = 0; m < ND; ++m)
+            add_row(row, BP[m], A[m]);
+        if (CROSS)
+            add_row(row, 1.0, s->S[k][a]);
+        write_row(Hux[a], row);
         UNROLLED for (int b = 0; b < NU; ++b) {
             double sum = s->R[k][a][b];
             UNROLLED for (int m = 0; m < ND; ++m)
@@ -160,18 +172,18 @@ static inline int riccati_input(struct qp *restrict s, int k, const double *rest
                    : ldl_input((const double (*)[NU])Huu, s->L[k], s->D[k]);
 }
 
-/* One backward step: P_{k+1} gives P_k, with the feedback K, L, D of stage k. */
+/* One backward step: P_{k+1} gives P_k, with the feedback K, L, D of stage k. Of symmetric matrices the upper half. */
 static inline int riccati_stage(struct qp *restrict s, int k, const double *restrict barrier)
 {
     const double (*restrict A)[WIDTH] = (const double (*)[WIDTH])s->A[k];
-    const double (*restrict B)[NU] = (const double (*)[NU])s->B[k];
     const double (*restrict after)[WIDTH] = (const double (*)[WIDTH])s->P[k + 1];
     double (*restrict P)[WIDTH] = s->P[k], (*restrict K)[WIDTH] = s->K[k];
     double PA[NX][WIDTH], Hux[NU][WIDTH];
 
-    if (!riccati_input(s, k, barrier, after))
+    if (!riccati_input(s, k, barrier, Hux))
         return 0;
-    UNROLLED for (int i = 0; i < NX; ++i) {
+    feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
+    UNROLLED for (int i = 0; i < ND; ++i) {
         pack row[PACKS];
         EACH_PACK(b)
             row[b] = constant_mask(b) * read_pack(after[i], b);
@@ -179,33 +191,28 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
             add_row(row, after[i][m], A[m]);
         write_row(PA[i], row);
     }
-    UNROLLED for (int a = 0; a < NU; ++a) {
+    EACH_ROW_BY_PACK(i, c) {
         pack row[PACKS];
-        EACH_PACK(b)
-            row[b] = B[0][a] * read_pack(PA[0], b);
-        UNROLLED for (int m = 1; m < ND; ++m)
-            add_row(row, B[m][a], PA[m]);
-        if (CROSS)
-            add_row(row, 1.0, s->S[k][a]);
-        write_row(Hux[a], row);
-    }
-    feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
-    UNROLLED for (int i = 0; i < NX; ++i) {
-        pack row[PACKS];
-        read_row(row, s->Q[k][i]);
+        FROM_PACK(b, c)
+            row[b] = read_pack(s->Q[k][i], b);
         if (i >= ND)
-            add_row(row, 1.0, PA[i]);
+            FROM_PACK(b, c)
+                row[b] += constant_mask(b) * read_pack(after[i], b);
         UNROLLED for (int m = 0; m < ND; ++m)
-            add_row(row, A[m][i], PA[m]);
+            FROM_PACK(b, c) {
+                row[b] += A[m][i] * read_pack(PA[m], b);
+                if (i >= ND)
+                    row[b] += after[i][m] * read_pack(A[m], b);
+            }
         UNROLLED for (int a = 0; a < NU; ++a)
-            add_row(row, Hux[a][i], K[a]);
-        write_row(P[i], row);
+            FROM_PACK(b, c)
+                row[b] += Hux[a][i] * read_pack(K[a], b);
+        FROM_PACK(b, c)
+            write_pack(P[i], b, row[b]);
         if (barrier)
             P[i][i] += STATE(barrier, k)[i];
     }
-    UNROLLED for (int i = 1; i < NX; ++i)  /* rounding must not make P asymmetric */
-        UNROLLED for (int j = 0; j < i; ++j)
-            P[i][j] = P[j][i];
+    mirror(P);                             /* rounding must not make P asymmetric */
     return 1;
 }
 

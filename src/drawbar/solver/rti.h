@@ -24,6 +24,7 @@ struct rti {
     double process[NX], common[NX];        /* process noise per sample (standard deviations), for the arrival cost: of
                                             * each state alone, and of one noise that moves all of them at once */
     int32_t status, open_end;              /* open_end: x_N is still to be predicted */
+    int32_t linearised;                    /* as it will be after the next shift, and the stage that leaves behind it */
     uint8_t missing[N + 1][NY];            /* measurements, as rti_note_missing last saw them */
     struct qp qp;
     double constants[CONSTANTS];           /* of the model, and the sample time, s */
@@ -31,6 +32,12 @@ struct rti {
 
 #define SMALL_STEP 1e-3                    /* of the largest in the trajectory */
 #define WORK union bounds_work             /* what a feedback borrows, see workspace.h */
+
+#if LEAVING                                /* where the linearisation of stage k has its place */
+#define PLACE(work, k) ((k) < (work)->linearised ? N : (k) - (work)->linearised)
+#else
+#define PLACE(work, k) (k)
+#endif
 
 static void rti_constants(struct rti *work);
 static void dynamics(struct rti *work, int first, int count);   /* qp.A, qp.B, and F in the place of qp.c */
@@ -87,7 +94,9 @@ static void rti_hessian(struct rti *s)
 /* The preparation phase: linearise along the trajectory, factorise for complete measurements as far as known. */
 static int rti_prepare(struct rti *s)
 {
-    dynamics(s, 0, N);
+    if (!s->linearised)
+        dynamics(s, 0, N);
+    s->linearised = 0;
     if (s->open_end)
         memcpy(STATE(s->z, N), s->qp.c[N - 1], sizeof s->qp.c[N - 1]);
     s->open_end = 0;

@@ -35,7 +35,7 @@ static int window_restart(struct window *window, struct rti *rti, const double *
     memset(INPUT(rti->z, 0), 0, N * NU * sizeof(double));
     for (int i = 0; i < (N + 1) * NY; ++i)
         y[i] = NAN;
-    rti->open_end = 0;
+    rti->open_end = rti->linearised = 0;
     return rti_prepare(rti);
 }
 

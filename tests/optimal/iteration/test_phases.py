@@ -183,3 +183,31 @@ def test_oldest_stage_that_cannot_be_absorbed_starts_the_arrival_cost_anew(named
     )
     np.testing.assert_array_equal(solver.prior, following)
     assert solver.feedback() == SolverStatus.SOLVED
+
+
+@pytest.mark.parametrize("name", ["articulated_estimator", "tricycle_estimator"])
+def test_slide_linearises_what_stays_as_a_preparation_does(name: str, named: Any) -> None:
+    case = named(name)
+    solver = settled(case)
+    solver.workspace.array("window.newest")[:] = case.problem.horizon
+    slid = []
+    for phases in ([solver.slide, solver.prepare], [solver.prepare]):
+        assert [phase() for phase in phases] == [SolverStatus.SOLVED] * len(phases)
+        slid.append([solver.workspace.array(field).copy() for field in ("qp.A", "qp.B", "qp.c", "x")])
+    for with_slide, alone in zip(*slid, strict=True):
+        np.testing.assert_allclose(with_slide, alone, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["articulated_estimator", "tricycle_estimator"])
+def test_bounds_of_a_free_first_state_need_no_interior_point(name: str, named: Any) -> None:
+    solver = settled(named(name))
+    array = solver.workspace.array
+    place = array("qp.bound")[0]
+    wanted = 1.2  # beyond what both find without bounds
+    array("lower")[0], array("upper")[0] = wanted, wanted + 1.0
+    solver.prepare()
+    assert solver.feedback() == SolverStatus.SOLVED
+    assert solver.iterations > 0
+    assert array("qp.factored")[0] == 1, "the factorisation without a barrier is still there"
+    assert array("qp.multiplier")[0] > 0.0
+    assert array("x")[0, place] == pytest.approx(wanted, abs=1e-12)
