@@ -20,6 +20,9 @@ _PERIOD = 1_000_000_000
 """between two pictures, ns"""
 _POINTS = 800
 """of the track that are drawn, at most"""
+_SPAN = 20.0
+"""least length of the plot's axes, m"""
+_LINE = {"width": 3, "color": "#0072b2"}
 _PICTURE = """<svg viewBox="0 0 300 96" class="to-drive" aria-hidden="true">
 <path d="M10 40 H170 M165 35 l6 5 l-6 5 M170 52 H10 M15 47 l-6 5 l6 5"/>
 <circle cx="222" cy="24" r="20"/><circle cx="222" cy="72" r="20"/><circle cx="268" cy="24" r="14"/>
@@ -89,9 +92,15 @@ class CalibrationCard:
         self._track.set_visibility(True)
         every = max(1, len(drive.x) // _POINTS)
         known = np.isfinite(drive.x + drive.y)
-        points = np.round(np.column_stack([drive.x[known], drive.y[known]])[::every], 2).tolist()
-        line = {"type": "line", "data": points, "showSymbol": False, "lineStyle": {"width": 3, "color": "#0072b2"}}
-        self._track.run_chart_method(":setOption", f"{{series: [{json.dumps(line)}]}}")
+        points = np.round(np.column_stack([drive.x[known], drive.y[known]])[::every], 2)
+        if not len(points):
+            return
+        line = {"type": "line", "data": points.tolist(), "showSymbol": False, "lineStyle": _LINE}
+        middle = 0.5 * (points.max(axis=0) + points.min(axis=0))
+        half = 0.5 * max(float(np.ptp(points, axis=0).max()), _SPAN)
+        axes = [{"min": round(each - half), "max": round(each + half)} for each in middle.tolist()]
+        self._track.run_chart_method(":setOption", "plotLook(0)")
+        self._track.run_chart_method("setOption", {"xAxis": axes[0], "yAxis": axes[1], "series": [line]})
 
     async def _find(self) -> None:
         """Evaluate in a thread, which must not hold up the pictures of those who drive."""
