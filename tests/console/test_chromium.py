@@ -199,3 +199,15 @@ def test_a_curve_is_recorded_while_driving(drive, page):
     page.get_by_text("Recording:").wait_for()
     press(page, "Discard")
     page.get_by_text("Recording:").wait_for(state="hidden")
+
+
+def test_a_drive_by_hand_is_evaluated(drive, page):
+    page.goto(f"{drive}setup")
+    press(page, "● Begin")
+    page.get_by_text("circles: left").wait_for()
+    page.locator(".track-plot canvas").wait_for()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    press(page, "■ End and evaluate")
+    page.get_by_text("Found:").wait_for()
+    assert page.get_by_text("✖ front wheels: scale").count() == 1
+    assert page.troubles == []

@@ -1,14 +1,12 @@
 """The fields page, by simulated users: lines are made while driving, imported, planned on the map and taken."""
 
-import asyncio
-
 import numpy as np
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
-from console_stage import FRAME, staged
+from console_stage import FRAME, staged, until
 from nicegui import ui
 
 from drawbar.config import load_configuration
@@ -31,14 +29,6 @@ FIELD = Field(
     ),
     boundary=on_earth(np.array([[-50.0, -20.0], [80.0, -20.0], [80.0, 100.0], [-50.0, 100.0]]), FRAME),
 )
-
-
-async def until(condition):
-    for _ in range(1200):
-        if condition():
-            return
-        await asyncio.sleep(0.05)
-    raise AssertionError("it did not happen")
 
 
 def drive(stage, one, places):

@@ -43,7 +43,7 @@ def drawn(one):
     sent = []
 
     def call(name, options, *rest):
-        sent.append(json.loads(options.removeprefix("{...plotLook(), series: ").removesuffix("}")))
+        sent.append(json.loads(options.partition("series: ")[2].removesuffix("}")))
 
     one.page._chart.run_chart_method = call
     return sent

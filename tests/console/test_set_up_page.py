@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
-from console_stage import staged
+from console_stage import staged, until
 from nicegui import ui
 
 from drawbar.config import load_configuration
@@ -201,3 +202,41 @@ def test_a_device_that_was_never_heard_has_no_rate():
     states = DeviceRates().states(10**12)
     assert {state.rate for state in states[:-1]} == {0.0}
     assert all(math.isnan(state.age) for state in states)
+
+
+def straight_steps(record):
+    """Return the steps of 60 m driven straight at 1 m/s, with a wheel sensor that shows 4 % too much."""
+    for number in range(300):
+        place = replace(record.estimate.tractor, x=0.2 * number, y=0.0, yaw=0.0)
+        measured = replace(record.measurement, time=0.2 * number, speed=1.04, hitch_angle=0.01, tractor_steering=0.0)
+        yield replace(record, estimate=replace(record.estimate, tractor=place), measurement=measured)
+
+
+@staged
+async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_steered(stage, browser):
+    from drawbar.simulation import simulate
+
+    short = load_configuration("articulated", ["path.radii=[4.0]", "path.straight_length=1.0"])
+    record = simulate(short, 1).records[60]
+    stage.workshop.configuration = stage.workshop.driven  # a machine with devices
+    one = await browser().open("/setup")
+    stage.run(4.0)
+    one.refresh()
+    assert not one.enabled("■ End and evaluate")
+    one.press("● Begin")
+    for step in straight_steps(record):
+        stage.link.hand_log.hear(step, engaged=False)
+    stage.run(1.0)
+    one.refresh()
+    assert "Straight 60 m of 30; circles: left 0 of 3" in one.text()
+    one.press("■ End and evaluate")
+    await until(lambda: "Found:" in one.text())
+    assert "✓ wheel speed: 1.04 ±" in one.text()
+    assert "✖ front wheels: scale" in one.text()
+    pulses = stage.workshop.driven.devices.sensors.pulses_per_metre
+    one.refresh()
+    one.press("Save what was found")
+    assert stage.workshop.configuration.devices.sensors.pulses_per_metre == pytest.approx(1.04 * pulses, rel=1e-3)
+    stage.link.hand_log.begin()
+    stage.link.hand_log.hear(step, engaged=True)
+    assert not stage.link.hand_log.is_on

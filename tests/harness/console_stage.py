@@ -25,6 +25,7 @@ from drawbar.console.link import Link
 from drawbar.console.pages import Pages
 from drawbar.console.workshop import Workshop
 from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.demonstration import with_stand_ins
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.messages import ControllerState, Fixes, encode
@@ -55,7 +56,13 @@ class Stage:
         self.configuration = load_configuration("articulated")
         self.link = Link(self._send, Audit(audit), lambda: self.now, self.configuration.vehicle.masts.tractor)
         folder = folder or Path("nowhere")
-        self.workshop = Workshop(self.configuration, FRAME, fields=folder / "fields", setup=folder / "setup")
+        self.workshop = Workshop(
+            self.configuration,
+            with_stand_ins(self.configuration),
+            FRAME,
+            fields=folder / "fields",
+            setup=folder / "setup",
+        )
 
     @property
     def time(self):
@@ -203,6 +210,15 @@ async def console(stage, users=None, **orders):
         finally:
             os.environ.pop("NICEGUI_USER_SIMULATION", None)
             ui.navigate, ui.notify = Navigate(), notify
+
+
+async def until(condition):
+    """Wait until something that is done in a thread has happened."""
+    for _ in range(1200):
+        if condition():
+            return
+        await asyncio.sleep(0.05)
+    raise AssertionError("it did not happen")
 
 
 def client_id(text):

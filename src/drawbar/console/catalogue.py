@@ -198,6 +198,27 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "trailer_steering_sensor": ("Angle of steered joint", "Winkel Lenkgelenk"),
     "controller": ("Controller", "Regler"),
     "gate": ("Gate", "Wächter"),
+    # calibration
+    "calibrate": ("Calibrate by driving", "Beim Fahren kalibrieren"),
+    "calibrate_help": (
+        "By hand on a level field, RTK fixed: 1 straight 30 m; 2 three circles to the left, 3 three to the right, each "
+        "with the wheel held for 6 s; 4 back along the same straight.",
+        "Von Hand auf ebenem Feld, RTK Fix: 1 geradeaus 30 m; 2 drei Kreise links, 3 drei rechts, das Lenkrad je 6 s "
+        "gehalten; 4 auf derselben Geraden zurück.",
+    ),
+    "calibrate_begin": ("● Begin", "● Beginnen"),
+    "calibrate_evaluate": ("■ End and evaluate", "■ Beenden, auswerten"),
+    "calibrate_keep": ("Save what was found", "Gefundenes speichern"),
+    "calibrate_drive": ("Drive now.", "Jetzt fahren."),
+    "calibrate_driven": (
+        "Straight {straight} m of 30; circles: left {left} of 3, right {right} of 3",
+        "Gerade {straight} m von 30; Kreise: links {left} von 3, rechts {right} von 3",
+    ),
+    "calibrate_found": ("Found: {count}", "Gefunden: {count}"),
+    "calibrate_nothing": (
+        "Nothing can be evaluated: too few steps, or no devices.",
+        "Nichts auszuwerten: zu wenige Schritte oder keine Geräte.",
+    ),
     # runs
     "compare_two": ("Compare two runs", "Zwei Fahrten vergleichen"),
     "run_a": ("Run A", "Fahrt A"),

@@ -87,7 +87,7 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns, mast)
     kept = without_stand_ins(configuration) if orders.stand_ins else configuration
     frame, width = local_frame(configuration), configuration.path.working_width
-    workshop = Workshop(kept, frame, fields=Path(orders.fields), setup=Path(orders.setup))
+    workshop = Workshop(kept, configuration, frame, fields=Path(orders.fields), setup=Path(orders.setup))
     scene = standing(configuration.vehicle, configuration.speed, width, boundary(configuration, frame))
     return mailbox, link, Pages(orders, link, workshop, scene, Lines(path, width), users, audit)
 

@@ -60,7 +60,7 @@ class InsidePage:
             for index, name in enumerate(self._names.value)
             for thin, points in ((False, series(steps, name)), *((True, each) for each in band(steps, name)))
         ]
-        options = f"{{...plotLook(), series: {json.dumps(drawn)}}}"
+        options = f"{{...plotLook({len(self._names.value)}), series: {json.dumps(drawn)}}}"
         self._chart.run_chart_method(":setOption", options, "{replaceMerge: ['series']}")
 
     def _offer(self) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from drawbar.console.audit import Audit
 from drawbar.console.device_rates import DeviceRates
 from drawbar.console.drawing import Moving, moving
+from drawbar.console.hand_log import HandLog
 from drawbar.console.session import Session
 from drawbar.console.signal_history import ShownStep
 from drawbar.console.surveyor import Surveyor
@@ -54,6 +55,7 @@ class Link:
         """the newest control steps"""
         self.devices = DeviceRates()
         self.surveyor = Surveyor(mast, clock)
+        self.hand_log = HandLog()
         self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
         """x (m), y (m), lateral error (m) of the tractor"""
         self.wishes: dict[int, str] = {}
@@ -110,6 +112,7 @@ class Link:
         self.moving = moving(record)
         self.steps.append(ShownStep(record, self.controller, self._deviations))
         self._deviations = {}
+        self.hand_log.hear(record, engaged=self.is_engaged)
         self.version += 1
         self._stepped = self.clock()
         if self.moving is not None:

@@ -7,6 +7,7 @@ from nicegui import ui
 
 from drawbar.config import Configuration
 from drawbar.console.audit import Audit
+from drawbar.console.calibration_card import CalibrationCard
 from drawbar.console.catalogue import Words
 from drawbar.console.device_rates import DEVICES
 from drawbar.console.link import Link
@@ -37,6 +38,7 @@ class SetUpPage:
         self._numbers: dict[SetUpValue, ui.number] = {}
         self._changed: Configuration | None = None
         self._due, self._fills = 0, False
+        ui.add_head_html('<script src="/drawbar/plot_look.js"></script>')
         self._head = PageHead(link, visitor, words, words("setup"), login=login)
         with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
             with ui.element("div").classes("left"):
@@ -44,6 +46,8 @@ class SetUpPage:
                     self._drawing = ui.html("", sanitize=False)
                     ui.label(words("drawing_help")).classes("note")
                 self._build_devices()
+                if self._may_change:
+                    self._calibration = CalibrationCard(workshop, link, words, self._take_found)
             with ui.element("div"):
                 for title, values in GROUPS:
                     self._build_group(title, values)
@@ -55,6 +59,8 @@ class SetUpPage:
         """Show how drive and devices are."""
         self._head.refresh()
         self._save.set_enabled(self._may_save())
+        if self._may_change:
+            self._calibration.refresh()
         now = self._link.clock()
         if now < self._due:
             return
@@ -149,10 +155,19 @@ class SetUpPage:
         return changes
 
     def _keep(self) -> None:
-        if self._changed is None or not self._may_change:
-            return
+        if self._changed is not None and self._may_change:
+            self._save_version(self._changed)
+
+    def _take_found(self, changes: list[str]) -> None:
+        """Save what a calibration has found."""
         try:
-            file = self._workshop.save(self._changed, engaged=lambda: self._link.is_engaged)
+            self._save_version(self._workshop.changed(changes))
+        except DrawbarError as error:
+            tell(str(error))
+
+    def _save_version(self, changed: Configuration) -> None:
+        try:
+            file = self._workshop.save(changed, engaged=lambda: self._link.is_engaged)
         except DrawbarError as error:
             tell(str(error))
             return

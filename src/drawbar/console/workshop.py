@@ -13,9 +13,11 @@ from drawbar.geometry import LocalFrame
 class Workshop:
     """What is changed builds on the configuration of this drive, and then on what was saved last."""
 
-    def __init__(self, configuration: Configuration, frame: LocalFrame, *, fields: Path, setup: Path) -> None:
-        """Take the drive's configuration and frame, the folder of the fields and that of the versions."""
-        self.configuration, self.frame = configuration, frame
+    def __init__(
+        self, configuration: Configuration, driven: Configuration, frame: LocalFrame, *, fields: Path, setup: Path
+    ) -> None:
+        """Take what is kept of the drive's configuration, all of it, its frame, and the folders."""
+        self.configuration, self.driven, self.frame = configuration, driven, frame
         self.fields, self.versions = FieldStore(fields), Versions(setup)
 
     def changed(self, changes: Sequence[str]) -> Configuration:

@@ -1,7 +1,9 @@
 """Hand drive: what a log of driving by hand tells for calibration, and the stretches of it that can be used."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
+from operator import attrgetter
 from typing import Self
 
 import numpy as np
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 from drawbar.geometry import Floats
 from drawbar.machine.hardware.sensor_calibration import FAST, SLOW, STRAIGHT_WAY
 from drawbar.recording.log import RunLog
+from drawbar.signals import StepRecord
 
 _STRAIGHT = 0.02
 """largest |curvature| of a stretch that may count as straight, 1/m"""
@@ -21,6 +24,18 @@ _CIRCLE = 6.0
 """least time of a circle, s"""
 _GAP = 1.0
 """longest time between two steps of one stretch, s"""
+_COLUMNS = {
+    "times": "measurement.time",
+    "x": "estimate.tractor.x",
+    "y": "estimate.tractor.y",
+    "antenna_x": "measurement.tractor_x",
+    "antenna_y": "measurement.tractor_y",
+    "roll": "measurement.tractor_roll",
+    "wheel_speed": "measurement.speed",
+    "front_wheels": "measurement.tractor_steering",
+    "joint": "measurement.trailer_steering",
+    "hitch": "measurement.hitch_angle",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,20 +66,17 @@ class HandDrive:
     @classmethod
     def of(cls, log: RunLog) -> Self:
         """Take it from the log of a drive."""
-        names = {
-            "times": "measurement.time",
-            "x": "estimate.tractor.x",
-            "y": "estimate.tractor.y",
-            "antenna_x": "measurement.tractor_x",
-            "antenna_y": "measurement.tractor_y",
-            "roll": "measurement.tractor_roll",
-            "wheel_speed": "measurement.speed",
-            "front_wheels": "measurement.tractor_steering",
-            "joint": "measurement.trailer_steering",
-            "hitch": "measurement.hitch_angle",
-        }
-        columns = {field: log.column(name) for field, name in names.items()}
-        return cls(yaw=np.unwrap(log.column("estimate.tractor.yaw")), **columns)
+        return cls._from(log.column)
+
+    @classmethod
+    def of_records(cls, records: Sequence[StepRecord]) -> Self:
+        """Take it from the steps of a drive."""
+        return cls._from(lambda name: np.array([attrgetter(name)(record) for record in records], float))
+
+    @classmethod
+    def _from(cls, column: Callable[[str], Floats]) -> Self:
+        columns = {field: column(name) for field, name in _COLUMNS.items()}
+        return cls(yaw=np.unwrap(column("estimate.tractor.yaw")), **columns)
 
     def part(self, chosen: slice) -> Self:
         """Return a stretch of it."""
