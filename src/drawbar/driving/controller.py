@@ -4,16 +4,15 @@ import math
 
 from drawbar.config import Configuration
 from drawbar.driving.certainty import certainty
+from drawbar.driving.doubts import Doubts
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
-from drawbar.signals import Command, FixStatus, Measurement, Status, StepRecord
+from drawbar.signals import Command, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
-DOUBTED = 3
-"""samples in a row in which neither antenna is where it can be, from which on the position is not known"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
 
 
@@ -41,8 +40,9 @@ class Controller:
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
+        self._doubts = Doubts(configuration.sanity)
         self._gate: GateState | None = None
-        self._sequence = self._solved = self._overruns = self._doubted = 0
+        self._sequence = self._solved = self._overruns = 0
         self._status = Status.POSITION
         self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
 
@@ -63,6 +63,8 @@ class Controller:
         """Return the command that answers a measurement; call prepare() once it is out."""
         if not self.engaged and (self._status.has_ended or self._status is Status.START):
             self._begin_beside(measurement)
+        if self.engaged:
+            measurement = self._doubts.without(measurement)
         self._status, self._command = self._autopilot.feedback(measurement)
         self._measurement = measurement
         return self.repeat(now)
@@ -92,8 +94,8 @@ class Controller:
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
-            self._doubted = self._doubted + 1 if _both_rejected(record) else 0
-            known = self._status.is_new_command and self._doubted < DOUBTED
+            self._doubts.look(record, engaged=self.engaged)
+            known = self._status.is_new_command and not self._doubts.exist
             self._deviations = self._certainty(record.estimate) if known else (math.nan, math.nan)
         return record
 
@@ -145,9 +147,3 @@ class Controller:
         progress, _ = self._path.project(x, y, 0.0, self._path.length)
         self._autopilot.begin(self._path, at=min(max(progress, 0.0), math.nextafter(self._path.length, 0.0)))
         self._autopilot.set_engaged(False)
-
-
-def _both_rejected(record: StepRecord) -> bool:
-    """Whether the estimator believes neither antenna; a second later it would follow where both have jumped."""
-    fixes = (record.estimate.tractor_fix, record.estimate.trailer_fix)
-    return all(fix is FixStatus.REJECTED for fix in fixes)
