@@ -29,6 +29,10 @@ LET_GO = {SupervisorState.FAULT, SupervisorState.OVERRIDE, SupervisorState.ESTOP
 NO_FAULT = "no fault"
 SLOW = ("0.5 m/s", "1 m/s", "2 m/s")
 """speeds at which a fault may cost 0.30 m"""
+BUS = "driven by the bus"
+"""cases in which the tractor keeps the speed that drawbar commands"""
+LONG = "nominal"
+"""cases without a fault, driven for long"""
 REFUSED = [
     ("F1 wrong unit", "vehicle.wheelbase=140.0"),
     ("F2 negative length", "vehicle.wheelbase=-1.4"),
@@ -49,7 +53,8 @@ def figures(result: Result) -> dict[str, float]:
     changed = ~driving if response == 6 else watched["state"] != ACTIVE
     stands = (watched["speed"] < 0.05) & (np.cumsum(changed) > 0)
     until = int(np.argmax(stands)) if stands.any() else len(time) - 1
-    errors = np.abs([watched["tractor"], watched["trailer"]])[:, : until + 1]
+    errors = np.abs([watched["tractor"], watched["trailer"]])[:, : until + 1].max(axis=0)
+    steered = np.cumsum(~driving)[: until + 1] == 0
     first = int(np.argmax(changed))
     return {
         "response": float(response),
@@ -57,6 +62,7 @@ def figures(result: Result) -> dict[str, float]:
         "let go": _first(time, ~driving),
         "stands": _first(time, stands),
         "way": float(watched["way"][until]) if stands.any() else math.nan,
+        "steered": 100.0 * float(errors[steered].max(initial=0.0)),
         "largest": 100.0 * float(errors.max()),
         "beyond the envelope": float(watched["beyond"][-1]),
         "cause": float(watched["cause"][first]) if changed.any() else math.nan,
@@ -88,10 +94,12 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
     rows = [_row(measured, variant, [case for case in driven if case.endswith(f": {variant}")]) for variant in variants]
     yield Table(
         name="faults",
-        caption="Every fault on straight and curve at all speeds, all seeds. Observed: runs by response. Times from "
-        "the fault on until the gate's state changed, until no board turned its wheel, until the vehicle stood: the "
-        "longest, s. More than without the fault: the largest distance of either body from the path until it stood, "
-        "less that of the same run without the fault, cm, the worst to 2 m/s and at 3 m/s.",
+        caption="Every fault on straight and curve, all speeds and seeds. Observed: runs by response. Times from the "
+        "fault on until the gate's state changed, until no board turned its wheel, until it stood: the longest, "
+        "s. More than without the fault: the largest distance of either body from the path, less that of the same run "
+        "without the fault, cm, the worst. First while drawbar steers, to 2 m/s and at 3 m/s. Then until the vehicle "
+        "stands as well, where it has been let go of and nobody takes the wheel: with a driver who brakes after 0.7 s "
+        "with 1.5 m/s², and with a tractor that obeys the bus (2 m/s).",
         header=[
             "fault",
             "expected",
@@ -101,12 +109,15 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
             "let go",
             "stood",
             "way, m",
-            "to 2 m/s",
+            "steered, to 2 m/s",
             "3 m/s",
+            "until it stands, to 2 m/s",
+            "3 m/s",
+            "by the bus",
         ],
         rows=rows,
     )
-    others = [case for case in measured.cases if case not in driven]
+    others = [case for case in measured.cases if case not in driven and not case.startswith(LONG)]
     yield Table(
         name="before-engaging",
         caption="The same before it is engaged, with an operator who engages as soon as that is possible.",
@@ -126,10 +137,11 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
 
 def _summary(measured: MeasuredExperiment, driven: Sequence[str]) -> str:
     verdicts = [each for each in measured.verdicts() if each.figure == "response"]
-    hours = sum(sum(measured.values(case, "watched")) for case in driven if case.endswith(NO_FAULT)) / 3600.0
-    false = sum(
-        value != 0.0 for case in driven if case.endswith(NO_FAULT) for value in measured.values(case, "response")
-    )
+    faultless = [
+        case for case in measured.cases if case.endswith(NO_FAULT) and (case in driven or case.startswith(LONG))
+    ]
+    hours = sum(sum(measured.values(case, "watched")) for case in faultless) / 3600.0
+    false = sum(value != 0.0 for case in faultless for value in measured.values(case, "response"))
     beyond = sum(sum(measured.values(case, "beyond the envelope")) for case in driven)
     right = sum(each.holds for each in verdicts)
     return (
@@ -142,10 +154,13 @@ def _row(measured: MeasuredExperiment, variant: str, cases: Sequence[str]) -> li
     causes = Counter(value for case in cases for value in measured.values(case, "cause") if math.isfinite(value))
     cause = ", ".join(BY_CODE[int(code)].name if int(code) else "-" for code, _ in causes.most_common(2))
     worst = {name: _largest(measured, cases, name) for name in ("detected", "let go", "stands", "way")}
-    slow = [case for case in cases if case.startswith(SLOW)]
+    bus = [case for case in cases if BUS in case]
+    slow = [case for case in cases if case.startswith(SLOW) and case not in bus]
     fast = [case for case in cases if not case.startswith(SLOW)]
-    extra = [_text(_extra(measured, each), 0) for each in (slow, fast)]
-    return [variant, *_responses(measured, cases), cause, *(_text(value, 2) for value in worst.values()), *extra]
+    extra = [_extra(measured, [*slow, *bus], "steered"), _extra(measured, fast, "steered")]
+    extra += [_extra(measured, each, "largest") for each in (slow, fast, bus)]
+    times = (_text(value, 2) for value in worst.values())
+    return [variant, *_responses(measured, cases), cause, *times, *(_text(each, 0) for each in extra)]
 
 
 def _responses(measured: MeasuredExperiment, cases: Sequence[str]) -> list[str]:
@@ -156,12 +171,12 @@ def _responses(measured: MeasuredExperiment, cases: Sequence[str]) -> list[str]:
     return [RESPONSES[round(expected.value or 0.0)], observed]
 
 
-def _extra(measured: MeasuredExperiment, cases: Sequence[str]) -> float:
-    """Return by how much a fault's largest distance exceeds that of the same run without it, cm."""
+def _extra(measured: MeasuredExperiment, cases: Sequence[str], figure: str) -> float:
+    """Return by how much a fault's distance exceeds the largest one of the same run without it, cm."""
     extra = []
     for case in cases:
         without = f"{case.partition(': ')[0]}: {NO_FAULT}"
-        pairs = zip(measured.values(case, "largest"), measured.values(without, "largest"), strict=True)
+        pairs = zip(measured.values(case, figure), measured.values(without, "largest"), strict=True)
         extra += [max(one - other, 0.0) for one, other in pairs]
     return max(extra, default=math.nan)
 

@@ -130,9 +130,9 @@ def test_total_silence_ends_steering_in_a_bounded_time_and_nothing_begins_again(
 
 
 @pytest.mark.parametrize("state", [SELFTEST, ENGAGING, DEGRADED, STOPPING], ids=lambda each: each.name)
-def test_states_with_a_budget_end_by_it_though_nothing_is_wrong(state):
+def test_states_with_a_budget_end_by_it(state):
     engagement = brought_to(state)
-    causes = (Cause.FIX_LOST,) if state is DEGRADED else ()
+    causes = {DEGRADED: (Cause.FIX_LOST,), STOPPING: (Cause.NO_OPERATOR,)}.get(state, ())
     limit = engagement.remaining(100.0)
     assert limit == pytest.approx({SELFTEST: 1.0, ENGAGING: 3.0, DEGRADED: 10.0, STOPPING: 10.0}[state])
     engagement.update(100.0 + limit - 0.001, Situation(causes=causes))
@@ -145,6 +145,15 @@ def test_states_with_a_budget_end_by_it_though_nothing_is_wrong(state):
         DEGRADED: (STOPPING, Cause.BUDGET),
         STOPPING: (STOPPED, Cause.STOP_IGNORED),
     }[state]
+
+
+def test_a_vehicle_that_does_not_stop_is_steered_on_while_nothing_else_is_wrong():
+    engagement = brought_to(STOPPING)
+    for time in (120.0, 200.0):
+        engagement.update(time, Situation(causes=(Cause.FIX_LOST,)))
+        assert engagement.state is STOPPING
+    engagement.update(200.1, Situation(causes=(Cause.POSITION_LOST,)))
+    assert (engagement.state, engagement.cause) == (STOPPED, Cause.STOP_IGNORED)
 
 
 def test_states_without_a_budget_have_no_time_left_to_show():
@@ -320,7 +329,8 @@ def test_a_stop_ends_where_the_vehicle_stands_and_hurries_before():
     assert not engagement.hurries(104.99)
     assert engagement.hurries(105.0)
     assert brought_to(ESTOP).hurries(100.0)
-    assert not brought_to(FAULT).hurries(1000.0)
+    assert brought_to(FAULT).hurries(100.0), "nobody steers"
+    assert not brought_to(OVERRIDE).hurries(1000.0), "somebody steers"
     engagement.update(106.0, Situation(causes=()))
     engagement.update(106.4, Situation(causes=(), standing=True))
     assert engagement.state is STOPPING

@@ -324,25 +324,34 @@ def followed(angle_at, set_point_at, seconds=2.0):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_steering_that_does_not_move_is_stuck(sign):
-    stuck = followed(lambda t: 0.0, lambda t: sign * 3.1)
+    stuck = followed(lambda t: 0.0, lambda t: sign * 3.6)
     assert stuck.stuck
     assert not stuck.reversed
-    assert not followed(lambda t: 0.0, lambda t: sign * 3.1, 1.0).stuck, "not yet a second"
-    assert not followed(lambda t: 0.0, lambda t: sign * 2.9).stuck, "so near it need not move"
-    assert not followed(lambda t: sign * 0.6 * t, lambda t: sign * 5.0).stuck, "it moves"
-    assert followed(lambda t: sign * 0.4 * t, lambda t: sign * 5.0).stuck
-    assert not followed(lambda t: 0.0, lambda t: sign * (5.0 if t % 1.0 < 0.9 else 1.0)).stuck, "not all the time"
+    assert not followed(lambda t: 0.0, lambda t: sign * 3.6, 0.55).stuck, "not yet for long enough"
+    assert not followed(lambda t: 0.0, lambda t: sign * 3.4).stuck, "so near it need not move"
+    assert not followed(lambda t: sign * 1.0 * t, lambda t: sign * 6.0).stuck, "it moves"
+    assert followed(lambda t: sign * 0.7 * t, lambda t: sign * 6.0).stuck
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_stuck_steering_does_not_hide_behind_a_set_point_that_changes_sides(sign):
+    assert followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
+    assert not followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.6 < 0.2 else 1.0)).stuck, "it is seldom far off"
+    assert not followed(lambda t: 2.0 * math.sin(8.0 * t), lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_steering_that_moves_away_is_reversed(sign):
-    assert followed(lambda t: -sign * 3.0 * t, lambda t: sign * 1.0, 0.6).reversed
-    assert not followed(lambda t: -sign * 3.0 * t, lambda t: sign * 1.0, 0.5).reversed, "not yet half a second"
-    assert not followed(lambda t: sign * 3.0 * t, lambda t: sign * 9.0, 1.5).reversed
-    assert not followed(lambda t: -sign * 1.5 * t, lambda t: sign * 1.0, 1.5).reversed, "it drifts slowly"
-    off = followed(lambda t: sign * (3.0 + 6.0 * t), lambda t: sign * 6.0 * t, 1.5)
+    assert followed(lambda t: -sign * 12.0 * t, lambda t: sign * 1.5, 0.4).reversed
+    assert not followed(lambda t: -sign * 12.0 * t, lambda t: sign * 1.5, 0.25).reversed, "not yet for long enough"
+    assert not followed(lambda t: -sign * 12.0 * t, lambda t: sign * 0.9 - sign * 12.0 * t, 0.4).reversed, "it follows"
+    assert not followed(lambda t: sign * 12.0 * t, lambda t: sign * 30.0, 1.5).reversed
+    assert not followed(lambda t: -sign * 6.0 * t, lambda t: sign * 1.5, 1.5).reversed, "it drifts slowly"
+    late = followed(lambda t: -sign * (30.0 * min(t, 0.15) - 2.0 * max(t - 0.15, 0.0)), lambda t: sign * 1.5, 0.4)
+    assert not late.reversed, "it has turned round"
+    off = followed(lambda t: sign * (3.0 + 12.0 * t), lambda t: sign * 12.0 * t, 1.5)
     assert not off.reversed, "it is 3° off, and moves as its set point does"
-    assert not followed(lambda t: sign * 0.0, lambda t: 0.0).stuck
+    assert not off.stuck
 
 
 def test_what_was_seen_stays_until_it_is_forgotten():
@@ -353,6 +362,7 @@ def test_what_was_seen_stays_until_it_is_forgotten():
     assert not following.stuck
     following.add(3.0, 5.0 * DEGREE, 0.0)
     assert not following.stuck
-    turned = followed(lambda t: -3.0 * t, lambda t: 1.0, 0.6)
+    turned = followed(lambda t: -12.0 * t, lambda t: 1.5, 0.6)
+    assert turned.reversed
     turned.reset()
     assert not turned.reversed

@@ -231,7 +231,7 @@ WORRIES = {
     "position": ({"lateral_deviation": 0.11}, Cause.POSITION_UNSURE),
     "heading": ({"heading_deviation": 0.06}, Cause.HEADING_UNSURE),
     "solver": ({"solved": 0}, Cause.UNSOLVED),
-    "speeds disagree": ({"wheel_speed": 2.0}, Cause.SPEED_UNKNOWN),
+    "speeds disagree": ({"wheel_speed": 2.0, "receiver_speed": 1.4}, Cause.SPEED_UNKNOWN),
     "no speed": ({"wheel_speed": math.nan, "receiver_speed": math.nan}, Cause.SPEED_UNKNOWN),
     "overruns": ({"overruns": 3}, Cause.OVERRUNS),
 }
@@ -274,9 +274,9 @@ def test_a_steering_that_does_not_follow_is_let_go(body):
     actuator.takes = False
     actuator.changes["engaged"] = True
     bench.command = {f"{body}_angle": 0.1}
-    bench.run(0.9)
+    bench.run(0.45)
     assert bench.state is ACTIVE
-    bench.run(0.3)
+    bench.run(0.35)
     assert (bench.state, bench.cause) == (FAULT, Cause.STEERING_STUCK)
 
 
@@ -324,7 +324,7 @@ def test_the_stop_of_the_speed_actuator_is_always_reachable():
     assert bench.transport.written[-2:] == [b"trailer off", b"speed"]
 
 
-def test_a_vehicle_that_does_not_stop_is_asked_harder_and_then_let_go():
+def test_a_vehicle_that_does_not_stop_is_asked_harder_and_let_go_of_once_there_is_a_reason():
     bench = driving(speed_actuator=True)
     bench.ask(Action.STOP)
     bench.run(0.1)
@@ -334,8 +334,38 @@ def test_a_vehicle_that_does_not_stop_is_asked_harder_and_then_let_go():
     assert bench.speed_actuator.requests[-1][1].deceleration == 2.5
     assert bench.shown.stop == 2
     assert bench.state is STOPPING
-    bench.run(5.0)
+    bench.run(15.0)
+    assert bench.state is STOPPING
+    assert bench.shown.steers == 1
+    bench.controller = {"lateral_deviation": math.nan}
+    bench.run()
     assert (bench.state, bench.cause) == (STOPPED, Cause.STOP_IGNORED)
+
+
+def test_a_vehicle_that_nobody_steers_stops_as_fast_as_possible():
+    bench = driving(speed_actuator=True)
+    bench.command = None
+    bench.run(0.3)
+    assert bench.state is FAULT
+    assert bench.speed_actuator.requests[-1][1].deceleration == 2.5
+
+
+def test_speeds_that_differ_by_a_factor_refuse_and_stop():
+    slow = {"wheel_speed": 0.3, "receiver_speed": 0.58}
+    bench = Bench().ready()
+    bench.controller = slow
+    bench.run(0.5)
+    assert Cause.SPEEDS_CONTRADICT.value in bench.shown.refusals
+    assert Cause.SPEED_UNKNOWN.value not in bench.shown.refusals, "in m/s they hardly differ"
+    bench = driving()
+    bench.controller = slow
+    bench.run(0.5)
+    assert (bench.state, bench.cause) == (STOPPING, Cause.SPEEDS_CONTRADICT)
+    for speeds in ({"wheel_speed": 1.0, "receiver_speed": 1.4}, {"wheel_speed": 0.1, "receiver_speed": 0.19}):
+        bench = driving()
+        bench.controller = speeds
+        bench.run(2.0)
+        assert bench.state is ACTIVE, speeds
 
 
 def test_a_vehicle_with_a_speed_actuator_begins_standing():

@@ -151,14 +151,14 @@ def degraded_speed(settings):
     return bench.speed_actuator.requests[-1][1].speed
 
 
-def stopping_for(seconds, speed=1.0):
+def stopping_for(seconds, speed=1.0, **controller):
     """See what the speed actuator is told, and the state, some time after a stop was asked for."""
 
     def look(settings):
         bench = Bench(settings, speed_actuator=True).drive()
         bench.ask(Action.STOP)
         bench.run()
-        bench.speed = speed
+        bench.speed, bench.controller = speed, controller
         bench.run(seconds)
         return bench.state, bench.speed_actuator.requests[-1][1].deceleration
 
@@ -349,7 +349,7 @@ TABLE = {
     "drive.budget": (2.0, state_after(5.0, saying(**FIX))),
     "drive.recovery": (0.5, degraded_then_calm(1.0)),
     "drive.degraded_speed": (0.25, degraded_speed),
-    "drive.stopping": (2.0, stopping_for(3.0)),
+    "drive.stopping": (2.0, stopping_for(3.0, lateral_deviation=1.0)),
     "drive.comfort": (1.0, stopping_for(2.0)),
     "drive.deceleration": (0.7, stopping_for(1.0)),
     "drive.emergency_deceleration": (2.0, stopping_for(6.0)),
@@ -363,9 +363,9 @@ TABLE = {
     "drive.operator": (0.3, state_after(1.0, lambda bench: setattr(bench, "operator", False))),
     "drive.stuck_angle": (0.01, stuck(0.03, 0.0, 1.5)),
     "drive.stuck_move": (0.05, stuck(0.1, 0.02, 1.5)),
-    "drive.stuck_time": (0.3, stuck(0.1, 0.0, 0.6)),
+    "drive.stuck_time": (0.3, stuck(0.1, 0.0, 0.5)),
     "drive.reversed_angle": (0.001, stuck(0.018, -0.02, 0.7, ahead=False)),
-    "drive.reversed_time": (0.1, stuck(0.1, -0.2, 0.3, ahead=False)),
+    "drive.reversed_time": (0.2, stuck(0.05, -0.6, 0.3, ahead=False)),
     "envelope.speed": (0.5, state_after(0.2)),
     "envelope.lateral_acceleration": (0.5, angle_cap),
     "envelope.lateral_jerk": (0.5, rate_cap),
@@ -380,6 +380,7 @@ TABLE = {
     "timing.speed": (0.1, speeds(0.3)),
     "timing.speed_difference": (0.1, speeds(0.3, wheel_speed=1.0, receiver_speed=1.3)),
     "timing.speed_samples": (1, largest_speed),
+    "timing.speed_ratio": (3.0, state_after(1.0, saying(wheel_speed=0.5, receiver_speed=0.9))),
     "timing.fix": (2.0, state_after(0.7, saying(**FIX))),
     "timing.angle": (0.05, state_after(0.2, silent_angle)),
     "timing.angle_lost": (0.1, state_after(0.2, silent_angle)),

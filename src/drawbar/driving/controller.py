@@ -4,18 +4,17 @@ import math
 
 from drawbar.config import Configuration
 from drawbar.driving.certainty import Certainty, certainty
+from drawbar.driving.doubts import Doubts
 from drawbar.driving.driven_line import DrivenLine
 from drawbar.errors import PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
-from drawbar.signals import Command, FixStatus, Measurement, Status, StepRecord
+from drawbar.signals import Command, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
-DOUBTED = 3
-"""samples in a row in which neither antenna is where it can be, from which on the position is not known"""
 _NEAR = 5.0
 """along the line, within which the place beside the vehicle is searched when the line is moved, m"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
@@ -48,8 +47,9 @@ class Controller:
         self._certainty = certainty(self._autopilot, configuration)
         self.sureness = Certainty()
         """of the newest estimate"""
+        self._doubts = Doubts(configuration.sanity)
         self._gate: GateState | None = None
-        self._sequence = self._solved = self._overruns = self._doubted = 0
+        self._sequence = self._solved = self._overruns = 0
         self._record: StepRecord | None = None
         self._status = Status.POSITION
         self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
@@ -73,6 +73,8 @@ class Controller:
         """Return the command that answers a measurement; call prepare() once it is out."""
         if not self.engaged and self._is_to_begin(measurement):
             self._begin_beside(measurement)
+        if self.engaged:
+            measurement = self._doubts.without(measurement)
         self._status, self._command = self._autopilot.feedback(measurement)
         self._measurement = measurement
         return self.repeat(now)
@@ -102,8 +104,8 @@ class Controller:
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
-            self._doubted = self._doubted + 1 if _both_rejected(record) else 0
-            known = self._status.is_new_command and self._doubted < DOUBTED
+            self._doubts.look(record, engaged=self.engaged)
+            known = self._status.is_new_command and not self._doubts.exist
             self.sureness = self._certainty(record.estimate) if known else Certainty()
         return record
 
@@ -200,9 +202,3 @@ class Controller:
 
 def _within(progress: float, path: Path) -> float:
     return min(max(progress, 0.0), math.nextafter(path.length, 0.0))
-
-
-def _both_rejected(record: StepRecord) -> bool:
-    """Whether the estimator believes neither antenna; a second later it would follow where both have jumped."""
-    fixes = (record.estimate.tractor_fix, record.estimate.trailer_fix)
-    return all(fix is FixStatus.REJECTED for fix in fixes)

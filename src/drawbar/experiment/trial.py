@@ -63,6 +63,8 @@ class Trial:
         """puts the fault in"""
         self.watched = 16.0
         """longest time for which it is watched, s"""
+        self.interval = STEP * 1e-9
+        """between two rows of what is watched, s"""
         vehicle = configuration.vehicle
         limits = (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit)
         self._envelope = Envelope(
@@ -96,6 +98,8 @@ class Trial:
             way += truth.speed * STEP * 1e-9
             rests = abs(truth.speed) < 0.02 and not self._steered and self.place > -math.inf
             rested = rested + STEP * 1e-9 if rests else 0.0
+            if self._rows and rehearsal.time - start < self._rows[-1][0] + self.interval - STEP * 0.5e-9:
+                continue
             counts = [after - count for after, count in zip(self._counts(), before, strict=True)]
             self._rows.append((rehearsal.time - start, *self._state(), truth.speed, way, *self._errors, self._beyond,
                 *counts, float(self._records[-1].flags) if self._records else 0.0))  # fmt: skip
@@ -111,7 +115,7 @@ class Trial:
         )
 
     def column(self, name: str) -> Floats:
-        """Return one of WATCHED, (n,), every 5 ms from the fault on."""
+        """Return one of WATCHED, (n,), every `interval` from the fault on."""
         return np.array([row[WATCHED.index(name)] for row in self._rows])
 
     @property

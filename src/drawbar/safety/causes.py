@@ -76,7 +76,7 @@ class Cause(Enum):
     POSITION_UNSURE = (205, True, Response.DEGRADE, "the position across the line is not certain enough",
         "wait for a better fix")
     POSITION_LOST = (206, True, Response.STOP, "the position across the line is no longer known well enough",
-        "wait for a better fix")
+        "wait for a better fix; where that is good, check the sensors of hitch and joint")
     HEADING_UNSURE = (207, True, Response.DEGRADE, "the heading is not certain enough",
         "drive two or three metres straight ahead")
     OFF_LINE = (208, True, Response.NONE, "a body is too far from the line, or its distance is not known",
@@ -100,6 +100,8 @@ class Cause(Enum):
         "stop the vehicle, then acknowledge")
     STOP_IGNORED = (305, False, Response.NONE, "the vehicle did not stop in time",
         "brake; look at the speed actuator before you drive again")
+    SPEEDS_CONTRADICT = (306, True, Response.STOP, "wheels and receiver differ in speed by more than wheels slip",
+        "check the units of the receiver's speed and the pulses per metre of the wheel sensor")
 
     STEERING_OLD = (402, True, Response.STOP, "a measured steering angle is missing or old",
         "check the sensor and the actuator's cable")

@@ -52,6 +52,8 @@ class Observation:
     """largest recent magnitude, m/s"""
     speed_known: bool = False
     """its sources are fresh and agree"""
+    speeds_contradict: bool = False
+    """its sources differ by a factor"""
     drives: bool = False
     """there is a speed actuator"""
     angle_age: float = math.inf
@@ -114,6 +116,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
     Cause.SPEED_UNKNOWN: lambda o, s: not o.speed_known,
+    Cause.SPEEDS_CONTRADICT: lambda o, s: o.speeds_contradict,
     Cause.STEERING_OLD: lambda o, s: not (o.angle_age <= s.timing.angle),
     Cause.STEERING_LOST: lambda o, s: not (o.angle_age <= s.timing.angle_lost),
     Cause.STEERING_APART: lambda o, s: not (o.steering_error <= s.engage.steering_error),

@@ -160,8 +160,8 @@ class Engagement:
         return max(self.since + limits[self.state] - time, 0.0) if self.state in limits else math.nan
 
     def hurries(self, time: float) -> bool:
-        """Return whether to stop as fast as possible: an emergency, or a stop that takes too long."""
-        return self.state is ESTOP or (self.state is STOPPING and time - self.since >= self._drive.comfort)
+        """Return whether to stop as fast as possible: an emergency, nobody steers, or a stop that takes too long."""
+        return self.state in (ESTOP, FAULT) or (self.state is STOPPING and time - self.since >= self._drive.comfort)
 
     def update(self, time: float, situation: Situation) -> SupervisorState:
         """Take in what is so at a time, s, which never decreases; return the state from now on."""
@@ -236,7 +236,7 @@ class Engagement:
             events[Event.STOP] = events.get(Event.STOP, Cause.BUDGET)
         elif self.state is STOPPING and self._stands(time):
             events[Event.STOOD] = self.cause
-        elif self.state is STOPPING and spent >= self._drive.stopping:
+        elif self.state is STOPPING and spent >= self._drive.stopping and response >= Response.STOP:
             events[Event.STOOD] = Cause.STOP_IGNORED
         return events
 

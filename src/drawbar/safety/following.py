@@ -1,13 +1,21 @@
 """Following: whether a steering goes where it is told. Pure, without numpy.
 
-Judged on a window of the last ticks during which the set point was always on the same side of the measured angle: a
-steering that is told to go left the whole time and hardly moves is stuck; one that goes right, and away, is reversed.
+Judged on a window of the last ticks. A steering that hardly moves while its set point is far from it is stuck, on
+whichever side the set point is: it may change sides meanwhile. One whose set point is on the same side all the time,
+and which goes away from it, and still does, is reversed; the last because a steering with dead time goes on for a
+moment after its set point has changed sides.
 """
 
 import math
 from collections import deque
+from statistics import fmean
 
 from drawbar.safety.settings import DriveSettings
+
+_ASIDE = math.radians(1.0)
+"""a set point so far from the measured angle is on one side of it for certain, rad"""
+_LATEST = 0.12
+"""time in which a reversed steering must still move away, s"""
 
 
 class Following:
@@ -30,21 +38,34 @@ class Following:
         settings = self._settings
         self._samples.append((time, set_point - measured, measured))
         moved, _ = self._moved(settings.stuck_time, settings.stuck_angle)
-        self.stuck |= moved < settings.stuck_move
-        moved, apart = self._moved(settings.reversed_time, settings.reversed_angle)
+        self.stuck |= moved < settings.stuck_move or self._rests()
+        moved, apart = self._moved(settings.reversed_time, _ASIDE)
         # what stays apart by the same moves away only because its set point does
-        self.reversed |= moved < -settings.reversed_angle and apart > settings.reversed_angle
+        self.reversed |= max(moved, -apart) < -settings.reversed_angle and self._moved(_LATEST, _ASIDE)[0] < 0.0
+
+    def _rests(self) -> bool:
+        """Return whether it did not move either way while it was far from its set point, on the average.
+
+        In both halves of the time, so that a set point that has just jumped does not count.
+        """
+        window = self._window(self._settings.stuck_time)
+        gaps, angles = [abs(gap) for _, gap, _ in window], [angle for _, _, angle in window]
+        apart = min(fmean(gaps[: len(gaps) // 2]), fmean(gaps[len(gaps) // 2 :])) if len(gaps) > 1 else 0.0
+        return apart >= self._settings.stuck_angle and max(angles) - min(angles) < self._settings.stuck_move
 
     def _moved(self, span: float, least: float) -> tuple[float, float]:
         """Return how far it moved towards its set point, and how much further apart they are, over a span, rad.
 
         Infinity where it was not at least so far apart from its set point all the time, always on the same side.
         """
-        now = self._samples[-1][0]
-        window = [sample for sample in self._samples if now - sample[0] <= span]
-        if len(window) == len(self._samples):
-            return math.inf, math.inf  # not yet observed for that long
-        side = 1.0 if window[0][1] > 0.0 else -1.0
-        if not all(side * gap >= least for _, gap, _ in window):
+        window = self._window(span)
+        side = 1.0 if window and window[0][1] > 0.0 else -1.0
+        if not window or not all(side * gap >= least for _, gap, _ in window):
             return math.inf, math.inf
         return side * (window[-1][2] - window[0][2]), side * (window[-1][1] - window[0][1])
+
+    def _window(self, span: float) -> list[tuple[float, float, float]]:
+        """Return the samples of the last span, s; none where it has not yet been observed for that long."""
+        now = self._samples[-1][0]
+        window = [sample for sample in self._samples if now - sample[0] <= span]
+        return window if len(window) < len(self._samples) else []

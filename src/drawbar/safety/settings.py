@@ -94,15 +94,15 @@ class DriveSettings(Settings):
     """late steps within `engage.quiet` that degrade"""
     operator: Timeout = 2.0
     """time without a word of an operator after which to stop, s"""
-    stuck_angle: PositiveAngle = math.radians(3.0)
+    stuck_angle: PositiveAngle = math.radians(3.5)
     """distance from its set point at which a steering must move, rad"""
     stuck_move: PositiveAngle = math.radians(0.5)
     """least by which it must then move, rad"""
-    stuck_time: Timeout = 1.0
+    stuck_time: Timeout = 0.6
     """within this time, s"""
-    reversed_angle: PositiveAngle = math.radians(1.0)
+    reversed_angle: PositiveAngle = math.radians(2.5)
     """by which a steering may move away from its set point, rad"""
-    reversed_time: Timeout = 0.5
+    reversed_time: Timeout = 0.3
     """within this time, s"""
 
 
@@ -142,6 +142,8 @@ class TimingSettings(Settings):
     """of wheels and receiver, above which neither is believed, m/s"""
     speed_samples: Steps = 6
     """of each source of speed whose largest counts"""
+    speed_ratio: Annotated[float, Field(gt=1.0, le=5.0)] = 1.5
+    """of wheels and receiver, each the mean of these samples, above which one of them is wrong; slip makes less"""
     fix: Timeout = 0.5
     """for which a receiver's fixed ambiguities may be missing while driving; along trees they flip, s"""
     angle: Timeout = 0.2

@@ -2,8 +2,12 @@
 
 import math
 from collections import deque
+from statistics import fmean
 
 from drawbar.safety.settings import SafetySettings
+
+_SMALL = 0.1
+"""a difference of two speeds that says nothing of their ratio: noise, or the delay of one of them, m/s"""
 
 
 class Speeds:
@@ -32,6 +36,12 @@ class Speeds:
         """Return whether there is a fresh speed, and no other that contradicts it."""
         fresh = list(self.fresh(time).values())
         return bool(fresh) and max(fresh) - min(fresh) <= self._timing.speed_difference
+
+    def contradict(self, time: float) -> bool:
+        """Return whether both sources are fresh, and differ on the average by what no slip makes: a wrong unit, say."""
+        full = [samples for samples in self._samples.values() if len(samples) == samples.maxlen]
+        slow, fast = sorted(abs(fmean(speed for _, speed in each)) for each in full) if len(full) == 2 else (0.0, 0.0)
+        return len(self.fresh(time)) == 2 and fast > max(self._timing.speed_ratio * slow, slow + _SMALL)
 
     def largest(self, time: float) -> float:
         """Return the largest magnitude of the last samples, m/s; the machine's largest where it is not known."""

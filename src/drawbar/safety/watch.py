@@ -90,6 +90,7 @@ class Watch:
             controller_gone=troubles.gone,
             speed=self.speeds.largest(time) if self.speeds.known(time) else math.nan,
             speed_known=self.speeds.known(time),
+            speeds_contradict=self.speeds.contradict(time),
             drives=self._drives,
             angle_age=max((time - report.angle_time for report in steering if report is not None), default=math.inf),
             steering_error=self._steering_error(steering),

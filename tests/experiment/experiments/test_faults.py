@@ -82,6 +82,7 @@ def test_figures_are_those_of_the_run_until_it_stands(analysis: ModuleType, make
         "stands": 0.4,
         "way": 0.3,
         "largest": 20.0,
+        "steered": 1.0,
         "response": 4.0,
         "cause": 405.0,
     }
@@ -121,7 +122,7 @@ def test_the_report_holds_every_fault_against_its_twin(
     assert "3 of 3 cases as expected" in text.text
     assert isinstance(faults, Table)
     row = faults.rows[1]
-    assert [row[1], row[2], row[-2]] == ["lets go", "lets go 1", "10"]
+    assert [row[1], row[2], row[-5], row[-3]] == ["lets go", "lets go 1", "0", "10"]
     assert isinstance(before, Table)
     assert before.rows == [["S16 fix floats", "never engages", "never engages 1"]]
     assert isinstance(refused, Table)

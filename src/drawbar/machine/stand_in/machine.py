@@ -63,6 +63,8 @@ class Driver:
     """m/s²"""
     REACTION = 0.7
     """s"""
+    BRAKES = 3.0
+    """fastest that a tractor slows down that keeps a commanded speed, m/s²"""
 
     def __init__(self, speed: float) -> None:
         """Take the speed at which to drive, m/s."""
@@ -94,7 +96,8 @@ class Driver:
         if time - self._let_go >= self.REACTION:
             wish = 0.0
         wish = wish if commanded is None else commanded
-        step = TICK * (self.ACCELERATION if wish > self.speed else self.DECELERATION)
+        slows = self.DECELERATION if commanded is None else self.BRAKES
+        step = TICK * (self.ACCELERATION if wish > self.speed else slows)
         self.speed += min(max(wish - self.speed, -step), step)
 
 
