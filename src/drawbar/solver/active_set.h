@@ -135,15 +135,14 @@ static int active_settle(struct qp *s, struct active_set *a, int first)
     memset(a->side, 0, sizeof a->side);
     for (int i = 0; i < NB; ++i)
         a->slot[i] = -1;
-    for (int pass = 0; pass < ACTIVE_PASSES; ++pass) {
+    for (s->iterations = 0; s->iterations < ACTIVE_PASSES; ++s->iterations) {
         const int changes = active_update(s, a);
-        int dear = 0;
         if (changes == 0) {
             for (int r = 0; r < a->count; ++r)
-                dear |= !(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]);
-            return !dear;
+                if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))
+                    return 0;
+            return 1;
         }
-        s->iterations = pass + 1;
         if (changes < 0 || !active_factor(a))
             return 0;
         active_solve(s, a, a->nu);

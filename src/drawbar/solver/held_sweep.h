@@ -199,18 +199,18 @@ static void held_cost(struct qp *restrict s, struct held_set *restrict h, int k,
         add_row(sum, left[a], s->K[k][a]);
     }
     write_row(h->p[k], sum);
-    EACH_ROW_BY_PACK(i, c) {
+    UNROLLED for (int i = 0; i < NX; ++i) {
         pack row[PACKS];
-        FROM_PACK(b, c)
-            row[b] = read_pack(s->Q[k][i], b) + (i >= ND ? 1.0 : 0.0) * read_pack(H->PA[i], b);
+        read_row(row, s->Q[k][i]);
+        if (i >= ND)
+            add_row(row, 1.0, H->PA[i]);
         UNROLLED for (int m = 0; m < ND; ++m)
-            FROM_PACK(b, c)
-                row[b] += s->A[k][m][i] * read_pack(H->PA[m], b);
-        UNROLLED for (int a = 0; a < NU; ++a)
-            FROM_PACK(b, c)
-                row[b] += H->Hux[a][i] * read_pack(s->K[k][a], b) + s->K[k][a][i] * read_pack(rest[a], b);
-        FROM_PACK(b, c)
-            write_pack(s->P[k][i], b, row[b]);
+            add_row(row, s->A[k][m][i], H->PA[m]);
+        UNROLLED for (int a = 0; a < NU; ++a) {
+            add_row(row, H->Hux[a][i], s->K[k][a]);
+            add_row(row, s->K[k][a][i], rest[a]);
+        }
+        write_row(s->P[k][i], row);
         s->P[k][i][i] += STATE(h->curve, k)[i];
     }
     mirror(s->P[k]);                       /* rounding must not make P asymmetric */

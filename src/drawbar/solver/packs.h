@@ -44,8 +44,7 @@ typedef double pack, pack_in_memory;
 #define UNROLLED
 #endif
 #define EACH_PACK(b) UNROLLED for (int b = 0; b < PACKS; ++b)
-/* Loops whose turns each know the number of their pack, so that what they work on stays in registers: over packs, and over
- * the rows i < count whose diagonal lies in pack c. */
+/* Loops whose turns each know the number of their pack, so that what they work on stays in registers. */
 #if PACK > 1 && defined(__clang__)
 #define EACH_KNOWN _Pragma("clang loop unroll(full)")
 #elif PACK > 1
@@ -54,10 +53,6 @@ typedef double pack, pack_in_memory;
 #define EACH_KNOWN UNROLLED
 #endif
 #define PACK_END(c) ((c) < NX / PACK ? ((c) + 1) * PACK : NX)
-#define EACH_ROW_BY_PACK(i, c)                                                                \
-    EACH_KNOWN for (int c = 0; c < PACKS; ++c)                                                \
-        for (int i = c * PACK; i < PACK_END(c); ++i)
-#define FROM_PACK(b, c) UNROLLED for (int b = c; b < PACKS; ++b)
 
 static inline pack read_pack(const double *row, int b)
 {

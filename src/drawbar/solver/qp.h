@@ -135,12 +135,11 @@ static inline void feedback_rows(const double (*restrict L)[NU], const double *r
     }
 }
 
-/* Huu = R + B' P B, factorised, and Hux = S + B' P A; P is that of stage k+1. */
-static inline int riccati_input(struct qp *restrict s, int k, const double *restrict barrier, double (*restrict Hux)[WIDTH])
+/* Huu = R + B' P B, factorised; P is that of stage k+1. */
+static inline int riccati_input(struct qp *restrict s, int k, const double *restrict barrier,
+                                const double (*restrict P)[WIDTH])
 {
-    const double (*restrict A)[WIDTH] = (const double (*)[WIDTH])s->A[k];
     const double (*restrict B)[NU] = (const double (*)[NU])s->B[k];
-    const double (*restrict P)[WIDTH] = (const double (*)[WIDTH])s->P[k + 1];
     double Huu[NU][NU];
 
     UNROLLED for (int a = 0; a < NU; ++a) {
@@ -152,13 +151,6 @@ static inline int riccati_input(struct qp *restrict s, int k, const double *rest
         UNROLLED for (int m = 1; m < ND; ++m)
             add_row(row, B[m][a], P[m]);
         write_row(BP, row);
-        EACH_PACK(b)
-            row[b] *= constant_mask(b);
-        UNROLLED for (int m = 0; m < ND; ++m)
-            add_row(row, BP[m], A[m]);
-        if (CROSS)
-            add_row(row, 1.0, s->S[k][a]);
-        write_row(Hux[a], row);
         UNROLLED for (int b = 0; b < NU; ++b) {
             double sum = s->R[k][a][b];
             UNROLLED for (int m = 0; m < ND; ++m)
@@ -172,18 +164,18 @@ static inline int riccati_input(struct qp *restrict s, int k, const double *rest
                    : ldl_input((const double (*)[NU])Huu, s->L[k], s->D[k]);
 }
 
-/* One backward step: P_{k+1} gives P_k, with the feedback K, L, D of stage k. Of symmetric matrices the upper half. */
+/* One backward step: P_{k+1} gives P_k, with the feedback K, L, D of stage k. */
 static inline int riccati_stage(struct qp *restrict s, int k, const double *restrict barrier)
 {
     const double (*restrict A)[WIDTH] = (const double (*)[WIDTH])s->A[k];
+    const double (*restrict B)[NU] = (const double (*)[NU])s->B[k];
     const double (*restrict after)[WIDTH] = (const double (*)[WIDTH])s->P[k + 1];
     double (*restrict P)[WIDTH] = s->P[k], (*restrict K)[WIDTH] = s->K[k];
     double PA[NX][WIDTH], Hux[NU][WIDTH];
 
-    if (!riccati_input(s, k, barrier, Hux))
+    if (!riccati_input(s, k, barrier, after))
         return 0;
-    feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
-    UNROLLED for (int i = 0; i < ND; ++i) {
+    UNROLLED for (int i = 0; i < NX; ++i) {
         pack row[PACKS];
         EACH_PACK(b)
             row[b] = constant_mask(b) * read_pack(after[i], b);
@@ -191,24 +183,27 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
             add_row(row, after[i][m], A[m]);
         write_row(PA[i], row);
     }
-    EACH_ROW_BY_PACK(i, c) {
+    UNROLLED for (int a = 0; a < NU; ++a) {
         pack row[PACKS];
-        FROM_PACK(b, c)
-            row[b] = read_pack(s->Q[k][i], b);
+        EACH_PACK(b)
+            row[b] = B[0][a] * read_pack(PA[0], b);
+        UNROLLED for (int m = 1; m < ND; ++m)
+            add_row(row, B[m][a], PA[m]);
+        if (CROSS)
+            add_row(row, 1.0, s->S[k][a]);
+        write_row(Hux[a], row);
+    }
+    feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
+    UNROLLED for (int i = 0; i < NX; ++i) {
+        pack row[PACKS];
+        read_row(row, s->Q[k][i]);
         if (i >= ND)
-            FROM_PACK(b, c)
-                row[b] += constant_mask(b) * read_pack(after[i], b);
+            add_row(row, 1.0, PA[i]);
         UNROLLED for (int m = 0; m < ND; ++m)
-            FROM_PACK(b, c) {
-                row[b] += A[m][i] * read_pack(PA[m], b);
-                if (i >= ND)
-                    row[b] += after[i][m] * read_pack(A[m], b);
-            }
+            add_row(row, A[m][i], PA[m]);
         UNROLLED for (int a = 0; a < NU; ++a)
-            FROM_PACK(b, c)
-                row[b] += Hux[a][i] * read_pack(K[a], b);
-        FROM_PACK(b, c)
-            write_pack(P[i], b, row[b]);
+            add_row(row, Hux[a][i], K[a]);
+        write_row(P[i], row);
         if (barrier)
             P[i][i] += STATE(barrier, k)[i];
     }

@@ -68,7 +68,7 @@ ROUTES = {
             "held = qp_held_set(s, &work->held);",
             "held = (qp_held_set(s, &work->held), HELD_FOREIGN);",
         ),
-        ("active_set.h", "if (changes == 0)", "if (s->iterations == ACTIVE_PASSES)"),
+        ("active_set.h", "if (changes == 0)", "if (s->iterations == ACTIVE_PASSES - 1)"),
         ("active_set.h", "value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;", "i < ACTIVE_MOST;"),
         ("active_set.h", "if (!(side * a->nu[a->slot[i]] <= 0.0) && s->lower[i] < s->upper[i])", "if (0)"),
         ("active_set.h", "if (!(pivot > 1e-10 * own))", "if (0)"),
