@@ -186,19 +186,21 @@ static int qp_active_set(struct qp *s, struct active_set *a)
  * solution without bounds, when it does not settle. */
 static int qp_first_set(struct qp *s, struct active_set *a)
 {
-    double feedforward[N][NU], first[NX], correction[AT_LEAST_ONE(ACTIVE_MOST)];
+    double feedforward[N][NU], pull[NX] = {0}, first[NX], correction[AT_LEAST_ONE(ACTIVE_MOST)];
 
     solve_backward(s, s->g, (const double (*)[NX])s->c, s->pi, feedforward);
     active_first(s, s->pi, s->z);
     const int settled = active_settle(s, a, 1);
-    if (settled && a->count > 0) {         /* once with the settled multipliers, and once corrected for rounding */
+    if (settled && a->count > 0) {         /* with the settled multipliers, then moved by what rounding left */
         active_pull(s, a, a->nu, s->pi);
         active_first(s, s->pi, s->z);
         active_solve(s, a, correction);
-        active_pull(s, a, correction, s->pi);
+        active_pull(s, a, correction, pull);
         active_multipliers(s, a, correction);
     }
-    active_first(s, s->pi, first);
+    active_first(s, pull, first);
+    for (int j = 0; j < NX; ++j)
+        first[j] += s->z[j];
     solve_forward(s, (const double (*)[NU])feedforward, (const double (*)[NX])s->c, first, s->z, s->pi);
     return settled;
 }
