@@ -29,6 +29,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a real machine 
 HARNESS = Path(__file__).parents[1] / "harness"
 SLACK = 0.3
 HEARD = 5.0
+"""s; no longer is the wire listened to"""
 KILLS = int(os.environ.get("DRAWBAR_KILLS", "4"))
 """instants at which the controller is killed, and stopped; 200 for the whole proof"""
 CHANGES = {

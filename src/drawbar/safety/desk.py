@@ -37,7 +37,7 @@ class Desk:
         self.answer: Cause | None = None
         self.answered = 0
         self.nudge = 0.0
-        """m, left positive"""
+        """m, to the left of the configured line's direction"""
         self.set_speed = math.nan
         """m/s"""
         self.line = 0

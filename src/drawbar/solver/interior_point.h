@@ -327,7 +327,8 @@ static int qp_active(struct qp *s, union bounds_work *work)
     return 0;
 }
 
-/* Solve without bounds; returns whether they are respected, those of a free first state too where they are all. */
+/* Solve without bounds or, where all of them are those of a free first state, with them. Returns whether the solution
+ * respects all bounds; where not, s holds the one without bounds. */
 static int qp_solve_free(struct qp *s, struct active_set *active)
 {
     int violated = 0;
