@@ -100,7 +100,7 @@ WRONG_VALUES = {
     "estimator.tractor_slip_bounds={lower=1.0, upper=0.5}": ("estimator.tractor_slip_bounds", "lower = 1.0", "0.5"),
     "estimator.longitudinal_slip_bounds.upper=0.1": ("estimator.longitudinal_slip_bounds", "0.25", "0.1"),
     "estimator.first_slip=7.0": ("estimator: first_slip = 7.0", "0.25 .. 1.0"),
-    "controller.coupling=loose": ("controller.coupling = 'loose'", "'neglected', 'measured' or 'planned'"),
+    "controller.coupling=loose": ("controller.coupling = 'loose'", "'neglected', 'measured', 'following' or 'planned'"),
     "guidance.mode=back": ("guidance.mode = 'back'", "'preview' or 'look_ahead'"),
     "estimator.model=kalman": ("estimator: 'model' = 'kalman'", "'articulated', 'tricycle'"),
     "controller={}": ("controller: 'model' is missing",),

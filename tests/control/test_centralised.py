@@ -200,6 +200,7 @@ def product_residuals(one):
     turn = np.arctan(VEHICLE.wheelbase * front[:, 3] + math.tan(e.tractor_crab))
     forward = (turn - e.steering_offset) / e.tractor_slip
     a, b = PRODUCT.tractor, PRODUCT.trailer
+    pace = e.speed if e.speed > 1.1 else 1.0  # rate_weight.h: a change below a tenth is none
 
     def residuals(u):
         x, rates = states(u), u.reshape(HORIZON, 2)
@@ -207,7 +208,7 @@ def product_residuals(one):
             (a.lateral, beside(x[:, :2], front)),
             (a.heading, x[:, 2] + e.tractor_crab - front[:, 2]),
             (a.steering, x[:, 4] - forward),
-            (a.steering_rate, rates[:, 0]),
+            (a.steering_rate / pace, rates[:, 0]),
             (b.lateral, beside(antenna(x), rear)),
             (b.steering, x[:, 5]),
             (b.steering_rate, rates[:, 1]),

@@ -8,6 +8,7 @@ from drawbar.signals import SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
 COUPLINGS = ("neglected", "measured", "planned")
+OF_EACH_MODEL = [(name, each) for name in ("articulated", "tricycle") for each in COUPLINGS] + [("articulated", "following")]
 BODIES = ("tractor", "trailer")
 VEHICLE = VehicleParameters()
 
@@ -53,7 +54,7 @@ def test_a_circle_without_error_is_steered_by_its_curvature(make, situation, cur
         assert plan.tractor.steerings == pytest.approx(np.full(20, steady), abs=1e-5)
 
 
-@pytest.mark.parametrize("coupling", COUPLINGS)
+@pytest.mark.parametrize(("name", "coupling"), OF_EACH_MODEL)
 def test_plans_are_mirrored_with_the_world(name, make, random_situations, coupling):
     for one in random_situations:
         plan, mirrored = first(make(name, coupling), one), first(make(name, coupling), one.mirrored())
@@ -65,7 +66,7 @@ def test_plans_are_mirrored_with_the_world(name, make, random_situations, coupli
             assert there.poses == pytest.approx(here.poses * [1.0, -1.0, -1.0], abs=1e-9)
 
 
-@pytest.mark.parametrize("coupling", COUPLINGS)
+@pytest.mark.parametrize(("name", "coupling"), OF_EACH_MODEL)
 def test_plans_turn_and_shift_with_the_world(name, make, random_situations, coupling):
     for one in random_situations:
         plan = first(make(name, coupling), one)
@@ -110,6 +111,15 @@ def test_neglected_coupling_does_not_see_the_tractors_steering(name, make, situa
     assert seen[0] == pytest.approx(plans[0], abs=1e-9)
 
 
+def test_the_tractors_steering_rate_weighs_less_the_faster_it_is(make, situation):
+    controller = make("articulated")
+    weight = controller.tractor.solver.w[:-1, 3]
+    calm = weight[0]
+    for speed, share in ((0.5, 1.0), (1.05, 1.0), (2.0, 0.5), (2.1, 0.5), (3.0, 1.0 / 3.0), (0.5, 1.0)):
+        first(controller, situation(speed=speed))
+        assert weight == pytest.approx(np.full(20, share * calm), rel=1e-12)
+
+
 def test_planned_coupling_sees_what_the_tractor_will_do(make, name, situation):
     # the tractor is still straight but will have to turn: only its plan shows that
     about_to_turn = situation(curvature=0.02, tractor_steering=0.0)
@@ -150,6 +160,23 @@ def test_with_measured_coupling_the_tractor_goes_on_round_its_present_circle(mak
     assert known[:, 5] == pytest.approx(pose.x + radius * (np.sin(course) - math.sin(course[0])), abs=1e-8)
     assert known[:, 6] == pytest.approx(pose.y - radius * (np.cos(course) - math.cos(course[0])), abs=1e-8)
     assert known[:, 7] == pytest.approx(pose.yaw + omega * time, abs=1e-8)
+
+
+@pytest.mark.parametrize(("left", "yaw", "curvature"), [(0.0, 0.0, 0.1), (0.3, -0.1, 0.0), (-0.2, 0.15, -0.08)])
+def test_with_following_coupling_the_tractor_comes_back_to_its_line(make, situation, left, yaw, curvature):
+    controller, crab = make("articulated", "following"), 0.03
+    one = situation(left=left, yaw=yaw, curvature=curvature, tractor_crab=crab, longitudinal_slip=0.9)
+    first(controller, one)
+    known, line, pose = controller.trailer.solver.p, one.reference.tractor.samples, one.estimate.tractor
+    x, y, heading = known[:, 5], known[:, 6], known[:, 7]
+    assert [x[0], y[0], heading[0]] == pytest.approx([pose.x, pose.y, pose.yaw], abs=1e-12)
+    beside = np.cos(line[:, 2]) * (y - line[:, 1]) - np.sin(line[:, 2]) * (x - line[:, 0])
+    along, length = 0.9 * 0.2 * np.arange(21), 1.5
+    slope = math.tan(pose.yaw + crab - line[0, 2])
+    critical = (beside[0] + (slope + beside[0] / length) * along) * np.exp(-along / length)
+    assert beside == pytest.approx(critical, abs=1e-12)
+    assert heading + crab - line[:, 2] == pytest.approx(np.arctan(np.gradient(critical, along)), abs=0.02)
+    assert known[:-1, 4] == pytest.approx(np.diff(heading) / 0.2, abs=1e-9)
 
 
 def test_where_nothing_is_to_be_done_the_solver_says_solved(name, make, situation):

@@ -98,3 +98,10 @@ class CBodyPlan(_WithArrays):
             deviation=self.array("deviation", self.deviations) if self.deviations else np.zeros(0),
             status=SolverStatus(self.status),
         )
+
+
+class CNeighbour(ctypes.Structure):
+    """struct drawbar_neighbour."""
+
+    _fields_ = (("reference", ctypes.POINTER(CBodyReference)), ("plan", ctypes.POINTER(CBodyPlan)))
+

@@ -1,12 +1,12 @@
 """The controllers and the ancillary law, each by itself."""
 
 from collections.abc import Callable
-from ctypes import byref
+from ctypes import byref, pointer
 from functools import cached_property
 from typing import Any, ClassVar
 
 from alone import Alone, Solver
-from c_signals import CBodyPlan, CBodyReference, given, room, taken
+from c_signals import CBodyPlan, CBodyReference, CNeighbour, given, room, taken
 
 from drawbar.codegen import Unit
 from drawbar.control.ancillary import ancillary_unit
@@ -48,9 +48,14 @@ class Controller(Alone):
 class SubsystemController(Controller):
     """The controller of one body."""
 
-    def feedback(self, estimate: Estimate, reference: BodyReference, neighbour: BodyPlan | None = None) -> BodyPlan:
-        """Return the plan from the estimate along the reference; the neighbour's plan is for a planned coupling."""
-        other, plan = None if neighbour is None else byref(CBodyPlan.of(neighbour)), CBodyPlan()
+    def feedback(
+        self, estimate: Estimate, reference: BodyReference, tractor: tuple[BodyReference, BodyPlan] | None = None
+    ) -> BodyPlan:
+        """Return the plan from the estimate along the reference; the trailer's coupling may need the tractor's own."""
+        other = None
+        if tractor is not None:
+            other = byref(CNeighbour(pointer(CBodyReference.of(tractor[0])), pointer(CBodyPlan.of(tractor[1]))))
+        plan = CBodyPlan()
         self.call("feedback", given(estimate), byref(CBodyReference.of(reference)), other, byref(plan), self.work)
         return plan.read(self.stages)
 
@@ -81,7 +86,7 @@ class DecentralisedController:
     def feedback(self, estimate: Estimate, reference: Reference) -> Plan:
         """Return both bodies' plans."""
         tractor = self.tractor.feedback(estimate, reference.tractor)
-        trailer = self.trailer.feedback(estimate, reference.trailer, tractor)
+        trailer = self.trailer.feedback(estimate, reference.trailer, (reference.tractor, tractor))
         return Plan(time=estimate.time, tractor=tractor, trailer=trailer)
 
     def prepare(self) -> None:

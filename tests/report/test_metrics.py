@@ -109,6 +109,16 @@ def test_the_steering_rate_is_that_of_the_true_angle(make_run):
     assert compute_metrics(log, true_path_errors(log)).steering_rate_mean_rad_s.tractor == pytest.approx(0.1, rel=1e-12)
 
 
+def test_the_steering_rate_on_straights_leaves_out_the_curves(make_run):
+    log = with_column(small(make_run), "truth.trailer_steering", [0.0, 0.04, 0.0, -0.02])
+    log = with_column(log, "measurement.time", [0.0, 0.2, 0.4, 0.8])
+    errors = true_path_errors(log)
+    labels = np.array(["straight", "0.1", "straight", "straight"])
+    labelled = dataclasses.replace(errors, trailer=dataclasses.replace(errors.trailer, labels=labels))
+    metrics = compute_metrics(log, labelled)
+    assert metrics.steering_rate_straight_rad_s.trailer == pytest.approx((0.2 + 0.05) / 2, rel=1e-12)
+
+
 def test_times_and_totals_by_hand(make_run):
     log = small(make_run, 101)
     log = with_column(log, "estimator_times.feedback", [k * 1e-6 for k in range(101)])
@@ -151,6 +161,7 @@ def test_the_json_holds_every_promised_key(run):
         *(
             "yaw_rmse_rad",
             "steering_rate_mean_rad_s",
+            "steering_rate_straight_rad_s",
             "ancillary_share",
             "saturated_share",
             "tube_margin_min",

@@ -32,7 +32,7 @@ def articulated_tractor_unit(
         lag=vehicle.steering_lag, limit=tube.bounds["command"].tightened, sample_time=sample_time
     )
     sharing = sharing_settings(vehicle, settings.sharing, sample_time)
-    own = {**chain_settings(vehicle), **actuator, **sharing}
+    own = {**chain_settings(vehicle), **actuator, **sharing, "calm": weights.steering_rate}
     return subsystem_unit("tractor", problem, tube, "articulated_tractor.h", own)
 
 
@@ -56,7 +56,11 @@ def articulated_trailer_unit(
         sample_time=sample_time,
         sign=vehicle.joint_sign,
     )
-    motion = {"interval": sample_time, "smoothing": -math.expm1(-sample_time / settings.yaw_rate_lag)}
+    motion = {
+        "interval": sample_time,
+        "smoothing": -math.expm1(-sample_time / settings.yaw_rate_lag),
+        "return_length": settings.return_length,
+    }
     own = {**chain_settings(vehicle), **actuator, **coupling_settings(settings.coupling), **motion}
     return subsystem_unit("trailer", problem, tube, "articulated_trailer.h", own)
 

@@ -8,6 +8,7 @@
 #include "actuator.h"
 #include "chain.h"
 #include "off_tracking.h"
+#include "rate_weight.h"
 #include "subsystem.h"
 
 struct component {
@@ -16,9 +17,12 @@ struct component {
     struct chain chain;
     struct actuator actuator;
     struct shared_error shared;
+    double calm;                           /* weight on the steering rate up to 1 m/s */
 };
 
-#define COMPONENT_FIELDS SUBSYSTEM_FIELDS CHAIN_FIELDS(chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)
+#define COMPONENT_FIELDS                                                                                         \
+    SUBSYSTEM_FIELDS CHAIN_FIELDS(chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)                   \
+    SETTING(component, calm, 0, 1, 0, 0)
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)
 {
@@ -29,11 +33,12 @@ static void body_state(const struct drawbar_estimate *estimate, double *state)
 }
 
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
-                 const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+                 const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
     struct rti *solver = &component->rti;
 
     (void)neighbour;
+    weigh_rate(solver, Y_STEERING_RATE, component->calm, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
         double *p = solver->p[k];

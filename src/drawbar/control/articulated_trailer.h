@@ -9,6 +9,8 @@
 #include "chain.h"
 #include "subsystem.h"
 
+#define STEEPEST 1.2                       /* angle to its line at which the tractor comes back, rad */
+
 struct component {
     struct rti rti;
     struct subsystem subsystem;
@@ -17,13 +19,14 @@ struct component {
     int32_t coupling;                      /* enum coupling */
     double interval;                       /* between stages, s */
     double smoothing;                      /* what one sample of the tractor's yaw rate counts */
+    double return_length;                  /* within which the tractor comes back to its line, m */
 
     double yaw_rate;                       /* of the tractor, smoothed, rad/s */
 };
 
 #define COMPONENT_FIELDS                                                                                         \
     SUBSYSTEM_FIELDS CHAIN_FIELDS(chain) ACTUATOR_FIELDS(actuator) SETTING(component, coupling, 1, 1, 0, 0)      \
-    SETTING(component, interval, 0, 1, 0, 0) SETTING(component, smoothing, 0, 1, 0, 0)
+    SETTING(component, interval, 0, 1, 0, 0) SETTING(component, smoothing, 0, 1, 0, 0) SETTING(component, return_length, 0, 1, 0, 0)
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)
 {
@@ -50,6 +53,39 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
 
         place_tractor(component->rti.p[k], turn / component->interval, pose[AT_X], pose[AT_Y], pose[AT_YAW]);
     }
+}
+
+/* Let the tractor come back to its line as a critically damped oscillator does: after a way s its offset is
+ * (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the line. Returns 0 where the line is not finite. */
+static int follow_line(struct component *component, const struct drawbar_estimate *estimate,
+                        const struct drawbar_body_reference *tractor)
+{
+    const double *closest = tractor->samples[0], crab = estimate->tractor_crab;
+    const double along = cos(closest[AT_YAW]), across = sin(closest[AT_YAW]);
+    const double dx = estimate->tractor.x - closest[AT_X], dy = estimate->tractor.y - closest[AT_Y];
+    const double ahead = along * dx + across * dy, offset = along * dy - across * dx;
+    const double slope = tan(clipped(wrapped(estimate->tractor.yaw + crab - closest[AT_YAW]), STEEPEST));
+    const double bend = slope + offset / component->return_length;
+    const double step = estimate->longitudinal_slip * estimate->speed * component->interval;
+    const double fades = exp(-step / component->return_length);
+    double share = 1.0, last = 0.0, sum = 0.0;
+
+    for (int k = 0; k <= N; ++k) {
+        const double *sample = tractor->samples[k];
+        const double beside = (offset + bend * k * step) * share;
+        const double yaw = sample[AT_YAW] + atan(bend * share - beside / component->return_length) - crab;
+        const double forward = cos(sample[AT_YAW]), left = sin(sample[AT_YAW]);
+        double *p = component->rti.p[k];
+
+        place_tractor(p, 0.0, sample[AT_X] + ahead * forward - beside * left,
+                      sample[AT_Y] + ahead * left + beside * forward, yaw);
+        if (k > 0)
+            component->rti.p[k - 1][P_TRACTOR_YAW_RATE] = p[P_TRACTOR_YAW_RATE] = (yaw - last) / component->interval;
+        last = yaw;
+        share *= fades;
+        sum += p[P_TRACTOR_X] + p[P_TRACTOR_Y] + yaw;
+    }
+    return isfinite(sum);
 }
 
 /* The tractor's smoothed present yaw rate, rad/s; one that is not finite is none to go on from. */
@@ -85,7 +121,7 @@ static void assume_tractor(struct component *component, const struct drawbar_est
 }
 
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
-                 const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+                 const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
@@ -100,8 +136,8 @@ static void fill(struct component *component, const struct drawbar_estimate *est
         p[P_REFERENCE_YAW] = sample[AT_YAW];
     }
     if (component->coupling == PLANNED && neighbour)
-        follow_plan(component, neighbour);
-    else
+        follow_plan(component, neighbour->plan);
+    else if (!(component->coupling == FOLLOWING && neighbour && follow_line(component, estimate, neighbour->reference)))
         assume_tractor(component, estimate);
 }
 

@@ -13,15 +13,19 @@
 #define TRAILER_DEVIATIONS 2               /* theta - psi, delta_i */
 
 #include "centralised.h"
+#include "rate_weight.h"
 
 struct component {
     struct rti rti;
     struct centralised centralised;
     struct chain chain;
     struct actuator tractor_actuator, trailer_actuator;
+    double calm;                           /* weight on the tractor's steering rate up to 1 m/s */
 };
 
-#define COMPONENT_FIELDS CHAIN_FIELDS(chain) ACTUATOR_FIELDS(tractor_actuator) ACTUATOR_FIELDS(trailer_actuator)
+#define COMPONENT_FIELDS                                                                                     \
+    CHAIN_FIELDS(chain) ACTUATOR_FIELDS(tractor_actuator) ACTUATOR_FIELDS(trailer_actuator)                  \
+    SETTING(component, calm, 0, 1, 0, 0)
 
 static void vehicle_state(const struct drawbar_estimate *estimate, double *x)
 {
@@ -54,6 +58,7 @@ static void vehicle_deviation(struct centralised *both, const double *estimated,
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
                  const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer)
 {
+    weigh_rate(&component->rti, Y_TRACTOR_STEERING_RATE, component->calm, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *front = tractor->samples[k], *rear = trailer->samples[k];
         double *p = component->rti.p[k];

@@ -36,7 +36,7 @@ def centralised_articulated_unit(
         terminal_weights=errors,
         bounds=_bounds(tubes),
     )
-    own = dict(chain_settings(vehicle))
+    own = {**chain_settings(vehicle), "calm": tractor.steering_rate}
     for body, tube, sign in (("tractor", tubes.tractor, 1), ("trailer", tubes.trailer, vehicle.joint_sign)):
         own |= actuator_settings(
             lag=vehicle.steering_lag,

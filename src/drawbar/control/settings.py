@@ -16,11 +16,19 @@ class Coupling(StrEnum):
     """nothing: g_2 = 0, as in the paper"""
     MEASURED = "measured"
     """computed from local measurements and held over the horizon; no exchange between controllers"""
+    FOLLOWING = "following"
+    """its line, and that it comes back to it from where local measurements show it; no exchange between controllers"""
     PLANNED = "planned"
     """the tractor controller's plan; distributed"""
 
 
 CouplingSetting = Annotated[Coupling, Field(strict=False)]
+
+
+def _of_angles(coupling: Coupling) -> Coupling:
+    if coupling is Coupling.FOLLOWING:
+        raise ValueError("is known to the articulated model only; give 'neglected', 'measured' or 'planned'")
+    return coupling
 
 
 Structure = Literal["decentralised", "centralised"]
@@ -36,7 +44,7 @@ class TricycleControllerSettings(Settings):
     """a problem for each body, or one for both, which does not need coupling and sharing"""
     horizon: Horizon = 20
     """N, samples"""
-    coupling: CouplingSetting = Coupling.NEGLECTED
+    coupling: Annotated[CouplingSetting, AfterValidator(_of_angles)] = Coupling.NEGLECTED
     """what the trailer's controller knows of the tractor's motion"""
     position_weight: NonNegative = 1.0
     """Q, 1/m²"""
@@ -53,10 +61,10 @@ class ArticulatedTractorWeights(Settings):
     """1/m²"""
     heading: NonNegative = 55.0
     """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(55/75) m"""
-    steering: NonNegative = 0.1
+    steering: NonNegative = 4.0
     """on the distance to the curvature feed-forward, 1/rad²"""
-    steering_rate: Positive = 0.7
-    """s²/rad²"""
+    steering_rate: Positive = 2.5
+    """up to 1 m/s; divided by the speed above, s²/rad²"""
 
 
 class ArticulatedTrailerWeights(Settings):
@@ -66,7 +74,7 @@ class ArticulatedTrailerWeights(Settings):
     """1/m²"""
     steering: NonNegative = 0.002
     """1/rad²"""
-    steering_rate: Positive = 0.3
+    steering_rate: Positive = 2.0
     """s²/rad²"""
 
 
@@ -89,11 +97,13 @@ class ArticulatedControllerSettings(Settings):
     """a problem for each body, or one for both, which does not need coupling and sharing"""
     horizon: Horizon = 20
     """N, samples"""
-    coupling: CouplingSetting = Coupling.MEASURED
+    coupling: CouplingSetting = Coupling.FOLLOWING
     """what the trailer's controller knows of the tractor's motion"""
     yaw_rate_lag: Positive = 0.9
-    """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon: held noise
-    would send the trailer's preview astray, s"""
+    """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon, where the
+    coupling is "measured": held noise would send the trailer's preview astray, s"""
+    return_length: Positive = 1.5
+    """way within which the tractor is taken to come back to its line, where the coupling is "following", m"""
     sharing: SharingSettings = SharingSettings()
     """Decentralised structure only"""
     tractor: ArticulatedTractorWeights = ArticulatedTractorWeights()

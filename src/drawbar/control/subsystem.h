@@ -17,6 +17,7 @@
 
 #include "geometry.h"
 #include "iteration.h"
+#include "neighbour.h"
 #include "nominal_state.h"
 #include "signals.h"
 #include "unit.h"
@@ -24,7 +25,7 @@
 #define DEVIATIONS (NX - POSE_STATES)
 
 /* What the trailer's controller knows of the tractor's motion (g_2 in equation nonlinearmodel). */
-enum coupling { NEGLECTED, MEASURED, PLANNED };
+enum coupling { NEGLECTED, MEASURED, FOLLOWING, PLANNED };
 
 struct subsystem {
     int32_t restarts;                      /* the problem starts at the estimate (predicted), not where it got to */

@@ -28,9 +28,9 @@ static void set_begin(struct subsystem *body, struct rti *solver)
         allow_first_state(body, solver);
 }
 
-/* Take in estimate, reference and, where the coupling is planned, the other body's plan (or NULL). */
+/* Take in estimate, reference and, for couplings that need it, the other body's line and plan (or NULL). */
 static void take_in(struct component *component, const struct drawbar_estimate *estimate,
-                    const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+                    const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
     struct subsystem *body = &component->subsystem;
     struct drawbar_estimate here = *estimate;
@@ -77,7 +77,7 @@ static void make_plan(struct component *component, struct drawbar_body_plan *pla
 /* Both bodies steer by a plan's first command and by how far the estimate is from its begin. Where the solver failed that
  * is the last plan that was solved, as long as there has been one, and the distance from it is not known. */
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
-                   const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour,
+                   const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
                    struct drawbar_body_plan *plan, void *work)
 {
     struct subsystem *body = &component->subsystem;

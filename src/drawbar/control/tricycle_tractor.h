@@ -17,7 +17,7 @@ static void body_state(const struct drawbar_estimate *estimate, double *state)
 }
 
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
-                 const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+                 const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
     (void)neighbour;
     for (int k = 0; k <= N; ++k) {

@@ -20,19 +20,19 @@ static void body_state(const struct drawbar_estimate *estimate, double *state)
 
 /* l/L_t tan(kappa delta_t) over the horizon, as far as this controller knows it. */
 static void fill_pull(struct component *component, const struct drawbar_estimate *estimate,
-                      const struct drawbar_body_plan *tractor)
+                      const struct drawbar_neighbour *tractor)
 {
     const int planned = component->coupling == PLANNED && tractor;
 
     for (int k = 0; k <= N; ++k) {
-        const double steering = planned ? tractor->steerings[k < N ? k : N - 1] : estimate->tractor_steering;
+        const double steering = planned ? tractor->plan->steerings[k < N ? k : N - 1] : estimate->tractor_steering;
         const double pull = component->leverage * tan(estimate->tractor_slip * steering);
         component->rti.p[k][P_COUPLING] = component->coupling == NEGLECTED ? 0.0 : pull;
     }
 }
 
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
-                 const struct drawbar_body_reference *reference, const struct drawbar_body_plan *neighbour)
+                 const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
     for (int k = 0; k <= N; ++k) {
         double *p = component->rti.p[k];

@@ -20,6 +20,8 @@ from drawbar.signals import FixStatus, GateVerdict
 
 ALL = "all"
 """the class of every position of the path"""
+STRAIGHT = "straight"
+"""the class of a figure-eight's straights"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +92,8 @@ class Metrics:
     """estimate against truth"""
     steering_rate_mean_rad_s: Bodies[float]
     """mean of |steering rate| from step to step: how busy the actuators are"""
+    steering_rate_straight_rad_s: Bodies[float]
+    """the same on straights of a path that tells them from its curves; else NaN"""
     ancillary_share: Bodies[float]
     """signed share of the steering: sum of the ancillary term in the command's direction over sum of |command|"""
     saturated_share: Bodies[float]
@@ -149,9 +153,18 @@ def _yaw_rmse(log: Columns, body: str) -> float:
     return error_statistics(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi).rms
 
 
+def _steering_rates(log: Columns, body: str) -> Floats:
+    """Return |steering rate|, (n - 1,), rad/s."""
+    rates: Floats = np.abs(np.diff(actual_steering(log, body))) / np.diff(log.column("measurement.time"))
+    return rates
+
+
 def _steering_rate(log: Columns, body: str) -> float:
-    turned = np.abs(np.diff(actual_steering(log, body)))
-    return float(_present(turned / np.diff(log.column("measurement.time"))).mean())
+    return float(_present(_steering_rates(log, body)).mean())
+
+
+def _straight_rate(log: Columns, errors: PathErrors, body: str) -> float:
+    return float(_present(_steering_rates(log, body)[errors.labels[1:] == STRAIGHT]).mean())
 
 
 def _ancillary_share(log: Columns, body: str) -> float:
@@ -209,6 +222,10 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         mast_doubt_m=_of_both(mast_doubt, log),
         yaw_rmse_rad=_of_both(_yaw_rmse, log),
         steering_rate_mean_rad_s=_of_both(_steering_rate, log),
+        steering_rate_straight_rad_s=Bodies(
+            tractor=_straight_rate(log, errors.tractor, "tractor"),
+            trailer=_straight_rate(log, errors.trailer, "trailer"),
+        ),
         ancillary_share=_of_both(_ancillary_share, log),
         saturated_share=_of_both(_saturated_share, log),
         tube_margin_min=_of_both(_tube_margin, log),

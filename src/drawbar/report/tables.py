@@ -67,6 +67,7 @@ def body_rows(metrics: Metrics) -> list[Row]:
     figures = (
         ("yaw error, RMS", metrics.yaw_rmse_rad, math.degrees(1.0), 2, "°"),
         ("mean steering rate", metrics.steering_rate_mean_rad_s, math.degrees(1.0), 1, "°/s"),
+        ("on straights", metrics.steering_rate_straight_rad_s, math.degrees(1.0), 1, "°/s"),
         ("ancillary share", metrics.ancillary_share, 100.0, 1, " %"),
         ("clipped commands", metrics.saturated_share, 100.0, 1, " %"),
         ("least tube margin", metrics.tube_margin_min, 100.0, 0, " %"),

@@ -14,6 +14,7 @@
 
 #include "drawbar.h"
 #include "drawbar_components.h"
+#include "neighbour.h"
 #include "path.h"
 #include "signals.h"
 
@@ -82,14 +83,14 @@ int drawbar_controller_skip(struct component *component);
 #else
 int drawbar_tractor_initialise(struct component *component);
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
-                             const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work);
+                             const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
+                             struct drawbar_body_plan *plan, void *work);
 int drawbar_tractor_ready(struct component *component);
 int drawbar_tractor_skip(struct component *component);
 int drawbar_trailer_initialise(struct component *component);
 int drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
-                             const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work);
+                             const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
+                             struct drawbar_body_plan *plan, void *work);
 int drawbar_trailer_ready(struct component *component);
 int drawbar_trailer_skip(struct component *component);
 #endif

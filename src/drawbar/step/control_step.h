@@ -132,10 +132,12 @@ static void plan(struct autopilot *a, const struct drawbar_estimate *ahead)
         COMPONENT(a->controller), ahead, &references[TRACTOR_BODY], &references[TRAILER_BODY], &plans[TRACTOR_BODY],
         &plans[TRAILER_BODY], a->work));
 #else
+    const struct drawbar_neighbour tractor = {&references[TRACTOR_BODY], &plans[TRACTOR_BODY]};
+
     TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_tractor_feedback(
         COMPONENT(a->tractor), ahead, &references[TRACTOR_BODY], NULL, &plans[TRACTOR_BODY], a->work));
     TIMED(a, TIMED_TRAILER, FEEDBACK, drawbar_trailer_feedback(
-        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &plans[TRACTOR_BODY], &plans[TRAILER_BODY], a->work));
+        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &tractor, &plans[TRAILER_BODY], a->work));
 #endif
 }
 
