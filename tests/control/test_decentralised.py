@@ -8,7 +8,9 @@ from drawbar.signals import SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
 COUPLINGS = ("neglected", "measured", "planned")
-OF_EACH_MODEL = [(name, each) for name in ("articulated", "tricycle") for each in COUPLINGS] + [("articulated", "following")]
+OF_EACH_MODEL = [(name, each) for name in ("articulated", "tricycle") for each in COUPLINGS] + [
+    ("articulated", "following")
+]
 BODIES = ("tractor", "trailer")
 VEHICLE = VehicleParameters()
 

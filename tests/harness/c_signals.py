@@ -104,4 +104,3 @@ class CNeighbour(ctypes.Structure):
     """struct drawbar_neighbour."""
 
     _fields_ = (("reference", ctypes.POINTER(CBodyReference)), ("plan", ctypes.POINTER(CBodyPlan)))
-
