@@ -173,7 +173,7 @@ def test_with_following_coupling_the_tractor_comes_back_to_its_line(make, situat
     x, y, heading = known[:, 5], known[:, 6], known[:, 7]
     assert [x[0], y[0], heading[0]] == pytest.approx([pose.x, pose.y, pose.yaw], abs=1e-12)
     beside = np.cos(line[:, 2]) * (y - line[:, 1]) - np.sin(line[:, 2]) * (x - line[:, 0])
-    along, length = 0.9 * 0.2 * np.arange(21), 1.5
+    along, length = 0.9 * 0.2 * np.arange(21), 0.9
     slope = math.tan(pose.yaw + crab - line[0, 2])
     critical = (beside[0] + (slope + beside[0] / length) * along) * np.exp(-along / length)
     assert beside == pytest.approx(critical, abs=1e-12)

@@ -85,8 +85,8 @@ class SharingSettings(Settings):
     """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
     accepted_error: NonNegativeLength = 0.04
     """steady error that stays with the trailer, m"""
-    widening: NonNegative = 0.046
-    """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m"""
+    widening: NonNegative = 0.06
+    """how far the tractor keeps outside a curve per curvature, m²: 6 mm at 0.1 1/m"""
 
 
 class ArticulatedControllerSettings(Settings):
@@ -102,7 +102,7 @@ class ArticulatedControllerSettings(Settings):
     yaw_rate_lag: Positive = 0.9
     """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon, where the
     coupling is "measured": held noise would send the trailer's preview astray, s"""
-    return_length: Positive = 1.5
+    return_length: Positive = 0.9
     """way within which the tractor is taken to come back to its line, where the coupling is "following", m"""
     sharing: SharingSettings = SharingSettings()
     """Decentralised structure only"""
