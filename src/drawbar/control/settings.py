@@ -63,7 +63,7 @@ class ArticulatedTractorWeights(Settings):
     """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(55/75) m"""
     steering: NonNegative = 4.0
     """on the distance to the curvature feed-forward, 1/rad²"""
-    steering_rate: Positive = 2.5
+    steering_rate: Positive = 1.5
     """up to 1 m/s; divided by the speed above, s²/rad²"""
 
 
@@ -74,7 +74,7 @@ class ArticulatedTrailerWeights(Settings):
     """1/m²"""
     steering: NonNegative = 0.002
     """1/rad²"""
-    steering_rate: Positive = 2.0
+    steering_rate: Positive = 1.2
     """s²/rad²"""
 
 
@@ -85,8 +85,8 @@ class SharingSettings(Settings):
     """of the trailer's steady error beyond `accepted_error`, what the tractor takes over by going to the other side"""
     accepted_error: NonNegativeLength = 0.04
     """steady error that stays with the trailer, m"""
-    widening: NonNegative = 0.06
-    """how far the tractor keeps outside a curve per curvature, m²: 6 mm at 0.1 1/m"""
+    widening: NonNegative = 0.05
+    """how far the tractor keeps outside a curve per curvature, m²: 5 mm at 0.1 1/m"""
 
 
 class ArticulatedControllerSettings(Settings):
