@@ -138,11 +138,11 @@ def test_after_a_sample_left_out_nothing_is_held_against_the_vehicle_and_the_pla
     (late, parts), (other, _) = new(), new()
     for controller in (late, other):
         for k in range(3):
-            plans(controller, situation(left=0.1, ahead=0.2 * k))
+            plans(controller, situation(left=0.02, ahead=0.2 * k))
     for each in parts:
         each.skip()
-    plans(other, situation(left=0.09, ahead=0.6))
-    there = situation(left=0.08, ahead=0.8)
+    plans(other, situation(left=0.018, ahead=0.6))
+    there = situation(left=0.016, ahead=0.8)
     for now, then in zip(plans(late, there), plans(other, there), strict=True):
         assert now.status is SolverStatus.SOLVED
         assert np.abs(then.deviation).max() > 1e-3

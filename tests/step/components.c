@@ -189,7 +189,7 @@ static int plan(double steering, struct drawbar_body_plan *made)
 
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *made, void *work)
+                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, void *work)
 {
     (void)component;
     (void)estimate;
@@ -201,13 +201,13 @@ int drawbar_tractor_feedback(struct component *component, const struct drawbar_e
 
 int drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *made, void *work)
+                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, void *work)
 {
     (void)component;
     (void)estimate;
     (void)reference;
     memset(work, 0xFF, DRAWBAR_WORK_SIZE);
-    called(neighbour != NULL ? 'r' : '?');
+    called(neighbour != NULL && neighbour->plan != NULL ? 'r' : '?');
     return plan(seen.trailer_steering, made);
 }
 

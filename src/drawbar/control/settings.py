@@ -63,7 +63,7 @@ class ArticulatedTractorWeights(Settings):
     """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(55/75) m"""
     steering: NonNegative = 4.0
     """on the distance to the curvature feed-forward, 1/rad²"""
-    steering_rate: Positive = 1.5
+    steering_rate: Positive = 1.0
     """up to 1 m/s; divided by the speed above, s²/rad²"""
 
 
@@ -74,7 +74,7 @@ class ArticulatedTrailerWeights(Settings):
     """1/m²"""
     steering: NonNegative = 0.002
     """1/rad²"""
-    steering_rate: Positive = 1.2
+    steering_rate: Positive = 1.0
     """s²/rad²"""
 
 

@@ -23,6 +23,9 @@ struct component {
     double dead_time, lags[STEERED];       /* what is planned with, s */
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
+    double still[STEERED];                 /* the measured angle as it has been for some samples, rad */
+    double least[STEERED], most[STEERED];  /* between which the likeliest member has been meanwhile, rad */
+    double stuck_for[STEERED];             /* for how long that has been too far apart, s */
     double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
     int32_t samples;
 };
@@ -56,6 +59,22 @@ static int does_not_follow(struct component *actuation, int i, double measured)
     return actuation->odd_for[i] > actuation->patience;
 }
 
+/* Whether a measured angle has stayed the very same for too long after commands should have moved it. */
+static int is_stuck(struct component *actuation, int i, double measured)
+{
+    const double expected = bank_likeliest(&actuation->banks[i], &actuation->grid);
+
+    if (measured != actuation->still[i]) {
+        actuation->still[i] = measured;
+        actuation->least[i] = actuation->most[i] = expected;
+    }
+    actuation->least[i] = fmin(actuation->least[i], expected);
+    actuation->most[i] = fmax(actuation->most[i], expected);
+    const int odd = actuation->most[i] - actuation->least[i] > actuation->odd;
+    actuation->stuck_for[i] = odd ? actuation->stuck_for[i] + actuation->sample_time : 0.0;
+    return actuation->stuck_for[i] > actuation->patience;
+}
+
 /* Do what can be done before the next measurement. */
 int UNIT(ready)(struct component *actuation)
 {
@@ -82,8 +101,10 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
     bank_judge(&actuation->banks[actuation->samples % STEERED], &actuation->grid);
     ++actuation->samples;
     approach(actuation);
-    const int tractor = does_not_follow(actuation, FRONT_WHEELS, measured[FRONT_WHEELS]);
-    return does_not_follow(actuation, TRAILER_JOINT, measured[TRAILER_JOINT]) || tractor ? DRAWBAR_STEERING : 0;
+    int odd = 0;
+    for (int i = 0; i < STEERED; ++i)
+        odd += does_not_follow(actuation, i, measured[i]) + is_stuck(actuation, i, measured[i]);
+    return odd ? DRAWBAR_STEERING : 0;
 }
 
 /* Take in the command that was sent. */

@@ -116,6 +116,24 @@ static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, do
     }
 }
 
+/* Index of the value (n) that comes nearest to another. */
+static inline int nearest_of(const double *values, int n, double wanted)
+{
+    int nearest = 0;
+
+    for (int i = 1; i < n; ++i)
+        if (fabs(values[i] - wanted) < fabs(values[nearest] - wanted))
+            nearest = i;
+    return nearest;
+}
+
+/* The angle of the member whose dead time and lag are nearest to those found, rad. */
+static double bank_likeliest(const struct lag_bank *bank, const struct lag_grid *grid)
+{
+    return bank->angle[nearest_of(grid->dead_times, DEAD_TIMES, bank->dead_time) * LAGS
+                       + nearest_of(grid->lags, LAGS, bank->lag)];
+}
+
 /* By how much (rad) a measured angle is off that of the member which comes nearest to it, each with the mean error that it
  * has had: what no dead time and no lag explain. */
 static double bank_unexplained(const struct lag_bank *bank, double measured)

@@ -49,7 +49,7 @@ int __wrap_drawbar_estimator_update(struct component *component, const struct dr
 
 int __wrap_drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                     const struct drawbar_body_reference *reference,
-                                    const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work)
+                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, void *work)
 {
     const int status = __real_drawbar_tractor_feedback(component, estimate, reference, neighbour, plan, work);
 
@@ -58,7 +58,7 @@ int __wrap_drawbar_tractor_feedback(struct component *component, const struct dr
 
 int __wrap_drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                     const struct drawbar_body_reference *reference,
-                                    const struct drawbar_body_plan *neighbour, struct drawbar_body_plan *plan, void *work)
+                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, void *work)
 {
     const int status = __real_drawbar_trailer_feedback(component, estimate, reference, neighbour, plan, work);
 
