@@ -9,6 +9,7 @@
 #include "chain.h"
 #include "off_tracking.h"
 #include "rate_weight.h"
+#include "side_slip.h"
 #include "subsystem.h"
 
 struct component {
@@ -41,12 +42,13 @@ static void fill(struct component *component, const struct drawbar_estimate *est
     weigh_rate(solver, Y_STEERING_RATE, component->calm, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
+        const double change = side_slip_change(estimate, reference->samples[0], sample);
         double *p = solver->p[k];
 
         p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
         p[P_TRACTOR_SLIP] = estimate->tractor_slip;
-        p[P_STEERING_OFFSET] = estimate->steering_offset;
-        p[P_TRACTOR_CRAB] = estimate->tractor_crab;
+        p[P_STEERING_OFFSET] = estimate->steering_offset + change;
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab + change;
         p[P_SPEED] = estimate->speed;
         p[P_REFERENCE_X] = sample[AT_X];
         p[P_REFERENCE_Y] = sample[AT_Y];

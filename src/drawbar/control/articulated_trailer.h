@@ -7,6 +7,7 @@
 
 #include "actuator.h"
 #include "chain.h"
+#include "side_slip.h"
 #include "subsystem.h"
 
 #define STEEPEST 1.2                       /* angle to its line at which the tractor comes back, rad */
@@ -73,7 +74,8 @@ static int follow_line(struct component *component, const struct drawbar_estimat
     for (int k = 0; k <= N; ++k) {
         const double *sample = tractor->samples[k];
         const double beside = (offset + bend * k * step) * share;
-        const double yaw = sample[AT_YAW] + atan(bend * share - beside / component->return_length) - crab;
+        const double yaw = sample[AT_YAW] + atan(bend * share - beside / component->return_length) - crab
+            - side_slip_change(estimate, closest, sample);
         const double forward = cos(sample[AT_YAW]), left = sin(sample[AT_YAW]);
         double *p = component->rti.p[k];
 
@@ -128,8 +130,9 @@ static void fill(struct component *component, const struct drawbar_estimate *est
         double *p = component->rti.p[k];
 
         p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
-        p[P_TRACTOR_CRAB] = estimate->tractor_crab;
-        p[P_TRAILER_CRAB] = estimate->trailer_crab;
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab + (neighbour
+            ? side_slip_change(estimate, neighbour->reference->samples[0], neighbour->reference->samples[k]) : 0.0);
+        p[P_TRAILER_CRAB] = estimate->trailer_crab + side_slip_change(estimate, reference->samples[0], sample);
         p[P_SPEED] = estimate->speed;
         p[P_REFERENCE_X] = sample[AT_X];
         p[P_REFERENCE_Y] = sample[AT_Y];

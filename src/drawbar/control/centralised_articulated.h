@@ -14,6 +14,7 @@
 
 #include "centralised.h"
 #include "rate_weight.h"
+#include "side_slip.h"
 
 struct component {
     struct rti rti;
@@ -61,14 +62,15 @@ static void fill(struct component *component, const struct drawbar_estimate *est
     weigh_rate(&component->rti, Y_TRACTOR_STEERING_RATE, component->calm, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *front = tractor->samples[k], *rear = trailer->samples[k];
+        const double change = side_slip_change(estimate, tractor->samples[0], front);
         double *p = component->rti.p[k];
 
         p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
         p[P_TRACTOR_SLIP] = estimate->tractor_slip;
-        p[P_STEERING_OFFSET] = estimate->steering_offset;
-        p[P_TRAILER_CRAB] = estimate->trailer_crab;
+        p[P_STEERING_OFFSET] = estimate->steering_offset + change;
+        p[P_TRAILER_CRAB] = estimate->trailer_crab + side_slip_change(estimate, trailer->samples[0], rear);
         p[P_SPEED] = estimate->speed;
-        p[P_TRACTOR_CRAB] = estimate->tractor_crab;
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab + change;
         p[P_TRACTOR_REFERENCE_X] = front[AT_X];
         p[P_TRACTOR_REFERENCE_Y] = front[AT_Y];
         p[P_TRACTOR_REFERENCE_YAW] = front[AT_YAW];

@@ -42,6 +42,8 @@ class ArticulatedEstimation(EstimationModel):
         """Declare the window problem for this vehicle and these sensors."""
         self.screening, self.position_deviation = settings.screening, noise.position
         self.constants = chain(vehicle) | {
+            "chain.wheelbase": vehicle.wheelbase,
+            "trailer_length": vehicle.trailer_length,
             "first_slip": settings.first_slip,
             "first_yaw_error": settings.first_yaw_error,
             "sample_time": sample_time,
@@ -81,17 +83,32 @@ def _on_slide(model: Model) -> Model:
     Crab angles and steering offset are then what is left beside it.
     """
     slide = [constant(f"slide_{direction}", "rad", 0.0) for direction in ("east", "north")]
+    creep = constant("creep", "rad", 0.0)
     east, north = (each.symbol for each in slide)
     states, known = by_name(model.states, model.x), by_name(model.parameters, model.p)
+    speed = known["longitudinal_slip"] * known["speed"]
+    turns = _turns(model, states, known)
 
     def across(body: str) -> Any:
         yaw = states[f"{body}_yaw"]
-        return north * ca.cos(yaw) - east * ca.sin(yaw)
+        return north * ca.cos(yaw) - east * ca.sin(yaw) - creep.symbol * speed * turns[body] / 9.81
 
     drawn = {"steering_offset": "tractor", "tractor_crab": "tractor", "trailer_crab": "trailer"}
     whole = [known[name] + across(body) for name, body in drawn.items()]
     derivative, output = ca.substitute([model.derivative, model.output], [known[name] for name in drawn], whole)
-    return replace(model, derivative=derivative, output=output, constants=(*model.constants, *slide))
+    return replace(model, derivative=derivative, output=output, constants=(*model.constants, *slide, creep))
+
+
+def _turns(model: Model, states: dict[str, Any], known: dict[str, Any]) -> dict[str, Any]:
+    """Return both bodies' yaw rates, rad/s: the trailer's joint at rest, axles without side-slip."""
+    lengths = {each.name: each.symbol for each in model.constants}
+    speed = known["longitudinal_slip"] * known["speed"]
+    angle = known["tractor_slip"] * states["tractor_steering"] + known["steering_offset"] - known["tractor_crab"]
+    tractor = speed * ca.tan(angle) / lengths["wheelbase"]
+    gamma, joint = states["tractor_yaw"] - states["trailer_yaw"], states["trailer_steering"]
+    aside = speed * ca.sin(gamma) - lengths["free_joint_offset"] * tractor * ca.cos(gamma)
+    trailer = aside / (lengths["trailer_length"] + lengths["drawbar_length"] * ca.cos(joint))
+    return {"tractor": tractor, "trailer": trailer}
 
 
 def _with_crab(model: Model) -> Model:

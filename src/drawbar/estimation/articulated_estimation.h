@@ -5,12 +5,14 @@
 
 #include <string.h>
 #include "at_rest.h"
+#include "side_slip.h"
 #include "slide.h"
 
-#define FIRST_SLIDE (CONSTANTS - 3)       /* place among the constants: slide_east, slide_north, then the sample time */
+#define FIRST_SLIDE (CONSTANTS - 4)       /* place among the constants: slide_east, slide_north, creep, then the sample time */
 
 struct estimation_model {
     struct chain chain;
+    double trailer_length;                 /* actuated joint to the trailer's axle, m */
     double first_slip;                     /* first guess of mu and kappa */
     double first_yaw_error;                /* added to the first guess of both yaws, rad */
     double sample_time;                    /* s */
@@ -22,7 +24,8 @@ struct estimation_model {
 
 #define MODEL_FIELDS(type, prefix)                                                                           \
     SETTING(type, prefix chain.hitch, 0, 1, 0, 0) SETTING(type, prefix chain.drawbar, 0, 1, 0, 0)            \
-    SETTING(type, prefix chain.back, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
+    SETTING(type, prefix chain.back, 0, 1, 0, 0) SETTING(type, prefix chain.wheelbase, 0, 1, 0, 0)           \
+    SETTING(type, prefix trailer_length, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
     SETTING(type, prefix first_yaw_error, 0, 1, 0, 0) SETTING(type, prefix sample_time, 0, 1, 0, 0)          \
     SETTING(type, prefix tractor_lag, 0, 1, 0, 0) SETTING(type, prefix trailer_lag, 0, 1, 0, 0)              \
     SETTING(type, prefix tractor_rate, 0, 1, 0, 0)            \
@@ -137,14 +140,30 @@ static inline void model_told_inputs(const struct estimation_model *model, const
     u[U_TRAILER_STEERING_RATE] = isfinite(trailer) ? trailer : u[U_TRAILER_STEERING_RATE];
 }
 
+/* How both axles face and are pushed aside; the trailer's joint at rest, axles without side-slip (_pushes in articulated.py). */
+static inline void model_axles(const struct estimation_model *model, const double *state, struct axle *axles)
+{
+    const double theta = state[X_TRACTOR_YAW], psi = state[X_TRAILER_YAW];
+    const double speed = state[X_LONGITUDINAL_SLIP] * state[X_SPEED];
+    const double angle = state[X_TRACTOR_SLIP] * state[X_TRACTOR_STEERING] + state[X_STEERING_OFFSET] - state[X_TRACTOR_CRAB];
+    const double turn = speed * tan(angle) / model->chain.wheelbase;
+    const double lever = model->trailer_length + model->chain.drawbar * cos(state[X_TRAILER_STEERING]);
+    const double trailer = (speed * sin(theta - psi) - model->chain.hitch * turn * cos(theta - psi)) / lever;
+
+    axles[0] = (struct axle){theta, speed * turn / GRAVITY};
+    axles[1] = (struct axle){psi, speed * trailer / GRAVITY};
+}
+
 /* The estimate that a state stands for; the trailer's antenna follows from the chain. Of the fixes it knows nothing. */
 static inline void model_estimate(struct estimation_model *model, const double *state,
                                   const struct drawbar_measurement *measurement, int status,
                                   struct drawbar_estimate *estimate)
 {
+    struct axle axles[2];
     double antennas[4];
 
     model_antennas(model, state, antennas);
+    model_axles(model, state, axles);
     *estimate = (struct drawbar_estimate){
         .time = measurement->time,
         .tractor = {antennas[0], antennas[1], state[X_TRACTOR_YAW]},
@@ -156,9 +175,12 @@ static inline void model_estimate(struct estimation_model *model, const double *
         .longitudinal_slip = state[X_LONGITUDINAL_SLIP],
         .tractor_slip = state[X_TRACTOR_SLIP],
         .trailer_slip = 1.0,
-        .steering_offset = state[X_STEERING_OFFSET] + slide_across(&model->slide, state[X_TRACTOR_YAW]),
-        .tractor_crab = state[X_TRACTOR_CRAB] + slide_across(&model->slide, state[X_TRACTOR_YAW]),
-        .trailer_crab = state[X_TRAILER_CRAB] + slide_across(&model->slide, state[X_TRAILER_YAW]),
+        .steering_offset = state[X_STEERING_OFFSET] + slide_across(&model->slide, axles[0]),
+        .tractor_crab = state[X_TRACTOR_CRAB] + slide_across(&model->slide, axles[0]),
+        .trailer_crab = state[X_TRAILER_CRAB] + slide_across(&model->slide, axles[1]),
+        .slide_east = model->slide.value[0],
+        .slide_north = model->slide.value[1],
+        .creep = model->slide.value[2],
         .status = status,
     };
 }
@@ -167,7 +189,7 @@ static inline void model_estimate(struct estimation_model *model, const double *
 static inline void model_begin(struct estimation_model *model, double *constants)
 {
     slide_begin(&model->slide);
-    constants[FIRST_SLIDE] = constants[FIRST_SLIDE + 1] = 0.0;
+    memset(constants + FIRST_SLIDE, 0, 3 * sizeof *constants);
 }
 
 /* Learn the slide from an estimated state, and let the model's constants have it. `shift` becomes what steering offset and
@@ -175,19 +197,19 @@ static inline void model_begin(struct estimation_model *model, double *constants
 static inline int model_learn(struct estimation_model *model, const double *state, double *constants, double *shift)
 {
     struct slide *slide = &model->slide;
-    const double theta = state[X_TRACTOR_YAW], psi = state[X_TRAILER_YAW];
-    const double before[] = {slide_across(slide, theta), slide_across(slide, psi)};
+    struct axle axles[2];
 
     if (!(slide->prior > 0.0))
         return 0;
+    model_axles(model, state, axles);
+    const double before[] = {slide_across(slide, axles[0]), slide_across(slide, axles[1])};
     slide_walk(slide);
-    slide_take(slide, theta, state[X_TRACTOR_CRAB] + before[0]);
-    slide_take(slide, psi, state[X_TRAILER_CRAB] + before[1]);
-    constants[FIRST_SLIDE] = slide->value[0];
-    constants[FIRST_SLIDE + 1] = slide->value[1];
+    slide_take(slide, axles[0], state[X_TRACTOR_CRAB] + before[0]);
+    slide_take(slide, axles[1], state[X_TRAILER_CRAB] + before[1]);
+    memcpy(constants + FIRST_SLIDE, slide->value, 3 * sizeof *constants);
     memset(shift, 0, NX * sizeof *shift);
-    shift[X_STEERING_OFFSET] = shift[X_TRACTOR_CRAB] = before[0] - slide_across(slide, theta);
-    shift[X_TRAILER_CRAB] = before[1] - slide_across(slide, psi);
+    shift[X_STEERING_OFFSET] = shift[X_TRACTOR_CRAB] = before[0] - slide_across(slide, axles[0]);
+    shift[X_TRAILER_CRAB] = before[1] - slide_across(slide, axles[1]);
     return 1;
 }
 

@@ -14,44 +14,71 @@
 #include <math.h>
 #include "geometry.h"
 
-#define SLIDE_TERMS 3                      /* east, north, constant */
+#define SLIDE_TERMS 4                      /* east, north, creep, constant */
 #define MOST_SLIDE 0.12                    /* rad */
+#define MOST_CREEP 1.0
+
+/* How an axle faces and how it is pushed aside. */
+struct axle {
+    double yaw;                            /* rad */
+    double push;                           /* side acceleration to its left, g */
+};
 
 struct slide {
     double prior, walk;                    /* of east and north: standard deviation at first, and per sample, rad; prior 0:
                                             * nothing is found */
+    double creep_prior;                    /* the same of creep; 0: it stays 0 */
     double constant_prior, noise;          /* of the constant; of one estimated side-slip, rad */
-    double value[SLIDE_TERMS];             /* rad */
+    double value[SLIDE_TERMS];             /* rad; creep: rad/g */
     double covariance[SLIDE_TERMS][SLIDE_TERMS];
 };
 
 #define SLIDE_FIELDS(type, place)                                                                            \
     SETTING(type, place.prior, 0, 1, 0, 0) SETTING(type, place.walk, 0, 1, 0, 0)                             \
+    SETTING(type, place.creep_prior, 0, 1, 0, 0)                                                             \
     SETTING(type, place.constant_prior, 0, 1, 0, 0) SETTING(type, place.noise, 0, 1, 0, 0)                   \
     FIELD(type, place.value, 0, SLIDE_TERMS, 0, 0)
+
+/* Standard deviation of a term at first. */
+static inline double slide_prior(const struct slide *slide, int term)
+{
+    return term < 2 ? slide->prior : term == 2 ? slide->creep_prior : slide->constant_prior;
+}
+
+/* What a side-slip is made of, by terms. */
+static inline void slide_row(struct axle axle, double *row)
+{
+    row[0] = -sin(axle.yaw);
+    row[1] = cos(axle.yaw);
+    row[2] = -axle.push;
+    row[3] = 1.0;
+}
 
 static inline void slide_begin(struct slide *slide)
 {
     for (int i = 0; i < SLIDE_TERMS; ++i) {
-        const double deviation = i < 2 ? slide->prior : slide->constant_prior;
+        const double deviation = slide_prior(slide, i);
         slide->value[i] = 0.0;
         for (int j = 0; j < SLIDE_TERMS; ++j)
             slide->covariance[i][j] = i == j ? deviation * deviation : 0.0;
     }
 }
 
-/* At which angle to its left an axle with this yaw is drawn, rad. */
-static inline double slide_across(const struct slide *slide, double yaw)
+/* At which angle to its left slope and curve draw an axle, rad. */
+static inline double slide_across(const struct slide *slide, struct axle axle)
 {
-    return slide->value[1] * cos(yaw) - slide->value[0] * sin(yaw);
+    double row[SLIDE_TERMS];
+
+    slide_row(axle, row);
+    return slide->value[0] * row[0] + slide->value[1] * row[1] + slide->value[2] * row[2];
 }
 
-/* Take in the side-slip (rad) of an axle with this yaw. */
-static inline void slide_take(struct slide *slide, double yaw, double crab)
+/* Take in the side-slip (rad) of an axle. */
+static inline void slide_take(struct slide *slide, struct axle axle, double crab)
 {
-    const double row[SLIDE_TERMS] = {-sin(yaw), cos(yaw), 1.0};
-    double gain[SLIDE_TERMS], spread = slide->noise * slide->noise, error = crab;
+    double row[SLIDE_TERMS], gain[SLIDE_TERMS], spread = slide->noise * slide->noise, error = crab;
 
+    slide_row(axle, row);
     for (int i = 0; i < SLIDE_TERMS; ++i) {
         gain[i] = 0.0;
         for (int j = 0; j < SLIDE_TERMS; ++j)
@@ -69,6 +96,7 @@ static inline void slide_take(struct slide *slide, double yaw, double crab)
     const double size = hypot(slide->value[0], slide->value[1]), share = size > MOST_SLIDE ? MOST_SLIDE / size : 1.0;
     slide->value[0] *= share;              /* the same in all directions of the world */
     slide->value[1] *= share;
+    slide->value[2] = clipped(slide->value[2], MOST_CREEP);
 }
 
 /* Let a sample pass: what is known goes back towards the prior, so that east and north walk by `walk`. */
@@ -77,7 +105,7 @@ static inline void slide_walk(struct slide *slide)
     const double share = slide->walk / slide->prior, fresh = fmin(share * share, 1.0);
 
     for (int i = 0; i < SLIDE_TERMS; ++i) {
-        const double deviation = i < 2 ? slide->prior : slide->constant_prior;
+        const double deviation = slide_prior(slide, i);
         for (int j = 0; j < SLIDE_TERMS; ++j)
             slide->covariance[i][j] += fresh * ((i == j ? deviation * deviation : 0.0) - slide->covariance[i][j]);
     }

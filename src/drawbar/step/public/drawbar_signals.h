@@ -167,6 +167,11 @@ struct drawbar_estimate {
                                          * has none, rad */
     double trailer_crab;                /* alpha_i, side-slip angle of the trailer's axle; 0 where the model has
                                          * none, rad */
+    double slide_east;                  /* side-slip angle to the east that a slope gives every axle; part of b
+                                         * and of both alpha, rad */
+    double slide_north;                 /* the same to the north, rad */
+    double creep;                       /* side-slip angle per side acceleration in g that a curve gives every
+                                         * axle; part of b and of both alpha */
     int32_t status;                     /* of the estimator's solver, enum drawbar_solver */
     int32_t tractor_fix;                /* enum drawbar_fix */
     int32_t trailer_fix;                /* enum drawbar_fix */
