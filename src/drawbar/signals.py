@@ -301,11 +301,11 @@ class Estimate:
     """alpha_r, side-slip angle of the tractor's rear axle; 0 where the model has none"""
     trailer_crab: Radians
     """alpha_i, side-slip angle of the trailer's axle; 0 where the model has none"""
-    slide_east: Radians
+    slide_east: Radians = 0.0
     """side-slip angle to the east that a slope gives every axle; part of b and of both alpha"""
-    slide_north: Radians
+    slide_north: Radians = 0.0
     """the same to the north"""
-    creep: Ratio
+    creep: Ratio = 0.0
     """side-slip angle per side acceleration in g that a curve gives every axle; part of b and of both alpha"""
     status: SolverStatus
     """of the estimator's solver"""
@@ -402,11 +402,6 @@ class Truth:
     """alpha_r, rad"""
     trailer_crab: float
     """alpha_i, rad"""
-    slide_east: float = 0.0
-    """rad, see Estimate"""
-    slide_north: float = 0.0
-    """rad"""
-    creep: float = 0.0
     tractor_roll: float = 0.0
     """right side down positive, rad"""
     tractor_pitch: float = 0.0

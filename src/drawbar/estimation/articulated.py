@@ -23,6 +23,8 @@ _KEYS = (
     | dict.fromkeys(_CRAB, "crab")
 )
 """which value of a prior or drift section each state and parameter has"""
+_GRAVITY = 9.81
+"""m/s^2"""
 _ON_A_SLOPE = ("steering_offset", *_CRAB)
 """what a side slope moves, all by the same angle"""
 
@@ -78,9 +80,9 @@ class ArticulatedEstimation(EstimationModel):
 
 
 def _on_slide(model: Model) -> Model:
-    """Return the model on ground that draws every axle in one direction of the world (slide.h): two more constants.
+    """Return the model on ground that draws every axle in one direction of the world, and out of its curve (slide.h).
 
-    Crab angles and steering offset are then what is left beside it.
+    It has three more constants. Crab angles and steering offset are then what is left beside it.
     """
     slide = [constant(f"slide_{direction}", "rad", 0.0) for direction in ("east", "north")]
     creep = constant("creep", "rad", 0.0)
@@ -91,7 +93,7 @@ def _on_slide(model: Model) -> Model:
 
     def across(body: str) -> Any:
         yaw = states[f"{body}_yaw"]
-        return north * ca.cos(yaw) - east * ca.sin(yaw) - creep.symbol * speed * turns[body] / 9.81
+        return north * ca.cos(yaw) - east * ca.sin(yaw) - creep.symbol * speed * turns[body] / _GRAVITY
 
     drawn = {"steering_offset": "tractor", "tractor_crab": "tractor", "trailer_crab": "trailer"}
     whole = [known[name] + across(body) for name, body in drawn.items()]

@@ -35,9 +35,6 @@ def ideal_estimate(truth: Truth, errors: Callable[[], Floats] | None = None) -> 
         steering_offset=truth.steering_offset,
         tractor_crab=truth.tractor_crab,
         trailer_crab=truth.trailer_crab,
-        slide_east=truth.slide_east,
-        slide_north=truth.slide_north,
-        creep=truth.creep,
         status=SolverStatus.SOLVED,
     )
 

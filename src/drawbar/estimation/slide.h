@@ -1,12 +1,13 @@
 /* The slide: in which direction, and at which angle, the ground draws every axle, found from the side-slips in all headings.
  *
  * On a side slope all axles drift downhill, to the left or to the right as they face. What is the same in the world is thus
- * told from what is the same for the vehicle (its sensors' zeros), and turns with neither: a model that knows it expects the
+ * told from what is the same for the vehicle (its sensors' zeros), and turns with neither. In a curve every axle drifts outwards,
+ * by `creep` times its side acceleration (to its left, in g). A model that knows it expects the
  * side-slips of the next heading instead of finding them anew in each curve. Recursive least squares of
  *
- *     alpha = constant - east sin(yaw) + north cos(yaw)
+ *     alpha = constant - east sin(yaw) + north cos(yaw) - creep push
  *
- * over the estimated side-slips of both axles (Plackett 1950), with a random walk of all three.
+ * over the estimated side-slips of both axles (Plackett 1950), with a random walk of all four.
  */
 #ifndef DRAWBAR_SLIDE_H
 #define DRAWBAR_SLIDE_H

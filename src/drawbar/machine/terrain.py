@@ -28,7 +28,6 @@ class Terrain:
 
     def __init__(self, settings: TerrainSettings, rng: np.random.Generator) -> None:
         """Draw directions and phases of the waves."""
-        self.settings = settings
         rise = -math.tan(settings.slope)
         self._plane = rise * math.cos(settings.downhill), rise * math.sin(settings.downhill)
         strata = (np.arange(_WAVES) + rng.random(_WAVES)) / _WAVES

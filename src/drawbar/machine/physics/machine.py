@@ -66,13 +66,6 @@ class PhysicsMachine(SampledMachine):
     def truth(self) -> Truth:
         """Return the true state. Slips and side-slips are averages over the last seconds, see _SMOOTHED."""
         state, slid = self._now, self._slides
-        import os
-        ground = self.terrain.settings
-        H=os.environ.get("HACK","")
-        creep = max(ground.creep, 0.05)
-        east = creep*math.sin(ground.slope)*math.cos(ground.downhill)*("s" in H)
-        north = creep*math.sin(ground.slope)*math.sin(ground.downhill)*("s" in H)
-        creep *= "c" in H
         return Truth(
             time=self._sample * self._sample_time,
             tractor=Pose(x=state.tractor_x, y=state.tractor_y, yaw=state.tractor_yaw),
@@ -85,9 +78,6 @@ class PhysicsMachine(SampledMachine):
             steering_offset=slid.steering_offset,
             tractor_crab=slid.tractor_crab,
             trailer_crab=slid.trailer_crab,
-            slide_east=east,
-            slide_north=north,
-            creep=creep,
             tractor_roll=state.tractor_roll,
             tractor_pitch=state.tractor_pitch,
             trailer_roll=state.trailer_roll,
