@@ -13,10 +13,10 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import Stage, console
 
-from drawbar.console.catalogue import Words
 from drawbar.console.run_comparison import FIGURES, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Rank
+from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, OperatorMessage
 from drawbar.recording.chunks import ChunkedWriter

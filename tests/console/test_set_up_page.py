@@ -51,7 +51,8 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
         "speed": 2.7,
     }.items():
         number(one, key).set_value(value)
-    assert "vehicle.wheelbase: 1.4 → 2.155" in one.text()
+    assert "A  Wheelbase: 140 cm → 215.5 cm" in one.text()
+    assert "Front wheels, most: 30 ° → 25 °" in one.text()
     one.press("Save as a new version")
     (version,) = stage.workshop.versions.all()
     saved = load_configuration(str(version.file))
@@ -68,12 +69,12 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
 @pytest.mark.parametrize(
     ("key", "value", "reason"),
     [
-        ("vehicle.wheelbase", 0.0, "vehicle.wheelbase"),
-        ("vehicle.wheelbase", 215500.0, "millimetres?"),
+        ("vehicle.wheelbase", 0.0, "Wheelbase: must be more than 0 cm"),
+        ("vehicle.wheelbase", 215500.0, "Wheelbase: must be at most 3000 cm"),
         ("vehicle.trailer_antenna", 500.0, "ahead of the actuated joint"),
-        ("vehicle.tractor_steering_limit", 89.0, "vehicle.tractor_steering_limit"),
-        ("speed", None, "speed = nan"),
-        ("vehicle.curvature_limit", 0.0, "vehicle.curvature_limit"),
+        ("vehicle.tractor_steering_limit", 89.0, "Front wheels, most: must be less than 80 °"),
+        ("speed", None, "Driving speed: must be a number"),
+        ("vehicle.curvature_limit", 0.0, "Smallest radius of lines: must be more than 0 m"),
     ],
 )
 def test_what_is_no_configuration_cannot_be_saved(key, value, reason):

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.hand_log import driven
 from drawbar.console.link import Link
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.driving.calibrating import Found, calibrate
 from drawbar.driving.hand_drive import HandDrive
@@ -114,7 +114,7 @@ class CalibrationCard:
                 raise ConfigurationError(self._words("calibrate_nothing"))
             found = await asyncio.to_thread(lambda: list(calibrate(self._workshop.driven, drive)))
         except DrawbarError as error:
-            self._said.set_text(str(error))
+            self._said.set_text(self._words.message(error))
             return
         finally:
             self._works = False
@@ -127,18 +127,19 @@ class CalibrationCard:
         self._found.clear()
         with self._found:
             for each in found:
-                ui.label(_line(each)).classes("good" if each.sets else "flaw")
+                ui.label(_line(each, self._words)).classes("good" if each.sets else "flaw")
 
     def _save(self) -> None:
         if self._changes:
             self._keep_changes(self._changes)
 
 
-def _line(found: Found) -> str:
-    value = found.value
+def _line(found: Found, words: Words) -> str:
+    value, name = found.value, words.message(found.name)
     if not found.sets:
-        return f"✖ {found.name}: {'; '.join(value.refusals)}"
-    return f"✓ {found.name}: {value.value:.4g} ± {value.deviation:.2g} {value.unit}"
+        return f"✖ {name}: {'; '.join(map(words.message, value.refusals))}"
+    numbers = f"{value.value:.4g} ± {value.deviation:.2g}"
+    return f"✓ {name}: {words.decimal(numbers)} {words.message(value.unit)}"
 
 
 def _options() -> dict[str, Any]:

@@ -1,12 +1,9 @@
-"""Catalogue: every text of the pages in English and German, in one place; the causes' German is in causes_de.py."""
+"""Catalogue: every text of the pages in English and German.
+
+Causes and errors are in English where they arise; their German is in causes_de.py and errors_de.py.
+"""
 
 from collections.abc import Mapping
-from typing import Literal
-
-from drawbar.console.causes_de import CAUSES_DE
-from drawbar.safety.causes import Cause
-
-Language = Literal["en", "de"]
 
 TEXTS: Mapping[str, tuple[str, str]] = {
     # states: a word, and what it means
@@ -178,6 +175,11 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "From the side and from above, to scale, front on the right. Touch a letter to change its number.",
         "Von der Seite und von oben, im Maßstab, vorn ist rechts. Buchstaben berühren, um die Zahl zu ändern.",
     ),
+    "flaw_greater": ("{name}: must be more than {bound}", "{name}: muss mehr als {bound} sein"),
+    "flaw_least": ("{name}: must be at least {bound}", "{name}: muss mindestens {bound} sein"),
+    "flaw_less": ("{name}: must be less than {bound}", "{name}: muss weniger als {bound} sein"),
+    "flaw_most": ("{name}: must be at most {bound}", "{name}: darf höchstens {bound} sein"),
+    "flaw_number": ("{name}: must be a number", "{name}: muss eine Zahl sein"),
     "changes": ("Changes", "Änderungen"),
     "no_changes": ("No number is changed.", "Keine Zahl ist geändert."),
     "save_version": ("Save as a new version", "Als neue Version speichern"),
@@ -270,33 +272,3 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "open_report": ("Open the report", "Bericht öffnen"),
     "no_report": ("no report yet", "noch kein Bericht"),
 }
-
-
-class Words:
-    """The texts in one language."""
-
-    def __init__(self, language: Language) -> None:
-        """Choose the language."""
-        self.language: Language = language
-
-    def __call__(self, key: str, **values: object) -> str:
-        """Return a text with its values in it."""
-        return TEXTS[key][self.language == "de"].format(**values)
-
-    def cause(self, cause: Cause) -> tuple[str, str]:
-        """Return what a cause says, and what to do about it, as sentences that begin with a capital letter."""
-        sentence, advice = CAUSES_DE[cause] if self.language == "de" else (cause.sentence, cause.advice)
-        return sentence[:1].upper() + sentence[1:], advice[:1].upper() + advice[1:]
-
-    def number(self, value: float, decimals: int) -> str:
-        """Return a number as people write it."""
-        text = f"{value:z.{decimals}f}"
-        return text.replace(".", ",") if self.language == "de" else text
-
-
-def language_of(accepted: str, otherwise: Language) -> Language:
-    """Return the language that a browser asks for first, of those that there are (header Accept-Language)."""
-    for each in accepted.lower().split(","):
-        if each.strip()[:2] in ("en", "de"):
-            return "de" if each.strip().startswith("de") else "en"
-    return otherwise

@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 from nicegui import events, ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.guard import LARGEST_UPLOAD
 from drawbar.console.page_head import tell
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import KINDS, WRITERS, take_in
@@ -42,7 +42,7 @@ class ExchangeCard:
             fields = await asyncio.to_thread(take_in, event.file.name, data, self._frame)
             self._keep(fields)
         except DrawbarError as error:
-            tell(str(error))
+            tell(self._words.message(error))
             return
         left_out = [each for field in fields for each in field.left_out]
         lines = sum(len(field.lines) for field in fields)
@@ -60,4 +60,4 @@ class ExchangeCard:
         try:
             ui.download.content(write(field), name)
         except DrawbarError as error:
-            tell(str(error))
+            tell(self._words.message(error))

@@ -11,13 +11,13 @@ import numpy as np
 from nicegui import background_tasks, ui
 
 from drawbar.console.audit import Audit
-from drawbar.console.catalogue import Words
 from drawbar.console.exchange_card import ExchangeCard
 from drawbar.console.field_map import FieldMap
 from drawbar.console.link import Link
 from drawbar.console.new_line_card import NewLineCard
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.visitors import Visitor
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError, PathError
 from drawbar.fields.field import Field, FieldLine
@@ -108,7 +108,7 @@ class FieldsPage:
             self._field = self._workshop.fields.load(name) if name else None
         except DrawbarError as error:
             self._field = None
-            tell(str(error))
+            tell(self._words.message(error))
         lines = [line.name for line in self._field.lines] if self._field is not None else []
         self._lines.set_options(lines, value=lines[0] if lines else None)
         self._replan()
@@ -136,7 +136,7 @@ class FieldsPage:
                     if self._field is not None and self._lines.value:
                         planned = await asyncio.to_thread(self._plan(self._field, self._lines.value))
                 except DrawbarError as error:
-                    flaw = str(error)
+                    flaw = self._words.message(error)
                 if wanted == self._wanted:
                     break
         finally:
@@ -217,7 +217,7 @@ class FieldsPage:
                 file.unlink()
                 raise
         except DrawbarError as error:
-            self._flaw.set_text(str(error))
+            self._flaw.set_text(self._words.message(error))
             return
         self._audit.write(self._visitor, "TAKE_LINE", file=str(saved), line=line.name)
         tell(self._words("saved_for_next", file=str(saved)), good=True)

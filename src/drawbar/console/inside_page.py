@@ -5,11 +5,11 @@ from typing import Any
 
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead
 from drawbar.console.signal_history import PRESETS, all_names, band, series
 from drawbar.console.visitors import Visitor
+from drawbar.console.words import Words
 
 _PERIOD = 200_000_000
 """between two pictures, ns"""

@@ -2,7 +2,7 @@
 
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
+from drawbar.console.words import Words
 
 _PAGES = (("drive", "/"), ("fields", "/fields"), ("setup", "/setup"), ("runs", "/runs"), ("inside", "/inside"))
 _SOUND = "document.body.dataset.sound = document.body.dataset.sound === 'off' ? 'on' : 'off'"

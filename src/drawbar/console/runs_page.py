@@ -12,12 +12,12 @@ from pathlib import Path
 from nicegui import ui
 
 from drawbar.console.audit import Audit
-from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.run_comparison import FIGURES, read_metrics, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Rank, Visitor
+from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.recording.log import read_log
 from drawbar.recording.table import write_csv
@@ -149,7 +149,7 @@ class RunsPage:
         try:
             events = await asyncio.to_thread(run_events, self._folder / run.name / LOG, self._words)
         except DrawbarError as error:
-            tell(str(error))
+            tell(self._words.message(error))
             return
         self._begin(f"{self._words('events')}: {run.name}")
         with self._shown:
@@ -170,7 +170,7 @@ class RunsPage:
         try:
             ui.download.content(await asyncio.to_thread(content), f"{run.name}{suffix}")
         except (DrawbarError, OSError) as error:
-            tell(str(error))
+            tell(self._words.message(error))
 
     def _ask_deletion(self, run: Run) -> None:
         """Show what would be deleted, and delete it when that is confirmed."""
@@ -186,7 +186,7 @@ class RunsPage:
         try:
             shutil.rmtree(self._folder / run.name)
         except OSError as error:
-            tell(f"{run.name}: {error.strerror}")
+            tell(f"{run.name}: {self._words.message(error.strerror)}")
         self._audit.write(self._visitor, "DELETE_RUN", run=run.name)
         self._shown.set_visibility(False)
         self._show_list()

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from drawbar.console.catalogue import Words
 from drawbar.console.drawing import Moving
+from drawbar.console.words import Words
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE
 from drawbar.safety.engagement import LATCHED, STEERING
