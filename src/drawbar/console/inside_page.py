@@ -11,7 +11,7 @@ from drawbar.console.signal_history import PRESETS, all_names, band, series
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 
-_PERIOD = 200_000_000
+_PERIOD = 100_000_000
 """between two pictures, ns"""
 _STEPS = 300
 """that are drawn; a minute at 5 Hz"""
