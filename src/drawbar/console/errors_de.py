@@ -259,11 +259,17 @@ ERRORS_DE: Mapping[str, str] = {
         "dieselben Anschläge wurden nicht zweimal auf {0} des Bereichs erreicht; von der Mitte nach links bis zum "
         "Anschlag drehen, nach rechts, und beides noch einmal",
     "left by right": "links zu rechts",
-    "{} samples; record a minute of curves to both sides": "{0} Werte; eine Minute Kurven zu beiden Seiten fahren",
-    "without a wheel speed of this body its antenna's place to the side is not observable; measure it":
-        "ohne Radsensor dieses Fahrzeugteils ist der Platz der Antenne zur Seite nicht zu erkennen; messen",
+    "{} s of driving; drive two minutes of S-curves": "{0} s gefahren; zwei Minuten Schlangenlinien fahren",
+    "the wheels explain the track to {} m only, {} m at most; calibrate the front wheels first, and drive where they "
+    "do not slip":
+        "Räder und Spur passen nur auf {0} m zusammen, höchstens {1} m sind erlaubt; zuerst die Vorderräder "
+        "kalibrieren, und fahren, wo sie nicht rutschen",
+    "a roll sensor's zero looks like an antenna's place to the side; measure that place":
+        "der Nullpunkt eines Rollsensors sieht aus wie ein Platz der Antenne zur Seite; diesen Platz messen",
+    "tractor: antenna {}": "Traktor: Antenne {0}",
+    "forward": "nach vorn",
     "{} s of turning {} faster than {} rad/s; drive 10 s at least":
         "{0} s Kurve nach {1}, schneller als {2} rad/s; mindestens 10 s fahren",
-    "its deviation of {} m is above {} m; drive longer, in tighter curves":
-        "die Unsicherheit von {0} m ist über {1} m; länger fahren, in engeren Kurven",
+    "its deviation of {} m is above {} m; drive longer, in tighter and quicker S-curves":
+        "die Unsicherheit von {0} m ist über {1} m; länger fahren, in engeren und schnelleren Schlangenlinien",
 }  # fmt: skip

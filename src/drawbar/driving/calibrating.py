@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -11,10 +11,11 @@ from drawbar.config import Configuration
 from drawbar.driving.hand_drive import HandDrive
 from drawbar.geometry import Floats, wrap
 from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns
-from drawbar.machine.hardware.mounting_calibration import mounting_roll
+from drawbar.machine.hardware.mounting_calibration import CurveDrive, antenna_place, mounting_roll
 from drawbar.machine.hardware.scale_calibration import Circle, Scale, scale_from_circles
 from drawbar.machine.hardware.sensor_calibration import SensorRange, zero_from_straight
 from drawbar.machine.hardware.steer_board import BoardMemory, SteerBoardSettings
+from drawbar.vehicle.parameters import VehicleParameters
 
 _OPPOSITE = math.radians(10.0)
 """by which the way back may differ from the opposite of the way there, rad"""
@@ -47,6 +48,8 @@ def calibrate(configuration: Configuration, drive: HandDrive) -> Iterator[Found]
     if np.isfinite(drive.roll).any():
         mast = configuration.vehicle.masts.tractor
         yield _roll(drive, up=mast.up, left=mast.left)
+    if np.isfinite(drive.front_wheels).any() and np.isfinite(drive.wheel_speed).any():
+        yield from _antenna(configuration.vehicle, drive)
 
 
 def board_counts(board: SteerBoardSettings, angles: Floats) -> Floats:
@@ -165,6 +168,29 @@ def _roll(drive: HandDrive, *, up: float, left: float) -> Found:
     value = mounting_roll((there.times, across(there)), (back.times, across(back)), height=up)
     sets = {"vehicle.masts.tractor.roll_offset": value.value} if value.accepted else {}
     return Found(name="tractor: mounting roll", value=value, sets=sets)
+
+
+def _antenna(vehicle: VehicleParameters, drive: HandDrive) -> Iterator[Found]:
+    """Yield where the tractor's antenna stands; how roll moves it is taken out as far as it is known."""
+    mast = vehicle.masts.tractor
+    aside = mast.up * np.sin(np.nan_to_num(drive.roll - mast.roll_offset))  # to the right
+    place = antenna_place(
+        CurveDrive(
+            times=drive.times,
+            x=drive.antenna_x - aside * np.sin(drive.yaw),
+            y=drive.antenna_y + aside * np.cos(drive.yaw),
+            wheel_speeds=drive.wheel_speed,
+            front_wheels=drive.front_wheels,
+        ),
+        wheelbase=vehicle.wheelbase,
+    )
+    left = place.left
+    if np.isfinite(drive.roll).any():
+        reason = "a roll sensor's zero looks like an antenna's place to the side; measure that place"
+        left = replace(left, refusals=(*left.refusals, reason))
+    for name, value in (("forward", place.forward), ("left", left)):
+        sets = {f"vehicle.masts.tractor.{name}": round(value.value, 3)} if value.accepted else {}
+        yield Found(name=f"tractor: antenna {name}", value=value, sets=sets)
 
 
 def _two_ways(drive: HandDrive) -> tuple[HandDrive, HandDrive]:
