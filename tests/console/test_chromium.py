@@ -204,7 +204,7 @@ def test_a_curve_is_recorded_while_driving(drive, page):
 def test_a_drive_by_hand_is_evaluated(drive, page):
     page.goto(f"{drive}setup")
     press(page, "● Begin")
-    page.get_by_text("circles: left").wait_for()
+    page.locator(".to-do .count", has_text="/ 30 m").wait_for()
     page.locator(".track-plot canvas").wait_for()
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
     press(page, "■ End and evaluate")

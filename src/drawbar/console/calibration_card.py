@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
-from drawbar.console.hand_log import driven
+from drawbar.console.hand_log import Driven, driven
 from drawbar.console.link import Link
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
@@ -23,11 +23,20 @@ _POINTS = 800
 _SPAN = 20.0
 """least length of the plot's axes, m"""
 _LINE = {"width": 3, "color": "#0072b2"}
-_PICTURE = """<svg viewBox="0 0 300 96" class="to-drive" aria-hidden="true">
-<path d="M10 40 H170 M165 35 l6 5 l-6 5 M170 52 H10 M15 47 l-6 5 l6 5"/>
-<circle cx="222" cy="24" r="20"/><circle cx="222" cy="72" r="20"/><circle cx="268" cy="24" r="14"/>
-<circle cx="268" cy="72" r="14"/><text x="64" y="30">1, 4: 30 m</text><text x="216" y="29">2</text>
-<text x="216" y="77">3</text></svg>"""
+_PICTURE = '<svg viewBox="0 0 48 48" class="to-drive" aria-hidden="true"><path d="{}"/></svg>'
+_AHEAD = "M6 24 H40 M33 17 l8 7 l-8 7"
+STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]] | None], ...] = (
+    ("calibrate_straight", _AHEAD, lambda done: (done.straight, 30.0, "m")),
+    ("calibrate_left", "M30 42 A17 17 0 1 0 13 25 M7 33 l6 -9 l8 7", lambda done: (done.left, 3.0, "")),
+    ("calibrate_right", "M18 42 A17 17 0 1 1 35 25 M41 33 l-6 -9 l-8 7", lambda done: (done.right, 3.0, "")),
+    ("calibrate_back", "M6 17 H40 M33 10 l8 7 l-8 7 M42 33 H8 M15 26 l-8 7 l8 7", None),
+    (
+        "calibrate_curves",
+        "M4 24 C10 4 16 4 22 24 S36 44 42 24 M35 27 l7 -4 l4 7",
+        lambda done: (done.curves, 90.0, "s"),
+    ),
+)
+"""what to drive: catalogue's key, its picture, and how much of it counts so far, of how much, in which unit"""
 
 
 class CalibrationCard:
@@ -41,8 +50,8 @@ class CalibrationCard:
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("calibrate"))
-            ui.html(_PICTURE, sanitize=False)
             ui.label(words("calibrate_help")).classes("note")
+            self._build_steps()
             with ui.element("div").classes("line-up"):
                 self._begin = self._button("calibrate_begin", self._start)
                 self._evaluate = self._button("calibrate_evaluate", self._find)
@@ -63,11 +72,28 @@ class CalibrationCard:
         drive = log.drive()
         if drive is None:
             return
-        done = driven(drive)
-        self._said.set_text(
-            self._words("calibrate_driven", straight=f"{done.straight:.0f}", left=done.left, right=done.right)
-        )
+        self._count(driven(drive))
         self._draw(drive)
+
+    def _build_steps(self) -> None:
+        """Build the list of what to drive, each with its picture."""
+        self._counts: list[ui.label] = []
+        with ui.element("ol").classes("to-do"):
+            for key, picture, _ in STEPS:
+                with ui.element("li"):
+                    ui.html(_PICTURE.format(picture), sanitize=False)
+                    ui.label(self._words(key)).classes("grow")
+                    self._counts.append(ui.label().classes("count"))
+
+    def _count(self, done: Driven | None) -> None:
+        """Show how much of each step has been driven; None: nothing."""
+        for label, (_, _, measure) in zip(self._counts, STEPS, strict=True):
+            if done is None or measure is None:
+                label.set_text("")
+                continue
+            much, enough, unit = measure(done)
+            text = f"{min(much, 9999.0):.0f} / {enough:.0f} {unit}".strip()
+            label.set_text(f"✓ {text}" if much >= enough else text)
 
     def _button(self, key: str, act: Callable[[], Any]) -> ui.button:
         button = ui.button(self._words(key), on_click=act, color=None)
@@ -85,6 +111,7 @@ class CalibrationCard:
         self._link.hand_log.begin()
         self._changes = []
         self._found.clear()
+        self._count(None)
         self._said.set_text(self._words("calibrate_drive"))
         self._show_buttons()
 

@@ -141,9 +141,13 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "recording_points": ("Recording: {count} points", "Aufnahme: {count} Punkte"),
     "a_is_set": ("A is set; drive to B", "A ist gesetzt; nach B fahren"),
     "import_export": ("Import and export", "Einlesen und ausgeben"),
-    "import_file": ("File of a field", "Datei eines Feldes"),
+    "import_file": ("Choose a file of a field", "Datei eines Feldes wählen"),
     "import_kinds": ("{kinds}; folders as .zip", "{kinds}; Ordner als .zip"),
     "imported": ("Imported {fields}: {lines} lines", "{fields} eingelesen: {lines} Linien"),
+    "too_large": (
+        "Not taken: one file of at most {size} MiB, please",
+        "Nicht angenommen: bitte eine Datei mit höchstens {size} MiB",
+    ),
     "left_out": ("Left out: {what}", "Ausgelassen: {what}"),
     "format": ("Format", "Format"),
     "export": ("Export", "Ausgeben"),
@@ -203,19 +207,27 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     # calibration
     "calibrate": ("Calibrate by driving", "Beim Fahren kalibrieren"),
     "calibrate_help": (
-        "By hand on a level field, RTK fixed: 1 straight 30 m; 2 three circles to the left, 3 three to the right, each "
-        "with the wheel held for 6 s; 4 back along the same straight.",
-        "Von Hand auf ebenem Feld, RTK Fix: 1 geradeaus 30 m; 2 drei Kreise links, 3 drei rechts, das Lenkrad je 6 s "
-        "gehalten; 4 auf derselben Geraden zurück.",
+        "By hand, on a level field, with RTK fixed, at walking pace. What is not driven is not found.",
+        "Von Hand, auf ebenem Feld, mit RTK Fix, im Schritttempo. Was nicht gefahren wird, wird nicht gefunden.",
+    ),
+    "calibrate_straight": ("Straight on for 30 m", "30 m geradeaus"),
+    "calibrate_left": (
+        "Three circles to the left, each of another size; hold the wheel for 6 s in each",
+        "Drei Kreise nach links, jeder anders groß; das Lenkrad in jedem 6 s festhalten",
+    ),
+    "calibrate_right": ("Three circles to the right, likewise", "Drei Kreise nach rechts, ebenso"),
+    "calibrate_back": (
+        "Back along the same straight, in the same tracks",
+        "Auf derselben Geraden zurück, in derselben Spur",
+    ),
+    "calibrate_curves": (
+        "Two minutes of S-curves, 4 s to each side: for the antenna's place",
+        "Zwei Minuten Schlangenlinien, 4 s zu jeder Seite: für den Platz der Antenne",
     ),
     "calibrate_begin": ("● Begin", "● Beginnen"),
     "calibrate_evaluate": ("■ End and evaluate", "■ Beenden, auswerten"),
     "calibrate_keep": ("Save what was found", "Gefundenes speichern"),
     "calibrate_drive": ("Drive now.", "Jetzt fahren."),
-    "calibrate_driven": (
-        "Straight {straight} m of 30; circles: left {left} of 3, right {right} of 3",
-        "Gerade {straight} m von 30; Kreise: links {left} von 3, rechts {right} von 3",
-    ),
     "calibrate_found": ("Found: {count}", "Gefunden: {count}"),
     "calibrate_nothing": (
         "Nothing can be evaluated: too few steps, or no devices.",
@@ -260,6 +272,8 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "plot_steering": ("Steering (rad)", "Lenkung (rad)"),
     "menu": ("Menu", "Menü"),
     "look": ("Light or dark", "Hell oder dunkel"),
+    "sound_on": ("Changes of state sound", "Zustände tönen"),
+    "sound_off": ("Changes of state are silent", "Zustände sind stumm"),
     "sound": ("Sound on or off", "Ton an oder aus"),
     "language": ("Deutsch", "English"),
     "logout": ("Log out", "Abmelden"),
@@ -270,5 +284,10 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "login_wait": ("Too many attempts: wait a minute", "Zu viele Versuche: eine Minute warten"),
     "no_runs": ("There are no runs in {folder}.", "In {folder} gibt es keine Fahrten."),
     "open_report": ("Open the report", "Bericht öffnen"),
+    "recorded_now": ("is being recorded now", "wird gerade aufgezeichnet"),
+    "still_written": (
+        "{name} was written to a moment ago; wait a minute, then delete it",
+        "In {name} wurde gerade noch geschrieben; eine Minute warten, dann löschen",
+    ),
     "no_report": ("no report yet", "noch kein Bericht"),
 }

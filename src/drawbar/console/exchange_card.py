@@ -29,7 +29,13 @@ class ExchangeCard:
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("import_export"))
-            ui.upload(label=words("import_file"), on_upload=self._take, auto_upload=True, max_file_size=LARGEST_UPLOAD)
+            ui.upload(
+                label=words("import_file"),
+                on_upload=self._take,
+                on_rejected=lambda: tell(words("too_large", size=LARGEST_UPLOAD >> 20)),
+                auto_upload=True,
+                max_file_size=LARGEST_UPLOAD,
+            )
             ui.label(words("import_kinds", kinds=", ".join(KINDS))).classes("note")
             with ui.element("div").classes("line-up"):
                 self._kind = ui.select(list(WRITERS), value="GeoJSON", label=words("format")).props("outlined")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drawbar.driving.hand_drive import HandDrive
+from drawbar.machine.hardware.mounting_calibration import TURNING
 from drawbar.signals import StepRecord
 
 _MOST = 12_000
@@ -23,6 +24,8 @@ class Driven:
     left: int
     """circles with the steering held"""
     right: int
+    curves: float
+    """time of turning to both sides without holding the steering, s"""
 
 
 class HandLog:
@@ -56,9 +59,13 @@ class HandLog:
 
 def driven(drive: HandDrive) -> Driven:
     """Return what counts of a drive."""
-    turns = [float(np.mean(part.front_wheels)) for part in drive.circles()]
+    circles = drive.circles()
+    turns = [float(np.mean(part.front_wheels)) for part in circles]
+    held = sum(float(part.times[-1] - part.times[0]) for part in circles)
+    turning = float(np.diff(drive.times, prepend=drive.times[0])[np.abs(drive.yaw_rates) > TURNING].sum())
     return Driven(
         straight=max((part.way for part in drive.straights()), default=0.0),
         left=sum(turn > 0.0 for turn in turns),
         right=sum(turn < 0.0 for turn in turns),
+        curves=max(turning - held, 0.0),
     )

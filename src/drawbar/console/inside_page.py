@@ -100,8 +100,16 @@ def _options() -> dict[str, Any]:
         "animation": False,
         "legend": {"top": 0, "textStyle": {"fontSize": 14}, "type": "plain"},
         "tooltip": {"trigger": "axis"},
-        "grid": {"left": 8, "right": 16, "top": 64, "bottom": 28, "containLabel": True},
-        "xAxis": {"type": "value", "name": "s", "min": "dataMin", "max": 0, **axis},
+        "grid": {"left": 8, "right": 16, "top": 64, "bottom": 34, "containLabel": True},
+        "xAxis": {
+            "type": "value",
+            "name": "s",
+            "nameLocation": "middle",
+            "nameGap": 26,
+            "min": "dataMin",
+            "max": 0,
+            "axisLabel": {**axis["axisLabel"], "showMinLabel": False},
+        },
         "yAxis": {"type": "value", "scale": True, **axis},
         "series": [],
     }

@@ -132,7 +132,7 @@ class Pages:
     def _begin(self, request: Request) -> tuple[Visitor, Words]:
         visitor: Visitor = request.scope[VISITOR]
         words = self._words(request)
-        ui.add_head_html('<link rel="stylesheet" href="/drawbar/console.css">')
+        ui.add_head_html('<link rel="stylesheet" href="/drawbar/console.css"><script src="/drawbar/menu.js"></script>')
         ui.add_head_html(f'<script>document.documentElement.lang = "{words.language}"</script>')
         return visitor, words
 

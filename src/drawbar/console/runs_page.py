@@ -26,6 +26,8 @@ from drawbar.recording.tracks import write_geojson
 REPORT, CONFIGURATION, LOG = "report.html", "config.toml", "log.mcap"
 MOST = 200
 """runs that are listed"""
+_WRITTEN = 60.0
+"""after the last change of a run's files, until which it is not deleted, s"""
 _KINDS = {"CSV": (".csv", write_csv), "GeoJSON": (".geojson", write_geojson)}
 
 
@@ -104,7 +106,7 @@ class RunsPage:
                     if run.has_report:
                         ui.link(words("open_report"), f"/report/{run.name}")
                     else:
-                        ui.label(words("no_report"))
+                        ui.label(words("recorded_now" if self._is_current(run) else "no_report"))
                     self._button("events", partial(self._show_events, run))
                     for kind in _KINDS:
                         button = self._button("export", partial(self._export, run, kind))
@@ -182,6 +184,10 @@ class RunsPage:
     def _delete(self, run: Run) -> None:
         known = any(each.name == run.name for each in list_runs(self._folder))
         if not known or self._is_current(run) or self._visitor.rank < Rank.MAINTAINER:
+            return
+        newest = max((each.stat().st_mtime for each in (self._folder / run.name).iterdir()), default=0.0)
+        if time.time() - newest < _WRITTEN:  # another drive may be on
+            tell(self._words("still_written", name=run.name))
             return
         try:
             shutil.rmtree(self._folder / run.name)

@@ -76,5 +76,7 @@ def test_what_does_not_show_the_place_is_refused() -> None:
     slow = antenna_place(drive(1.0, 0.0, half=40.0, seconds=60.0), wheelbase=1.4)
     assert "deviation" in slow.forward.refusals[-1]
     given = drive(1.0, 0.0)
+    standing = replace(given, x=np.zeros(len(given.times)), y=np.zeros(len(given.times)))
+    assert antenna_place(standing, wheelbase=1.4).forward.refusals
     slipping = replace(given, wheel_speeds=given.wheel_speeds * (1.0 + 0.3 * np.sin(given.times)))
     assert "slip" in antenna_place(slipping, wheelbase=1.4).forward.refusals[0]

@@ -90,7 +90,7 @@ export default {
       document.body.classList.toggle("old-picture", this.old);
     },
     tell(state) {
-      if (this.state !== null && state !== this.state && document.body.dataset.sound !== "off") beep(state);
+      if (this.state !== null && state !== this.state && sounds()) beep(state);
       this.state = state;
     },
     lamp(n, value) {

@@ -15,7 +15,7 @@ from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_colum
 _LARGEST_BIAS = math.radians(10.0)
 _BLOCK = 10.0
 """s, over which errors of an RTK position are correlated"""
-_TURNING = 0.05
+TURNING = 0.05
 """least yaw rate that counts as turning, rad/s"""
 _USEFUL = 0.05
 """largest deviation of an antenna's place that is of use, m"""
@@ -186,8 +186,8 @@ def _integral(times: Floats, values: NDArray[Any]) -> NDArray[Any]:
 def _laid_upon(track: NDArray[Any], measured: NDArray[Any]) -> NDArray[Any]:
     """Return each row of complex places moved and turned so that it lies upon the measured one best."""
     off, seen = (each - each.mean(axis=1, keepdims=True) for each in (track, measured))
-    turn = (seen * off.conj()).sum(axis=1, keepdims=True)
-    moved: NDArray[Any] = off * turn / np.abs(turn) + measured.mean(axis=1, keepdims=True)
+    turn = np.angle((seen * off.conj()).sum(axis=1, keepdims=True))
+    moved: NDArray[Any] = off * np.exp(1j * turn) + measured.mean(axis=1, keepdims=True)
     return moved
 
 
@@ -196,9 +196,9 @@ def _turning_refusals(rate: Floats, count: int) -> list[str]:
     step = _STRETCH / count
     refusals = []
     for side, name in ((1.0, "left"), (-1.0, "right")):
-        seconds = step * int((side * rate > _TURNING).sum())
+        seconds = step * int((side * rate > TURNING).sum())
         if seconds < 10.0:
-            refusals.append(f"{seconds:.0f} s of turning {name} faster than {_TURNING} rad/s; drive 10 s at least")
+            refusals.append(f"{seconds:.0f} s of turning {name} faster than {TURNING} rad/s; drive 10 s at least")
     return refusals
 
 
