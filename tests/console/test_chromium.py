@@ -157,6 +157,14 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     see(page, "Steering")
     page.locator("body:not(.old-picture)").wait_for()
     assert float(page.locator(".body-figure b").first.inner_text()) < 100.0
+    press(page, "Line 2 cm to the left")
+    page.get_by_text("◀ 2 cm").or_(page.get_by_text("▶ 2 cm")).wait_for()
+    cut = "(all) => all.filter((each) => each.getBoundingClientRect().right > innerWidth).length"
+    assert page.locator(".controls .q-btn").evaluate_all(cut) == 0
+    small = (
+        "(all) => all.filter((each) => each.offsetHeight && Math.min(each.offsetWidth, each.offsetHeight) < 48).length"
+    )
+    assert page.locator("button").evaluate_all(small) == 0
     press(page, "STOP")
     see(page, "Stopped")
     look_at_the_other_pages(drive, page)

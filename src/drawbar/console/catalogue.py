@@ -118,6 +118,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "{length} m. Smoothed by at most {most} cm (limit {limit} cm).",
         "{length} m. Um höchstens {most} cm geglättet (Grenze {limit} cm).",
     ),
+    "far_away": ("The tractor is {km} km away from it.", "Der Traktor ist {km} km davon entfernt."),
     "smoothed_marked": (
         "{length} m. Smoothed by at most {most} cm (limit {limit} cm), more than 2 cm where it is red and thick.",
         "{length} m. Um höchstens {most} cm geglättet (Grenze {limit} cm), mehr als 2 cm, wo es rot und dick ist.",

@@ -31,6 +31,8 @@ _POINTS = 1500
 """of a line that is drawn, at most"""
 _NEAR = 5000.0
 """from its first point, within which a new line belongs to a field, m"""
+_FAR = 2000.0
+"""from the tractor, from which on it is said how far a line is, m"""
 _TEXTS = ("field_map", "zoom_in", "zoom_out", "whole")
 
 
@@ -172,7 +174,16 @@ class FieldsPage:
         centimetres = self._words.number(100.0 * self._planned.largest, 0)
         limit = self._words.number(100.0 * self._workshop.configuration.guidance.path_tolerance, 0)
         key = "smoothed_marked" if self._planned.aside else "smoothed"
-        return self._words(key, length=length, most=centimetres, limit=limit)
+        return f"{self._words(key, length=length, most=centimetres, limit=limit)} {self._distance()}".strip()
+
+    def _distance(self) -> str:
+        """Say how far away the tractor is where that is surprising: another field's line is easily chosen."""
+        place = self._link.surveyor.place
+        if place is None or self._field is None or self._planned is None:
+            return ""
+        here = on_plane(on_earth(np.array([place[:2]]), self._workshop.frame), self._field.frame())
+        metres = float(np.hypot(*(self._planned.drivable.recorded - here).T).min())
+        return self._words("far_away", km=f"{metres / 1e3:.0f}") if metres > _FAR else ""
 
     def _scene(self) -> dict[str, Any]:
         field, planned = self._field, self._planned
