@@ -239,6 +239,12 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     one.refresh()
     one.press("Save what was found")
     assert stage.workshop.configuration.devices.sensors.pulses_per_metre == pytest.approx(1.04 * pulses, rel=1e-3)
-    stage.link.hand_log.begin()
-    stage.link.hand_log.hear(step, engaged=True)
-    assert not stage.link.hand_log.is_on
+    log = stage.link.hand_log
+    log.begin()
+    for _ in range(20):
+        log.hear(step, engaged=True)  # drawbar steers: that is no drive by hand
+    assert log.drive() is None
+    log.hear_gate(stage.link.gate)
+    assert log.steered == []
+    log.hear_gate(replace(stage.link.gate, steers=1))
+    assert len(log.steered) == 1

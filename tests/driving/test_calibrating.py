@@ -1,7 +1,7 @@
 """`drawbar calibrate` and `drawbar identify`: drives whose truth is known."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from datetime import date
 
 import numpy as np
@@ -15,8 +15,10 @@ from drawbar.driving.calibrated_file import calibrated_file, calibrated_text
 from drawbar.driving.calibrating import board_counts, calibrate
 from drawbar.driving.demonstration import with_stand_ins
 from drawbar.driving.hand_drive import HandDrive
+from drawbar.driving.loop_drive import dead_bands, steered_time
 from drawbar.errors import ConfigurationError
 from drawbar.machine.hardware.steer_board import BoardMemory
+from drawbar.messages import GateState
 
 SEED = 4
 STEP = 0.2
@@ -149,6 +151,30 @@ def test_s_curves_show_where_the_antenna_stands(machine):
     rolling = all_found(machine, replace(drive, roll=np.zeros(len(times))))
     assert "roll sensor" in rolling["tractor: antenna left"].value.refusals[-1]
     assert rolling["tractor: antenna forward"].sets
+
+
+def steering(asked, measured):
+    """Return states of a gate that steers, twenty a second."""
+    for number, (set_point, angle) in enumerate(zip(asked, measured, strict=True), 1):
+        time = number * 50_000_000
+        names = {each.name: math.nan if each.type in ("Known", "Number") else 0 for each in fields(GateState)}
+        names |= {"time": time, "steers": 1, "tractor_angle_time": time, "tractor_angle": angle}
+        yield GateState(**names | {"tractor_set_point": set_point})
+
+
+def test_a_drive_that_was_steered_shows_the_dead_band():
+    times = 0.05 * np.arange(2000)
+    asked, measured, band = 0.04 * np.sin(times / 4.0), [0.0], 0.015
+    for each in asked[1:]:
+        measured.append(min(max(measured[-1], each - band), each + band))
+    states = list(steering(asked, measured))
+    (found,) = dead_bands(states)
+    assert found.name == "front wheels: dead band"
+    assert found.value.accepted
+    assert found.value.value == pytest.approx(band, abs=0.002)
+    assert not found.sets
+    assert steered_time(states) == pytest.approx(99.95)
+    assert list(dead_bands([])) == []
 
 
 def test_the_file_beside_extends_the_users_and_keeps_what_was_found_before(machine, tmp_path):

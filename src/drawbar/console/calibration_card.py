@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
-from drawbar.console.hand_log import Driven, driven
+from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.driving.calibrating import Found, calibrate
 from drawbar.driving.hand_drive import HandDrive
+from drawbar.driving.loop_drive import dead_bands
 from drawbar.errors import ConfigurationError, DrawbarError
 
 _PERIOD = 1_000_000_000
@@ -24,6 +25,7 @@ _SPAN = 20.0
 """least length of the plot's axes, m"""
 _LINE = {"width": 3, "color": "#0072b2"}
 _PICTURE = '<svg viewBox="0 0 48 48" class="to-drive" aria-hidden="true"><path d="{}"/></svg>'
+_WHEEL = "M24 6 a18 18 0 1 0 0.1 0 M6 24 H42 M24 24 V42"
 _AHEAD = "M6 24 H40 M33 17 l8 7 l-8 7"
 STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]] | None], ...] = (
     ("calibrate_straight", _AHEAD, lambda done: (done.straight, 30.0, "m")),
@@ -35,6 +37,7 @@ STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]] | None
         "M4 24 C10 4 16 4 22 24 S36 44 42 24 M35 27 l7 -4 l4 7",
         lambda done: (done.curves, 90.0, "s"),
     ),
+    ("calibrate_steered", _WHEEL, lambda done: (done.steered, 120.0, "s")),
 )
 """what to drive: catalogue's key, its picture, and how much of it counts so far, of how much, in which unit"""
 
@@ -69,11 +72,9 @@ class CalibrationCard:
         if not log.is_on or now < self._due or self._works:
             return
         self._due = now + _PERIOD
-        drive = log.drive()
-        if drive is None:
-            return
-        self._count(driven(drive))
-        self._draw(drive)
+        self._count(log.driven())
+        if (drive := log.drive()) is not None:
+            self._draw(drive)
 
     def _build_steps(self) -> None:
         """Build the list of what to drive, each with its picture."""
@@ -137,16 +138,18 @@ class CalibrationCard:
         self._works = True
         self._said.set_text(self._words("planning"))
         try:
-            if drive is None or self._workshop.driven.devices is None:
+            if self._workshop.driven.devices is None or (drive is None and not log.steered):
                 raise ConfigurationError(self._words("calibrate_nothing"))
-            found = await asyncio.to_thread(lambda: list(calibrate(self._workshop.driven, drive)))
+            found = await asyncio.to_thread(
+                lambda: [*(calibrate(self._workshop.driven, drive) if drive else ()), *dead_bands(log.steered)]
+            )
         except DrawbarError as error:
             self._said.set_text(self._words.message(error))
             return
         finally:
             self._works = False
         self._changes = [f"{key}={json.dumps(value)}" for each in found for key, value in each.sets.items()]
-        self._said.set_text(self._words("calibrate_found", count=sum(bool(each.sets) for each in found)))
+        self._said.set_text(self._words("calibrate_found", count=sum(each.value.accepted for each in found)))
         self._list(found)
         self._show_buttons()
 
@@ -154,7 +157,7 @@ class CalibrationCard:
         self._found.clear()
         with self._found:
             for each in found:
-                ui.label(_line(each, self._words)).classes("good" if each.sets else "flaw")
+                ui.label(_line(each, self._words)).classes("good" if each.value.accepted else "flaw")
 
     def _save(self) -> None:
         if self._changes:
@@ -163,7 +166,7 @@ class CalibrationCard:
 
 def _line(found: Found, words: Words) -> str:
     value, name = found.value, words.message(found.name)
-    if not found.sets:
+    if not value.accepted:
         return f"✖ {name}: {'; '.join(map(words.message, value.refusals))}"
     numbers = f"{value.value:.4g} ± {value.deviation:.2g}"
     return f"✓ {name}: {words.decimal(numbers)} {words.message(value.unit)}"

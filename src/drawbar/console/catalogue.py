@@ -208,8 +208,8 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     # calibration
     "calibrate": ("Calibrate by driving", "Beim Fahren kalibrieren"),
     "calibrate_help": (
-        "By hand, on a level field, with RTK fixed, at walking pace. What is not driven is not found.",
-        "Von Hand, auf ebenem Feld, mit RTK Fix, im Schritttempo. Was nicht gefahren wird, wird nicht gefunden.",
+        "On a level field, RTK fixed, at walking pace; by hand, but for the last. What is not driven is not found.",
+        "Auf ebenem Feld, RTK Fix, im Schritttempo; von Hand, nur das Letzte nicht. Was fehlt, wird nicht gefunden.",
     ),
     "calibrate_straight": ("Straight on for 30 m", "30 m geradeaus"),
     "calibrate_left": (
@@ -224,6 +224,10 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "calibrate_curves": (
         "Two minutes of S-curves, 4 s to each side: for the antenna's place",
         "Zwei Minuten Schlangenlinien, 4 s zu jeder Seite: für den Platz der Antenne",
+    ),
+    "calibrate_steered": (
+        "Two minutes steered by drawbar along a line with slow curves: for the dead bands",
+        "Zwei Minuten von drawbar gelenkt, auf einer Linie mit sanften Kurven: für die Totbereiche",
     ),
     "calibrate_begin": ("● Begin", "● Beginnen"),
     "calibrate_evaluate": ("■ End and evaluate", "■ Beenden, auswerten"),

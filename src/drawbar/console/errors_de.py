@@ -214,6 +214,11 @@ ERRORS_DE: Mapping[str, str] = {
     "joint": "Lenkgelenk",
     "front wheels: zero": "Vorderräder: Nullpunkt",
     "front wheels: scale": "Vorderräder: Maßstab",
+    "{}: dead band": "{0}: Totbereich",
+    "{} motions from rest, {} are needed; let drawbar steer slow curves for two minutes (a steering that never rests "
+    "has no dead band)":
+        "{0} Bewegungen aus der Ruhe, {1} sind nötig; drawbar zwei Minuten sanfte Kurven lenken lassen (eine Lenkung, "
+        "die nie ruht, hat keinen Totbereich)",
     "joint: zero": "Lenkgelenk: Nullpunkt",
     "hitch angle: zero": "Knickwinkel: Nullpunkt",
     "wheel speed": "Radsensor",

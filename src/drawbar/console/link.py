@@ -128,6 +128,7 @@ class Link:
             self.wishes.clear()
         self.gate = state
         self._states.append(state)
+        self.hand_log.hear_gate(state)
         for session in self._sessions.values():
             session.hear(state)
 
