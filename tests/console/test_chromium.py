@@ -174,6 +174,33 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert page.troubles == []
 
 
+def test_light_or_dark_and_sound_hold_on_all_pages(drive, page):
+    page.goto(drive)
+    dark = page.locator("body.body--dark").count()
+    press(page, "Menu")
+    page.get_by_text("Light or dark").click()
+    chosen = "body.body--light" if dark else "body.body--dark"
+    page.locator(chosen).wait_for()
+    press(page, "Menu")
+    page.get_by_text("Sound on or off").click()
+    page.get_by_text("Changes of state are silent").wait_for()
+    page.goto(f"{drive}setup")
+    see(page, "Set-up")
+    page.locator(chosen).wait_for()
+    assert not page.evaluate("sounds()")
+    assert page.troubles == []
+
+
+def test_a_wrong_file_is_refused_with_what_to_do(drive, page):
+    page.goto(f"{drive}fields")
+    see(page, "Fields and lines")
+    choose = page.locator("input[type=file]")
+    choose.set_input_files({"name": "photo.jpg", "mimeType": "image/jpeg", "buffer": b"\xff\xd8\xff"})
+    page.get_by_text("photo.jpg: is of none of the types").wait_for()
+    choose.set_input_files({"name": "large.kml", "mimeType": "text/xml", "buffer": b" " * (9 << 20)})
+    page.get_by_text("one file of at most 8 MiB").wait_for()
+
+
 def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, page):
     page.goto(drive)
     page.locator("body:not(.old-picture)").wait_for()

@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -248,3 +249,23 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     assert log.steered == []
     log.hear_gate(replace(stage.link.gate, steers=1))
     assert len(log.steered) == 1
+
+
+def test_a_full_disk_leaves_no_half_version(tmp_path):
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("there is no /dev/full here")
+    versions = Versions(tmp_path)
+    file = tmp_path / "a-0001.toml"
+    opened = Path.open
+
+    class Full(type(tmp_path)):
+        """A path whose disk is full."""
+
+        def open(self, mode="r"):
+            opened(self, mode).close()
+            return opened(full, "wb", 0)
+
+    with pytest.raises(StorageError, match="No space left"):
+        versions.write(Full(file), b"name = 1")
+    assert not file.exists()
