@@ -142,7 +142,8 @@ export default {
         const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
         return transform(middle, Math.PI / 2, scale, [width / 2, height / 2]);
       }
-      return transform(moving.tractor, moving.tractor[2], this.scale, [width / 2, height * 0.56]);
+      const scale = this.scale * Math.min(1, Math.max(0.5, height / 180)); // both bodies, also where there is little room
+      return transform(moving.tractor, moving.tractor[2], scale, [width / 2, height * 0.56]);
     },
     paintTrail(ink, to, view, colour) {
       ink.globalAlpha = 0.75;
