@@ -77,6 +77,6 @@ def test_what_does_not_show_the_place_is_refused() -> None:
     assert "deviation" in slow.forward.refusals[-1]
     given = drive(1.0, 0.0)
     standing = replace(given, x=np.zeros(len(given.times)), y=np.zeros(len(given.times)))
-    assert antenna_place(standing, wheelbase=1.4).forward.refusals
+    assert "0 s of driving" in antenna_place(standing, wheelbase=1.4).forward.refusals[0]
     slipping = replace(given, wheel_speeds=given.wheel_speeds * (1.0 + 0.3 * np.sin(given.times)))
     assert "slip" in antenna_place(slipping, wheelbase=1.4).forward.refusals[0]

@@ -21,6 +21,8 @@ _USEFUL = 0.05
 """largest deviation of an antenna's place that is of use, m"""
 _STRETCH = 6.0
 """s, over which the wheels tell how the tractor has moved: long enough for a curve, too short for slip to add up"""
+_GOES = 1.0
+"""least distance from its begin that a stretch reaches, m: more than a standing antenna seems to"""
 _FEWEST = 8
 """stretches"""
 _EXPLAINED = 0.08
@@ -130,7 +132,7 @@ def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
         wheelbase: L, m.
     """
     time, *columns = finite_columns(drive.times, drive.x, drive.y, drive.wheel_speeds, drive.front_wheels)
-    stretches = _stretches(time)
+    stretches = _stretches(time, columns[0] + 1j * columns[1])
     if len(stretches) < _FEWEST:
         nothing = _unknown("m", "m", [f"{len(stretches) * _STRETCH:.0f} s of driving; drive two minutes of S-curves"])
         return AntennaPlace(forward=nothing, left=nothing)
@@ -164,8 +166,8 @@ def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
     )
 
 
-def _stretches(time: Floats) -> NDArray[np.int64]:
-    """Return the samples (k, m) of all stretches that follow each other without a gap."""
+def _stretches(time: Floats, places: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the samples (k, m) of all stretches without a gap in which the antenna went somewhere."""
     if len(time) < 2:
         return np.zeros((0, 2), int)
     count = max(2, round(_STRETCH / max(float(np.median(np.diff(time))), 1e-3)))
@@ -173,6 +175,7 @@ def _stretches(time: Floats) -> NDArray[np.int64]:
         start
         for start in range(0, len(time) - count + 1, count)
         if time[start + count - 1] - time[start] <= 1.1 * _STRETCH
+        and np.abs(places[start : start + count] - places[start]).max() >= _GOES
     ]
     return np.array([np.arange(start, start + count) for start in starts]).reshape(-1, count)
 
