@@ -116,6 +116,12 @@ def test_a_board_with_the_numbers_that_were_found_reports_the_true_angles(machin
         assert np.degrees(np.mean(angles[inside] - true[inside])) == pytest.approx(0.0, abs=0.4)
 
 
+def test_a_scale_that_no_board_can_store_is_refused(machine):
+    found = all_found(machine, driven(machine, right=300.0, left=310.0))["front wheels: scale"]
+    assert "cannot store counts_per_degree=300" in found.value.refusals[0]
+    assert not found.sets
+
+
 def test_what_was_not_driven_is_refused_with_what_to_drive(machine):
     drive = driven(machine)
     straight = all_found(machine, drive.part(slice(0, 250)))

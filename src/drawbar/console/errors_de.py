@@ -245,6 +245,8 @@ ERRORS_DE: Mapping[str, str] = {
         "ein Kreis hat weniger als 3 s mit {0} m/s und mehr; länger fahren",
     "{} circles to the {} above 3°; drive {} of different angles":
         "{0} Kreise nach {1} über 3°; {2} mit verschiedenen Winkeln fahren",
+    "a board cannot store {}; check the sensor's lever and its way":
+        "eine Platine kann {0} nicht speichern; Hebel und Weg des Sensors prüfen",
     "the counts do not follow the angle; check the sensor": "die Stufen folgen dem Winkel nicht; Sensor prüfen",
     "the antenna's height {} m is below 0.5 m; measure it above the ground":
         "die Höhe der Antenne, {0} m, ist unter 0,5 m; über dem Boden messen",

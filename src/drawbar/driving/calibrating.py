@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import ValidationError
 
 from drawbar.config import Configuration
 from drawbar.driving.hand_drive import HandDrive
@@ -75,12 +76,20 @@ def _front_wheels(board: SteerBoardSettings, wheelbase: float, drive: HandDrive)
     lowest, highest = float(np.nanmin(counts)), float(np.nanmax(counts))
     span = SensorRange(lowest=lowest, highest=highest, direction=0, noise=math.nan, resolution=math.nan, refusals=())
     scale = scale_from_circles(circles, wheelbase=wheelbase, zero=zero, span=span)
-    memory = board.memory if not scale.counts_per_degree.accepted else _scaled(board, scale, zero)
+    value, memory = scale.counts_per_degree, board.memory
+    if value.accepted:
+        changes = _scaled(board, scale, zero)
+        try:
+            memory = BoardMemory.model_validate(board.memory.model_dump() | changes)
+        except ValidationError:
+            numbers = ", ".join(f"{name}={number}" for name, number in changes.items())
+            reason = f"a board cannot store {numbers}; check the sensor's lever and its way"
+            value = replace(value, refusals=(reason,))
     prefix = "devices.tractor_board.memory."
     yield Found(name="front wheels: zero", value=zero, sets=_offset(prefix, memory, zero))
     names = ("counts_per_degree", "ackermann", "invert_sensor")
-    sets = {prefix + name: getattr(memory, name) for name in names} if scale.counts_per_degree.accepted else {}
-    yield Found(name="front wheels: scale", value=scale.counts_per_degree, sets=sets)
+    sets = {prefix + name: getattr(memory, name) for name in names} if value.accepted else {}
+    yield Found(name="front wheels: scale", value=value, sets=sets)
 
 
 def _zero(board: SteerBoardSettings, drive: HandDrive, steering: Literal["front_wheels", "joint"]) -> Calibrated:
@@ -93,20 +102,19 @@ def _zero(board: SteerBoardSettings, drive: HandDrive, steering: Literal["front_
     return zero_from_straight(part.times, counts, part.yaw_rates, part.speeds)
 
 
-def _scaled(board: SteerBoardSettings, scale: Scale, zero: Calibrated) -> BoardMemory:
-    """Return the memory that makes the board report the angles of the circles."""
+def _scaled(board: SteerBoardSettings, scale: Scale, zero: Calibrated) -> dict[str, Any]:
+    """Return what of the memory makes the board report the angles of the circles."""
     offset = np.array([counts - zero.value for counts, _, _ in scale.points])
     wire = np.degrees([angle for _, angle, _ in scale.points]) * (1.0 if board.inverted else -1.0)
     inverted = bool(np.sum(offset * wire) < 0.0)
     right, left = (
         abs(float((offset[side] ** 2).sum() / (offset[side] * wire[side]).sum())) for side in (wire > 0.0, wire < 0.0)
     )
-    changes = {
+    return {
         "counts_per_degree": max(1, round(right)),
         "ackermann": max(1, round(100.0 * right / left)),
         "invert_sensor": inverted,
     }
-    return BoardMemory.model_validate(board.memory.model_dump() | changes)
 
 
 def _offset(prefix: str, memory: BoardMemory, zero: Calibrated) -> dict[str, Any]:
