@@ -24,7 +24,7 @@ struct component {
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
     double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
-    int32_t samples;
+    int32_t judged, unjudged;              /* how often a bank was judged; there are angles that none is judged by yet */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -56,11 +56,15 @@ static int does_not_follow(struct component *actuation, int i, double measured)
     return actuation->odd_for[i] > actuation->patience;
 }
 
-/* Do what can be done before the next measurement. */
+/* Do what can be done before the next measurement. A bank is judged here, one after the other: what the last angles say
+ * about a minute may wait for a sample, the command may not. */
 int UNIT(ready)(struct component *actuation)
 {
     for (int i = 0; i < STEERED; ++i)
         bank_follow(&actuation->banks[i], &actuation->grid);
+    if (actuation->unjudged)
+        bank_judge(&actuation->banks[actuation->judged++ % STEERED], &actuation->grid);
+    actuation->unjudged = 0;
     return 0;
 }
 
@@ -68,7 +72,6 @@ int UNIT(ready)(struct component *actuation)
 int UNIT(measured)(struct component *actuation, const struct drawbar_measurement *measurement)
 {
     const double measured[] = {measurement->tractor_steering, measurement->trailer_steering};
-
     const double ages[] = {measurement->tractor_steering_age, measurement->trailer_steering_age};
 
     for (int i = 0; i < STEERED; ++i)
@@ -79,8 +82,7 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
             bank_measured(&actuation->banks[i], &actuation->grid, measured[i]);
         else
             bank_begin(&actuation->banks[i], measured[i]);
-    bank_judge(&actuation->banks[actuation->samples % STEERED], &actuation->grid);
-    ++actuation->samples;
+    actuation->unjudged = 1;
     approach(actuation);
     const int tractor = does_not_follow(actuation, FRONT_WHEELS, measured[FRONT_WHEELS]);
     return does_not_follow(actuation, TRAILER_JOINT, measured[TRAILER_JOINT]) || tractor ? DRAWBAR_STEERING : 0;
