@@ -199,21 +199,21 @@ static void held_cost(struct qp *restrict s, struct held_set *restrict h, int k,
         add_row(sum, left[a], s->K[k][a]);
     }
     write_row(h->p[k], sum);
-    UNROLLED for (int i = 0; i < NX; ++i) {
+    EACH_UPPER_ROW(c, i) {
         pack row[PACKS];
-        read_row(row, s->Q[k][i]);
+        read_row_from(c, row, s->Q[k][i]);
         if (i >= ND)
-            add_row(row, 1.0, H->PA[i]);
+            add_row_from(c, row, 1.0, H->PA[i]);
         UNROLLED for (int m = 0; m < ND; ++m)
-            add_row(row, s->A[k][m][i], H->PA[m]);
+            add_row_from(c, row, s->A[k][m][i], H->PA[m]);
         UNROLLED for (int a = 0; a < NU; ++a) {
-            add_row(row, H->Hux[a][i], s->K[k][a]);
-            add_row(row, s->K[k][a][i], rest[a]);
+            add_row_from(c, row, H->Hux[a][i], s->K[k][a]);
+            add_row_from(c, row, s->K[k][a][i], rest[a]);
         }
-        write_row(s->P[k][i], row);
+        write_row_from(c, s->P[k][i], row);
         s->P[k][i][i] += STATE(h->curve, k)[i];
     }
-    mirror(s->P[k]);                       /* rounding must not make P asymmetric */
+    mirror(s->P[k]);
 }
 
 /* Multipliers of the held bounds: what is left of their inputs' gradients. */

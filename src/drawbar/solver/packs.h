@@ -102,6 +102,29 @@ static inline void add_row(pack *restrict sum, double factor, const double *rest
         sum[b] += factor * read_pack(row, b);
 }
 
+/* Rows i of a symmetric matrix, each from pack c, which holds its diagonal, on: mirror() makes the rest. */
+#define EACH_UPPER_ROW(c, i) \
+    EACH_KNOWN for (int c = 0; c < PACKS; ++c) \
+        UNROLLED for (int i = c * PACK; i < PACK_END(c); ++i)
+
+static inline void read_row_from(int c, pack *restrict to, const double *restrict row)
+{
+    UNROLLED for (int b = c; b < PACKS; ++b)
+        to[b] = read_pack(row, b);
+}
+
+static inline void write_row_from(int c, double *restrict row, const pack *restrict from)
+{
+    UNROLLED for (int b = c; b < PACKS; ++b)
+        write_pack(row, b, from[b]);
+}
+
+static inline void add_row_from(int c, pack *restrict sum, double factor, const double *restrict row)
+{
+    UNROLLED for (int b = c; b < PACKS; ++b)
+        sum[b] += factor * read_pack(row, b);
+}
+
 /* The lower half of a symmetric matrix from its upper one, by whole packs: what is stored number by number cannot be read
  * in one soon after. */
 static inline void mirror(double (*restrict M)[WIDTH])

@@ -194,20 +194,20 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
         write_row(Hux[a], row);
     }
     feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
-    UNROLLED for (int i = 0; i < NX; ++i) {
+    EACH_UPPER_ROW(c, i) {
         pack row[PACKS];
-        read_row(row, s->Q[k][i]);
+        read_row_from(c, row, s->Q[k][i]);
         if (i >= ND)
-            add_row(row, 1.0, PA[i]);
+            add_row_from(c, row, 1.0, PA[i]);
         UNROLLED for (int m = 0; m < ND; ++m)
-            add_row(row, A[m][i], PA[m]);
+            add_row_from(c, row, A[m][i], PA[m]);
         UNROLLED for (int a = 0; a < NU; ++a)
-            add_row(row, Hux[a][i], K[a]);
-        write_row(P[i], row);
+            add_row_from(c, row, Hux[a][i], K[a]);
+        write_row_from(c, P[i], row);
         if (barrier)
             P[i][i] += STATE(barrier, k)[i];
     }
-    mirror(P);                             /* rounding must not make P asymmetric */
+    mirror(P);
     return 1;
 }
 
