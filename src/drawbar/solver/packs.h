@@ -149,17 +149,14 @@ static inline void mirror(double (*restrict M)[WIDTH])
 #endif
 }
 
-/* 1 for the states that are constant (ND and later), 0 for the others. */
-static inline pack constant_mask(int b)
+/* 1 for states from the given one on, 0 for those before. */
+static inline pack mask_from(int state, int b)
 {
-#if NC == 0
-    (void)b;
-    return (pack){0};
-#elif PACK > 1
+#if PACK > 1
     const int first = b * PACK;
-    return (pack){first >= ND, first + 1 >= ND, first + 2 >= ND, first + 3 >= ND};
+    return (pack){first >= state, first + 1 >= state, first + 2 >= state, first + 3 >= state};
 #else
-    return b >= ND;
+    return b >= state;
 #endif
 }
 
