@@ -102,10 +102,15 @@ static inline void add_row(pack *restrict sum, double factor, const double *rest
         sum[b] += factor * read_pack(row, b);
 }
 
-/* Rows i of a symmetric matrix, each from pack c, which holds its diagonal, on: mirror() makes the rest. */
+/* Rows i of a symmetric matrix, each from pack c, which holds its diagonal, on: mirror() makes the rest. Loops over plain
+ * numbers that are not unrolled take whole rows, since many lengths would keep a compiler from SIMD code. */
+#if PACK == 1 && !(defined(__GNUC__) && !defined(__clang__) && NX <= 4)
+#define EACH_UPPER_ROW(c, i) for (int i = 0, c = 0; i < NX; ++i)
+#else
 #define EACH_UPPER_ROW(c, i) \
     EACH_KNOWN for (int c = 0; c < PACKS; ++c) \
         UNROLLED for (int i = c * PACK; i < PACK_END(c); ++i)
+#endif
 
 static inline void read_row_from(int c, pack *restrict to, const double *restrict row)
 {
