@@ -4,6 +4,7 @@ import math
 
 from drawbar.config import Configuration
 from drawbar.driving.certainty import Certainty, certainty
+from drawbar.driving.curves import within_envelope
 from drawbar.driving.doubts import Doubts
 from drawbar.driving.driven_line import DrivenLine
 from drawbar.errors import PathError
@@ -36,12 +37,13 @@ class Controller:
             wiggled: the actuators have passed their wiggle test.
 
         Raises:
+            PathError: the gate would not let the path be driven at the set speed.
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._fingerprint = configuration, fingerprint
         self._line, self._wished, self._anew = DrivenLine.first(configuration, path), math.nan, False
         self._wiggled = wiggled
-        self._autopilot = build_autopilot(configuration)
+        self._autopilot = build_autopilot(within_envelope(configuration))
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
