@@ -1,7 +1,7 @@
 """Curves: what the gate's envelope leaves of the front wheels at the set speed, and whether that suffices for a path.
 
-The gate bounds their angle by the lateral acceleration at the measured speed (safety/envelope.py). The controller plans
-within the same bound, so that nominal driving is not limited, and a path that needs more is refused before it is driven.
+The gate bounds their angle by the lateral acceleration at the measured speed (safety/envelope.py). The controller
+plans within the same bound, so that nominal driving is not limited, and a path that needs more is refused before.
 """
 
 import math
