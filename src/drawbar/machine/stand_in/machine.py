@@ -205,9 +205,9 @@ class StandInMachine:
     def _report(self, time: float, truth: Truth) -> None:
         """Let both receivers measure now; their bytes leave later."""
         measured, moved = self.world.measurement, self._settings
-        for body, x, y, yaw in (
-            ("tractor", measured.tractor_x, measured.tractor_y, truth.tractor.yaw + truth.tractor_crab),
-            ("trailer", measured.trailer_x, measured.trailer_y, truth.trailer.yaw + truth.trailer_crab),
+        for body, x, y in (
+            ("tractor", measured.tractor_x, measured.tractor_y),
+            ("trailer", measured.trailer_x, measured.trailer_y),
         ):
             known = math.isfinite(x + y)
             latitude, longitude = (float(each) for each in self._frame.level(x, y)) if known else (0.0, 0.0)
@@ -220,7 +220,7 @@ class StandInMachine:
                 sigma_east=moved.sigma,
                 sigma_north=moved.sigma,
                 speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
-                course=yaw,
+                course=self.world.course(body),
                 correction_age=moved.correction_age,
             )
             self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]
