@@ -573,7 +573,7 @@ def controller_late_once(trial):
 
 
 def controller_late_for_long(trial):
-    stopped(trial, Part.CONTROLLER, 0.13)
+    stopped(trial, Part.CONTROLLER, 0.2)
 
 
 def controller_late_often(trial):
