@@ -5,7 +5,7 @@ import sys
 import time
 
 import pytest
-from patient import PATIENT
+from patience import PATIENT
 
 from drawbar.config import load_configuration
 from drawbar.console.audit import Audit

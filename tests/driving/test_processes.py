@@ -10,7 +10,7 @@ import time
 import pytest
 from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
-from patient import PATIENT
+from patience import ENGAGE, PATIENT, watch
 
 from drawbar.config import load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
@@ -23,8 +23,6 @@ from drawbar.report.folder import write_report
 from drawbar.safety.causes import Cause
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
-ENGAGE = 90.0
-"""longest time until it steers on a busy machine, s"""
 
 
 @pytest.fixture
@@ -45,14 +43,6 @@ def crew(tmp_path, manager):
     (tmp_path / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
     with Crew(configuration, tmp_path, stand_ins=True) as crew:
         yield crew
-
-
-def watch(front, until, longest):
-    end = time.monotonic() + longest
-    while not until(front):
-        front.wait(0.05)
-        assert time.monotonic() < end, front.state
-    return front.state
 
 
 def steers(front):
