@@ -9,6 +9,7 @@ from dataclasses import replace
 from datetime import timedelta
 
 from drawbar.driving.rehearsal import Part
+from drawbar.machine.stand_in.faults import FAULTS, freeze, measure_the_same, moved, report_otherwise, steer_otherwise
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import Action
 from drawbar.protocols.agopengps.steering import SteerCommand
@@ -44,52 +45,40 @@ def for_long(trial):
 
 def receivers(trial, change, bodies=BODIES):
     """Let receivers report something else from the fault on; change(report, seconds since the fault)."""
-
-    def begin():
-        start = trial.rehearsal.time
-        encoders = trial.rehearsal.machine.encoders
-        for body in bodies:
-            before = encoders[body]
-            encoders[body] = lambda report, before=before: before(change(report, trial.rehearsal.time - start))
-
-    trial.begin = begin
+    trial.begin = lambda: report_otherwise(trial.rehearsal.machine, change, bodies)
 
 
-def moved(report, trial, left, forward=0.0):
-    """Return a report of a place so many metres to the left of the tractor's way, and ahead."""
-    yaw = trial.rehearsal.machine.world.truth.tractor.yaw
-    east = forward * math.cos(yaw) - left * math.sin(yaw)
-    north = forward * math.sin(yaw) + left * math.cos(yaw)
-    per_degree = 111_200.0
-    return replace(
-        report,
-        latitude=report.latitude + north / per_degree,
-        longitude=report.longitude + east / per_degree / math.cos(math.radians(report.latitude)),
-    )
+def device(trial, name):
+    """Put in a fault of the stand-in machine."""
+    trial.begin = lambda: FAULTS[name].begin(trial.rehearsal.machine)
+
+
+def shifted(report, trial, left):
+    return moved(report, trial.rehearsal.machine, left)
 
 
 def jump_of_10_cm(trial):
-    receivers(trial, lambda report, since: moved(report, trial, 0.10))
+    receivers(trial, lambda report, since: shifted(report, trial, 0.10))
 
 
 def jump_of_one_antenna(trial):
-    receivers(trial, lambda report, since: moved(report, trial, 1.0), ["tractor"])
+    receivers(trial, lambda report, since: shifted(report, trial, 1.0), ["tractor"])
 
 
 def jump_of_both(trial):
-    receivers(trial, lambda report, since: moved(report, trial, 1.0))
+    device(trial, "fixes-jump")
 
 
 def jump_of_5_m(trial):
-    receivers(trial, lambda report, since: moved(report, trial, 5.0))
+    receivers(trial, lambda report, since: shifted(report, trial, 5.0))
 
 
 def slow_drift(trial):
-    receivers(trial, lambda report, since: moved(report, trial, 0.05 * since))
+    receivers(trial, lambda report, since: shifted(report, trial, 0.05 * since))
 
 
 def fast_drift(trial):
-    receivers(trial, lambda report, since: moved(report, trial, 0.3 * since))
+    receivers(trial, lambda report, since: shifted(report, trial, 0.3 * since))
 
 
 def far_away(trial):
@@ -97,27 +86,11 @@ def far_away(trial):
 
 
 def one_frozen(trial):
-    freeze(trial, ["tractor"])
+    trial.begin = lambda: freeze(trial.rehearsal.machine, ["tractor"])
 
 
 def both_frozen(trial):
-    freeze(trial, BODIES)
-
-
-def freeze(trial, bodies):
-    kept = {body: [] for body in bodies}
-
-    def begin():
-        for body in bodies:
-            before = trial.rehearsal.machine.encoders[body]
-
-            def again(report, before=before, kept=kept[body]):
-                kept.append(report)
-                return before(kept[0])
-
-            trial.rehearsal.machine.encoders[body] = again
-
-    trial.begin = begin
+    device(trial, "fixes-frozen")
 
 
 def no_fix(trial):
@@ -129,7 +102,7 @@ def no_fix_for_1_s(trial):
 
 
 def floating(trial):
-    quality(trial, FixQuality.FLOAT)
+    device(trial, "fixes-float")
 
 
 def quality(trial, quality):
@@ -274,11 +247,11 @@ def without_latitude(data):
 
 
 def receivers_silent(trial):
-    tap(trial, RECEIVERS, off)
+    device(trial, "receivers-silent")
 
 
 def one_receiver_silent(trial):
-    tap(trial, RECEIVERS[:1], off)
+    device(trial, "receiver-silent")
 
 
 def receivers_silent_for_1_s(trial):
@@ -291,7 +264,7 @@ def receivers_silent_for_10_s(trial):
 
 
 def receivers_garbage(trial):
-    tap(trial, RECEIVERS, garbage)
+    device(trial, "receivers-garbage")
 
 
 def receivers_bit_errors(trial):
@@ -315,7 +288,7 @@ def receivers_reordered(trial):
 
 
 def board_silent(trial):
-    tap(trial, BOARDS[:1], off)
+    device(trial, "board-silent")
 
 
 def boards_lose_a_fifth(trial):
@@ -431,7 +404,7 @@ def wheel_speed_tenfold(trial):
 
 
 def sensors_silent(trial):
-    tap(trial, ["sensors"], off)
+    device(trial, "sensors-silent")
 
 
 class SpoiltWheel:
@@ -461,47 +434,17 @@ def measured(trial, body, change, *, loop=True):
         trial.rehearsal.machine.boards[body] = (board, spoilt)
         spoilt.angle = wheel.angle
         if loop:
-            turn(trial, body, lambda wanted, true: true + 4.0 * (wanted - spoilt.angle))
+            steer_otherwise(trial.rehearsal.machine, body, lambda wanted, true: true + 4.0 * (wanted - spoilt.angle))
 
     trial.begin = begin
 
 
-def turn(trial, body, change):
-    """Let a steering turn to something else than its set point: change(set point, true angle), both rad."""
-    world = trial.rehearsal.machine.world
-    before = world.tick
-
-    def tick(tractor, trailer, speed):
-        truth = world.truth
-        if body == "tractor" and tractor is not None:
-            tractor = change(tractor, truth.tractor_steering)
-        if body == "trailer" and trailer is not None:
-            trailer = change(trailer, truth.trailer_steering)
-        before(tractor, trailer, speed)
-
-    world.tick = tick
-
-
 def tractor_angle_stuck(trial):
-    wheel = trial.rehearsal.machine.boards["tractor"][1]
-    kept = []
-
-    def change(true):
-        kept.append(wheel.angle if not kept else kept[0])
-        return kept[0]
-
-    measured(trial, "tractor", change)
+    device(trial, "angle-stuck")
 
 
 def trailer_angle_stuck(trial):
-    wheel = trial.rehearsal.machine.boards["trailer"][1]
-    kept = []
-
-    def change(true):
-        kept.append(wheel.angle if not kept else kept[0])
-        return kept[0]
-
-    measured(trial, "trailer", change)
+    trial.begin = lambda: measure_the_same(trial.rehearsal.machine, "trailer")
 
 
 def tractor_angle_off_2(trial):
@@ -528,11 +471,11 @@ def tractor_angle_out_of_range(trial):
 
 
 def actuator(trial, body, change):
-    trial.begin = lambda: turn(trial, body, change)
+    trial.begin = lambda: steer_otherwise(trial.rehearsal.machine, body, change)
 
 
 def tractor_stuck(trial):
-    actuator(trial, "tractor", lambda wanted, true: true)
+    device(trial, "wheels-stuck")
 
 
 def trailer_stuck(trial):
@@ -630,7 +573,7 @@ def controller_late_once(trial):
 
 
 def controller_late_for_long(trial):
-    stopped(trial, Part.CONTROLLER, 0.13)
+    stopped(trial, Part.CONTROLLER, 0.2)
 
 
 def controller_late_often(trial):

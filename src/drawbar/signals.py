@@ -314,8 +314,8 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BodyReference:
-    """The path as one body's controller sees it: the closest point and one sample for each stage."""
+class BodyPlace:
+    """Where one body is beside the path."""
 
     progress: Metres
     """arc length of the closest point"""
@@ -323,18 +323,34 @@ class BodyReference:
     """of the body from the path, left positive"""
     closest: Annotated[Floats, Array(columns=4)]
     """the path at the closest point: x (m), y (m), yaw (rad, on any branch), curvature (1/m)"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BodyReference(BodyPlace):
+    """The path as one body's controller sees it: the closest point and one sample for each stage."""
+
     samples: Annotated[Floats, Array(columns=4, rows="N + 1")]
     """x (m), y (m), yaw (rad, on the branch of the estimate), curvature (1/m) of each stage"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reference:
-    """References of both bodies at one instant."""
+    """References of both bodies at one instant, as controllers are given them."""
 
     time: float
     """s"""
     tractor: BodyReference
     trailer: BodyReference
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Places:
+    """Where both bodies are beside the path at one instant: references without their samples, which the path tells."""
+
+    time: float
+    """s"""
+    tractor: BodyPlace
+    trailer: BodyPlace
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -522,7 +538,7 @@ class StepRecord:
     step: int
     measurement: Measurement
     estimate: Estimate
-    reference: Reference
+    reference: Places
     plan: Plan
     tractor_steering: BodySteering
     trailer_steering: BodySteering

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 import drawbar
-from drawbar.console.catalogue import TEXTS, Words, language_of
+from drawbar.console.catalogue import TEXTS
 from drawbar.console.causes_de import CAUSES_DE
+from drawbar.console.words import Words, language_of
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality
@@ -95,4 +96,6 @@ def test_contrast_is_enough_for_texts_and_more_for_figures(look):
         assert contrast(colours["on"], colours[tone]) >= 4.5
         assert contrast(colours[tone], colours["ground"]) >= 3.0
     assert contrast("#ffffff", "#b00020") >= 4.5  # stop
+    for kind, tone in (("positive", "good"), ("warning", "warn")):  # messages; Quasar's own have too little
+        assert f".q-notification.bg-{kind} {{ background: var(--{tone}) !important; color: var(--on)" in css
     assert contrast("#ffd800", "#1c1c1c") >= 7.0  # emergency

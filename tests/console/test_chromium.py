@@ -157,6 +157,14 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     see(page, "Steering")
     page.locator("body:not(.old-picture)").wait_for()
     assert float(page.locator(".body-figure b").first.inner_text()) < 100.0
+    press(page, "Line 2 cm to the left")
+    page.get_by_text("◀ 2 cm").or_(page.get_by_text("▶ 2 cm")).wait_for()
+    cut = "(all) => all.filter((each) => each.getBoundingClientRect().right > innerWidth).length"
+    assert page.locator(".controls .q-btn").evaluate_all(cut) == 0
+    small = (
+        "(all) => all.filter((each) => each.offsetHeight && Math.min(each.offsetWidth, each.offsetHeight) < 48).length"
+    )
+    assert page.locator("button").evaluate_all(small) == 0
     press(page, "STOP")
     see(page, "Stopped")
     look_at_the_other_pages(drive, page)
@@ -164,6 +172,33 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert elsewhere == []
     assert any("_nicegui_ws" in url for url in page.asked)
     assert page.troubles == []
+
+
+def test_light_or_dark_and_sound_hold_on_all_pages(drive, page):
+    page.goto(drive)
+    dark = page.locator("body.body--dark").count()
+    press(page, "Menu")
+    page.get_by_text("Light or dark").click()
+    chosen = "body.body--light" if dark else "body.body--dark"
+    page.locator(chosen).wait_for()
+    press(page, "Menu")
+    page.get_by_text("Sound on or off").click()
+    page.get_by_text("Changes of state are silent").wait_for()
+    page.goto(f"{drive}setup")
+    see(page, "Set-up")
+    page.locator(chosen).wait_for()
+    assert not page.evaluate("sounds()")
+    assert page.troubles == []
+
+
+def test_a_wrong_file_is_refused_with_what_to_do(drive, page):
+    page.goto(f"{drive}fields")
+    see(page, "Fields and lines")
+    choose = page.locator("input[type=file]")
+    choose.set_input_files({"name": "photo.jpg", "mimeType": "image/jpeg", "buffer": b"\xff\xd8\xff"})
+    page.get_by_text("photo.jpg: is of none of the types").wait_for()
+    choose.set_input_files({"name": "large.kml", "mimeType": "text/xml", "buffer": b" " * (9 << 20)})
+    page.get_by_text("one file of at most 8 MiB").wait_for()
 
 
 def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, page):
@@ -204,7 +239,7 @@ def test_a_curve_is_recorded_while_driving(drive, page):
 def test_a_drive_by_hand_is_evaluated(drive, page):
     page.goto(f"{drive}setup")
     press(page, "● Begin")
-    page.get_by_text("circles: left").wait_for()
+    page.locator(".to-do .count", has_text="/ 30 m").wait_for()
     page.locator(".track-plot canvas").wait_for()
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
     press(page, "■ End and evaluate")

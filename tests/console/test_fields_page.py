@@ -1,5 +1,7 @@
 """The fields page, by simulated users: lines are made while driving, imported, planned on the map and taken."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -159,6 +161,17 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
     assert len(curve.points) > 40
     await planned(one)
     assert "m. Smoothed by at most" in one.text()
+
+
+@staged
+async def test_a_line_that_is_far_away_is_said_to_be(stage, browser):
+    far = np.add(FIELD.lines[0].points, (4.5, 0.0))
+    stage.workshop.fields.add(Field(name="far", lines=(FieldLine(name="far", points=far),)))
+    stage.hear_fixes(0.0, 0.0)
+    one = await browser().open("/fields")
+    await planned(one)
+    found = re.search(r"The tractor is (\d+) km away from it", one.text())
+    assert float(found[1]) == pytest.approx(500.0, rel=0.02)
 
 
 @staged

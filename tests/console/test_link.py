@@ -42,6 +42,16 @@ def test_a_step_is_drawn_where_its_record_says(record):
     assert moving(step) == place
 
 
+def test_a_vehicle_that_stands_leaves_no_trail(record):
+    import msgspec
+
+    step, _configuration = record
+    data, stage = msgspec.json.Encoder(enc_hook=encode_special).encode(step), Stage()
+    for _ in range(50):
+        stage.link.hear(pack(Step(time=1, data=data)))
+    assert len(stage.link.trail) == 1
+
+
 def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
     step, configuration = record
     path, _ = build_path(configuration)

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import os
 from dataclasses import asdict
 
 import msgspec
@@ -13,10 +14,10 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import Stage, console
 
-from drawbar.console.catalogue import Words
 from drawbar.console.run_comparison import FIGURES, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Rank
+from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, OperatorMessage
 from drawbar.recording.chunks import ChunkedWriter
@@ -96,7 +97,12 @@ def test_a_run_is_deleted_after_asking_and_the_one_that_is_on_never(runs):
         names = [each.text for each in one.user.client.elements.values() if getattr(each, "text", "") == "Delete"]
         one.page._ask_deletion(next(run for run in _listed(runs) if run.name == "broken"))
         assert "Delete broken with all its files?" in one.text()
+        one.press("Delete now")
+        assert "was written to a moment ago" in one.told()
         assert (runs / "broken").exists()
+        for each in runs.rglob("*"):
+            os.utime(each, (0.0, 0.0))
+        one.page._ask_deletion(next(run for run in _listed(runs) if run.name == "broken"))
         one.press("Delete now")
         one.page._delete(next(run for run in _listed(runs) if run.name == "first"))  # forged
         return len(names)

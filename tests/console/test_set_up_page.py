@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -51,7 +52,8 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
         "speed": 2.7,
     }.items():
         number(one, key).set_value(value)
-    assert "vehicle.wheelbase: 1.4 → 2.155" in one.text()
+    assert "A  Wheelbase: 140 cm → 215.5 cm" in one.text()
+    assert "Front wheels, most: 30 ° → 25 °" in one.text()
     one.press("Save as a new version")
     (version,) = stage.workshop.versions.all()
     saved = load_configuration(str(version.file))
@@ -68,12 +70,12 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
 @pytest.mark.parametrize(
     ("key", "value", "reason"),
     [
-        ("vehicle.wheelbase", 0.0, "vehicle.wheelbase"),
-        ("vehicle.wheelbase", 215500.0, "millimetres?"),
+        ("vehicle.wheelbase", 0.0, "Wheelbase: must be more than 0 cm"),
+        ("vehicle.wheelbase", 215500.0, "Wheelbase: must be at most 3000 cm"),
         ("vehicle.trailer_antenna", 500.0, "ahead of the actuated joint"),
-        ("vehicle.tractor_steering_limit", 89.0, "vehicle.tractor_steering_limit"),
-        ("speed", None, "speed = nan"),
-        ("vehicle.curvature_limit", 0.0, "vehicle.curvature_limit"),
+        ("vehicle.tractor_steering_limit", 89.0, "Front wheels, most: must be less than 80 °"),
+        ("speed", None, "Driving speed: must be a number"),
+        ("vehicle.curvature_limit", 0.0, "Smallest radius of lines: must be more than 0 m"),
     ],
 )
 def test_what_is_no_configuration_cannot_be_saved(key, value, reason):
@@ -228,7 +230,8 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
         stage.link.hand_log.hear(step, engaged=False)
     stage.run(1.0)
     one.refresh()
-    assert "Straight 60 m of 30; circles: left 0 of 3" in one.text()
+    assert "✓ 60 / 30 m" in one.text()
+    assert "\n0 / 3\n" in one.text()
     one.press("■ End and evaluate")
     await until(lambda: "Found:" in one.text())
     assert "✓ wheel speed: 1.04 ±" in one.text()
@@ -237,6 +240,32 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     one.refresh()
     one.press("Save what was found")
     assert stage.workshop.configuration.devices.sensors.pulses_per_metre == pytest.approx(1.04 * pulses, rel=1e-3)
-    stage.link.hand_log.begin()
-    stage.link.hand_log.hear(step, engaged=True)
-    assert not stage.link.hand_log.is_on
+    log = stage.link.hand_log
+    log.begin()
+    for _ in range(20):
+        log.hear(step, engaged=True)  # drawbar steers: that is no drive by hand
+    assert log.drive() is None
+    log.hear_gate(stage.link.gate)
+    assert log.steered == []
+    log.hear_gate(replace(stage.link.gate, steers=1))
+    assert len(log.steered) == 1
+
+
+def test_a_full_disk_leaves_no_half_version(tmp_path):
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("there is no /dev/full here")
+    versions = Versions(tmp_path)
+    file = tmp_path / "a-0001.toml"
+    opened = Path.open
+
+    class Full(type(tmp_path)):
+        """A path whose disk is full."""
+
+        def open(self, mode="r"):
+            opened(self, mode).close()
+            return opened(full, "wb", 0)
+
+    with pytest.raises(StorageError, match="No space left"):
+        versions.write(Full(file), b"name = 1")
+    assert not file.exists()

@@ -10,8 +10,8 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import Stage
 
-from drawbar.console.catalogue import Words
 from drawbar.console.view import board, picture
+from drawbar.console.words import Words
 from drawbar.messages import SupervisorState
 
 EN, DE = Words("en"), Words("de")

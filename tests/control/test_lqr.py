@@ -6,7 +6,8 @@ import pytest
 from controllers import LinearQuadraticRegulator
 from scipy.linalg import expm
 
-from drawbar.control.lqr import lqr_gain, path_dynamics, regulator_gain
+from drawbar.control.lqr import lqr_gain, path_dynamics
+from drawbar.control.matrix_equations import regulator_gain
 from drawbar.control.settings import LqrSettings
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -15,28 +16,6 @@ VEHICLE, SAMPLE_TIME = VehicleParameters(), 0.2
 
 def regulator(speed=1.0, **weights):
     return LinearQuadraticRegulator(VEHICLE, LqrSettings(model="lqr", **weights), SAMPLE_TIME, speed)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_gain_is_the_limit_of_value_iteration(seed):
-    rng = np.random.default_rng(seed)
-    n, m = int(rng.integers(1, 6)), int(rng.integers(1, 3))
-    A, B = rng.normal(size=(n, n)), rng.normal(size=(n, m))
-    root = rng.normal(size=(n, n))
-    Q, R = root @ root.T + 0.1 * np.eye(n), np.diag(rng.uniform(0.1, 2.0, m))
-    P = Q
-    for _ in range(2000):
-        K = np.linalg.inv(R + B.T @ P @ B) @ B.T @ P @ A
-        P = Q + K.T @ R @ K + (A - B @ K).T @ P @ (A - B @ K)
-    assert regulator_gain(A, B, Q, R) == pytest.approx(K, rel=1e-8, abs=1e-10)
-
-
-def test_gain_of_a_scalar_system_is_the_root_of_its_quadratic():
-    a, b, q, r = 1.1, 0.4, 2.0, 0.5
-    half = 0.5 * (q * b**2 + r * (a**2 - 1.0))
-    p = (half + math.sqrt(half**2 + q * r * b**2)) / b**2
-    gain = regulator_gain(*(np.array([[value]]) for value in (a, b, q, r)))
-    assert gain[0, 0] == pytest.approx(a * b * p / (r + b**2 * p), rel=1e-12)
 
 
 @pytest.mark.parametrize("speed", [0.5, 1.0, 2.5])

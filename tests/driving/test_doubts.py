@@ -51,6 +51,16 @@ def test_positions_that_both_antennas_contradict_are_left_out_while_engaged():
     assert found.without(SEEN) == SEEN
 
 
+def test_positions_that_drift_are_left_out_while_engaged():
+    found = Doubts(SanitySettings())
+    found.look(step(), engaged=True, drifts=True)
+    assert math.isnan(found.without(SEEN).tractor_x)
+    found.look(step(), engaged=True)
+    assert found.exist
+    found.look(step(), engaged=False)
+    assert not found.exist
+
+
 def test_a_hitch_angle_that_contradicts_is_left_out_and_what_it_did_to_the_positions_is_forgiven():
     found = doubts(step(hitch=0.3, fixes=REJECTED))
     without = found.without(SEEN)

@@ -10,6 +10,7 @@ import time
 import pytest
 from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
+from patience import ENGAGE, PATIENT, watch
 
 from drawbar.config import load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
@@ -22,24 +23,6 @@ from drawbar.report.folder import write_report
 from drawbar.safety.causes import Cause
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
-ENGAGE = 90.0
-"""longest time until it steers on a busy machine, s"""
-# a test machine may be too busy for the times of a real one; the rehearsal and the gate's tests prove those
-PATIENT = [
-    "safety.timing.command=0.5",
-    "safety.timing.controller=5.0",
-    "safety.timing.angle=5.0",
-    "safety.timing.angle_lost=6.0",
-    "safety.timing.speed=5.0",
-    "safety.timing.recorder=20.0",
-    "safety.timing.lease=30.0",
-    "safety.timing.late=2.0",
-    "safety.drive.operator=30.0",
-    "safety.drive.overruns=1000",
-    "safety.engage.quiet=0.1",
-    "safety.engage.seen=5.0",
-    "safety.engage.fixed=2.0",
-]
 
 
 @pytest.fixture
@@ -60,14 +43,6 @@ def crew(tmp_path, manager):
     (tmp_path / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
     with Crew(configuration, tmp_path, stand_ins=True) as crew:
         yield crew
-
-
-def watch(front, until, longest):
-    end = time.monotonic() + longest
-    while not until(front):
-        front.wait(0.05)
-        assert time.monotonic() < end, front.state
-    return front.state
 
 
 def steers(front):

@@ -57,6 +57,7 @@ def fed(
     age: float = 0.0,
     resolution: float = DEGREE,
     settings: ActuationSettings | None = None,
+    prepared: bool = False,
 ) -> Identification:
     """Return an identification that has seen a drive."""
     vehicle, sent = VehicleParameters(), commands(samples, size=size)
@@ -69,6 +70,8 @@ def fed(
         identification.sent(
             Command(time=SAMPLE * k, tractor_steering=sent[k, 0], trailer_steering=sent[k, 1], speed=1.0)
         )
+        if prepared:
+            identification.call("ready")
     return identification
 
 
@@ -83,6 +86,14 @@ def test_dead_time_and_lag_are_found_within_a_minute(dead_time: float, lag: floa
         assert body.dead_time_deviation < 0.09
         assert body.lag_deviation < 0.3 * lag
     assert told.dead_time == pytest.approx(max(told.tractor.dead_time, told.trailer.dead_time), abs=0.02)
+
+
+def test_what_is_known_does_not_depend_on_whether_there_was_time_to_prepare() -> None:
+    hurried, prepared = fed(0.2, 0.35, samples=40), fed(0.2, 0.35, samples=40, prepared=True)
+    for identification in (hurried, prepared):
+        identification.measured(measurement(100.0, 0.01, 0.02))
+    assert hurried.told() == prepared.told()
+    assert hurried.told().tractor.dead_time_deviation < 0.9 * ActuationSettings().guess_deviation
 
 
 def test_a_wrong_zero_of_the_sensor_costs_nothing() -> None:

@@ -24,6 +24,14 @@ def test_every_case_has_a_task_per_seed(write_experiment: Write, two_cases: str)
     assert tasks["slow"][0].columns == ("error.tractor",)
 
 
+def test_a_case_may_be_driven_more_often_than_others(write_experiment: Write) -> None:
+    experiment = write_experiment(
+        'title = "x"\nseeds = 2\ncases = [{ name = "paper", seeds = 3 }, { name = "articulated" }]'
+    )
+    assert {case: len(tasks) for case, tasks in experiment.tasks().items()} == {"paper": 3, "articulated": 2}
+    assert {len(tasks) for tasks in experiment.tasks(1).values()} == {1}
+
+
 def test_every_case_is_driven_in_every_variant(write_experiment: Write, two_cases: str) -> None:
     variants = 'variants = [{ name = "fast", changes = ["speed=1.5"] }, { name = "as it is" }]'
     experiment = write_experiment(two_cases + variants)

@@ -136,7 +136,9 @@ FAULTS = {
     "the tractor's steering sensor has the wrong sign": Fault(
         change=lambda m: replace(m, tractor_steering=-m.tractor_steering), ends=Status.STEERING, within=1.2
     ),
-    "the tractor's steering sensor is stuck": Fault(change=at(0.2, "tractor_steering"), ends=Status.STEERING, within=4.2),
+    "the tractor's steering sensor is stuck": Fault(
+        change=at(0.2, "tractor_steering"), ends=Status.STEERING, within=4.2
+    ),
     "the hitch sensor has the wrong sign": Fault(
         change=lambda m: replace(m, hitch_angle=-m.hitch_angle), ends=Status.HITCH, within=4.2
     ),

@@ -72,7 +72,7 @@ def main(order):
         bounds,
         [Wire(transport=Udp(order["port"]), tractor=Steering(order.get("fails_at")))],
         ControllerChannel(socket.socket(fileno=order["controller"])),
-        DeskChannel(open_desk(order["desk"]), (order["subscriber"],)),
+        DeskChannel(open_desk(order["desk"]), tuple(order["subscribers"])),
     )
     if order.get("fails_at") == "tick":
         publish = gate._publish

@@ -9,17 +9,17 @@ import pytest
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.recording.log import Outcome, PathTable, RunHeader, RunLog
 from drawbar.signals import (
+    BodyPlace,
     BodyPlan,
-    BodyReference,
     BodySteering,
     Command,
     Estimate,
     Flag,
     GateVerdict,
     Measurement,
+    Places,
     Plan,
     Pose,
-    Reference,
     SolverStatus,
     SolveTimes,
     Status,
@@ -111,7 +111,7 @@ class Body:
 
     def reference_at(self, k, noise):
         error = float(self.error[k] + 0.005 * noise)
-        return BodyReference(progress=float(self.progress[k]), lateral_error=error, closest=NOTHING[0], samples=NOTHING)
+        return BodyPlace(progress=float(self.progress[k]), lateral_error=error, closest=NOTHING[0])
 
     def steering_at(self, k):
         nominal, ancillary, command = (float(each[k]) for each in (self.nominal, self.ancillary, self.command))
@@ -197,7 +197,7 @@ class Drive:
             step=k,
             measurement=self.measurement_at(k),
             estimate=self.estimate_at(k),
-            reference=Reference(
+            reference=Places(
                 time=time,
                 tractor=self.tractor.reference_at(k, self.noise[k, 2]),
                 trailer=self.trailer.reference_at(k, self.noise[k, 3]),

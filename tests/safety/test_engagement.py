@@ -149,11 +149,38 @@ def test_states_with_a_budget_end_by_it(state):
 
 def test_a_vehicle_that_does_not_stop_is_steered_on_while_nothing_else_is_wrong():
     engagement = brought_to(STOPPING)
-    for time in (120.0, 200.0):
+    for time in (110.1, 120.0):
         engagement.update(time, Situation(causes=(Cause.FIX_LOST,)))
         assert engagement.state is STOPPING
-    engagement.update(200.1, Situation(causes=(Cause.POSITION_LOST,)))
+    engagement.update(120.1, Situation(causes=(Cause.POSITION_LOST,)))
     assert (engagement.state, engagement.cause) == (STOPPED, Cause.STOP_IGNORED)
+
+
+def test_a_vehicle_that_does_not_stop_is_let_go_of_in_the_end_and_asked_to_stop_all_the_more():
+    engagement = brought_to(STOPPING)
+    assert engagement.remaining(110.1) == pytest.approx(19.9)
+    assert engagement.update(129.9, Situation(causes=())) is STOPPING
+    engagement.update(130.0, Situation(causes=()))
+    assert (engagement.state, engagement.cause) == (STOPPED, Cause.STOP_IGNORED)
+    assert engagement.hurries(130.05)
+    assert not brought_to(STOPPED).hurries(130.05), "the operator released it, and drives"
+
+
+BOUND = {BOOT: 0.1, SELFTEST: 1.1, ENGAGING: 3.1, DEGRADED: 10.1, STOPPING: 30.1}
+"""s, within which each state must have been left that is not one to rest or to drive in"""
+
+
+@pytest.mark.parametrize("state", sorted(BOUND), ids=lambda each: each.name)
+@pytest.mark.parametrize("cause", [None, *Cause], ids=lambda each: each.name if each else "nothing")
+def test_each_state_is_left_in_a_bounded_time_whatever_goes_on_for_good(state, cause):
+    for taken, standing, overridden in product((False, True), repeat=3):
+        engagement, time = brought_to(state), 100.0
+        causes = () if cause is None else (cause,)
+        situation = Situation(causes=causes, taken=taken, standing=standing, overridden=overridden)
+        while engagement.state is state:
+            time += 0.05
+            assert time <= 100.0 + BOUND[state], situation
+            engagement.update(time, situation)
 
 
 def test_states_without_a_budget_have_no_time_left_to_show():

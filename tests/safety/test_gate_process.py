@@ -20,6 +20,9 @@ from pathlib import Path
 
 import pytest
 
+from drawbar.driving.guard_main import OFF
+from drawbar.driving.orders import GateOrders
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState, decode, encode
 from drawbar.safety.channels import controller_pair
 from drawbar.safety.gate_process import ENDED, FAILED, GONE
@@ -59,7 +62,7 @@ class Machine:
         settings = SafetySettings.model_validate(CHANGES)
         order |= {
             "port": self.wire.getsockname()[1], "controller": gate_end.fileno(), "desk": str(folder / "desk"),
-            "subscriber": str(folder / "front"), "settings": CHANGES,
+            "subscribers": [str(folder / "front"), str(folder / "guard")], "settings": CHANGES,
         }  # fmt: skip
         self.gate = self._start("gate_runner.py", gate_end, json.dumps(order))
         self.controller = self._start(
@@ -144,6 +147,43 @@ def machine(tmp_path_factory):
         each.close()
 
 
+@pytest.fixture
+def guarded(machine):
+    """Return a function that starts a machine with a guard, and drives it."""
+    guards = []
+
+    def start():
+        driving = machine()
+        board = SteerBoardSettings(address=f"127.0.0.1:{driving.wire.getsockname()[1]}", max_angle=0.5)
+        orders = GateOrders(
+            folder=str(driving.folder), safety=SafetySettings(), controller=0, wheelbase=1.4, tractor_limit=0.5,
+            trailer_limit=0.3, tractor_board=board, trailer_board=None, isobus=None,
+        )  # fmt: skip
+        command = [sys.executable, "-m", "drawbar.driving.guard_main"]
+        guards.append(subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL))
+        guards[-1].stdin.write(orders.model_dump_json().encode())
+        guards[-1].stdin.close()
+        end = time.monotonic() + 20.0
+        while not (driving.folder / "guard").exists():
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        time.sleep(0.2)  # it has heard the gate
+        return driving, guards[-1]
+
+    yield start
+    for each in guards:
+        each.kill()
+        each.wait(10.0)
+
+
+def guards_off(machine, start):
+    """Return the time from an instant to the guard's first off frame, s."""
+    while select.select([machine.wire], [], [], 2.0)[0]:
+        if machine.wire.recv(64) == OFF:
+            return time.monotonic() - start
+    raise AssertionError("the guard said nothing")
+
+
 def let_go(machine, start):
     """Return the time from an instant to the first frame that says off, s."""
     for at, steers in machine.frames(2.0):
@@ -178,6 +218,28 @@ def test_killed_controllers_let_go_at_once_and_the_gate_ends_after_a_second_of_o
         assert driving.gate.wait(5.0) == GONE
         driving.close()
     print(spread("SIGKILL", times))  # docs/safety.md
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=lambda each: each.name)
+def test_boards_of_gates_that_are_killed_or_frozen_are_let_go_of_by_the_guard(guarded, how):
+    chance, times = random.Random(2), []
+    for _ in range(max(KILLS // 2, 1)):
+        driving, guard = guarded()
+        time.sleep(chance.uniform(0.0, 0.3))
+        driving.listen()
+        assert driving.state.state is SupervisorState.ACTIVE
+        start = time.monotonic()
+        driving.gate.send_signal(how)
+        guard.terminate()  # as whoever looks after both may do: it stays until the boards have been let go of
+        times.append(guards_off(driving, start))
+        assert times[-1] <= 0.2 + SLACK
+        assert guard.wait(5.0) == 0
+        if how is signal.SIGSTOP:
+            driving.listen()  # to the rest of what the guard has said
+            driving.gate.send_signal(signal.SIGCONT)
+            assert let_go(driving, time.monotonic()) <= 0.2 + SLACK, "and the gate itself, once it goes on"
+        driving.close()
+    print("guard:", spread(how.name, times))  # docs/safety.md
 
 
 def test_stopped_controllers_let_go_and_going_on_does_not_engage(machine):

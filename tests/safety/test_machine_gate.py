@@ -340,6 +340,8 @@ def test_a_vehicle_that_does_not_stop_is_asked_harder_and_let_go_of_once_there_i
     bench.controller = {"lateral_deviation": math.nan}
     bench.run()
     assert (bench.state, bench.cause) == (STOPPED, Cause.STOP_IGNORED)
+    assert bench.shown.steers == 0
+    assert bench.speed_actuator.requests[-1][1].deceleration == 2.5
 
 
 def test_a_vehicle_that_nobody_steers_stops_as_fast_as_possible():

@@ -350,6 +350,7 @@ TABLE = {
     "drive.recovery": (0.5, degraded_then_calm(1.0)),
     "drive.degraded_speed": (0.25, degraded_speed),
     "drive.stopping": (2.0, stopping_for(3.0, lateral_deviation=1.0)),
+    "drive.abandoning": (2.0, stopping_for(3.0)),
     "drive.comfort": (1.0, stopping_for(2.0)),
     "drive.deceleration": (0.7, stopping_for(1.0)),
     "drive.emergency_deceleration": (2.0, stopping_for(6.0)),

@@ -101,8 +101,8 @@ def test_a_record_holds_the_whole_step(simulate):
         assert record.flags in (Flag(0), Flag.LIMITED)
         for body in ("tractor", "trailer"):
             reference, plan = getattr(record.reference, body), getattr(record.plan, body)
-            assert (reference.samples.shape, plan.poses.shape, plan.steerings.shape) == ((21, 4), (21, 3), (20,))
-            assert np.isfinite(reference.samples).all()
+            assert (plan.poses.shape, plan.steerings.shape) == ((21, 3), (20,))
+            assert np.isfinite(reference.closest).all()
             # what is planned begins where the body will be when the command acts
             distance = math.hypot(*(plan.poses[0][:2] - reference.closest[:2]))
             assert distance == pytest.approx(abs(reference.lateral_error), abs=0.02)
@@ -115,9 +115,10 @@ def test_a_record_holds_the_whole_step(simulate):
 def test_later_steps_leave_a_record_alone(build):
     steps = build("articulated").steps()
     first = next(steps)
-    samples = first.reference.tractor.samples.copy()
+    poses, closest = first.plan.tractor.poses.copy(), first.reference.tractor.closest.copy()
     next(steps)
-    np.testing.assert_array_equal(first.reference.tractor.samples, samples)
+    np.testing.assert_array_equal(first.plan.tractor.poses, poses)
+    np.testing.assert_array_equal(first.reference.tractor.closest, closest)
 
 
 def test_predictions_are_rounded_to_a_millionth_and_nothing_else(build, monkeypatch):
@@ -127,7 +128,7 @@ def test_predictions_are_rounded_to_a_millionth_and_nothing_else(build, monkeypa
     steps = build("articulated").steps()
     exact = [next(steps) for _ in range(20)][-1]
     for body in ("tractor", "trailer"):
-        for name in ("reference.{}.samples", "plan.{}.poses", "plan.{}.steerings"):
+        for name in ("plan.{}.poses", "plan.{}.steerings"):
             kept, whole = (attrgetter(name.format(body))(each) for each in (rounded, exact))
             assert 0.0 < abs(kept - whole).max() <= 0.501e-6
         for name in ("reference.{}.closest", "plan.{}.deviation"):
@@ -145,7 +146,7 @@ def test_what_a_step_did_not_come_to_is_not_a_number(build):
     assert record.status is Status.TIME
     assert math.isnan(record.estimate.tractor.x)
     assert np.isnan(record.plan.trailer.poses).all()
-    assert np.isnan(record.reference.tractor.samples).all()
+    assert np.isnan(record.reference.tractor.closest).all()
 
 
 def test_only_plans_along_a_preview_reckon_with_the_set_speed():

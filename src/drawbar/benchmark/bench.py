@@ -108,5 +108,8 @@ def show(console: Console, figures: dict[str, Any]) -> None:
             console.print(f"{text:30}{' / '.join(f'{value:.2f}' for value in figure.values())}", highlight=False)
     console.print(f"real-time factor of a whole run, simulation included: {figures['real_time_factor']:.0f}")
     start = figures["start_up"]
-    console.print(f"from a process' start, warm: import drawbar {start['import_s']:.2f} s, ", end="")
-    console.print(f"a run's first step {start['first_step_s']:.2f} s")
+    for text, key in {"import drawbar": "import", "a run's first step": "first_step"}.items():
+        wall, cpu = (start[f"{key}{suffix}"] for suffix in ("_s", "_cpu_s"))
+        console.print(
+            f"from a process' start to {text}, warm: {wall:.2f} s, of the processor {cpu:.2f} s", highlight=False
+        )

@@ -19,7 +19,7 @@ def calibrate(
     configuration: Annotated[FilePath, typer.Argument(metavar="FILE", help="configuration of the machine")],
     log: RunLogFile,
 ) -> None:
-    """Find sensors' zeros and scales, the wheels' pulses and the mounting roll in a drive by hand.
+    """Find sensors' zeros and scales, the wheels' pulses, mounting roll, antenna's place and dead bands in a drive.
 
     What is found is written beside FILE, as NAME.calibrated.toml, which extends it: drive with that file. Nothing is
     moved. docs/calibration.md says what to drive.
@@ -28,6 +28,9 @@ def calibrate(
     from drawbar.driving.calibrated_file import calibrated_file, calibrated_text
     from drawbar.driving.calibrating import calibrate as evaluate
     from drawbar.driving.hand_drive import HandDrive
+    from drawbar.driving.loop_drive import dead_bands
+    from drawbar.messages import GateState
+    from drawbar.recording.drive_records import open_drive
     from drawbar.recording.log import read_log
 
     load_configuration(str(configuration))
@@ -35,7 +38,9 @@ def calibrate(
     recorded = recorded_configuration(content.header.configuration, [], str(log))
     if recorded.devices is None:
         raise ConfigurationError(f"{log}: is the log of no real machine; give the log of a `drawbar drive`")
-    found = list(evaluate(recorded, HandDrive.of(content)))
+    with open_drive(log) as records:
+        states = [each for each in records if isinstance(each, GateState) and each.steers]
+    found = [*evaluate(recorded, HandDrive.of(content)), *dead_bands(states)]
     for each in found:
         _tell(each)
     if not any(each.sets for each in found):

@@ -78,17 +78,33 @@ def _wiggle(config: "Configuration") -> bool:
     return passed
 
 
-def stand_in(configuration: ConfigurationName, changes: Changes = None) -> None:
+def stand_in(
+    configuration: ConfigurationName,
+    changes: Changes = None,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME[@20s]", help="break something, so long after it has first been steered; list: what there is"
+        ),
+    ] = None,
+) -> None:
     """Be the machine: the simulated one behind the receivers, boards and sensors that the configuration names."""
     from drawbar.driving.orders import Orders
     from drawbar.driving.stand_in_main import serve
+    from drawbar.machine.stand_in.faults import FAULTS, LIST, planned_fault
 
+    if LIST in (fault or []):
+        for name, each in FAULTS.items():
+            console.print(f"{name}: {each.text}", soft_wrap=True)
+        return
+    faults = [planned_fault(text) for text in fault or []]
     config = _with_devices(configuration, changes)
     with tempfile.TemporaryDirectory(prefix="drawbar-") as folder:
         file = FilePath(folder) / "config.toml"
         file.write_text(config.to_toml(), "utf-8")
         console.print("the simulated machine is there; end it by Ctrl-C")
-        raise SystemExit(serve(Orders(folder=folder, run=folder, configuration=str(file))))
+        orders = Orders(folder=folder, run=folder, configuration=str(file))
+        raise SystemExit(serve(orders, faults, lambda words: console.print(f"fault: {words}", soft_wrap=True)))
 
 
 def _with_devices(name: str, changes: list[str] | None) -> "Configuration":

@@ -91,8 +91,9 @@ def drive(
 def _configured(name: str, changes: list[str]) -> tuple["Configuration", bool]:
     """Return what to drive, its control step compiled, and whether all of its devices are stand-ins."""
     from drawbar.config import load_configuration
+    from drawbar.driving.controller import Controller
     from drawbar.driving.demonstration import with_stand_ins
-    from drawbar.step.build import build_autopilot
+    from drawbar.simulation import build_path
 
     config = load_configuration(name, changes)
     stand_ins = config.devices is None
@@ -100,7 +101,7 @@ def _configured(name: str, changes: list[str]) -> tuple["Configuration", bool]:
         config = with_stand_ins(config)
         console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
     with console.status("compiling the control step (the first time only) …"):
-        build_autopilot(config)
+        Controller(config, build_path(config)[0], config.safety.fingerprint())
     return config, stand_ins
 
 

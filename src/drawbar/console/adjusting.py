@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.view import Board, drives_chosen_line, set_speed_text, shift_text, wished_speed
+from drawbar.console.words import Words
 from drawbar.messages import Action
 
 NUDGE = 0.02

@@ -100,9 +100,15 @@ def _answer(text: str, seen: Seen, page: str, listener: str) -> str:
     found = _DRAW.match(json.loads(text[2:])[1]["code"])
     if found is None:
         return ""
-    picture = json.loads(found[2])
-    if picture["moving"]:
-        place = (*picture["moving"]["tractor"], *picture["moving"]["trailer"])
+    if place := place_of(text):
         seen.pictures.append((time.monotonic_ns(), place))
+    picture = json.loads(found[2])
     said = {"id": int(found[1]), "client_id": page, "listener_id": listener, "args": [json.dumps(picture["seen"])]}
     return f"42{json.dumps(['event', said])}"
+
+
+def place_of(text: str) -> Place:
+    """Return where the bodies are in a message of the console; empty where it is no picture, or shows none."""
+    found = _DRAW.match(json.loads(text[2:])[1]["code"])
+    moving = json.loads(found[2])["moving"] if found is not None else None
+    return (*moving["tractor"], *moving["trailer"]) if moving else ()

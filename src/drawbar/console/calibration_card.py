@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
-from drawbar.console.hand_log import driven
+from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.driving.calibrating import Found, calibrate
 from drawbar.driving.hand_drive import HandDrive
+from drawbar.driving.loop_drive import dead_bands
 from drawbar.errors import ConfigurationError, DrawbarError
 
 _PERIOD = 1_000_000_000
@@ -23,11 +24,22 @@ _POINTS = 800
 _SPAN = 20.0
 """least length of the plot's axes, m"""
 _LINE = {"width": 3, "color": "#0072b2"}
-_PICTURE = """<svg viewBox="0 0 300 96" class="to-drive" aria-hidden="true">
-<path d="M10 40 H170 M165 35 l6 5 l-6 5 M170 52 H10 M15 47 l-6 5 l6 5"/>
-<circle cx="222" cy="24" r="20"/><circle cx="222" cy="72" r="20"/><circle cx="268" cy="24" r="14"/>
-<circle cx="268" cy="72" r="14"/><text x="64" y="30">1, 4: 30 m</text><text x="216" y="29">2</text>
-<text x="216" y="77">3</text></svg>"""
+_PICTURE = '<svg viewBox="0 0 48 48" class="to-drive" aria-hidden="true"><path d="{}"/></svg>'
+_WHEEL = "M24 6 a18 18 0 1 0 0.1 0 M6 24 H42 M24 24 V42"
+_AHEAD = "M6 24 H40 M33 17 l8 7 l-8 7"
+STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]] | None], ...] = (
+    ("calibrate_straight", _AHEAD, lambda done: (done.straight, 30.0, "m")),
+    ("calibrate_left", "M30 42 A17 17 0 1 0 13 25 M7 33 l6 -9 l8 7", lambda done: (done.left, 3.0, "")),
+    ("calibrate_right", "M18 42 A17 17 0 1 1 35 25 M41 33 l-6 -9 l-8 7", lambda done: (done.right, 3.0, "")),
+    ("calibrate_back", "M6 17 H40 M33 10 l8 7 l-8 7 M42 33 H8 M15 26 l-8 7 l8 7", None),
+    (
+        "calibrate_curves",
+        "M4 24 C10 4 16 4 22 24 S36 44 42 24 M35 27 l7 -4 l4 7",
+        lambda done: (done.curves, 90.0, "s"),
+    ),
+    ("calibrate_steered", _WHEEL, lambda done: (done.steered, 120.0, "s")),
+)
+"""what to drive: catalogue's key, its picture, and how much of it counts so far, of how much, in which unit"""
 
 
 class CalibrationCard:
@@ -41,8 +53,8 @@ class CalibrationCard:
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("calibrate"))
-            ui.html(_PICTURE, sanitize=False)
             ui.label(words("calibrate_help")).classes("note")
+            self._build_steps()
             with ui.element("div").classes("line-up"):
                 self._begin = self._button("calibrate_begin", self._start)
                 self._evaluate = self._button("calibrate_evaluate", self._find)
@@ -60,14 +72,29 @@ class CalibrationCard:
         if not log.is_on or now < self._due or self._works:
             return
         self._due = now + _PERIOD
-        drive = log.drive()
-        if drive is None:
-            return
-        done = driven(drive)
-        self._said.set_text(
-            self._words("calibrate_driven", straight=f"{done.straight:.0f}", left=done.left, right=done.right)
-        )
-        self._draw(drive)
+        self._count(log.driven())
+        if (drive := log.drive()) is not None:
+            self._draw(drive)
+
+    def _build_steps(self) -> None:
+        """Build the list of what to drive, each with its picture."""
+        self._counts: list[ui.label] = []
+        with ui.element("ol").classes("to-do"):
+            for key, picture, _ in STEPS:
+                with ui.element("li"):
+                    ui.html(_PICTURE.format(picture), sanitize=False)
+                    ui.label(self._words(key)).classes("grow")
+                    self._counts.append(ui.label().classes("count"))
+
+    def _count(self, done: Driven | None) -> None:
+        """Show how much of each step has been driven; None: nothing."""
+        for label, (_, _, measure) in zip(self._counts, STEPS, strict=True):
+            if done is None or measure is None:
+                label.set_text("")
+                continue
+            much, enough, unit = measure(done)
+            text = f"{min(much, 9999.0):.0f} / {enough:.0f} {unit}".strip()
+            label.set_text(f"✓ {text}" if much >= enough else text)
 
     def _button(self, key: str, act: Callable[[], Any]) -> ui.button:
         button = ui.button(self._words(key), on_click=act, color=None)
@@ -85,6 +112,7 @@ class CalibrationCard:
         self._link.hand_log.begin()
         self._changes = []
         self._found.clear()
+        self._count(None)
         self._said.set_text(self._words("calibrate_drive"))
         self._show_buttons()
 
@@ -110,16 +138,18 @@ class CalibrationCard:
         self._works = True
         self._said.set_text(self._words("planning"))
         try:
-            if drive is None or self._workshop.driven.devices is None:
+            if self._workshop.driven.devices is None or (drive is None and not log.steered):
                 raise ConfigurationError(self._words("calibrate_nothing"))
-            found = await asyncio.to_thread(lambda: list(calibrate(self._workshop.driven, drive)))
+            found = await asyncio.to_thread(
+                lambda: [*(calibrate(self._workshop.driven, drive) if drive else ()), *dead_bands(log.steered)]
+            )
         except DrawbarError as error:
-            self._said.set_text(str(error))
+            self._said.set_text(self._words.message(error))
             return
         finally:
             self._works = False
         self._changes = [f"{key}={json.dumps(value)}" for each in found for key, value in each.sets.items()]
-        self._said.set_text(self._words("calibrate_found", count=sum(bool(each.sets) for each in found)))
+        self._said.set_text(self._words("calibrate_found", count=sum(each.value.accepted for each in found)))
         self._list(found)
         self._show_buttons()
 
@@ -127,18 +157,19 @@ class CalibrationCard:
         self._found.clear()
         with self._found:
             for each in found:
-                ui.label(_line(each)).classes("good" if each.sets else "flaw")
+                ui.label(_line(each, self._words)).classes("good" if each.value.accepted else "flaw")
 
     def _save(self) -> None:
         if self._changes:
             self._keep_changes(self._changes)
 
 
-def _line(found: Found) -> str:
-    value = found.value
-    if not found.sets:
-        return f"✖ {found.name}: {'; '.join(value.refusals)}"
-    return f"✓ {found.name}: {value.value:.4g} ± {value.deviation:.2g} {value.unit}"
+def _line(found: Found, words: Words) -> str:
+    value, name = found.value, words.message(found.name)
+    if not value.accepted:
+        return f"✖ {name}: {'; '.join(map(words.message, value.refusals))}"
+    numbers = f"{value.value:.4g} ± {value.deviation:.2g}"
+    return f"✓ {name}: {words.decimal(numbers)} {words.message(value.unit)}"
 
 
 def _options() -> dict[str, Any]:

@@ -1,12 +1,9 @@
-"""Catalogue: every text of the pages in English and German, in one place; the causes' German is in causes_de.py."""
+"""Catalogue: every text of the pages in English and German.
+
+Causes and errors are in English where they arise; their German is in causes_de.py and errors_de.py.
+"""
 
 from collections.abc import Mapping
-from typing import Literal
-
-from drawbar.console.causes_de import CAUSES_DE
-from drawbar.safety.causes import Cause
-
-Language = Literal["en", "de"]
 
 TEXTS: Mapping[str, tuple[str, str]] = {
     # states: a word, and what it means
@@ -121,6 +118,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "{length} m. Smoothed by at most {most} cm (limit {limit} cm).",
         "{length} m. Um höchstens {most} cm geglättet (Grenze {limit} cm).",
     ),
+    "far_away": ("The tractor is {km} km away from it.", "Der Traktor ist {km} km davon entfernt."),
     "smoothed_marked": (
         "{length} m. Smoothed by at most {most} cm (limit {limit} cm), more than 2 cm where it is red and thick.",
         "{length} m. Um höchstens {most} cm geglättet (Grenze {limit} cm), mehr als 2 cm, wo es rot und dick ist.",
@@ -144,9 +142,13 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "recording_points": ("Recording: {count} points", "Aufnahme: {count} Punkte"),
     "a_is_set": ("A is set; drive to B", "A ist gesetzt; nach B fahren"),
     "import_export": ("Import and export", "Einlesen und ausgeben"),
-    "import_file": ("File of a field", "Datei eines Feldes"),
+    "import_file": ("Choose a file of a field", "Datei eines Feldes wählen"),
     "import_kinds": ("{kinds}; folders as .zip", "{kinds}; Ordner als .zip"),
     "imported": ("Imported {fields}: {lines} lines", "{fields} eingelesen: {lines} Linien"),
+    "too_large": (
+        "Not taken: one file of at most {size} MiB, please",
+        "Nicht angenommen: bitte eine Datei mit höchstens {size} MiB",
+    ),
     "left_out": ("Left out: {what}", "Ausgelassen: {what}"),
     "format": ("Format", "Format"),
     "export": ("Export", "Ausgeben"),
@@ -178,6 +180,11 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "From the side and from above, to scale, front on the right. Touch a letter to change its number.",
         "Von der Seite und von oben, im Maßstab, vorn ist rechts. Buchstaben berühren, um die Zahl zu ändern.",
     ),
+    "flaw_greater": ("{name}: must be more than {bound}", "{name}: muss mehr als {bound} sein"),
+    "flaw_least": ("{name}: must be at least {bound}", "{name}: muss mindestens {bound} sein"),
+    "flaw_less": ("{name}: must be less than {bound}", "{name}: muss weniger als {bound} sein"),
+    "flaw_most": ("{name}: must be at most {bound}", "{name}: darf höchstens {bound} sein"),
+    "flaw_number": ("{name}: must be a number", "{name}: muss eine Zahl sein"),
     "changes": ("Changes", "Änderungen"),
     "no_changes": ("No number is changed.", "Keine Zahl ist geändert."),
     "save_version": ("Save as a new version", "Als neue Version speichern"),
@@ -201,19 +208,31 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     # calibration
     "calibrate": ("Calibrate by driving", "Beim Fahren kalibrieren"),
     "calibrate_help": (
-        "By hand on a level field, RTK fixed: 1 straight 30 m; 2 three circles to the left, 3 three to the right, each "
-        "with the wheel held for 6 s; 4 back along the same straight.",
-        "Von Hand auf ebenem Feld, RTK Fix: 1 geradeaus 30 m; 2 drei Kreise links, 3 drei rechts, das Lenkrad je 6 s "
-        "gehalten; 4 auf derselben Geraden zurück.",
+        "On a level field, RTK fixed, at walking pace; by hand, but for the last. What is not driven is not found.",
+        "Auf ebenem Feld, RTK Fix, im Schritttempo; von Hand, nur das Letzte nicht. Was fehlt, wird nicht gefunden.",
+    ),
+    "calibrate_straight": ("Straight on for 30 m", "30 m geradeaus"),
+    "calibrate_left": (
+        "Three circles to the left, each of another size; hold the wheel for 6 s in each",
+        "Drei Kreise nach links, jeder anders groß; das Lenkrad in jedem 6 s festhalten",
+    ),
+    "calibrate_right": ("Three circles to the right, likewise", "Drei Kreise nach rechts, ebenso"),
+    "calibrate_back": (
+        "Back along the same straight, in the same tracks",
+        "Auf derselben Geraden zurück, in derselben Spur",
+    ),
+    "calibrate_curves": (
+        "Two minutes of S-curves, 4 s to each side: for the antenna's place",
+        "Zwei Minuten Schlangenlinien, 4 s zu jeder Seite: für den Platz der Antenne",
+    ),
+    "calibrate_steered": (
+        "Two minutes steered by drawbar along a line with slow curves: for the dead bands",
+        "Zwei Minuten von drawbar gelenkt, auf einer Linie mit sanften Kurven: für die Totbereiche",
     ),
     "calibrate_begin": ("● Begin", "● Beginnen"),
     "calibrate_evaluate": ("■ End and evaluate", "■ Beenden, auswerten"),
     "calibrate_keep": ("Save what was found", "Gefundenes speichern"),
     "calibrate_drive": ("Drive now.", "Jetzt fahren."),
-    "calibrate_driven": (
-        "Straight {straight} m of 30; circles: left {left} of 3, right {right} of 3",
-        "Gerade {straight} m von 30; Kreise: links {left} von 3, rechts {right} von 3",
-    ),
     "calibrate_found": ("Found: {count}", "Gefunden: {count}"),
     "calibrate_nothing": (
         "Nothing can be evaluated: too few steps, or no devices.",
@@ -258,6 +277,8 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "plot_steering": ("Steering (rad)", "Lenkung (rad)"),
     "menu": ("Menu", "Menü"),
     "look": ("Light or dark", "Hell oder dunkel"),
+    "sound_on": ("Changes of state sound", "Zustände tönen"),
+    "sound_off": ("Changes of state are silent", "Zustände sind stumm"),
     "sound": ("Sound on or off", "Ton an oder aus"),
     "language": ("Deutsch", "English"),
     "logout": ("Log out", "Abmelden"),
@@ -268,35 +289,10 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "login_wait": ("Too many attempts: wait a minute", "Zu viele Versuche: eine Minute warten"),
     "no_runs": ("There are no runs in {folder}.", "In {folder} gibt es keine Fahrten."),
     "open_report": ("Open the report", "Bericht öffnen"),
+    "recorded_now": ("is being recorded now", "wird gerade aufgezeichnet"),
+    "still_written": (
+        "{name} was written to a moment ago; wait a minute, then delete it",
+        "In {name} wurde gerade noch geschrieben; eine Minute warten, dann löschen",
+    ),
     "no_report": ("no report yet", "noch kein Bericht"),
 }
-
-
-class Words:
-    """The texts in one language."""
-
-    def __init__(self, language: Language) -> None:
-        """Choose the language."""
-        self.language: Language = language
-
-    def __call__(self, key: str, **values: object) -> str:
-        """Return a text with its values in it."""
-        return TEXTS[key][self.language == "de"].format(**values)
-
-    def cause(self, cause: Cause) -> tuple[str, str]:
-        """Return what a cause says, and what to do about it, as sentences that begin with a capital letter."""
-        sentence, advice = CAUSES_DE[cause] if self.language == "de" else (cause.sentence, cause.advice)
-        return sentence[:1].upper() + sentence[1:], advice[:1].upper() + advice[1:]
-
-    def number(self, value: float, decimals: int) -> str:
-        """Return a number as people write it."""
-        text = f"{value:z.{decimals}f}"
-        return text.replace(".", ",") if self.language == "de" else text
-
-
-def language_of(accepted: str, otherwise: Language) -> Language:
-    """Return the language that a browser asks for first, of those that there are (header Accept-Language)."""
-    for each in accepted.lower().split(","):
-        if each.strip()[:2] in ("en", "de"):
-            return "de" if each.strip().startswith("de") else "en"
-    return otherwise

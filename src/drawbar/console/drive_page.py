@@ -6,13 +6,13 @@ from typing import Any
 from nicegui import ui
 
 from drawbar.console.adjusting import Adjusting
-from drawbar.console.catalogue import Words
 from drawbar.console.drawing import Lines
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
 from drawbar.console.view import Board, board, display_name, picture
 from drawbar.console.visitors import Visitor
+from drawbar.console.words import Words
 from drawbar.messages import Action
 
 _TEXTS = ("old", "map", "zoom_in", "zoom_out", "whole")

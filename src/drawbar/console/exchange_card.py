@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 from nicegui import events, ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.guard import LARGEST_UPLOAD
 from drawbar.console.page_head import tell
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import KINDS, WRITERS, take_in
@@ -29,7 +29,13 @@ class ExchangeCard:
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("import_export"))
-            ui.upload(label=words("import_file"), on_upload=self._take, auto_upload=True, max_file_size=LARGEST_UPLOAD)
+            ui.upload(
+                label=words("import_file"),
+                on_upload=self._take,
+                on_rejected=lambda: tell(words("too_large", size=LARGEST_UPLOAD >> 20)),
+                auto_upload=True,
+                max_file_size=LARGEST_UPLOAD,
+            )
             ui.label(words("import_kinds", kinds=", ".join(KINDS))).classes("note")
             with ui.element("div").classes("line-up"):
                 self._kind = ui.select(list(WRITERS), value="GeoJSON", label=words("format")).props("outlined")
@@ -42,7 +48,7 @@ class ExchangeCard:
             fields = await asyncio.to_thread(take_in, event.file.name, data, self._frame)
             self._keep(fields)
         except DrawbarError as error:
-            tell(str(error))
+            tell(self._words.message(error))
             return
         left_out = [each for field in fields for each in field.left_out]
         lines = sum(len(field.lines) for field in fields)
@@ -60,4 +66,4 @@ class ExchangeCard:
         try:
             ui.download.content(write(field), name)
         except DrawbarError as error:
-            tell(str(error))
+            tell(self._words.message(error))

@@ -11,13 +11,13 @@ import numpy as np
 from nicegui import background_tasks, ui
 
 from drawbar.console.audit import Audit
-from drawbar.console.catalogue import Words
 from drawbar.console.exchange_card import ExchangeCard
 from drawbar.console.field_map import FieldMap
 from drawbar.console.link import Link
 from drawbar.console.new_line_card import NewLineCard
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.visitors import Visitor
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError, PathError
 from drawbar.fields.field import Field, FieldLine
@@ -31,6 +31,8 @@ _POINTS = 1500
 """of a line that is drawn, at most"""
 _NEAR = 5000.0
 """from its first point, within which a new line belongs to a field, m"""
+_FAR = 2000.0
+"""from the tractor, from which on it is said how far a line is, m"""
 _TEXTS = ("field_map", "zoom_in", "zoom_out", "whole")
 
 
@@ -108,7 +110,7 @@ class FieldsPage:
             self._field = self._workshop.fields.load(name) if name else None
         except DrawbarError as error:
             self._field = None
-            tell(str(error))
+            tell(self._words.message(error))
         lines = [line.name for line in self._field.lines] if self._field is not None else []
         self._lines.set_options(lines, value=lines[0] if lines else None)
         self._replan()
@@ -136,7 +138,7 @@ class FieldsPage:
                     if self._field is not None and self._lines.value:
                         planned = await asyncio.to_thread(self._plan(self._field, self._lines.value))
                 except DrawbarError as error:
-                    flaw = str(error)
+                    flaw = self._words.message(error)
                 if wanted == self._wanted:
                     break
         finally:
@@ -172,7 +174,16 @@ class FieldsPage:
         centimetres = self._words.number(100.0 * self._planned.largest, 0)
         limit = self._words.number(100.0 * self._workshop.configuration.guidance.path_tolerance, 0)
         key = "smoothed_marked" if self._planned.aside else "smoothed"
-        return self._words(key, length=length, most=centimetres, limit=limit)
+        return f"{self._words(key, length=length, most=centimetres, limit=limit)} {self._distance()}".strip()
+
+    def _distance(self) -> str:
+        """Say how far away the tractor is where that is surprising: another field's line is easily chosen."""
+        place = self._link.surveyor.place
+        if place is None or self._field is None or self._planned is None:
+            return ""
+        here = on_plane(on_earth(np.array([place[:2]]), self._workshop.frame), self._field.frame())
+        metres = float(np.hypot(*(self._planned.drivable.recorded - here).T).min())
+        return self._words("far_away", km=f"{metres / 1e3:.0f}") if metres > _FAR else ""
 
     def _scene(self) -> dict[str, Any]:
         field, planned = self._field, self._planned
@@ -217,7 +228,7 @@ class FieldsPage:
                 file.unlink()
                 raise
         except DrawbarError as error:
-            self._flaw.set_text(str(error))
+            self._flaw.set_text(self._words.message(error))
             return
         self._audit.write(self._visitor, "TAKE_LINE", file=str(saved), line=line.name)
         tell(self._words("saved_for_next", file=str(saved)), good=True)

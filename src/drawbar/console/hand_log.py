@@ -1,4 +1,4 @@
-"""Hand log: the steps of a drive by hand, kept for a calibration from its begin until it is evaluated. Pure."""
+"""Hand log: a drive kept for a calibration from its begin until it is evaluated: by hand, and steered. Pure."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -6,6 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from drawbar.driving.hand_drive import HandDrive
+from drawbar.driving.loop_drive import steered_time
+from drawbar.machine.hardware.mounting_calibration import TURNING
+from drawbar.messages import GateState
 from drawbar.signals import StepRecord
 
 _MOST = 12_000
@@ -23,19 +26,25 @@ class Driven:
     left: int
     """circles with the steering held"""
     right: int
+    curves: float
+    """time of turning to both sides without holding the steering, s"""
+    steered: float
+    """time for which drawbar has steered, s"""
 
 
 class HandLog:
-    """Keeps steps while it is on; what drawbar steers is no drive by hand and ends it."""
+    """Keeps steps while it is on; of what drawbar steers, the gate's states."""
 
     def __init__(self) -> None:
         """Begin with nothing."""
         self.is_on = False
         self._records: deque[StepRecord] = deque(maxlen=_MOST)
+        self._states: deque[GateState] = deque(maxlen=_MOST)
 
     def begin(self) -> None:
         """Forget what was kept, and keep what comes."""
         self._records.clear()
+        self._states.clear()
         self.is_on = True
 
     def end(self) -> None:
@@ -44,21 +53,40 @@ class HandLog:
 
     def hear(self, record: StepRecord, *, engaged: bool) -> None:
         """Take in a step."""
-        if engaged:
-            self.end()
-        if self.is_on:
+        if self.is_on and not engaged:
             self._records.append(record)
+
+    def hear_gate(self, state: GateState) -> None:
+        """Take in a state of the gate."""
+        if self.is_on and state.steers:
+            self._states.append(state)
+
+    def driven(self) -> Driven:
+        """Return what counts of it so far."""
+        drive, steered = self.drive(), steered_time(self._states)
+        if drive is None:
+            return Driven(straight=0.0, left=0, right=0, curves=0.0, steered=steered)
+        return _driven(drive, steered)
+
+    @property
+    def steered(self) -> list[GateState]:
+        """The states in which drawbar steered."""
+        return list(self._states)
 
     def drive(self) -> HandDrive | None:
         """Return what is kept; None: too little."""
         return HandDrive.of_records(list(self._records)) if len(self._records) >= _FEWEST else None
 
 
-def driven(drive: HandDrive) -> Driven:
-    """Return what counts of a drive."""
-    turns = [float(np.mean(part.front_wheels)) for part in drive.circles()]
+def _driven(drive: HandDrive, steered: float) -> Driven:
+    circles = drive.circles()
+    turns = [float(np.mean(part.front_wheels)) for part in circles]
+    held = sum(float(part.times[-1] - part.times[0]) for part in circles)
+    turning = float(np.diff(drive.times, prepend=drive.times[0])[np.abs(drive.yaw_rates) > TURNING].sum())
     return Driven(
         straight=max((part.way for part in drive.straights()), default=0.0),
         left=sum(turn > 0.0 for turn in turns),
         right=sum(turn < 0.0 for turn in turns),
+        curves=max(turning - held, 0.0),
+        steered=steered,
     )

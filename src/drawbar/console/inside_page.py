@@ -5,13 +5,13 @@ from typing import Any
 
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead
 from drawbar.console.signal_history import PRESETS, all_names, band, series
 from drawbar.console.visitors import Visitor
+from drawbar.console.words import Words
 
-_PERIOD = 200_000_000
+_PERIOD = 100_000_000
 """between two pictures, ns"""
 _STEPS = 300
 """that are drawn; a minute at 5 Hz"""
@@ -100,8 +100,16 @@ def _options() -> dict[str, Any]:
         "animation": False,
         "legend": {"top": 0, "textStyle": {"fontSize": 14}, "type": "plain"},
         "tooltip": {"trigger": "axis"},
-        "grid": {"left": 8, "right": 16, "top": 64, "bottom": 28, "containLabel": True},
-        "xAxis": {"type": "value", "name": "s", "min": "dataMin", "max": 0, **axis},
+        "grid": {"left": 8, "right": 16, "top": 64, "bottom": 34, "containLabel": True},
+        "xAxis": {
+            "type": "value",
+            "name": "s",
+            "nameLocation": "middle",
+            "nameGap": 26,
+            "min": "dataMin",
+            "max": 0,
+            "axisLabel": {**axis["axisLabel"], "showMinLabel": False},
+        },
         "yAxis": {"type": "value", "scale": True, **axis},
         "series": [],
     }

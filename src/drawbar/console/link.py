@@ -27,7 +27,9 @@ STALE = 1_000_000_000
 _KEPT = 128
 """states of the gate that a browser may still say to have drawn; 2.5 s"""
 _TRAIL = 3000
-"""places of the tractor that are kept; 10 minutes"""
+"""places of the tractor that are kept; 300 m"""
+_TRAIL_STEP = 0.1
+"""between two of them, m"""
 _STEPS = 600
 """control steps that are kept to be looked at; two minutes at 5 Hz"""
 _SUBSCRIBE = 500_000_000
@@ -115,14 +117,18 @@ class Link:
         self.hand_log.hear(record, engaged=self.is_engaged)
         self.version += 1
         self._stepped = self.clock()
-        if self.moving is not None:
+        if self.moving is not None and self._has_moved(self.moving.tractor[:2]):
             self.trail.append((*self.moving.tractor[:2], record.reference.tractor.lateral_error))
+
+    def _has_moved(self, place: tuple[float, float]) -> bool:
+        return not self.trail or math.dist(place, self.trail[-1][:2]) > _TRAIL_STEP
 
     def _hear_gate(self, state: GateState) -> None:
         if self.gate is not None and state.lease != self.gate.lease:
             self.wishes.clear()
         self.gate = state
         self._states.append(state)
+        self.hand_log.hear_gate(state)
         for session in self._sessions.values():
             session.hear(state)
 

@@ -2,6 +2,7 @@
 
 `python -m drawbar.console.load [SECONDS]`: phases, each twice: nobody looks; one browser; eight, of which one reads
 nothing; and one floods the console besides. Delays are those of one computer; a browser's own painting is not in them.
+Then a Chromium as slow as a phone, if there is one, paints map and plots (painting.py).
 """
 
 import asyncio
@@ -23,6 +24,7 @@ from rich.table import Table
 from drawbar.config import load_configuration
 from drawbar.console.browsers import Place, Seen, draws, floods, reads_nothing
 from drawbar.console.drawing import moving
+from drawbar.console.painting import SLOWER, Painted, paint
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
 from drawbar.driving.demonstration import with_stand_ins
@@ -75,13 +77,14 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="drawbar-load-") as folder:
         run = Path(folder) / "run"
         run.mkdir()
-        phases = _drive(run, duration)
+        phases, painted = _drive(run, duration)
         drive = _read(run / LOG_NAME)
     print_figures(phases, drive)
+    print_painting(painted, drive)
     return 0
 
 
-def _drive(run: Path, duration: float) -> list[Phase]:
+def _drive(run: Path, duration: float) -> tuple[list[Phase], list[Painted]]:
     configuration = with_stand_ins(load_configuration("articulated"))
     (run / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
     with socket.socket() as free:
@@ -92,12 +95,13 @@ def _drive(run: Path, duration: float) -> list[Phase]:
         return asyncio.run(_measure(f"http://127.0.0.1:{port}/", crew.processes[CONSOLE].pid, duration))
 
 
-async def _measure(page: str, console: int, duration: float) -> list[Phase]:
+async def _measure(page: str, console: int, duration: float) -> tuple[list[Phase], list[Painted]]:
     await asyncio.sleep(_SETTLING)
-    return [
+    phases = [
         await _phase(name, page, console, duration)
         for name, _ in zip(cycle(_PHASES), range(_ROUNDS * len(_PHASES)), strict=False)
     ]
+    return phases, await paint(page, duration)
 
 
 async def _phase(name: str, page: str, console: int, duration: float) -> Phase:
@@ -169,16 +173,40 @@ def _row(phases: Sequence[Phase], drive: Drive) -> list[str]:
         delay
         for phase in phases
         for each in phase.seen
-        for delay in _delays(each, [step for step in drive.steps if phase.begin <= step[0] <= phase.end - _LAST])
+        for delay in _delays(
+            each.pictures, [step for step in drive.steps if phase.begin <= step[0] <= phase.end - _LAST]
+        )
     ]
-    shown = [f"{each * 1e-6:.0f}" for each in np.quantile(delays, (0.5, 0.99, 1.0))] if delays else [""] * 3
+    shown = _milliseconds([1e-9 * delay for delay in delays], (0.5, 0.99, 1.0))
     return [f"{processor:.1f}", rate, *shown, f"{float(np.quantile(late, 0.99)) * 1e-6:.1f}"]
 
 
-def _delays(seen: Seen, steps: Sequence[tuple[int, Place]]) -> list[int]:
+def print_painting(painted: Sequence[Painted], drive: Drive) -> None:
+    """Print a line for each page that was painted."""
+    terminal = Console()
+    if not painted:
+        terminal.print("painting was not measured: it needs playwright and a Chromium")
+        return
+    table = Table(title=f"painted by a Chromium {SLOWER} times slower than this computer")
+    table.add_column("page")
+    for column in ("painted/s", "message to screen: median", "p99", "step to screen: median", "p99", "most"):
+        table.add_column(column, justify="right")
+    for each in painted:
+        steps = [step for step in drive.steps if each.begin <= step[0] <= each.end - _LAST]
+        delays = [1e-9 * delay for delay in _delays(each.places, steps)]
+        rate = f"{len(each.took) / (1e-9 * (each.end - each.begin)):.1f}"
+        table.add_row(each.name, rate, *_milliseconds(each.took, (0.5, 0.99)), *_milliseconds(delays, (0.5, 0.99, 1.0)))
+    terminal.print(table)
+
+
+def _milliseconds(durations: Sequence[float], shares: Sequence[float]) -> list[str]:
+    return [f"{each * 1e3:.0f}" for each in np.quantile(durations, shares)] if durations else [""] * len(shares)
+
+
+def _delays(pictures: Sequence[tuple[int, Place]], steps: Sequence[tuple[int, Place]]) -> list[int]:
     """Return how long after its command each of some steps was first seen, ns."""
     first: dict[Place, int] = {}
-    for time_seen, place in seen.pictures:
+    for time_seen, place in pictures:
         first.setdefault(place, time_seen)
     return [first[place] - left for left, place in steps if place in first]
 

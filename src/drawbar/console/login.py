@@ -10,11 +10,11 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
 from drawbar.console.audit import Audit
-from drawbar.console.catalogue import Words
 from drawbar.console.guard import LOGIN, set_cookie
 from drawbar.console.passwords import User, verify
 from drawbar.console.session import Allowance
 from drawbar.console.visitors import COOKIE, Visitors
+from drawbar.console.words import Words
 
 ATTEMPTS, AGAIN = 5.0, 60.0
 """attempts from one address at once, and the time that gives as many new ones, s"""

@@ -1,22 +1,27 @@
 """Menu: the pages, language, light or dark, sound; the same on every page."""
 
+import json
+
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
+from drawbar.console.words import Words
 
 _PAGES = (("drive", "/"), ("fields", "/fields"), ("setup", "/setup"), ("runs", "/runs"), ("inside", "/inside"))
-_SOUND = "document.body.dataset.sound = document.body.dataset.sound === 'off' ? 'on' : 'off'"
+_LOOKS = {"dark": True, "light": False}
+"""by what a browser remembers (menu.js)"""
 
 
 def menu(words: Words, *, login: bool) -> None:
     """Build the button and its menu; login: there is somebody to log out."""
-    look = ui.dark_mode(None)
+    request = ui.context.client.request
+    ui.dark_mode(_LOOKS.get(request.cookies.get("drawbar-look", "") if request is not None else ""))
+    told = ", ".join(json.dumps(words(key)) for key in ("sound_on", "sound_off"))
     with ui.button(icon="menu", color=None).props(f'flat round aria-label="{words("menu")}"'), ui.menu():
         for key, address in _PAGES:
             ui.menu_item(words(key), lambda address=address: ui.navigate.to(address))
         ui.separator()
-        ui.menu_item(words("look"), lambda: look.set_value(not look.value))
-        ui.menu_item(words("sound"), lambda: ui.run_javascript(_SOUND))
+        ui.menu_item(words("look"), lambda: ui.run_javascript("toggleLook()"))
+        ui.menu_item(words("sound"), lambda: ui.run_javascript(f"toggleSound({told})"))
         other = "en" if words.language == "de" else "de"
         ui.menu_item(words("language"), lambda: ui.navigate.to(f"/language/{other}"))
         if login:

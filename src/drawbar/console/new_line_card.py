@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import tell
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
 from drawbar.fields.lines import from_a_and_b, from_a_and_heading
@@ -62,7 +62,7 @@ class NewLineCard:
             try:
                 act()
             except DrawbarError as error:
-                tell(str(error))
+                tell(self._words.message(error))
             self.refresh()
 
         return ui.button(self._words(key), on_click=guarded, color=None).props("no-caps unelevated").classes("action")

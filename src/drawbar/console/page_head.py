@@ -2,11 +2,11 @@
 
 from nicegui import ui
 
-from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
 from drawbar.console.view import board
 from drawbar.console.visitors import Visitor
+from drawbar.console.words import Words
 from drawbar.messages import Action
 
 

@@ -11,7 +11,6 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
 
 from drawbar.console.audit import Audit
-from drawbar.console.catalogue import Words, language_of
 from drawbar.console.drawing import Lines
 from drawbar.console.drive_page import DrivePage
 from drawbar.console.fields_page import FieldsPage
@@ -23,6 +22,7 @@ from drawbar.console.passwords import User
 from drawbar.console.runs_page import RunsPage, report_of
 from drawbar.console.set_up_page import SetUpPage
 from drawbar.console.visitors import Visitor, Visitors
+from drawbar.console.words import Words, language_of
 from drawbar.console.workshop import Workshop
 from drawbar.driving.console_orders import LOOPBACK, ConsoleOrders
 
@@ -132,7 +132,7 @@ class Pages:
     def _begin(self, request: Request) -> tuple[Visitor, Words]:
         visitor: Visitor = request.scope[VISITOR]
         words = self._words(request)
-        ui.add_head_html('<link rel="stylesheet" href="/drawbar/console.css">')
+        ui.add_head_html('<link rel="stylesheet" href="/drawbar/console.css"><script src="/drawbar/menu.js"></script>')
         ui.add_head_html(f'<script>document.documentElement.lang = "{words.language}"</script>')
         return visitor, words
 

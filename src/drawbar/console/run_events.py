@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 import zstandard
 
-from drawbar.console.catalogue import Words
+from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, SupervisorState
 from drawbar.recording.stream import DamagedLogError, LoggedMessage, read_records

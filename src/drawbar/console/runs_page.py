@@ -12,12 +12,12 @@ from pathlib import Path
 from nicegui import ui
 
 from drawbar.console.audit import Audit
-from drawbar.console.catalogue import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.run_comparison import FIGURES, read_metrics, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Rank, Visitor
+from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.recording.log import read_log
 from drawbar.recording.table import write_csv
@@ -26,6 +26,8 @@ from drawbar.recording.tracks import write_geojson
 REPORT, CONFIGURATION, LOG = "report.html", "config.toml", "log.mcap"
 MOST = 200
 """runs that are listed"""
+_WRITTEN = 60.0
+"""after the last change of a run's files, until which it is not deleted, s"""
 _KINDS = {"CSV": (".csv", write_csv), "GeoJSON": (".geojson", write_geojson)}
 
 
@@ -104,7 +106,7 @@ class RunsPage:
                     if run.has_report:
                         ui.link(words("open_report"), f"/report/{run.name}")
                     else:
-                        ui.label(words("no_report"))
+                        ui.label(words("recorded_now" if self._is_current(run) else "no_report"))
                     self._button("events", partial(self._show_events, run))
                     for kind in _KINDS:
                         button = self._button("export", partial(self._export, run, kind))
@@ -149,7 +151,7 @@ class RunsPage:
         try:
             events = await asyncio.to_thread(run_events, self._folder / run.name / LOG, self._words)
         except DrawbarError as error:
-            tell(str(error))
+            tell(self._words.message(error))
             return
         self._begin(f"{self._words('events')}: {run.name}")
         with self._shown:
@@ -170,7 +172,7 @@ class RunsPage:
         try:
             ui.download.content(await asyncio.to_thread(content), f"{run.name}{suffix}")
         except (DrawbarError, OSError) as error:
-            tell(str(error))
+            tell(self._words.message(error))
 
     def _ask_deletion(self, run: Run) -> None:
         """Show what would be deleted, and delete it when that is confirmed."""
@@ -183,10 +185,14 @@ class RunsPage:
         known = any(each.name == run.name for each in list_runs(self._folder))
         if not known or self._is_current(run) or self._visitor.rank < Rank.MAINTAINER:
             return
+        newest = max((each.stat().st_mtime for each in (self._folder / run.name).iterdir()), default=0.0)
+        if time.time() - newest < _WRITTEN:  # another drive may be on
+            tell(self._words("still_written", name=run.name))
+            return
         try:
             shutil.rmtree(self._folder / run.name)
         except OSError as error:
-            tell(f"{run.name}: {error.strerror}")
+            tell(f"{run.name}: {self._words.message(error.strerror)}")
         self._audit.write(self._visitor, "DELETE_RUN", run=run.name)
         self._shown.set_visibility(False)
         self._show_list()

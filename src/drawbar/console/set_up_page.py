@@ -8,14 +8,15 @@ from nicegui import ui
 from drawbar.config import Configuration
 from drawbar.console.audit import Audit
 from drawbar.console.calibration_card import CalibrationCard
-from drawbar.console.catalogue import Words
 from drawbar.console.device_rates import DEVICES
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.set_up_values import GROUPS, SetUpValue
+from drawbar.console.set_up_words import changes, flaws, shown_name
 from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
-from drawbar.console.versions import Version, changes_between, read_version
+from drawbar.console.versions import Version, read_version
 from drawbar.console.visitors import Rank, Visitor
+from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
 
@@ -79,8 +80,7 @@ class SetUpPage:
                 ui.label(self._words(title))
             with ui.element("div").classes("numbers"):
                 for value in values:
-                    name = f"{value.letter}  {self._words(value.text)}" if value.letter else self._words(value.text)
-                    number = ui.number(name, suffix=value.unit.name, on_change=self._check)
+                    number = ui.number(shown_name(value, self._words), suffix=value.unit.name, on_change=self._check)
                     number.props(f"outlined debounce=300 for={number_id(value)}")
                     number.set_enabled(self._may_change)
                     self._numbers[value] = number
@@ -136,11 +136,11 @@ class SetUpPage:
         try:
             after = self._workshop.changed(self._changes(before))
             self._drawing.set_content(vehicle_drawing(after.vehicle))
-            different = changes_between(before, after)
-            said = "\n".join(f"{key}: {old} → {new}" for key, old, new in different) or self._words("no_changes")
+            different = changes(before, after, self._words)
+            said = different or self._words("no_changes")
             self._changed = after if different else None
         except DrawbarError as error:
-            flaw = str(error)
+            flaw = flaws(str(error), self._words)
         self._said.set_text(said)
         self._flaw.set_text(flaw)
         self._save.set_enabled(self._may_save())
@@ -163,13 +163,13 @@ class SetUpPage:
         try:
             self._save_version(self._workshop.changed(changes))
         except DrawbarError as error:
-            tell(str(error))
+            tell(flaws(str(error), self._words))
 
     def _save_version(self, changed: Configuration) -> None:
         try:
             file = self._workshop.save(changed, engaged=lambda: self._link.is_engaged)
         except DrawbarError as error:
-            tell(str(error))
+            tell(flaws(str(error), self._words))
             return
         self._audit.write(self._visitor, "SET_UP", file=str(file))
         tell(self._words("saved_for_next", file=str(file)), good=True)
@@ -192,7 +192,7 @@ class SetUpPage:
         try:
             self._workshop.configuration = read_version(version)
         except DrawbarError as error:
-            tell(str(error))
+            tell(flaws(str(error), self._words))
         self._start_anew()
 
 

@@ -47,8 +47,11 @@ class SetUpValue:
 
     def shown(self, configuration: Configuration) -> float:
         """Return the configuration's value in this unit, rounded as it is shown."""
-        found = float(reduce(getattr, self.key.split("."), configuration))  # type: ignore[arg-type]
-        return round(self.unit.from_si(found), self.unit.decimals)
+        return round(self.unit.from_si(self.found(configuration)), self.unit.decimals)
+
+    def found(self, configuration: Configuration) -> float:
+        """Return the configuration's value."""
+        return float(reduce(getattr, self.key.split("."), configuration))  # type: ignore[arg-type]
 
     def change(self, value: float) -> str:
         """Return KEY=VALUE for a value in this unit."""

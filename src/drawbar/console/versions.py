@@ -60,7 +60,12 @@ class Versions:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with file.open("xb") as opened:
-                opened.write(content)
+                try:
+                    opened.write(content)
+                    opened.flush()
+                except OSError:  # no half version stays
+                    file.unlink()
+                    raise
         except OSError as error:
             raise StorageError(f"{file}: cannot be written ({error.strerror}); nothing was changed") from error
 

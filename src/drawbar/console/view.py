@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from drawbar.console.catalogue import Words
 from drawbar.console.drawing import Moving
+from drawbar.console.words import Words
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE
 from drawbar.safety.engagement import LATCHED, STEERING
@@ -93,14 +93,15 @@ def board(
     state = gate.state
     latched, ready = state in LATCHED, state is SupervisorState.READY
     driving = state in STEERING
+    reasons = ((words("next_ready"), ""),) if ready and drives else _reasons(gate, words)
     return Board(
         word=words(state.name),
         symbol=_SYMBOLS[state],
         tone="good" if state in _GOOD else "warn" if state in _WARN else "bad" if state in _BAD else "idle",
         detail=_detail(gate, words),
         brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= _STANDS,
-        heading=words("next" if ready else "worries" if driving else "why_not"),
-        reasons=((words("next_ready"), ""),) if ready and drives else _reasons(gate, words),
+        heading=words("next" if ready else "worries" if driving else "why_not") + _count(reasons),
+        reasons=reasons,
         lease=_lease(words, mine=mine, holder=holder, drives=drives),
         may_arm=drives and ready and not (gate.armed and mine) and (mine or holder is None),
         may_engage=drives and ready and mine and bool(gate.armed),
@@ -147,6 +148,11 @@ def _reasons(gate: GateState, words: Words) -> tuple[tuple[str, str], ...]:
     if not found and gate.state is SupervisorState.STANDBY:
         return ((words("wait_ready"), ""),)
     return found
+
+
+def _count(reasons: tuple[tuple[str, str], ...]) -> str:
+    """Return how many there are: on a phone some must be scrolled to."""
+    return f" ({len(reasons)})" if len(reasons) > 1 else ""
 
 
 def _lease(words: Words, *, mine: bool, holder: str | None, drives: bool) -> str:

@@ -1,11 +1,13 @@
 """Linear quadratic regulator in path coordinates (Snider 2009, Automatic Steering Methods, CMU-RI-TR-09-08)."""
 
 import numpy as np
-from scipy.linalg import solve_discrete_are
+from numpy.linalg import LinAlgError
 
 from drawbar.codegen import Unit
 from drawbar.control.explicit import explicit_unit
+from drawbar.control.matrix_equations import regulator_gain
 from drawbar.control.settings import LqrSettings
+from drawbar.errors import ConfigurationError
 from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -28,19 +30,22 @@ def lqr_unit(vehicle: VehicleParameters, settings: LqrSettings, sample_time: flo
 
 
 def lqr_gain(vehicle: VehicleParameters, settings: LqrSettings, sample_time: float, speed: float) -> Floats:
-    """Return (1, 2) K: the steering is minus K times lateral and heading error, rad/m and rad/rad."""
+    """Return (1, 2) K: the steering is minus K times lateral and heading error, rad/m and rad/rad.
+
+    Raises:
+        ConfigurationError: the weights have no regulator.
+    """
     A, B = path_dynamics(speed, vehicle.wheelbase, sample_time)
-    return regulator_gain(A, B, Q=np.diag([settings.lateral, settings.heading]), R=np.array([[settings.steering]]))
+    try:
+        return regulator_gain(A, B, Q=np.diag([settings.lateral, settings.heading]), R=np.array([[settings.steering]]))
+    except LinAlgError as error:
+        raise ConfigurationError(
+            f"controller.lateral = {settings.lateral}, heading = {settings.heading} and steering = "
+            f"{settings.steering} have no regulator ({error}); give weights that differ by fewer orders of magnitude"
+        ) from error
 
 
 def path_dynamics(speed: float, wheelbase: float, sample_time: float) -> tuple[Floats, Floats]:
     """Return A (2, 2) and B (2, 1) of lateral and heading error over one sample with constant steering."""
     drive, turn = speed * sample_time, speed * sample_time / wheelbase
     return np.array([[1.0, drive], [0.0, 1.0]]), np.array([[0.5 * drive * turn], [turn]])
-
-
-def regulator_gain(A: Floats, B: Floats, Q: Floats, R: Floats) -> Floats:
-    """Return K (nu, nx) such that u = -K x minimises the sum of x'Qx + u'Ru under x+ = A x + B u."""
-    P = solve_discrete_are(A, B, Q, R)
-    gain: Floats = np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)
-    return gain

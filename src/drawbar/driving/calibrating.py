@@ -2,19 +2,21 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import ValidationError
 
 from drawbar.config import Configuration
 from drawbar.driving.hand_drive import HandDrive
 from drawbar.geometry import Floats, wrap
 from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns
-from drawbar.machine.hardware.mounting_calibration import mounting_roll
+from drawbar.machine.hardware.mounting_calibration import CurveDrive, antenna_place, mounting_roll
 from drawbar.machine.hardware.scale_calibration import Circle, Scale, scale_from_circles
 from drawbar.machine.hardware.sensor_calibration import SensorRange, zero_from_straight
 from drawbar.machine.hardware.steer_board import BoardMemory, SteerBoardSettings
+from drawbar.vehicle.parameters import VehicleParameters
 
 _OPPOSITE = math.radians(10.0)
 """by which the way back may differ from the opposite of the way there, rad"""
@@ -47,6 +49,8 @@ def calibrate(configuration: Configuration, drive: HandDrive) -> Iterator[Found]
     if np.isfinite(drive.roll).any():
         mast = configuration.vehicle.masts.tractor
         yield _roll(drive, up=mast.up, left=mast.left)
+    if np.isfinite(drive.front_wheels).any() and np.isfinite(drive.wheel_speed).any():
+        yield from _antenna(configuration.vehicle, drive)
 
 
 def board_counts(board: SteerBoardSettings, angles: Floats) -> Floats:
@@ -72,12 +76,20 @@ def _front_wheels(board: SteerBoardSettings, wheelbase: float, drive: HandDrive)
     lowest, highest = float(np.nanmin(counts)), float(np.nanmax(counts))
     span = SensorRange(lowest=lowest, highest=highest, direction=0, noise=math.nan, resolution=math.nan, refusals=())
     scale = scale_from_circles(circles, wheelbase=wheelbase, zero=zero, span=span)
-    memory = board.memory if not scale.counts_per_degree.accepted else _scaled(board, scale, zero)
+    value, memory = scale.counts_per_degree, board.memory
+    if value.accepted:
+        changes = _scaled(board, scale, zero)
+        try:
+            memory = BoardMemory.model_validate(board.memory.model_dump() | changes)
+        except ValidationError:
+            numbers = ", ".join(f"{name}={number}" for name, number in changes.items())
+            reason = f"a board cannot store {numbers}; check the sensor's lever and its way"
+            value = replace(value, refusals=(reason,))
     prefix = "devices.tractor_board.memory."
     yield Found(name="front wheels: zero", value=zero, sets=_offset(prefix, memory, zero))
     names = ("counts_per_degree", "ackermann", "invert_sensor")
-    sets = {prefix + name: getattr(memory, name) for name in names} if scale.counts_per_degree.accepted else {}
-    yield Found(name="front wheels: scale", value=scale.counts_per_degree, sets=sets)
+    sets = {prefix + name: getattr(memory, name) for name in names} if value.accepted else {}
+    yield Found(name="front wheels: scale", value=value, sets=sets)
 
 
 def _zero(board: SteerBoardSettings, drive: HandDrive, steering: Literal["front_wheels", "joint"]) -> Calibrated:
@@ -90,20 +102,19 @@ def _zero(board: SteerBoardSettings, drive: HandDrive, steering: Literal["front_
     return zero_from_straight(part.times, counts, part.yaw_rates, part.speeds)
 
 
-def _scaled(board: SteerBoardSettings, scale: Scale, zero: Calibrated) -> BoardMemory:
-    """Return the memory that makes the board report the angles of the circles."""
+def _scaled(board: SteerBoardSettings, scale: Scale, zero: Calibrated) -> dict[str, Any]:
+    """Return what of the memory makes the board report the angles of the circles."""
     offset = np.array([counts - zero.value for counts, _, _ in scale.points])
     wire = np.degrees([angle for _, angle, _ in scale.points]) * (1.0 if board.inverted else -1.0)
     inverted = bool(np.sum(offset * wire) < 0.0)
     right, left = (
         abs(float((offset[side] ** 2).sum() / (offset[side] * wire[side]).sum())) for side in (wire > 0.0, wire < 0.0)
     )
-    changes = {
+    return {
         "counts_per_degree": max(1, round(right)),
         "ackermann": max(1, round(100.0 * right / left)),
         "invert_sensor": inverted,
     }
-    return BoardMemory.model_validate(board.memory.model_dump() | changes)
 
 
 def _offset(prefix: str, memory: BoardMemory, zero: Calibrated) -> dict[str, Any]:
@@ -165,6 +176,29 @@ def _roll(drive: HandDrive, *, up: float, left: float) -> Found:
     value = mounting_roll((there.times, across(there)), (back.times, across(back)), height=up)
     sets = {"vehicle.masts.tractor.roll_offset": value.value} if value.accepted else {}
     return Found(name="tractor: mounting roll", value=value, sets=sets)
+
+
+def _antenna(vehicle: VehicleParameters, drive: HandDrive) -> Iterator[Found]:
+    """Yield where the tractor's antenna stands; how roll moves it is taken out as far as it is known."""
+    mast = vehicle.masts.tractor
+    aside = mast.up * np.sin(np.nan_to_num(drive.roll - mast.roll_offset))  # to the right
+    place = antenna_place(
+        CurveDrive(
+            times=drive.times,
+            x=drive.antenna_x - aside * np.sin(drive.yaw),
+            y=drive.antenna_y + aside * np.cos(drive.yaw),
+            wheel_speeds=drive.wheel_speed,
+            front_wheels=drive.front_wheels,
+        ),
+        wheelbase=vehicle.wheelbase,
+    )
+    left = place.left
+    if np.isfinite(drive.roll).any():
+        reason = "a roll sensor's zero looks like an antenna's place to the side; measure that place"
+        left = replace(left, refusals=(*left.refusals, reason))
+    for name, value in (("forward", place.forward), ("left", left)):
+        sets = {f"vehicle.masts.tractor.{name}": round(value.value, 3)} if value.accepted else {}
+        yield Found(name=f"tractor: antenna {name}", value=value, sets=sets)
 
 
 def _two_ways(drive: HandDrive) -> tuple[HandDrive, HandDrive]:

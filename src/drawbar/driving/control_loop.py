@@ -64,6 +64,7 @@ class ControlLoop:
     def hear_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers; where it is a sample's, the step is made."""
         self._tell(Kind.FIXES, fixes.sequence)
+        self._controller.hear_fixes(fixes)
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return

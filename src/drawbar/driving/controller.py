@@ -4,12 +4,14 @@ import math
 
 from drawbar.config import Configuration
 from drawbar.driving.certainty import Certainty, certainty
+from drawbar.driving.curves import within_envelope
 from drawbar.driving.doubts import Doubts
+from drawbar.driving.drift import Drift
 from drawbar.driving.driven_line import DrivenLine
 from drawbar.errors import PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
-from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
+from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
 from drawbar.signals import Command, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
@@ -36,18 +38,19 @@ class Controller:
             wiggled: the actuators have passed their wiggle test.
 
         Raises:
+            PathError: the gate would not let the path be driven at the set speed.
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._fingerprint = configuration, fingerprint
         self._line, self._wished, self._anew = DrivenLine.first(configuration, path), math.nan, False
         self._wiggled = wiggled
-        self._autopilot = build_autopilot(configuration)
+        self._autopilot = build_autopilot(within_envelope(configuration))
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
         self.sureness = Certainty()
         """of the newest estimate"""
-        self._doubts = Doubts(configuration.sanity)
+        self._doubts, self._drift = Doubts(configuration.sanity), Drift()
         self._gate: GateState | None = None
         self._sequence = self._solved = self._overruns = 0
         self._record: StepRecord | None = None
@@ -68,6 +71,10 @@ class Controller:
         self._choose_line(state.line * self._configuration.path.working_width + state.nudge)
         wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
         self._autopilot.set_speed(max(0.0, min(wish, state.speed_limit, self._configuration.speed)))
+
+    def hear_fixes(self, fixes: Fixes) -> None:
+        """Take in an epoch of the receivers, also one of no sample."""
+        self._drift.hear(fixes)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
@@ -104,7 +111,7 @@ class Controller:
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
-            self._doubts.look(record, engaged=self.engaged)
+            self._doubts.look(record, engaged=self.engaged, drifts=self._drift.exists)
             known = self._status.is_new_command and not self._doubts.exist
             self.sureness = self._certainty(record.estimate) if known else Certainty()
         return record

@@ -13,7 +13,7 @@ from typing import IO, Self
 
 from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
-from drawbar.driving.orders import CONSOLE, ORDERS_NAME, GateOrders, Orders
+from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, GateOrders, Orders
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
@@ -99,6 +99,8 @@ class Crew:
         ours, theirs = controller_pair()
         with ours, theirs:
             orders_of_gate = gate_orders(self._configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
+            self._start("guard", "driving.guard_main", orders_of_gate.model_dump_json())
+            self._await("guard", GUARD)
             self._start("gate", "driving.gate_main", orders_of_gate.model_dump_json(), ends=(theirs,))
             self._start("controller", "driving.controller_main", orders, str(ours.fileno()), ends=(ours,))
         self._start("receivers", "driving.receivers_main", orders)
@@ -145,7 +147,7 @@ class Crew:
         """End the gate first, so that the actuators let go; then all others, the recorder last."""
         if self._messages.closed:
             return
-        for name in ("gate", "controller", "receivers", "stand_in", "recorder", CONSOLE):
+        for name in ("gate", "guard", "controller", "receivers", "stand_in", "recorder", CONSOLE):
             process = self.processes.get(name)
             if process is not None and process.poll() is None:
                 process.send_signal(signal.SIGTERM)

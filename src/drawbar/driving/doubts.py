@@ -27,14 +27,14 @@ class Doubts:
         """Whether anything is doubted."""
         return max(self._positions, self._hitch) >= DOUBTED
 
-    def look(self, record: StepRecord, *, engaged: bool) -> None:
-        """Take in a step; what is doubted while engaged stays so."""
+    def look(self, record: StepRecord, *, engaged: bool, drifts: bool = False) -> None:
+        """Take in a step, and whether both antennas drift; what is doubted while engaged stays so."""
         if not (engaged and self._hitch >= DOUBTED):
             self._hitch = self._hitch + 1 if self._hitch_contradicts(record) else 0
         if self._hitch >= DOUBTED:  # by it the estimator was led astray, and rejects right fixes
             self._positions = 0
         elif not (engaged and self._positions >= DOUBTED):
-            self._positions = self._positions + 1 if _both_rejected(record) else 0
+            self._positions = DOUBTED if drifts else self._positions + 1 if _both_rejected(record) else 0
 
     def without(self, measurement: Measurement) -> Measurement:
         """Return a measurement without what is doubted."""

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from drawbar.config import Configuration
+from drawbar.driving.curves import demand_slow_curves
 from drawbar.geometry import wrap
 from drawbar.guidance.demands import demand_steering
 from drawbar.guidance.path import Path
@@ -32,7 +33,12 @@ class DrivenLine:
 
     @classmethod
     def first(cls, configuration: Configuration, path: Path) -> Self:
-        """Return the configured line itself."""
+        """Return the configured line itself.
+
+        Raises:
+            PathError: the gate would not let it be driven at the set speed.
+        """
+        demand_slow_curves(path, configuration)
         return cls(configuration=configuration, base=path, path=path)
 
     def beside(self, offset: float) -> Self:
@@ -42,6 +48,7 @@ class DrivenLine:
             PathError: the vehicle cannot drive it.
         """
         path = self.base.beside(offset)
+        demand_slow_curves(path, self.configuration)
         demand_steering(
             path,
             self.configuration.vehicle,

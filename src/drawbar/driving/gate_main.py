@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from drawbar.driving.actuators import board_wires, isobus_wire, listened
-from drawbar.driving.orders import DRIVER, GATE, RECORDER, GateOrders
+from drawbar.driving.orders import DRIVER, GATE, GUARD, RECORDER, GateOrders
 from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
 from drawbar.safety.envelope import Bounds
 from drawbar.safety.gate_process import run
@@ -17,7 +17,8 @@ def main() -> int:
     """Open the actuators and run the gate; return its exit code."""
     orders = GateOrders.model_validate_json(sys.stdin.read())
     folder = Path(orders.folder)
-    desk = DeskChannel(open_desk(str(folder / GATE)), (str(folder / RECORDER), str(folder / DRIVER)))
+    listeners = tuple(str(folder / name) for name in (GUARD, RECORDER, DRIVER))
+    desk = DeskChannel(open_desk(str(folder / GATE)), listeners)
     gate = Gate(
         orders.safety,
         Bounds(wheelbase=orders.wheelbase, tractor_limit=orders.tractor_limit, trailer_limit=orders.trailer_limit),

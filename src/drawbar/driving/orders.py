@@ -31,7 +31,7 @@ class Orders(BaseModel):
 
 
 GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER = "gate", "controller", "recorder", "front", "driver"
-CONSOLE = "console"
+CONSOLE, GUARD = "console", "guard"
 """names of the sockets; the driver's is that of a lamp, or a stand-in"""
 ORDERS_NAME = "orders.json"
 """in the folder of the sockets: what a console that is started later needs to know"""

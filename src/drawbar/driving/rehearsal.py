@@ -12,6 +12,7 @@ from drawbar.config import Configuration
 from drawbar.driving.actuators import isobus_wire, listened
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
+from drawbar.driving.guard_main import OFF, Guard
 from drawbar.driving.memory import MemoryBus, MemoryChannel, MemoryDesk, MemoryTransport
 from drawbar.driving.operator import DemonstrationOperator, Operator
 from drawbar.driving.post import Post
@@ -108,6 +109,7 @@ class Rehearsal:
             self._controller_channel,  # type: ignore[arg-type]
             self._desk,  # type: ignore[arg-type]
         )
+        self._guard = Guard(safety.timing)
         self._tick, self._due, self._look = safety.timing.tick, 0.0, 0.0
         self._records: list[tuple[StepRecord, Truth]] = []
         self._fixes: list[Fixes] = []
@@ -184,6 +186,9 @@ class Rehearsal:
             self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
             self._due = self.time + self._tick
         self._deliver()
+        if self._guard.says_off(self.time):
+            for body in self.wires:
+                self._obey(body)(OFF)
 
     def _hear(self, line: str) -> Callable[[bytes], None]:
         return lambda data: self._lines[line].arrive(self.time, data)
@@ -209,6 +214,7 @@ class Rehearsal:
             state = decode(record, GateState)
             if isinstance(state, GateState):
                 self.gate_state = state
+                self._guard.hear(self.time, state)
                 self._states.append(state)
                 self.operator.see(state)
                 self.machine.driver.told_to_stop = bool(state.stop) and state.state is not SupervisorState.STANDBY

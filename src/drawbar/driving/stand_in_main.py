@@ -8,6 +8,7 @@ import select
 import socket
 import sys
 import time
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from urllib.parse import urlsplit
 
@@ -21,6 +22,7 @@ from drawbar.errors import HardwareError
 from drawbar.machine.hardware.receiver import CAN
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
+from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
 from drawbar.machine.stand_in.machine import SENSORS, Driver, StandInMachine
 from drawbar.messages import GateState, SupervisorState, decode
 from drawbar.safety.causes import Cause
@@ -205,13 +207,23 @@ def main() -> int:
     return serve(Orders.model_validate_json(sys.stdin.read()))
 
 
-def serve(orders: Orders) -> int:
-    """Be the machine until told to end; return an exit code."""
+def serve(orders: Orders, faults: Sequence[PlannedFault] = (), tell: Callable[[str], None] = lambda words: None) -> int:
+    """Be the machine until told to end; return an exit code.
+
+    Args:
+        orders: what is stood in for.
+        faults: of the machine.
+        tell: is given what happens when one begins.
+
+    Raises:
+        ConfigurationError: the machine does not have the device that one is a fault of.
+    """
     configuration = load_configuration(orders.configuration)
     path, _ = build_path(configuration)
     start, isobus = time.monotonic(), configuration.devices.isobus if configuration.devices else None
     bus = open_can(isobus.bus, lambda: time.monotonic() - start) if isobus else None
     machine = stand_in_machine(configuration, path, local_frame(configuration), 0, bus)
+    plan = FaultPlan(faults, machine)
     lamp, ending = Mailbox(orders.socket(DRIVER)), Ending()
     try:
         stand_ins = StandIns(configuration, machine)
@@ -224,6 +236,8 @@ def serve(orders: Orders) -> int:
             if isinstance(state, GateState):
                 _tell(machine.driver, state)
         stand_ins.advance(time.monotonic() - start)
+        for words in plan.look():
+            tell(words)
         wait = machine.next_time - (time.monotonic() - start)
         select.select(
             [lamp.fileno(), *(line.fileno() for line in stand_ins.boards.values())], [], [], min(max(wait, 0.0), 0.05)

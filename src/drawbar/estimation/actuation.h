@@ -27,7 +27,7 @@ struct component {
     double least[STEERED], most[STEERED];  /* between which the likeliest member has been meanwhile, rad */
     double stuck_for[STEERED];             /* for how long that has been too far apart, s */
     double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
-    int32_t samples;
+    int32_t judged, unjudged;              /* how often a bank was judged; there are angles that none is judged by yet */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -75,11 +75,15 @@ static int is_stuck(struct component *actuation, int i, double measured)
     return actuation->stuck_for[i] > actuation->patience;
 }
 
-/* Do what can be done before the next measurement. */
+/* Do what can be done before the next measurement. A bank is judged here, one after the other: what the last angles say
+ * about a minute may wait for a sample, the command may not. */
 int UNIT(ready)(struct component *actuation)
 {
     for (int i = 0; i < STEERED; ++i)
         bank_follow(&actuation->banks[i], &actuation->grid);
+    if (actuation->unjudged)
+        bank_judge(&actuation->banks[actuation->judged++ % STEERED], &actuation->grid);
+    actuation->unjudged = 0;
     return 0;
 }
 
@@ -87,7 +91,6 @@ int UNIT(ready)(struct component *actuation)
 int UNIT(measured)(struct component *actuation, const struct drawbar_measurement *measurement)
 {
     const double measured[] = {measurement->tractor_steering, measurement->trailer_steering};
-
     const double ages[] = {measurement->tractor_steering_age, measurement->trailer_steering_age};
 
     for (int i = 0; i < STEERED; ++i)
@@ -98,8 +101,7 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
             bank_measured(&actuation->banks[i], &actuation->grid, measured[i]);
         else
             bank_begin(&actuation->banks[i], measured[i]);
-    bank_judge(&actuation->banks[actuation->samples % STEERED], &actuation->grid);
-    ++actuation->samples;
+    actuation->unjudged = 1;
     approach(actuation);
     int odd = 0;
     for (int i = 0; i < STEERED; ++i)

@@ -269,8 +269,8 @@ class ActuationSettings(Settings):
     resolution: PositiveAngle = math.radians(0.3)
     """standard deviation of the measured steering angles, of their rounding for one, rad"""
     odd: PositiveAngle = 0.1
-    """error of a steering angle that no dead time and no lag explain, or motion of its commands that its sensor shows
-    none of: the sensor, the actuator or a driver, rad"""
+    """error of a steering angle that no dead time and no lag explain, or motion that its sensor does not show: the
+    sensor, the actuator or a driver, rad"""
     patience: Positive = 1.0
     """for how long it may last before the run ends, s"""
     settling: Positive = 1.0

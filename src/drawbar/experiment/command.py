@@ -46,16 +46,17 @@ def _conduct(
     console: Console, client: Client, experiment: Experiment, seeds: int | None
 ) -> tuple[MeasuredExperiment, Sequence[Part]]:
     """Run one experiment, leave its results in its folder, and print what was missed."""
-    analysis, count = load_analysis(experiment.folder), seeds or experiment.settings.seeds
+    analysis = load_analysis(experiment.folder)
+    counts = {case: len(tasks) for case, tasks in experiment.tasks(seeds).items()}
     for case, reason in experiment.left_out.items():
         console.print(f"{experiment.folder.name}: {case} is left out: {reason}", soft_wrap=True)
     with RunsProgress(console, experiment.folder.name) as progress:
-        runs = measure(client, experiment, count, progress)
+        runs = measure(client, experiment, seeds, progress)
     measured = MeasuredExperiment(
         experiment=experiment,
-        seeds=count,
+        seeds=max(counts.values(), default=0),
         runs=runs,
-        figures={case: _figures(analysis, each, count) for case, each in runs.items()},
+        figures={case: _figures(analysis, each, counts[case]) for case, each in runs.items()},
     )
     if not runs:  # the results in the folder stay
         return measured, []

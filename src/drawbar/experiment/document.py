@@ -71,8 +71,10 @@ def _overview(outcomes: Sequence[tuple[MeasuredExperiment, Sequence[Part]]]) -> 
 def _sections(measured: MeasuredExperiment, parts: Sequence[Part], prefix: str) -> list[str]:
     results = [result for runs in measured.runs.values() for result in runs.results]
     given_up = sum(not result.metrics.finished for result in results)
+    fewer = any(len(each) < measured.seeds for each in measured.figures.values())
     said = (
-        f"{len(measured.cases)} cases with the seeds 0 to {measured.seeds - 1}: {len(results)} runs, "
+        f"{len(measured.cases)} cases with the seeds 0 to {measured.seeds - 1}{' at most' if fewer else ''}: "
+        f"{len(results)} runs, "
         f"{given_up} of them given up before the end of the path."
     )
     return [said, *_left_out(measured), *(part.markdown(prefix) for part in parts), *_judgement(measured)]

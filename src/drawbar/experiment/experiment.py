@@ -67,6 +67,8 @@ class Case(Variant):
     """shipped name, or a TOML file in the experiment's folder; empty: the case's own name"""
     variants: Texts = ()
     """names of those that it is driven in; empty: all"""
+    seeds: Annotated[int, Field(ge=1)] | None = None
+    """runs of this case, with the seeds 0, 1, …; none: as the experiment says"""
     needs: str = ""
     """file or folder, seen from where the command is run, without which the case is left out; empty: nothing"""
 
@@ -119,6 +121,8 @@ class Experiment:
     """by name of the case"""
     expected: Mapping[str, Mapping[str, Expectation]]
     """by name of the case, then by name of the figure"""
+    seeds: Mapping[str, int]
+    """runs of a case, by its name"""
     left_out: Mapping[str, str]
     """why a case is not driven, by its name (without a variant)"""
 
@@ -137,8 +141,8 @@ class Experiment:
             )
         return replace(self, configurations=chosen)
 
-    def tasks(self, seeds: int) -> dict[str, list[Task]]:
-        """Return the runs of every case, with the seeds from 0 up to, but not including, the given one."""
+    def tasks(self, seeds: int | None = None) -> dict[str, list[Task]]:
+        """Return the runs of every case, with the seeds from 0 on: so many, or as many as the experiment says."""
         columns, one_core = self.settings.columns, self.settings.one_at_a_time
         return {
             name: [
@@ -150,7 +154,7 @@ class Experiment:
                     rehearsed=self.settings.rehearsed,
                     alterations=self.alterations[name],
                 )
-                for seed in range(seeds)
+                for seed in range(seeds or self.seeds[name])
             ]
             for name, configuration in self.configurations.items()
         }
@@ -202,6 +206,7 @@ def load_experiment(folder: Path) -> Experiment:
             for name, (case, variant) in driven.items()
             if (figures := {**case.expected, **variant.expected, **settings.expected.get(name, {})})
         },
+        seeds={name: case.seeds or settings.seeds for name, (case, _) in there.items()},
         left_out={case.name: f"{case.needs} is not here" for case in settings.cases if _missing(case)},
     )
 

@@ -26,7 +26,7 @@ class Runs:
     """why a run has no result"""
 
 
-def measure(client: Client, experiment: Experiment, seeds: int, progress: RunsProgress) -> Mapping[str, Runs]:
+def measure(client: Client, experiment: Experiment, seeds: int | None, progress: RunsProgress) -> Mapping[str, Runs]:
     """Return the runs of every case of an experiment."""
     at_once = 1 if experiment.settings.one_at_a_time else None
     return measure_cases(client, experiment.folder, experiment.tasks(seeds), progress, at_once=at_once)

@@ -35,6 +35,7 @@ class MeasuredExperiment:
 
     experiment: Experiment
     seeds: int
+    """of the case that has most"""
     runs: Mapping[str, Runs]
     """by name of the case"""
     figures: Mapping[str, Sequence[Figures]]
@@ -65,7 +66,7 @@ class MeasuredExperiment:
 
     def finished(self, case: str) -> str:
         """Return how many runs of a case came to the end of the path, of how many."""
-        return f"{sum(result.metrics.finished for result in self.runs[case].results)}/{self.seeds}"
+        return f"{sum(result.metrics.finished for result in self.runs[case].results)}/{len(self.figures[case])}"
 
     def verdicts(self) -> list[Verdict]:
         """Return every expectation beside what came out."""

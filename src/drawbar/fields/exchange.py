@@ -73,8 +73,11 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
         PathError: nothing readable is there; says what, where and what to do.
     """
     with tempfile.TemporaryDirectory(prefix="drawbar-import-") as folder:
-        paths = unpack(name, data, Path(folder))
-        fields = [field for path in paths for field in read_fields(path, frame) if not field.is_empty]
+        try:
+            paths = unpack(name, data, Path(folder))
+            fields = [field for path in paths for field in read_fields(path, frame) if not field.is_empty]
+        except PathError as error:  # nobody knows the folder
+            raise PathError(str(error).replace(f"{folder}/", "")) from None
     if not fields:
         raise PathError(f"{name}: holds neither a line nor a boundary")
     if all(path.suffix.lower() == ".shp" for path in paths):

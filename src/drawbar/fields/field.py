@@ -108,7 +108,7 @@ def _plain(name: str) -> str:
 
 def _checked(source: str, what: str, name: str, degrees: Degrees) -> Floats:
     points = np.array(degrees, dtype=np.float64).reshape(-1, 2)
-    place = f"{source}: {what} {name!r}" if name else f"{source}: the {what}"
+    place = f"{source}: line '{name}'" if what == "line" else f"{source}: the boundary"
     if len(points) < _FEWEST[what]:
         raise PathError(f"{place} has {len(points)} point(s); it needs at least {_FEWEST[what]}")
     for bad in np.flatnonzero(~((np.abs(points) <= (89.999, 180.0)).all(axis=1)))[:1]:

@@ -9,6 +9,7 @@ UNIT = """
 #define NP {parameters}
 #define NY {outputs}
 #define NB {bounds}
+#define NS {still_states}
 #define NC {constant_states}
 #define CONSTANTS {constants}
 #define CROSS {cross}

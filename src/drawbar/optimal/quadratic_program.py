@@ -13,6 +13,7 @@ _UNIT = """
 #define NX {states}
 #define NU {inputs}
 #define NB {bounds}
+#define NS 0
 #define NC 0
 #define CROSS 1
 #define FREE_INITIAL {free}

@@ -86,6 +86,13 @@ class Transcription:
         states, inputs = (ca.jacobian(self.output, variables) for variables in (self.x, self.u))
         return bool(ca.mtimes(inputs.T, states).nnz())
 
+    @property
+    def still_states(self) -> int:
+        """Trailing states that only inputs move, constant ones included: their rows of dF/dx are the identity's."""
+        rest = ca.jacobian(self.next_state, self.x) - ca.SX.eye(self.x.numel())
+        moving = set(ca.sparsify(ca.simplify(rest)).sparsity().get_triplet()[0])
+        return int(self.x.numel() - 1 - max(moving, default=-1))
+
     def numeric(self) -> Self:
         """Return the problem with the values of its constants in F and h."""
         step, output = with_values([self.next_state, self.output], self.constants)
@@ -106,6 +113,7 @@ class Transcription:
             parameters=self.p.numel(),
             outputs=self.output.numel(),
             bounds=len(self.bounds),
+            still_states=self.still_states,
             constant_states=self.constant_states,
             constants=len(self.constants),
             cross=int(self.crosses),

@@ -1,11 +1,13 @@
 """Reads the records of an MCAP file one after the other, also of a file that a crash cut off or that still grows.
 
-One chunk at a time is in memory. What a complete record or chunk holds is checked against its CRC where it has one.
+Two chunks at a time are in memory: one is unpacked in a thread while the caller works on the records of the one before.
+What a complete record or chunk holds is checked against its CRC where it has one.
 """
 
 import struct
 import zlib
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from io import BytesIO
 from typing import BinaryIO
@@ -49,19 +51,52 @@ def read_records(stream: BinaryIO) -> Iterator[Logged]:
         DamagedLogError: the file is none of MCAP, or damaged elsewhere than at its end.
         zstandard.ZstdError: a chunk is damaged.
     """
-    topics: dict[int, str] = {}
     if stream.read(len(MAGIC)) != MAGIC:
         raise DamagedLogError("it does not begin as an MCAP file does")
+    topics: dict[int, str] = {}
+    with ThreadPoolExecutor(1) as thread:
+        before: _Frame | None = None
+        for opcode, content, complete in _frames(stream):
+            unpacked = thread.submit(_unpacked, content, complete=complete) if opcode == Opcode.CHUNK else None
+            if before is not None:
+                yield from _of_frame(before, topics)
+            before = _Frame(opcode, content, unpacked) if complete or unpacked else None
+        if before is not None:
+            yield from _of_frame(before, topics)
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """A record as it stands in the file."""
+
+    opcode: int
+    content: bytes
+    unpacked: Future[bytes] | None
+    """of a chunk: the records in it"""
+
+
+def _frames(stream: BinaryIO) -> Iterator[tuple[int, bytes, bool]]:
+    """Yield the operation code, the content and whether that is complete, of each record up to the summary."""
     while len(head := stream.read(_FRAME.size)) == _FRAME.size:
         opcode, length = _FRAME.unpack(head)
         if opcode == Opcode.DATA_END:
             return
         content = stream.read(min(length, _LARGEST))
-        complete = len(content) == length
-        if opcode == Opcode.CHUNK:
-            yield from _of_chunk(content, topics, complete=complete)
-        elif complete:
-            yield from _of_record(opcode, content, topics)
+        yield opcode, content, len(content) == length
+
+
+def _of_frame(frame: _Frame, topics: dict[int, str]) -> Iterator[Logged]:
+    if frame.unpacked is None:
+        yield from _of_record(frame.opcode, frame.content, topics)
+        return
+    data, position = frame.unpacked.result(), 0
+    while position + _FRAME.size <= len(data):
+        opcode, length = _FRAME.unpack_from(data, position)
+        end = position + _FRAME.size + length
+        if end > len(data):
+            return
+        yield from _of_record(opcode, data[position + _FRAME.size : end], topics)
+        position = end
 
 
 def _of_record(opcode: int, content: bytes, topics: dict[int, str]) -> Iterator[Logged]:
@@ -83,10 +118,10 @@ def _stream(content: bytes) -> ReadDataStream:
     return ReadDataStream(BytesIO(content))
 
 
-def _of_chunk(content: bytes, topics: dict[int, str], *, complete: bool) -> Iterator[Logged]:
-    """Yield what a chunk holds; of one that a crash left incomplete what is whole."""
+def _unpacked(content: bytes, *, complete: bool) -> bytes:
+    """Return the records of a chunk; of one that a crash left incomplete what is whole."""
     if len(content) < _CHUNK.size:
-        return
+        return b""
     _, _, size, crc, named = _CHUNK.unpack_from(content)
     compression, packed = content[_CHUNK.size : _CHUNK.size + named], content[_CHUNK.size + named + 8 :]
     if compression not in (b"", b"zstd"):
@@ -94,11 +129,4 @@ def _of_chunk(content: bytes, topics: dict[int, str], *, complete: bool) -> Iter
     data = zstandard.ZstdDecompressor().decompressobj().decompress(packed) if compression and packed else packed
     if complete and (len(data) != size or (crc and zlib.crc32(data) != crc)):
         raise DamagedLogError("a chunk is not what its checksum says")
-    position = 0
-    while position + _FRAME.size <= len(data):
-        opcode, length = _FRAME.unpack_from(data, position)
-        end = position + _FRAME.size + length
-        if end > len(data):
-            return
-        yield from _of_record(opcode, data[position + _FRAME.size : end], topics)
-        position = end
+    return data

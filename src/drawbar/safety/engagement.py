@@ -150,18 +150,20 @@ class Engagement:
         return None
 
     def remaining(self, time: float) -> float:
-        """Return the time until this state ends by itself, s; NaN: it does not."""
+        """Return the time until this state may end by itself, s; NaN: it does not."""
+        stopping, abandoning = self._drive.stopping, self._drive.abandoning
         limits = {
             SELFTEST: self._off,
             ENGAGING: self._drive.engaging,
             DEGRADED: self._drive.budget,
-            STOPPING: self._drive.stopping,
+            STOPPING: stopping if time - self.since <= stopping else abandoning,
         }
         return max(self.since + limits[self.state] - time, 0.0) if self.state in limits else math.nan
 
     def hurries(self, time: float) -> bool:
         """Return whether to stop as fast as possible: an emergency, nobody steers, or a stop that takes too long."""
-        return self.state in (ESTOP, FAULT) or (self.state is STOPPING and time - self.since >= self._drive.comfort)
+        unsteered = self.state in (ESTOP, FAULT) or self.cause is Cause.STOP_IGNORED
+        return unsteered or (self.state is STOPPING and time - self.since >= self._drive.comfort)
 
     def update(self, time: float, situation: Situation) -> SupervisorState:
         """Take in what is so at a time, s, which never decreases; return the state from now on."""
@@ -218,6 +220,10 @@ class Engagement:
             events[Event.LOST] = None
         return events
 
+    def _patience(self, response: Response) -> float:
+        """Return for how long a vehicle that does not stop is steered on, s: letting go of it makes nothing better."""
+        return self._drive.stopping if response >= Response.STOP else self._drive.abandoning
+
     def _while_steering(self, time: float, situation: Situation) -> dict[Event, Cause | None]:
         events: dict[Event, Cause | None] = {}
         spent = time - self.since
@@ -236,7 +242,7 @@ class Engagement:
             events[Event.STOP] = events.get(Event.STOP, Cause.BUDGET)
         elif self.state is STOPPING and self._stands(time):
             events[Event.STOOD] = self.cause
-        elif self.state is STOPPING and spent >= self._drive.stopping and response >= Response.STOP:
+        elif self.state is STOPPING and spent >= self._patience(response):
             events[Event.STOOD] = Cause.STOP_IGNORED
         return events
 

@@ -71,7 +71,9 @@ class DriveSettings(Settings):
     degraded_speed: Share = 0.5
     """share of its speed at which the vehicle is driven degraded"""
     stopping: Timeout = 10.0
-    """time within which the vehicle must stand; then the steering is let go of, s"""
+    """time within which the vehicle must stand; then the steering is let go of if any condition asks for a stop, s"""
+    abandoning: Timeout = 30.0
+    """time after which the steering of a vehicle that does not stand is let go of whatever else is so, s"""
     comfort: Timeout = 5.0
     """time after which a vehicle that does not stand is asked to stop as fast as possible, s"""
     deceleration: Positive = 1.0

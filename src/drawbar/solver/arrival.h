@@ -65,12 +65,20 @@ static inline void reflect(double (*restrict M)[OLD_WIDTH], int pivot, int first
 }
 
 /* Let row i be the only one but earlier rows that has column first + i, for all columns before `end`: rows `others` .. last
- * - 1 are cleared, and those between pivot and `others` have nothing there. */
+ * - 1 are cleared, and those between pivot and `others` have nothing there. The last rows of all may have nothing in the
+ * first columns, as most of the measurements, and are left alone until they have. */
 static inline void triangularise(double (*restrict M)[OLD_WIDTH], int first, int end, int others, int last)
 {
+    int reached = others;
+
     EACH_KNOWN for (int b = 0; b < OLD_PACKS; ++b)
-        for (int j = b * PACK > first ? b * PACK : first; j < end && j < (b + 1) * PACK; ++j)
-            reflect(M, j - first, j - first < others ? others : j - first + 1, last, j, b);
+        for (int j = b * PACK > first ? b * PACK : first; j < end && j < (b + 1) * PACK; ++j) {
+            int row = last;
+            while (row > reached && M[row - 1][j] == 0.0)
+                --row;
+            reached = row;
+            reflect(M, j - first, j - first < others ? others : j - first + 1, reached, j, b);
+        }
 }
 
 /* Let a unit noise n act through a vector g on the states of the NX rows M, given `along` = M g: || M d ||^2 becomes
@@ -87,6 +95,8 @@ static inline void widen(double (*restrict M)[OLD_WIDTH], const double *restrict
         for (int b = 0; b < OLD_PACKS; ++b)
             product[b] += along[i] * read_pack(M[i], b);
     }
+    if (norm == 0.0)
+        return;
     const double root = sqrt(1.0 + norm);
     const double factor = 1.0 / (root * (1.0 + root)) + 0.0 * norm;   /* NaN where the norm overflows */
     for (int i = 0; i < NX; ++i)

@@ -91,8 +91,8 @@ static void held_hessian(const struct qp *restrict s, const struct held_set *res
     UNROLLED for (int i = 0; i < NX; ++i) {
         pack row[PACKS];
         EACH_PACK(b)
-            row[b] = constant_mask(b) * read_pack(after[i], b);
-        UNROLLED for (int m = 0; m < ND; ++m)
+            row[b] = mask_from(NA, b) * read_pack(after[i], b);
+        UNROLLED for (int m = 0; m < NA; ++m)
             add_row(row, after[i][m], s->A[k][m]);
         write_row(H->PA[i], row);
     }
@@ -191,29 +191,29 @@ static void held_cost(struct qp *restrict s, struct held_set *restrict h, int k,
     }
     read_vector(sum, STATE(h->g, k));
     EACH_PACK(b)
-        sum[b] += constant_mask(b) * read_pack(H->along, b);
-    UNROLLED for (int m = 0; m < ND; ++m)
+        sum[b] += mask_from(NA, b) * read_pack(H->along, b);
+    UNROLLED for (int m = 0; m < NA; ++m)
         add_row(sum, H->along[m], s->A[k][m]);
     UNROLLED for (int a = 0; a < NU; ++a) {
         add_row(sum, h->feedforward[k][a], H->Hux[a]);
         add_row(sum, left[a], s->K[k][a]);
     }
     write_row(h->p[k], sum);
-    UNROLLED for (int i = 0; i < NX; ++i) {
+    EACH_UPPER_ROW(c, i) {
         pack row[PACKS];
-        read_row(row, s->Q[k][i]);
-        if (i >= ND)
-            add_row(row, 1.0, H->PA[i]);
-        UNROLLED for (int m = 0; m < ND; ++m)
-            add_row(row, s->A[k][m][i], H->PA[m]);
+        read_row_from(c, row, s->Q[k][i]);
+        if (i >= NA)
+            add_row_from(c, row, 1.0, H->PA[i]);
+        UNROLLED for (int m = 0; m < NA; ++m)
+            add_row_from(c, row, s->A[k][m][i], H->PA[m]);
         UNROLLED for (int a = 0; a < NU; ++a) {
-            add_row(row, H->Hux[a][i], s->K[k][a]);
-            add_row(row, s->K[k][a][i], rest[a]);
+            add_row_from(c, row, H->Hux[a][i], s->K[k][a]);
+            add_row_from(c, row, s->K[k][a][i], rest[a]);
         }
-        write_row(s->P[k][i], row);
+        write_row_from(c, s->P[k][i], row);
         s->P[k][i][i] += STATE(h->curve, k)[i];
     }
-    mirror(s->P[k]);                       /* rounding must not make P asymmetric */
+    mirror(s->P[k]);
 }
 
 /* Multipliers of the held bounds: what is left of their inputs' gradients. */

@@ -59,7 +59,7 @@ static void kkt_residual(const struct qp *restrict s, const double *restrict z, 
                     add_row(cost, u[a], s->S[k][a]);
             }
             EACH_PACK(b)
-                gx[b] += constant_mask(b) * after[b];
+                gx[b] += mask_from(ND, b) * after[b];
             for (int m = 0; m < ND; ++m)
                 add_row(gx, next[m], s->A[k][m]);
             for (int i = 0; i < ND; ++i) {

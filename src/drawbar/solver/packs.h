@@ -102,6 +102,34 @@ static inline void add_row(pack *restrict sum, double factor, const double *rest
         sum[b] += factor * read_pack(row, b);
 }
 
+/* Rows i of a symmetric matrix, each from pack c, which holds its diagonal, on: mirror() makes the rest. Loops over plain
+ * numbers that are not unrolled take whole rows, since many lengths would keep a compiler from SIMD code. */
+#if PACK == 1 && !(defined(__GNUC__) && !defined(__clang__) && NX <= 4)
+#define EACH_UPPER_ROW(c, i) for (int i = 0, c = 0; i < NX; ++i)
+#else
+#define EACH_UPPER_ROW(c, i) \
+    EACH_KNOWN for (int c = 0; c < PACKS; ++c) \
+        UNROLLED for (int i = c * PACK; i < PACK_END(c); ++i)
+#endif
+
+static inline void read_row_from(int c, pack *restrict to, const double *restrict row)
+{
+    UNROLLED for (int b = c; b < PACKS; ++b)
+        to[b] = read_pack(row, b);
+}
+
+static inline void write_row_from(int c, double *restrict row, const pack *restrict from)
+{
+    UNROLLED for (int b = c; b < PACKS; ++b)
+        write_pack(row, b, from[b]);
+}
+
+static inline void add_row_from(int c, pack *restrict sum, double factor, const double *restrict row)
+{
+    UNROLLED for (int b = c; b < PACKS; ++b)
+        sum[b] += factor * read_pack(row, b);
+}
+
 /* The lower half of a symmetric matrix from its upper one, by whole packs: what is stored number by number cannot be read
  * in one soon after. */
 static inline void mirror(double (*restrict M)[WIDTH])
@@ -126,17 +154,14 @@ static inline void mirror(double (*restrict M)[WIDTH])
 #endif
 }
 
-/* 1 for the states that are constant (ND and later), 0 for the others. */
-static inline pack constant_mask(int b)
+/* 1 for states from the given one on, 0 for those before. */
+static inline pack mask_from(int state, int b)
 {
-#if NC == 0
-    (void)b;
-    return (pack){0};
-#elif PACK > 1
+#if PACK > 1
     const int first = b * PACK;
-    return (pack){first >= ND, first + 1 >= ND, first + 2 >= ND, first + 3 >= ND};
+    return (pack){first >= state, first + 1 >= state, first + 2 >= state, first + 3 >= state};
 #else
-    return b >= ND;
+    return b >= state;
 #endif
 }
 

@@ -5,7 +5,7 @@
  *           lower <= z_i <= upper for the bounded variables i, hard or soft
  *
  * Riccati recursion as in Rao, Wright and Rawlings (1998), section 4; cost linear in N. The including unit defines N
- * (stages), NX, NU, NB (bounded variables), NC (trailing states that are constant: rows [0 I] of A), CROSS (0 where S
+ * (stages), NX, NU, NB (bounded variables), NS (trailing states that only inputs move: rows [0 I] of A), NC (those of them that nothing moves), CROSS (0 where S
  * is zero), FREE_INITIAL, and LEAST_STEP 1 where steps are not judged by themselves alone (kkt.h). No heap, no
  * recursion, every loop bounded.
  */
@@ -17,7 +17,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#define ND (NX - NC)                      /* states with dynamics */
+#define NA (NX - NS)                      /* states with rows of A that are not [0 I] */
+#define ND (NX - NC)                      /* states with rows of B that are not zero */
 #define NZ ((N + 1) * NX + N * NU)        /* all variables: every x, then every u */
 #define NSIDES (2 * NB)                   /* each bounded variable has a lower and an upper side */
 #define AT_LEAST_ONE(n) ((n) > 0 ? (n) : 1)
@@ -178,8 +179,8 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
     UNROLLED for (int i = 0; i < NX; ++i) {
         pack row[PACKS];
         EACH_PACK(b)
-            row[b] = constant_mask(b) * read_pack(after[i], b);
-        UNROLLED for (int m = 0; m < ND; ++m)
+            row[b] = mask_from(NA, b) * read_pack(after[i], b);
+        UNROLLED for (int m = 0; m < NA; ++m)
             add_row(row, after[i][m], A[m]);
         write_row(PA[i], row);
     }
@@ -194,20 +195,20 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
         write_row(Hux[a], row);
     }
     feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])Hux, K);
-    UNROLLED for (int i = 0; i < NX; ++i) {
+    EACH_UPPER_ROW(c, i) {
         pack row[PACKS];
-        read_row(row, s->Q[k][i]);
-        if (i >= ND)
-            add_row(row, 1.0, PA[i]);
-        UNROLLED for (int m = 0; m < ND; ++m)
-            add_row(row, A[m][i], PA[m]);
+        read_row_from(c, row, s->Q[k][i]);
+        if (i >= NA)
+            add_row_from(c, row, 1.0, PA[i]);
+        UNROLLED for (int m = 0; m < NA; ++m)
+            add_row_from(c, row, A[m][i], PA[m]);
         UNROLLED for (int a = 0; a < NU; ++a)
-            add_row(row, Hux[a][i], K[a]);
-        write_row(P[i], row);
+            add_row_from(c, row, Hux[a][i], K[a]);
+        write_row_from(c, P[i], row);
         if (barrier)
             P[i][i] += STATE(barrier, k)[i];
     }
-    mirror(P);                             /* rounding must not make P asymmetric */
+    mirror(P);
     return 1;
 }
 
@@ -253,8 +254,8 @@ static inline void solve_backward(const struct qp *restrict s, const double *res
         }
         read_vector(after, STATE(g, k));
         EACH_PACK(b)
-            after[b] += constant_mask(b) * sum[b];
-        for (int m = 0; m < ND; ++m)
+            after[b] += mask_from(NA, b) * sum[b];
+        for (int m = 0; m < NA; ++m)
             add_row(after, h[m], s->A[k][m]);
         for (int a = 0; a < NU; ++a)
             add_row(after, -u[a], s->K[k][a]);
@@ -284,7 +285,7 @@ static inline void solve_forward(const struct qp *restrict s, const double (*res
         for (int a = 0; a < NU; ++a)
             INPUT(z, k)[a] = u[a] = add_dot(feedforward[k][a], s->K[k][a], x);
         for (int i = 0; i < ND; ++i) {
-            next[i] = add_dot(c[k][i], s->A[k][i], x);
+            next[i] = i < NA ? add_dot(c[k][i], s->A[k][i], x) : c[k][i] + now[i];
             for (int a = 0; a < NU; ++a)
                 next[i] += s->B[k][i][a] * u[a];
         }

@@ -26,7 +26,6 @@ struct drawbar_record {
     struct recorded_plan plans[BOTH_BODIES];
     double times[3][2];
     struct drawbar_actuation actuation;
-    double samples[BOTH_BODIES][DRAWBAR_STAGES + 1][4];
     double poses[BOTH_BODIES][DRAWBAR_STAGES + 1][3];
     double planned[BOTH_BODIES][DRAWBAR_STAGES];
 };
@@ -44,13 +43,11 @@ static void record_reference(const struct autopilot *a, int i, struct drawbar_re
 
     if (a->reached < WITH_REFERENCES) {
         unknown((double *)reference, sizeof *reference);
-        unknown(&record->samples[i][0][0], sizeof record->samples[i]);
         return;
     }
     reference->progress = made->progress;
     reference->lateral_error = made->lateral_error;
     memcpy(reference->closest, made->closest, sizeof reference->closest);
-    memcpy(record->samples[i], made->samples, sizeof record->samples[i]);
 }
 
 static void record_plan(const struct autopilot *a, int i, struct drawbar_record *record)

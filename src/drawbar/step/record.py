@@ -1,8 +1,8 @@
 """The record of a step: one copy of C's struct drawbar_record, read into signals.
 
-All its numbers are C's, bit for bit, but predictions (the path ahead of both bodies, planned poses and steerings) are
-rounded to a millionth of a metre or radian: they are most of a record, and their digits beyond would be more than half
-of a log. Nothing that is commanded, measured or estimated is rounded.
+All its numbers are C's, bit for bit, but predictions (planned poses and steerings) are rounded to a millionth of a
+metre or radian: they are a third of a record, and their digits beyond would be half of a log. Nothing that is
+commanded, measured or estimated is rounded.
 """
 
 from itertools import pairwise
@@ -14,8 +14,8 @@ from drawbar.exchange import Layout, Members
 from drawbar.geometry import Floats
 from drawbar.signals import (
     Actuation,
+    BodyPlace,
     BodyPlan,
-    BodyReference,
     BodySteering,
     Command,
     Diagnostics,
@@ -23,8 +23,8 @@ from drawbar.signals import (
     Flag,
     GateVerdict,
     Measurement,
+    Places,
     Plan,
-    Reference,
     SolverStatus,
     SolveTimes,
     Status,
@@ -57,7 +57,7 @@ class RecordReader:
         self._times = self._plans + 2 * _PLAN.size
         self._actuation = self._times + _TIMES.size
         self._predictions = (self._actuation + _ACTUATION.size) // 8
-        shapes = [(horizon + 1, 4)] * 2 + [(horizon + 1, 3)] * 2 + [(horizon,)] * 2
+        shapes = [(horizon + 1, 3)] * 2 + [(horizon,)] * 2
         ends = np.cumsum([np.prod(shape) for shape in shapes]).tolist()
         self._parts = [(slice(*part), shape) for part, shape in zip(pairwise([0, *ends]), shapes, strict=True)]
         if 8 * (self._predictions + ends[-1]) != library.record.size:
@@ -69,7 +69,7 @@ class RecordReader:
         data = self._memory.tobytes()
         numbers = np.frombuffer(data)
         rounded = numbers[self._predictions :].round(DIGITS)
-        ahead, behind, poses, trailer_poses, steerings, trailer_steerings = (
+        poses, trailer_poses, steerings, trailer_steerings = (
             rounded[part].reshape(shape) for part, shape in self._parts
         )
         estimate = _ESTIMATE.unpack(data)
@@ -81,10 +81,10 @@ class RecordReader:
             step=number,
             measurement=measurement,
             estimate=estimate,
-            reference=Reference(
+            reference=Places(
                 time=estimate.time,
-                tractor=_reference(numbers, self._references // 8, ahead),
-                trailer=_reference(numbers, (self._references + _REFERENCE.size) // 8, behind),
+                tractor=_place(numbers, self._references // 8),
+                trailer=_place(numbers, (self._references + _REFERENCE.size) // 8),
             ),
             plan=Plan(time=estimate.time, tractor=tractor, trailer=trailer),
             tractor_steering=_STEERING.unpack(data, self._steerings),
@@ -102,11 +102,9 @@ class RecordReader:
         )
 
 
-def _reference(numbers: Floats, at: int, samples: Floats) -> BodyReference:
+def _place(numbers: Floats, at: int) -> BodyPlace:
     progress, lateral_error = numbers[at : at + 2].tolist()
-    return BodyReference(
-        progress=progress, lateral_error=lateral_error, closest=numbers[at + 2 : at + 6], samples=samples
-    )
+    return BodyPlace(progress=progress, lateral_error=lateral_error, closest=numbers[at + 2 : at + 6])
 
 
 def _plan(data: bytes, numbers: Floats, offset: int, poses: Floats, steerings: Floats) -> BodyPlan:

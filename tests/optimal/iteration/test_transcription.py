@@ -50,6 +50,17 @@ def test_sensitivities_of_every_interval(case: Any) -> None:
             np.testing.assert_allclose(difference[:, moving:], constant, rtol=0, atol=2e-9)
 
 
+def test_states_that_only_inputs_move_have_rows_of_the_identity(case: Any) -> None:
+    solver = disturbed(case)
+    solver.workspace.function("linearise")()
+    A, t = solver.workspace.array("qp.A")[: case.problem.horizon], transcribe(case.problem)
+    moving, still = A.shape[1], t.x.numel() - t.still_states
+    identity = np.eye(moving, A.shape[2])
+    assert t.constant_states <= t.still_states
+    assert np.all(A[:, still:] == identity[still:])
+    assert still == 0 or np.any(A[:, still - 1] != identity[still - 1])
+
+
 def half_cost(case: Any, x: Floats, u: Floats) -> float:
     """Return half the sum of squares at (x, u), missing measurements and the arrival cost included."""
     t, solver_data = transcribe(case.problem).numeric(), case

@@ -3,6 +3,7 @@
 
 const STALE = 1000; // ms
 const TRAIL = 3000;
+const MARGIN = 20; // px around the view in which lines are drawn as well
 const BANDS = [[0.05, "--good", 3], [0.15, "--warn", 5], [Infinity, "--bad", 7]]; // error m, colour, width px
 
 export default {
@@ -44,8 +45,9 @@ export default {
     };
   },
   mounted() {
-    this.lines = this.standing.lines;
-    this.trail = (this.standing.trail || []).slice();
+    this.lines = plain(this.standing.lines);
+    this.boundary = plain(this.standing.boundary);
+    this.trail = plain(this.standing.trail || []);
     this.last = 0;
     if (this.$refs.box.clientWidth > 600) this.scale = 26;
     this.state = null;
@@ -88,7 +90,7 @@ export default {
       document.body.classList.toggle("old-picture", this.old);
     },
     tell(state) {
-      if (this.state !== null && state !== this.state && document.body.dataset.sound !== "off") beep(state);
+      if (this.state !== null && state !== this.state && sounds()) beep(state);
       this.state = state;
     },
     lamp(n, value) {
@@ -119,51 +121,54 @@ export default {
       ink.setTransform(dense, 0, 0, dense, 0, 0);
       ink.fillStyle = colour("--ground");
       ink.fillRect(0, 0, width, height);
-      const to = this.camera(width, height);
+      const to = this.camera(width, height), view = [width, height];
       grid(ink, to, width, height, colour("--grid"));
-      const boundary = this.standing.boundary;
-      if (boundary.length) stroke(ink, to, [...boundary, boundary[0]], colour("--edge"), 5, []);
-      for (const line of this.lines.neighbours) stroke(ink, to, line, colour("--edge"), 1.5, [2, 5]);
-      stroke(ink, to, this.lines.path, colour("--line"), 2.5, [9, 6]);
-      this.paintTrail(ink, to, colour);
+      const boundary = this.boundary;
+      if (boundary.length) stroke(ink, to, view, [...boundary, boundary[0]], colour("--edge"), 5, []);
+      for (const line of this.lines.neighbours) stroke(ink, to, view, line, colour("--edge"), 1.5, [2, 5]);
+      stroke(ink, to, view, this.lines.path, colour("--line"), 2.5, [9, 6]);
+      this.paintTrail(ink, to, view, colour);
       const moving = this.picture.moving;
       if (!moving) return;
-      stroke(ink, to, moving.plans[1], colour("--trailer"), 3, [3, 4]);
-      stroke(ink, to, moving.plans[0], colour("--tractor"), 3, []);
+      stroke(ink, to, view, moving.plans[1], colour("--trailer"), 3, [3, 4]);
+      stroke(ink, to, view, moving.plans[0], colour("--tractor"), 3, []);
       this.paintBodies(ink, to, moving, colour);
     },
     camera(width, height) {
       const moving = this.picture.moving;
       if (this.whole || !moving) {
-        const [low, high] = extent([...this.lines.path, ...this.standing.boundary]);
+        const [low, high] = extent([...this.lines.path, ...this.boundary]);
         const scale = 0.9 * Math.min(width / Math.max(high[0] - low[0], 1), height / Math.max(high[1] - low[1], 1));
         const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
         return transform(middle, Math.PI / 2, scale, [width / 2, height / 2]);
       }
-      return transform(moving.tractor, moving.tractor[2], this.scale, [width / 2, height * 0.56]);
+      const scale = this.scale * Math.min(1, Math.max(0.5, height / 180)); // both bodies, also where there is little room
+      return transform(moving.tractor, moving.tractor[2], scale, [width / 2, height * 0.56]);
     },
-    paintTrail(ink, to, colour) {
-      for (const [band, [limit, name, width]] of BANDS.entries()) {
-        const lowest = band ? BANDS[band - 1][0] : -1;
-        ink.strokeStyle = colour(name);
-        ink.lineWidth = width;
-        ink.globalAlpha = 0.75;
-        ink.beginPath();
-        for (let i = 1; i < this.trail.length; i++) {
-          const error = Math.abs(this.trail[i][2] ?? Infinity);
-          if (!(error > lowest && error <= limit)) continue;
-          ink.moveTo(...to(this.trail[i - 1]));
-          ink.lineTo(...to(this.trail[i]));
+    paintTrail(ink, to, view, colour) {
+      ink.globalAlpha = 0.75;
+      let piece = [], drawn = null;
+      const end = () => {
+        if (drawn !== null) stroke(ink, to, view, piece, colour(BANDS[drawn][1]), BANDS[drawn][2], []);
+      };
+      for (const point of this.trail) {
+        const error = Math.abs(point[2] ?? Infinity);
+        const band = BANDS.findIndex(([limit]) => error <= limit);
+        if (band !== drawn) {
+          end();
+          piece = piece.slice(-1);
+          drawn = band;
         }
-        ink.stroke();
+        piece.push(point);
       }
+      end();
       ink.globalAlpha = 1;
     },
     paintBodies(ink, to, moving, colour) {
       const standing = this.standing, edge = colour("--ink");
       const joint = place(moving.tractor, [standing.tractorJoint, 0]);
       const eye = place(moving.trailer, [standing.trailerJoint, 0]);
-      stroke(ink, to, [joint, eye], edge, 4, []);
+      stroke(ink, to, [Infinity, Infinity], [joint, eye], edge, 4, []);
       shapes(ink, to, moving.trailer, standing.trailer, colour("--trailer"), edge);
       const steered = standing.tractor.length - standing.steered;
       shapes(ink, to, moving.tractor, standing.tractor.slice(0, steered), colour("--tractor"), edge);
@@ -181,6 +186,11 @@ export default {
     },
   },
 };
+
+// Returns a copy that Vue does not watch: thousands of points are read in each frame.
+function plain(given) {
+  return JSON.parse(JSON.stringify(given));
+}
 
 // Returns what takes a place in the field (m) to the screen (px), with `yaw` upwards and `middle` at `at`.
 function transform(middle, yaw, scale, at) {
@@ -203,16 +213,41 @@ function turned(wheel, angle) {
   return wheel.map((point) => place([...middle, angle], [point[0] - middle[0], point[1] - middle[1]]));
 }
 
-function stroke(ink, to, points, colour, width, dash) {
+// Draws what of a line is in the view: long dashes out of it would cost more than all the rest. Points that would lie
+// within a pixel of the last one are left out.
+function stroke(ink, to, view, points, colour, width, dash) {
   if (!points || points.length < 2) return;
   ink.strokeStyle = colour;
   ink.lineWidth = width;
   ink.lineJoin = "round";
   ink.setLineDash(dash);
-  ink.beginPath();
-  points.forEach((point, i) => (i ? ink.lineTo(...to(point)) : ink.moveTo(...to(point))));
-  ink.stroke();
+  let last = to(points[0]), along = 0, open = false;
+  const finish = () => open && ink.stroke();
+  for (let i = 1; i < points.length; i++) {
+    const next = to(points[i]), length = Math.hypot(next[0] - last[0], next[1] - last[1]);
+    if (length < 1 && i < points.length - 1) continue;
+    if (outside(last, next, view)) {
+      finish();
+      open = false;
+    } else {
+      if (!open) {
+        ink.lineDashOffset = along; // the dashes stay where they are in the field
+        ink.beginPath();
+        ink.moveTo(...last);
+        open = true;
+      }
+      ink.lineTo(...next);
+    }
+    along += length;
+    last = next;
+  }
+  finish();
+  ink.lineDashOffset = 0;
   ink.setLineDash([]);
+}
+
+function outside(a, b, view) {
+  return [0, 1].some((axis) => Math.max(a[axis], b[axis]) < -MARGIN || Math.min(a[axis], b[axis]) > view[axis] + MARGIN);
 }
 
 function shapes(ink, to, pose, polygons, fill, edge) {

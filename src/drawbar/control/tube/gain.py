@@ -3,8 +3,9 @@
 from collections.abc import Iterable
 
 import numpy as np
-from scipy.linalg import LinAlgError, solve_discrete_are
+from numpy.linalg import LinAlgError
 
+from drawbar.control.matrix_equations import regulator_gain
 from drawbar.control.settings import AncillaryGain, BodyTubeSettings
 from drawbar.control.tube.error_model import ErrorModel
 from drawbar.errors import ConfigurationError, TubeError
@@ -40,12 +41,12 @@ def regulator(body: str, model: ErrorModel, weights: list[float]) -> Floats:
     A, B = model.A[0], model.B[0][:, None]
     *Q, R = weights
     try:
-        P = solve_discrete_are(A, B, np.diag(Q), np.array([[R]]))
-    except (LinAlgError, ValueError) as error:
+        return np.asarray(-regulator_gain(A, B, np.diag(Q), np.array([[R]]))[0])
+    except LinAlgError as error:
         raise TubeError(
-            f"tube.{body}.lqr has no regulator ({error}); give weights that differ by fewer orders of magnitude"
+            f"tube.{body}.lqr has no regulator ({error}); give every state that does not decay by itself a weight, "
+            f"and weights that differ by fewer orders of magnitude"
         ) from error
-    return np.asarray(-np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)[0])
 
 
 def check_names(section: str, given: Iterable[str], known: tuple[str, ...]) -> None:

@@ -13,8 +13,8 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_discrete_lyapunov
 
+from drawbar.control.matrix_equations import solve_lyapunov, spectral_radius
 from drawbar.control.tube.error_model import Source
 from drawbar.geometry import Floats
 
@@ -90,7 +90,7 @@ class InvariantSet:
 def _contracting_norm(A: Floats) -> tuple[Floats, float]:
     """Return M and r < 1 with |M^-1 A x| <= r |M^-1 x|: P = (M M^T)^-1 solves Lyapunov's equation for A / r."""
     factor = 0.5 * (1.0 + spectral_radius(A))
-    P = solve_discrete_lyapunov(A.T / factor, np.eye(len(A)))
+    P = solve_lyapunov(A.T / factor, np.eye(len(A)))
     return np.linalg.inv(np.linalg.cholesky(P)).T, factor
 
 
@@ -98,8 +98,3 @@ def _reach(source: Source, image: Floats) -> float:
     """Return a bound of |M^-1 A^s w| over the source's set, for the image M^-1 A^s."""
     segments = source.generators @ image.T
     return source.bound * float(np.linalg.norm(segments, axis=-1).sum(axis=-1).max())
-
-
-def spectral_radius(A: Floats) -> float:
-    """Return the largest magnitude of an eigenvalue, 0 for an empty matrix."""
-    return float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))

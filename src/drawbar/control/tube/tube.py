@@ -18,6 +18,7 @@ from itertools import combinations
 
 import numpy as np
 
+from drawbar.control.matrix_equations import spectral_radius
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     BodyTubeSettings,
@@ -31,7 +32,7 @@ from drawbar.control.tube.bodies import Body, Work
 from drawbar.control.tube.bounds import TightenedBound, tightened_bounds
 from drawbar.control.tube.error_model import ErrorModel, Source
 from drawbar.control.tube.gain import gain_of
-from drawbar.control.tube.invariant_set import SLOWEST, Indices, InvariantSet, spectral_radius
+from drawbar.control.tube.invariant_set import SLOWEST, Indices, InvariantSet
 from drawbar.control.tube.sources import declared_sources, invariant_set
 from drawbar.errors import TubeError
 from drawbar.geometry import Floats

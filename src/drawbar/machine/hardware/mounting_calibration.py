@@ -3,19 +3,30 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns, linear_fit
+from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns
 
 _LARGEST_BIAS = math.radians(10.0)
 _BLOCK = 10.0
 """s, over which errors of an RTK position are correlated"""
-_TURNING = 0.05
+TURNING = 0.05
 """least yaw rate that counts as turning, rad/s"""
 _USEFUL = 0.05
 """largest deviation of an antenna's place that is of use, m"""
+_STRETCH = 6.0
+"""s, over which the wheels tell how the tractor has moved: long enough for a curve, too short for slip to add up"""
+_GOES = 1.0
+"""least distance from its begin that a stretch reaches, m: more than a standing antenna seems to"""
+_FEWEST = 8
+"""stretches"""
+_EXPLAINED = 0.08
+"""largest rms of what the wheels leave of the track, m"""
 
 
 def mounting_roll(
@@ -79,98 +90,133 @@ def _unknown(unit: str, residual_unit: str, refusals: Sequence[str]) -> Calibrat
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BodyDrive:
-    """A record of one body with its antenna, driven in curves to both sides."""
+class CurveDrive:
+    """A record of the tractor, driven in curves to both sides; n samples, NaN where there is none."""
 
     times: Floats
     """(n,) s"""
-    velocities: Floats
-    """(n, 2) of the antenna, east and north, m/s; NaN where there is none"""
-    yaws: Floats
-    """(n,) of the body up to a constant, rad, continuous: dual antenna, or an integrated gyro without bias"""
-    yaw_rates: Floats
-    """(n,) rad/s"""
-    wheel_speeds: Floats | None
-    """(n,) of the wheels on the axle's middle, up to a constant factor, m/s; None: the body has no such sensor"""
+    x: Floats
+    """(n,) of the antenna, east, without what roll moves it, m"""
+    y: Floats
+    """(n,) north"""
+    wheel_speeds: Floats
+    """(n,) m/s, up to a constant factor"""
+    front_wheels: Floats
+    """(n,) rad, up to an offset, and a factor for each side"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AntennaPlace:
-    """Where an antenna stands on its body, from the axle's middle. Its height is not observable on level ground."""
+    """Where the tractor's antenna stands, from the rear axle's middle. Its height is not observable on level ground."""
 
     forward: Calibrated
     """m"""
     left: Calibrated
-    """m; without a wheel speed not observable"""
-    yaw_offset: Calibrated
-    """yaw of the record less that of the body, with the axle's mean crab angle in it, rad"""
-    wheel_factor: Calibrated
-    """true speed by reported; without a wheel speed not observable"""
+    """m"""
 
 
-def antenna_place(drive: BodyDrive) -> AntennaPlace:
-    """Return where an antenna stands, from velocities alone: no surveyed point is needed.
+def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
+    """Return where the tractor's antenna stands, from driving alone: no surveyed point is needed.
 
-    The axle's middle moves along the body. An antenna at (f, l) from it moves, in the body's axes, by v - omega l along
-    and omega f across. With the yaw known up to a constant c, and a wheel speed up to a factor m:
+    In stretches of 6 s the wheels tell how the rear axle's middle has moved, up to place and direction:
 
-        along cos c + across sin c = m w - omega l,      across cos c - along sin c = omega f     (c is small)
+        yaw' = m w tan(k (delta + b)) / L,      place' = m w (cos yaw, sin yaw)
 
-    f comes from any turning; l and m together need turns to both sides, and c needs straight driving or both sides: a
-    turn to one side alone leaves l with m. The height needs roll: see `mounting_roll`, or a tape.
+    with a k for each side. The antenna at (f, l) swings out where that turns. f, l and the wheels' own m, k, b are
+    those by which these stretches, each laid upon the measured one as well as it can be, leave the least. An estimate
+    of the yaw would be of no use: it has been made with the place that is looked for. f comes from going into and out
+    of curves, l from curves to both sides.
+
+    Args:
+        drive: two minutes of S-curves, to one side and the other in 8 s or less.
+        wheelbase: L, m.
     """
-    columns = [drive.times, *drive.velocities.T, drive.yaws, drive.yaw_rates]
-    speeds = drive.wheel_speeds
-    time, east, north, yaw, rate, *wheel = finite_columns(*columns, *([] if speeds is None else [speeds]))
-    refusals = _turning_refusals(time, rate)
-    if len(time) < 20:
-        nothing = _unknown("m", "m/s", [f"{len(time)} samples; record a minute of curves to both sides"])
-        return AntennaPlace(forward=nothing, left=nothing, yaw_offset=nothing, wheel_factor=nothing)
-    offset = 0.0
-    for _ in range(4):  # the rotation by c is linear about the last c
-        along = east * np.cos(yaw - offset) + north * np.sin(yaw - offset)
-        across = north * np.cos(yaw - offset) - east * np.sin(yaw - offset)
-        fit = linear_fit(np.column_stack([rate, along]), across)
-        offset -= float(np.arctan(fit.parameters[1]))
-    seconds = max(float(time[-1] - time[0]), 1.0)
-    correction = math.sqrt(max(1.0, len(time) / seconds))  # a receiver's velocity errors last about a second
-    forward = _found(fit.parameters[0], fit.deviations[0] * correction, fit.residual, seconds, "m", refusals)
-    yaw_offset = _found(offset, fit.deviations[1] * correction, fit.residual, seconds, "rad", refusals)
-    if not wheel:
-        reason = "without a wheel speed of this body its antenna's place to the side is not observable; measure it"
-        left, factor = _unknown("m", "m/s", [reason]), _unknown("1", "m/s", [reason])
-    else:
-        side = linear_fit(np.column_stack([-rate, wheel[0]]), along)
-        left = _found(side.parameters[0], side.deviations[0] * correction, side.residual, seconds, "m", refusals)
-        factor = _found(side.parameters[1], side.deviations[1] * correction, side.residual, seconds, "1", refusals)
-    return AntennaPlace(forward=forward, left=left, yaw_offset=yaw_offset, wheel_factor=factor)
+    time, *columns = finite_columns(drive.times, drive.x, drive.y, drive.wheel_speeds, drive.front_wheels)
+    stretches = _stretches(time, columns[0] + 1j * columns[1])
+    if len(stretches) < _FEWEST:
+        nothing = _unknown("m", "m", [f"{len(stretches) * _STRETCH:.0f} s of driving; drive two minutes of S-curves"])
+        return AntennaPlace(forward=nothing, left=nothing)
+    times, x, y, speeds, angles = (column[stretches] for column in (time, *columns))
+    measured = x + 1j * y
+
+    def left_over(parameters: Floats) -> Floats:
+        speed, to_left, to_right, offset, forward, left = parameters
+        scaled = np.where(angles + offset > 0.0, to_left, to_right) * (angles + offset)
+        rates = speed * speeds * np.tan(scaled) / wheelbase
+        turn = np.exp(1j * _integral(times, rates))
+        track = _integral(times, speed * speeds * turn) + (forward + 1j * left) * turn
+        gap = _laid_upon(track, measured) - measured
+        return np.concatenate([gap.real.ravel(), gap.imag.ravel()])
+
+    first, sizes = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 0.1, 1.0, 1.0)
+    fit = least_squares(left_over, first, x_scale=sizes, loss="soft_l1", f_scale=0.05)
+    residual = float(np.sqrt(np.mean(left_over(fit.x) ** 2)))
+    per_second = times.shape[1] / _STRETCH  # errors of a position last a second and more
+    deviations = residual * np.sqrt(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac)) * max(per_second, 1.0))
+    refusals = _turning_refusals((speeds * np.tan(angles) / wheelbase).ravel(), times.shape[1])
+    if not residual <= _EXPLAINED:
+        refusals.append(
+            f"the wheels explain the track to {residual:.2f} m only, {_EXPLAINED} m at most; calibrate the front "
+            f"wheels first, and drive where they do not slip"
+        )
+    seconds = len(stretches) * _STRETCH
+    return AntennaPlace(
+        forward=_found(fit.x[4], deviations[4], residual, seconds, refusals),
+        left=_found(fit.x[5], deviations[5], residual, seconds, refusals),
+    )
 
 
-def _turning_refusals(time: Floats, rate: Floats) -> list[str]:
-    """Refuse records in which turns and straights do not tell what is to be told apart."""
+def _stretches(time: Floats, places: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the samples (k, m) of all stretches without a gap in which the antenna went somewhere."""
     if len(time) < 2:
-        return []
-    step = np.diff(time, append=time[-1])
+        return np.zeros((0, 2), int)
+    count = max(2, round(_STRETCH / max(float(np.median(np.diff(time))), 1e-3)))
+    starts = [
+        start
+        for start in range(0, len(time) - count + 1, count)
+        if time[start + count - 1] - time[start] <= 1.1 * _STRETCH
+        and np.abs(places[start : start + count] - places[start]).max() >= _GOES
+    ]
+    return np.array([np.arange(start, start + count) for start in starts]).reshape(-1, count)
+
+
+def _integral(times: Floats, values: NDArray[Any]) -> NDArray[Any]:
+    """Return the integral of values (k, m) from each row's begin on."""
+    steps = 0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(times, axis=1)
+    return np.concatenate([np.zeros((len(values), 1)), np.cumsum(steps, axis=1)], axis=1)
+
+
+def _laid_upon(track: NDArray[Any], measured: NDArray[Any]) -> NDArray[Any]:
+    """Return each row of complex places moved and turned so that it lies upon the measured one best."""
+    off, seen = (each - each.mean(axis=1, keepdims=True) for each in (track, measured))
+    turn = np.angle((seen * off.conj()).sum(axis=1, keepdims=True))
+    moved: NDArray[Any] = off * np.exp(1j * turn) + measured.mean(axis=1, keepdims=True)
+    return moved
+
+
+def _turning_refusals(rate: Floats, count: int) -> list[str]:
+    """Refuse records whose curves to both sides are too short to tell what is to be told apart."""
+    step = _STRETCH / count
     refusals = []
     for side, name in ((1.0, "left"), (-1.0, "right")):
-        seconds = float(step[side * rate > _TURNING].sum())
+        seconds = step * int((side * rate > TURNING).sum())
         if seconds < 10.0:
-            refusals.append(f"{seconds:.0f} s of turning {name} faster than {_TURNING} rad/s; drive 10 s at least")
+            refusals.append(f"{seconds:.0f} s of turning {name} faster than {TURNING} rad/s; drive 10 s at least")
     return refusals
 
 
-def _found(
-    value: float, deviation: float, residual: float, seconds: float, unit: str, refusals: Sequence[str]
-) -> Calibrated:
+def _found(value: float, deviation: float, residual: float, seconds: float, refusals: Sequence[str]) -> Calibrated:
     reasons = list(refusals)
-    if unit == "m" and not deviation <= _USEFUL:
-        reasons.append(f"its deviation of {deviation:.2f} m is above {_USEFUL} m; drive longer, in tighter curves")
+    if not deviation <= _USEFUL:
+        reasons.append(
+            f"its deviation of {deviation:.2f} m is above {_USEFUL} m; drive longer, in tighter and quicker S-curves"
+        )
     return Calibrated(
         value=float(value),
         deviation=float(deviation),
         residual=residual,
         samples=int(seconds),
-        unit=unit,
-        residual_unit="m/s",
+        unit="m",
+        residual_unit="m",
         refusals=tuple(reasons),
     )

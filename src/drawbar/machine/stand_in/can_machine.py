@@ -8,11 +8,29 @@ from drawbar.protocols.isobus.address import AddressClaim
 from drawbar.protocols.isobus.curvature import CurvatureMap
 from drawbar.protocols.isobus.name import Name
 from drawbar.protocols.isobus.node import IsobusNode
-from drawbar.transports.base import CanBus
+from drawbar.transports.base import CanBus, CanFrame
 
 _ADDRESSES = {"tractor": 0xA0, "trailer": 0xA1}
 """of valves whose address the settings do not name"""
 _TRACTOR = 0xA2
+
+
+class _CutBus(CanBus):
+    """A bus on which nobody is."""
+
+    connected = False
+
+    def fileno(self) -> int:
+        return -1
+
+    def read(self) -> list[tuple[float, CanFrame]]:
+        return []
+
+    def write(self, frame: CanFrame) -> bool:
+        return False
+
+    def close(self) -> None:
+        pass
 
 
 class CanMachine:
@@ -47,6 +65,10 @@ class CanMachine:
             valve.curvature, valve.speed = self._maps[body].curvature(angles[body]), speed
         self.tractor.wheel_speed = self.tractor.ground_speed = speed
         self._devices.step(time)
+
+    def cut(self) -> None:
+        """Take all devices off the bus: they go on by themselves, and hear and say nothing more."""
+        self._devices = CanDevices(_CutBus(), self._nodes)
 
     def _node(self, address: int) -> IsobusNode:
         name = Name(identity=len(self._nodes) + 1, manufacturer=0, function=0, device_class=1)

@@ -68,14 +68,16 @@ class Driver:
 
     def __init__(self, speed: float) -> None:
         """Take the speed at which to drive, m/s."""
-        self._speed, self._steered, self._let_go = speed, False, math.inf
+        self._speed, self._let_go = speed, math.inf
+        self.steered = False
+        """the boards have steered since it began"""
         self.speed = 0.0
         self.told_to_stop = False
         """by the display"""
 
     def begin_again(self) -> None:
         """Creep once more, after the boards have let go and the vehicle stands."""
-        self._steered, self._let_go = False, math.inf
+        self.steered, self._let_go = False, math.inf
 
     def tick(self, time: float, steered: bool, commanded: float | None = None) -> None:
         """Decide on the speed at a time, s.
@@ -85,12 +87,12 @@ class Driver:
             steered: both steerings follow set points.
             commanded: speed that the tractor itself keeps to, m/s; None: the driver drives.
         """
-        self._steered |= steered
-        if (steered and not self.told_to_stop) or (not self._steered and not self.told_to_stop):
+        self.steered |= steered
+        if (steered and not self.told_to_stop) or (not self.steered and not self.told_to_stop):
             self._let_go = math.inf
         else:
             self._let_go = min(self._let_go, time)
-        wish = self._speed if steered or self._steered else self.CREEP if time >= self.WAIT else 0.0
+        wish = self._speed if steered or self.steered else self.CREEP if time >= self.WAIT else 0.0
         if self.told_to_stop:
             self._let_go = min(self._let_go, time)
         if time - self._let_go >= self.REACTION:
@@ -137,6 +139,13 @@ class StandInMachine:
         self._leaving: deque[tuple[float, str, bytes]] = deque()
         self.quality = dict.fromkeys(BODIES, FixQuality.FIXED)
         """what the receivers report"""
+        self.silent: set[str] = set()
+        """devices that are not heard: `sensors`, `tractor board`, `trailer board`"""
+
+    @property
+    def time(self) -> float:
+        """Time up to which it has moved on, s."""
+        return self._ticks * TICK
 
     @property
     def next_time(self) -> float:
@@ -151,17 +160,20 @@ class StandInMachine:
             self._tick(self._ticks * TICK)
             self._ticks += 1
         for body, (board, _) in self.boards.items():
-            sent += [(body, output) for output in board.advance(time)]
+            sent += self._said(body, board.advance(time))
         heard: list[tuple[str, bytes]] = []
         due = [each for each in self._leaving if each[0] <= time + _SAME]
         self._leaving = deque(each for each in self._leaving if each[0] > time + _SAME)
-        heard += [(line, data) for _, line, data in due]
+        heard += [(line, data) for _, line, data in due if line not in self.silent]
         return heard, sent
 
     def receive(self, time: float, body: str, datagram: bytes, port: int) -> list[tuple[str, Output]]:
         """Give a board a datagram from a computer's port; return what it answers at once."""
         board, _ = self.boards[body]
-        return [(body, output) for output in board.receive(time, datagram, port)]
+        return self._said(body, board.receive(time, datagram, port))
+
+    def _said(self, body: str, outputs: list[Output]) -> list[tuple[str, Output]]:
+        return [] if f"{body} board" in self.silent else [(body, output) for output in outputs]
 
     def _tick(self, time: float) -> None:
         points = {body: board.set_point for body, (board, _) in self.boards.items()}
@@ -193,9 +205,9 @@ class StandInMachine:
     def _report(self, time: float, truth: Truth) -> None:
         """Let both receivers measure now; their bytes leave later."""
         measured, moved = self.world.measurement, self._settings
-        for body, x, y, yaw in (
-            ("tractor", measured.tractor_x, measured.tractor_y, truth.tractor.yaw + truth.tractor_crab),
-            ("trailer", measured.trailer_x, measured.trailer_y, truth.trailer.yaw + truth.trailer_crab),
+        for body, x, y in (
+            ("tractor", measured.tractor_x, measured.tractor_y),
+            ("trailer", measured.trailer_x, measured.trailer_y),
         ):
             known = math.isfinite(x + y)
             latitude, longitude = (float(each) for each in self._frame.level(x, y)) if known else (0.0, 0.0)
@@ -208,7 +220,7 @@ class StandInMachine:
                 sigma_east=moved.sigma,
                 sigma_north=moved.sigma,
                 speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
-                course=yaw,
+                course=self.world.course(body),
                 correction_age=moved.correction_age,
             )
             self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]

@@ -2,12 +2,15 @@
 
 import math
 
+from drawbar.geometry import arm_offset
 from drawbar.machine.base import MachineWithTruth
-from drawbar.signals import Command, Measurement, Truth
+from drawbar.signals import Command, Measurement, Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
 TICK = 0.02
 """s; what steers it is asked again at each"""
+_CREEPS = 0.01
+"""speed above which a course is that of the motion, m/s"""
 
 
 class World:
@@ -17,11 +20,27 @@ class World:
         """Take the machine, whose sample time is TICK, and the vehicle with its limits."""
         self._machine, self._vehicle = machine, vehicle
         self.measurement: Measurement = machine.read()
+        self._before: Truth | None = None
 
     @property
     def truth(self) -> Truth:
         """The true state now."""
         return self._machine.truth()
+
+    def course(self, body: str) -> float:
+        """Return the yaw of the velocity of a body's antenna over the last tick, rad; of the body at standstill."""
+        if self._before is None or not abs(self.truth.speed) > _CREEPS:
+            pose: Pose = getattr(self.truth, body)
+            return pose.yaw
+        (x, y), (east, north) = self._antenna(self._before, body), self._antenna(self.truth, body)
+        return math.atan2(north - y, east - x)
+
+    def _antenna(self, truth: Truth, body: str) -> tuple[float, float]:
+        """Return where an antenna is, m."""
+        pose, mast = getattr(truth, body), getattr(self._vehicle.masts, body)
+        roll, pitch = getattr(truth, f"{body}_roll"), getattr(truth, f"{body}_pitch")
+        east, north = arm_offset(pose.yaw, roll, pitch, mast.arm)
+        return pose.x + east, pose.y + north
 
     def tick(self, tractor: float | None, trailer: float | None, speed: float) -> None:
         """Let a tick pass.
@@ -32,6 +51,7 @@ class World:
             speed: of the wheels, m/s.
         """
         truth, vehicle = self.truth, self._vehicle
+        self._before = truth
         tractor = truth.tractor_steering if tractor is None else tractor
         trailer = truth.trailer_steering if trailer is None else trailer
         self._machine.write(

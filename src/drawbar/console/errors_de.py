@@ -1,0 +1,282 @@
+"""Errors in German: what an operator may read of `DrawbarError`s and of refused calibrations.
+
+Keys are the English texts as they stand in the code, `{}` for each value in them; `{0}`, `{1}` are these values in
+order. The English text stays where the error is raised; a test compares both.
+"""
+
+from collections.abc import Mapping
+
+ERRORS_DE: Mapping[str, str] = {
+    # files of fields
+    "{}: is of none of the types {}, .csv, .kmz and .zip; give one of these":
+        "{0}: hat keinen der Typen {1}, .csv, .kmz und .zip; eine solche Datei wählen",
+    "{}: holds neither a line nor a boundary": "{0}: enthält weder eine Linie noch eine Grenze; andere Datei wählen",
+    "{}: holds no field; a folder of AgOpenGPS, TASKDATA.XML, or .shp, .kml, .gpx, .geojson, .csv":
+        "{0}: enthält kein Feld; möglich sind ein Ordner von AgOpenGPS, TASKDATA.XML, .shp, .kml, .gpx, .geojson, .csv",
+    "{}: cannot be unpacked: {}; pack it again": "{0}: lässt sich nicht entpacken ({1}); neu packen",
+    "{} cannot be the name of a file ({}); rename it": "{0} kann keine Datei heißen ({1}); umbenennen",
+    "{}: holds more than {} files or {} MiB; pack the field alone":
+        "{0}: enthält mehr als {1} Dateien oder {2} MiB; das Feld allein packen",
+    "{} has {} point(s); it needs at least {}": "{0} hat {1} Punkt(e); mindestens {2} sind nötig",
+    "{}, point {}: latitude {}, longitude {}; degrees within ±90 and ±180 are needed":
+        "{0}, Punkt {1}: Breite {2}, Länge {3}; Grad innerhalb von ±90 und ±180 sind nötig",
+    "{}: line '{}'": "{0}: Linie „{1}“",
+    "{}: the boundary": "{0}: die Grenze",
+    "{}, point {}": "{0}, Punkt {1}",
+    "{}, feature {}": "{0}, Objekt {1}",
+    "{}, position {}": "{0}, Stelle {1}",
+    "{}: partfield {}": "{0}: Schlag {1}",
+    "field {} has no line {}; its lines are: {}": "Feld {0} hat keine Linie {1}; seine Linien: {2}",
+    "field {} holds neither a line nor a boundary; record or import one":
+        "Feld {0} hat weder Linie noch Grenze; eine aufnehmen oder einlesen",
+    "{}: {} has {} cells; {} is needed": "{0}: {1} hat {2} Zellen; nötig ist {3}",
+    "{}: 'coordinates' is no list": "{0}: „coordinates“ ist keine Liste; Datei neu ausgeben",
+    "{}: 'coordinates' is no list of positions":
+        "{0}: „coordinates“ ist keine Liste von Positionen; Datei neu ausgeben",
+    "{}: {} is no longitude,latitude in degrees": "{0}: {1} ist nicht Länge,Breite in Grad",
+    "{}: has no {}.prj beside it, so that nobody knows its projection; export it too":
+        "{0}: {1}.prj fehlt daneben, die Projektion ist unbekannt; mit ausgeben",
+    "{}: cannot be read as a shapefile: {}; export it again": "{0}: ist kein lesbares Shapefile ({1}); neu ausgeben",
+    "{}: is no projection that is known: {}; export in WGS84": "{0}: unbekannte Projektion ({1}); in WGS84 ausgeben",
+    "{}: declares a document type (DOCTYPE), which no such file needs; export it again without":
+        "{0}: hat einen Dokumenttyp (DOCTYPE), den keine solche Datei braucht; neu ausgeben, ohne ihn",
+    "{}: its root is <{}>; {} has <{}>": "{0}: beginnt mit <{1}>; {2} beginnt mit <{3}>",
+    "{}: is not XML: {}; export it again": "{0}: ist kein XML ({1}); neu ausgeben",
+    "{}: {} of <{}> is {}; a number in degrees is needed": "{0}: {1} von <{2}> ist {3}; eine Zahl in Grad ist nötig",
+    "{}: is a binary file; give a text file": "{0}: ist keine Textdatei; die richtige Datei wählen",
+    "{}: is empty; a line needs at least two points": "{0}: ist leer; eine Linie hat mindestens zwei Punkte",
+    "{}: byte {} is not UTF-8 text; give a text file": "{0}: Byte {1} ist kein Text (UTF-8); die richtige Datei wählen",
+    "{}: cannot be read: {}; give an existing file": "{0}: nicht lesbar ({1}); eine vorhandene Datei wählen",
+    "{}: {} is {}; a number like -12.5 is needed": "{0}: {1} ist {2}; eine Zahl wie -12.5 ist nötig",
+    "the latitude": "die Breite",
+    "the longitude": "die Länge",
+    "the number of points": "die Zahl der Punkte",
+    "the nudge distance": "die Verschiebung",
+    "the mode": "die Art",
+    "{}: is {}; {} numbers separated by commas are needed, with decimal points, or all with decimal commas":
+        "{0}: ist {1}; nötig sind {2} Zahlen, durch Kommas getrennt, alle mit Punkt oder alle mit Komma",
+    "{}: is not valid JSON: {}": "{0}: ist kein gültiges JSON ({1}); neu ausgeben",
+    "{}: is {}; [longitude, latitude] in degrees is needed": "{0}: ist {1}; nötig ist [Länge, Breite] in Grad",
+    "{}: longitude {}, latitude {}; they must lie within ±180° and ±90°: GeoJSON is WGS84 in degrees, longitude first":
+        "{0}: Länge {1}, Breite {2}; erlaubt sind ±180° und ±90°: GeoJSON ist WGS84 in Grad, Länge zuerst",
+    "{}: its crs is {}; only WGS84 is read (CRS84 or EPSG:4326, longitude first): convert the file to EPSG:4326":
+        "{0}: sein crs ist {1}; gelesen wird nur WGS84: nach EPSG:4326 umwandeln",
+    "{}: {} is {}; a list is needed": "{0}: {1} ist {2}; eine Liste ist nötig",
+    "{}: holds no LineString but {}; give each line as a LineString: alone, as a Feature or in a FeatureCollection":
+        "{0}: enthält keinen LineString, sondern {1}; jede Linie als LineString ausgeben",
+    "no feature": "kein Objekt",
+    "{}: holds no line: {}; record one in AgOpenGPS": "{0}: enthält keine Linie ({1}); in AgOpenGPS eine aufnehmen",
+    "{}: has no {}; give the folder of one AgOpenGPS field, which holds {} and {}":
+        "{0}: {1} fehlt; der Ordner eines AgOpenGPS-Feldes enthält {2} und {3}",
+    "{}: has no row 'StartFix' with the field's origin 'latitude,longitude' below; give a field folder as AgOpenGPS "
+    "writes it":
+        "{0}: die Zeile „StartFix“ mit dem Ursprung darunter fehlt; den Ordner nehmen, wie AgOpenGPS ihn schreibt",
+    "{}:{}: origin {}; degrees within ±90 and ±180 are allowed":
+        "{0}:{1}: Ursprung {2}; Grad innerhalb von ±90 und ±180 sind erlaubt",
+    "{}: is {}; a row of ABLines.txt is name,heading,easting,northing":
+        "{0}: ist {1}; eine Zeile von ABLines.txt ist Name,Richtung,Ost,Nord",
+    "{}:1: is {}; an AgOpenGPS file of lines starts with {}":
+        "{0}:1: ist {1}; eine Liniendatei von AgOpenGPS beginnt mit {2}",
+    "{}:{}: line {} has a nudge of {} m; only 0 can be driven: move the reference line itself in AgOpenGPS":
+        "{0}:{1}: Linie {2} ist um {3} m verschoben; nur 0 ist fahrbar: in AgOpenGPS die Linie selbst verschieben",
+    "{}:{}: the file ends inside line {}; export the field from AgOpenGPS again":
+        "{0}:{1}: die Datei endet mitten in Linie {2}; das Feld neu aus AgOpenGPS ausgeben",
+    "{}:{}: line {} announces {} points, but {} rows follow; export the field from AgOpenGPS again":
+        "{0}:{1}: Linie {2} kündigt {3} Punkte an, {4} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
+    "{}:{}: announces {} points, but {} rows follow; export the field from AgOpenGPS again":
+        "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
+    "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these":
+        "{0}: ist weder Ordner eines AgOpenGPS-Feldes noch Datei des Typs {1}; so etwas wählen",
+    # lines
+    "A and B are {} m apart; {} m are needed: drive on, then set B":
+        "A und B liegen {0} m auseinander; {1} m sind nötig: weiterfahren, dann B setzen",
+    "the heading is {}; give degrees from 0 (north) to 360, clockwise":
+        "Die Richtung ist {0}; Grad von 0 (Nord) bis 360 eingeben, im Uhrzeigersinn",
+    "the working width is {} m; 0.1 to {} m are allowed": "Die Arbeitsbreite ist {0} m; erlaubt sind 0,1 bis {1} m",
+    "the offset is {} m; at most {} m to either side are allowed":
+        "Der Versatz ist {0} m; höchstens {1} m zu jeder Seite sind erlaubt",
+    "pass {} is {} m beside the line; at most {} m are allowed":
+        "Spur {0} liegt {1} m neben der Linie; höchstens {2} m sind erlaubt",
+    "nothing is left of the line at {} m beside it; it is curved too tightly there":
+        "{0} m neben der Linie bleibt nichts von ihr übrig; sie ist zu eng gekrümmt: kleineren Abstand wählen",
+    "the recorded curve is {} m long; {} m are needed: drive on":
+        "Die aufgenommene Kurve ist {0} m lang; {1} m sind nötig: weiterfahren",
+    "{}: the line does not cross the field of {}; say how far it goes by path.extension, m":
+        "{0}: die Linie kreuzt das Feld von {1} nicht; andere Spur oder anderes Feld wählen",
+    "{}: point {} m of line {}; coordinates must be finite and within ±{} m of the origin: remove the point, or use "
+    "an origin in the field":
+        "{0}: Punkt {1} m der Linie {2}; erlaubt sind ±{3} m vom Ursprung: den Punkt entfernen",
+    "{}: line {} jumps {} m to {} m; at most {} m are allowed between its neighbours: remove the faulty point":
+        "{0}: Linie {1} springt {2} m weit nach {3} m; zwischen Nachbarn sind höchstens {4} m erlaubt: den falschen "
+        "Punkt entfernen",
+    "{}: line {} has {} different point(s); it needs at least two that are more than {} m apart":
+        "{0}: Linie {1} hat {2} verschiedene(n) Punkt(e); nötig sind zwei, die mehr als {3} m auseinander liegen",
+    "{}: line {} is {} m long; {} to {} m are allowed: are its coordinates in metres, as CSV and AgOpenGPS have them, "
+    "or in degrees, as GeoJSON has them?":
+        "{0}: Linie {1} ist {2} m lang; erlaubt sind {3} bis {4} m: Sind es Meter (CSV, AgOpenGPS) oder Grad "
+        "(GeoJSON)?",
+    "{}: latitude {}°, longitude {}° is more than {} km from latitude {}°, longitude {}°, where the metres count "
+    "from: remove the point, or correct the origin":
+        "{0}: Breite {1}°, Länge {2}° liegt mehr als {3} km von Breite {4}°, Länge {5}° entfernt: den Punkt "
+        "entfernen, oder eine Linie dieses Feldes wählen",
+    "{}: has no line {}; its lines are: {}": "{0}: hat keine Linie {1}; seine Linien: {2}",
+    "{}: holds {} lines: {}; choose one with --track NAME or path.track":
+        "{0}: enthält {1} Linien: {2}; eine davon wählen",
+    "{}: has {} lines named {}; give them different names": "{0}: hat {1} Linien namens {2}; verschieden benennen",
+    "there is no line {} m beside the path: it curves too tightly":
+        "{0} m neben der Linie gibt es keine: sie ist zu eng gekrümmt",
+    "line {} is too tight for the vehicle along {} m, from ({}, {}) m on; at most {} m of kinks in a row can be "
+    "rounded: smooth or redraw the line there":
+        "Linie {0} ist auf {1} m zu eng für das Fahrzeug, ab ({2}, {3}) m; höchstens {4} m Knicke hintereinander "
+        "lassen sich runden: die Linie dort glätten oder neu zeichnen",
+    "line {} is too tight for the vehicle: recorded point {} at ({}, {}) m is {} m from the closest path within {} "
+    "1/m; at most {} m is allowed: raise guidance.path_tolerance, or vehicle.curvature_limit if it can turn tighter, "
+    "or redraw the line there":
+        "Linie {0} ist zu eng für das Fahrzeug: Punkt {1} bei ({2}, {3}) m liegt {4} m neben dem nächsten fahrbaren "
+        "Weg (Krümmung bis {5} 1/m); erlaubt sind {6} m: unter Einrichten mehr Glättung oder einen kleineren Radius "
+        "erlauben, oder die Linie dort neu zeichnen",
+    "line {} cannot be made drivable: near ({}, {}) m its {} stays at {} {}; at most {} {} is allowed: redraw the "
+    "line without this turn":
+        "Linie {0} ist nicht fahrbar: bei ({1}, {2}) m bleibt ihre {3} bei {4} {5}; erlaubt sind {6} {7}: die Linie "
+        "ohne diese Kurve zeichnen",
+    "curvature": "Krümmung",
+    "curvature rate": "Änderung der Krümmung",
+    "the path's tightest curve, {} 1/m, needs {} rad ({}°) of the front wheels, which vehicle.tractor_steering_limit "
+    "= {} rad does not allow; raise it, or choose a path without curves as tight":
+        "Die engste Kurve ({0} 1/m) braucht {2}° der Vorderräder ({1} rad), erlaubt sind {3} rad; unter Einrichten "
+        "mehr erlauben, oder eine Linie ohne so enge Kurven wählen",
+    "the path's curves need {} rad/s of the front wheels at {} m/s to stay within {} m (guidance.path_tolerance); "
+    "vehicle.tractor_steering_rate = {} rad/s is too slow: raise it, or lower speed":
+        "Die Kurven brauchen bei {1} m/s {0} rad/s der Vorderräder, um {2} m einzuhalten; {3} rad/s sind zu langsam: "
+        "unter Einrichten schnelleres Lenken erlauben, oder langsamer fahren",
+    "path.radii holds {} m; the vehicle turns no tighter than {} m, by vehicle.curvature_limit = {} 1/m":
+        "Die Linie hat einen Radius von {0} m; das Fahrzeug fährt keinen engeren als {1} m: unter Einrichten einen "
+        "kleineren erlauben, oder eine andere Linie wählen",
+    "the tractor's receiver has no RTK-fixed position now; wait for one":
+        "Der Empfänger des Traktors hat jetzt keinen RTK-Fix; darauf warten",
+    # what is kept
+    "{}: has no field {}; its fields are: {}": "{0}: hat kein Feld {1}; vorhanden sind: {2}",
+    "{}: the field cannot be kept there ({})": "{0}: das Feld lässt sich dort nicht speichern ({1})",
+    "{}: cannot be written ({}); nothing was changed": "{0}: nicht geschrieben ({1}); nichts wurde geändert",
+    "the vehicle is steered now; stop first, then save":
+        "Das Fahrzeug wird gerade gelenkt; zuerst anhalten, dann speichern",
+    "{}: cannot be read ({})": "{0}: nicht lesbar ({1})",
+    "{}: cannot be read ({}); {}": "{0}: nicht lesbar ({1})",
+    "{}: holds no {}; {}": "{0}: {1} fehlt darin; das ist keine Aufzeichnung von drawbar",
+    "{}: is damaged, or no log of drawbar ({}); {}": "{0}: ist beschädigt oder keine Aufzeichnung von drawbar ({1})",
+    "a step lacks what every step of drawbar has ({})": "einem Schritt fehlt, was jeder Schritt von drawbar hat ({0})",
+    "the path of this log has no place on Earth: figure-eights and CSV files have none. Export --csv instead, or "
+    "drive a line that was recorded with its place":
+        "Die Linie dieser Fahrt hat keinen Ort auf der Erde: Achten und CSV-Dateien haben keinen. Als CSV ausgeben",
+    "No space left on device": "kein Platz mehr auf dem Speicher",
+    "Permission denied": "keine Erlaubnis",
+    "Read-only file system": "der Speicher ist schreibgeschützt",
+    "No such file or directory": "nicht vorhanden",
+    "Is a directory": "ein Ordner",
+    "Input/output error": "der Speicher ist gestört",
+    # configuration
+    "{}: {} wrong value(s).": "{0}: {1} falsche(r) Wert(e).",
+    "{} with --set {}": "{0}",
+    "  {}{}: {}.": "  {0}{1}: {2}.",
+    "{}: is not valid TOML: {}.": "{0}: ist kein gültiges TOML ({1}).",
+    "{}: cannot be read as a configuration ({}); give a TOML file or one of: {}.":
+        "{0}: ist keine lesbare Konfiguration ({1}).",
+    "not UTF-8 text": "kein Text (UTF-8)",
+    "{}: extends = {} is not allowed; give the name of a shipped configuration ({}) or of a file in the same folder, "
+    "but none that extends this one.":
+        "{0}: extends = {1} ist nicht erlaubt; eine mitgelieferte Konfiguration nennen ({2}) oder eine Datei im "
+        "selben Ordner, die nicht auf dieser aufbaut.",
+    "has no key {}; its keys are: {}": "kennt {0} nicht; bekannt sind: {1}",
+    "{} is not a length in metres up to {} m; millimetres? {} mm = {} m":
+        "{0} m ist zu lang, höchstens {1} m; sind das Millimeter? {2} mm = {3} m",
+    "{} is not an angle in radians within ±π; degrees? {}° = {} rad":
+        "{0} rad ist kein Winkel innerhalb von ±180°; sind das Grad? {1}° = {2} rad",
+    "{} is not a speed in m/s up to {} m/s; km/h? {} km/h = {} m/s":
+        "{0} m/s ist zu schnell, höchstens {1} m/s; sind das km/h? {2} km/h = {3} m/s",
+    "trailer_antenna = {} m is ahead of the actuated joint; it must be at most trailer_length = {} m":
+        "der geführte Punkt, {0} m vor der Achse, liegt vor dem Lenkgelenk; höchstens {1} m, Lenkgelenk bis Achse",
+    "drawbar_length = {} m puts the free joint ahead of the front axle; it must be below hitch_length + wheelbase = "
+    "{} m":
+        "Kupplung bis Lenkgelenk, {0} m, legt die Kupplung vor die Vorderachse; es muss kürzer als {1} m sein",
+    "speed = {} m/s is above machine.hydrostat.full_speed = {} m/s; lower it":
+        "Fahrtempo {0} m/s ist schneller, als das Stellvertreterfahrzeug fährt, {1} m/s; senken",
+    "vehicle.{}_steering_limit = {} rad is beyond the machine's mechanical stop, machine.actuators.{}_stop = {} rad; "
+    "lower it":
+        "der Lenkwinkel {1} rad liegt hinter dem Anschlag, {3} rad; senken",
+    "track = {} is given without a file; give path.file too, or leave track out":
+        "Linie {0} ohne Datei; path.file auch angeben",
+    "{} is too large against the weights on the errors: a correction would take {} s, at most {} s is allowed with "
+    "controller.horizon = {}; lower it, or raise the others":
+        "{0} ist zu groß gegenüber den Gewichten der Fehler: eine Korrektur würde {1} s dauern, höchstens {2} s sind "
+        "mit controller.horizon = {3} erlaubt; anderes Tempo wählen, oder das Gewicht ändern",
+    # calibration: names and units
+    "front wheels": "Vorderräder",
+    "joint": "Lenkgelenk",
+    "front wheels: zero": "Vorderräder: Nullpunkt",
+    "front wheels: scale": "Vorderräder: Maßstab",
+    "{}: dead band": "{0}: Totbereich",
+    "{} motions from rest, {} are needed; let drawbar steer slow curves for two minutes (a steering that never rests "
+    "has no dead band)":
+        "{0} Bewegungen aus der Ruhe, {1} sind nötig; drawbar zwei Minuten sanfte Kurven lenken lassen (eine Lenkung, "
+        "die nie ruht, hat keinen Totbereich)",
+    "joint: zero": "Lenkgelenk: Nullpunkt",
+    "hitch angle: zero": "Knickwinkel: Nullpunkt",
+    "wheel speed": "Radsensor",
+    "tractor: mounting roll": "Traktor: Rollwinkel des Einbaus",
+    "counts": "Stufen",
+    "counts per degree": "Stufen je Grad",
+    "reported by true": "gemeldet zu wahr",
+    "left": "links",
+    "right": "rechts",
+    # calibration: why not
+    "{} s of straight driving; drive 30 m straight at 1 to 2 m/s":
+        "{0} s geradeaus; 30 m geradeaus fahren, mit 1 bis 2 m/s",
+    "{} s at {} to {} m/s; drive {} m straight at 1 to 2 m/s":
+        "{0} s mit {1} bis {2} m/s; {3} m geradeaus fahren, mit 1 bis 2 m/s",
+    "{} m were driven; drive {} m at least": "{0} m gefahren; mindestens {1} m fahren",
+    "the mean curvature is {} 1/m; drive straighter, {} at most":
+        "die mittlere Krümmung ist {0} 1/m; gerader fahren, höchstens {1}",
+    "no polynomial of degree 3 leaves less than {}° of these circles and has an inverse; hold the steering in each "
+    "circle, and check the sensor's lever for play":
+        "keine Kurve passt auf weniger als {0}° zu diesen Kreisen; die Lenkung in jedem Kreis halten, Hebel des "
+        "Sensors auf Spiel prüfen",
+    "the zero is not to be used: {}": "der Nullpunkt taugt nicht: {0}",
+    "a circle has less than 3 s at {} m/s and above; drive it longer":
+        "ein Kreis hat weniger als 3 s mit {0} m/s und mehr; länger fahren",
+    "{} circles to the {} above 3°; drive {} of different angles":
+        "{0} Kreise nach {1} über 3°; {2} mit verschiedenen Winkeln fahren",
+    "a board cannot store {}; check the sensor's lever and its way":
+        "eine Platine kann {0} nicht speichern; Hebel und Weg des Sensors prüfen",
+    "the counts do not follow the angle; check the sensor": "die Stufen folgen dem Winkel nicht; Sensor prüfen",
+    "the antenna's height {} m is below 0.5 m; measure it above the ground":
+        "die Höhe der Antenne, {0} m, ist unter 0,5 m; über dem Boden messen",
+    "{} times {} s one way; drive {} s each way": "{0}-mal {1} s in einer Richtung; je Richtung {2} s fahren",
+    "the ways lie {} m apart, more than {}° of mounting roll; was it the same track, and is the antenna's offset to "
+    "the side taken out?":
+        "die Wege liegen {0} m auseinander, mehr als {1}° Rollwinkel; war es dieselbe Spur, und ist „Traktor, links“ "
+        "der Antenne eingetragen?",
+    "{} samples of the sweep and {} at rest; record 20 of each at least":
+        "{0} Werte vom Durchdrehen und {1} in Ruhe; je mindestens 20 aufnehmen",
+    "the sensor moved by {} counts only, in steps of {}; check its lever":
+        "der Sensor bewegte sich nur um {0} Stufen, in Schritten von {1}; Hebel prüfen",
+    "the sensor's noise at rest, {} counts, is above 1 % of its range; check its cable":
+        "der Sensor rauscht in Ruhe um {0} Stufen, mehr als 1 % seines Bereichs; Kabel prüfen",
+    "the same locks were not reached twice to {} of the range; turn from the middle to the left lock, to the right, "
+    "and both once more, each until it stops":
+        "dieselben Anschläge wurden nicht zweimal auf {0} des Bereichs erreicht; von der Mitte nach links bis zum "
+        "Anschlag drehen, nach rechts, und beides noch einmal",
+    "left by right": "links zu rechts",
+    "{} s of driving; drive two minutes of S-curves": "{0} s gefahren; zwei Minuten Schlangenlinien fahren",
+    "the wheels explain the track to {} m only, {} m at most; calibrate the front wheels first, and drive where they "
+    "do not slip":
+        "Räder und Spur passen nur auf {0} m zusammen, höchstens {1} m sind erlaubt; zuerst die Vorderräder "
+        "kalibrieren, und fahren, wo sie nicht rutschen",
+    "a roll sensor's zero looks like an antenna's place to the side; measure that place":
+        "der Nullpunkt eines Rollsensors sieht aus wie ein Platz der Antenne zur Seite; diesen Platz messen",
+    "tractor: antenna {}": "Traktor: Antenne {0}",
+    "forward": "nach vorn",
+    "{} s of turning {} faster than {} rad/s; drive 10 s at least":
+        "{0} s Kurve nach {1}, schneller als {2} rad/s; mindestens 10 s fahren",
+    "its deviation of {} m is above {} m; drive longer, in tighter and quicker S-curves":
+        "die Unsicherheit von {0} m ist über {1} m; länger fahren, in engeren und schnelleren Schlangenlinien",
+}  # fmt: skip

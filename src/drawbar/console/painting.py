@@ -1,0 +1,100 @@
+"""Painting: how soon a step is on the screen of a phone, in a real Chromium of a quarter of this computer's speed.
+
+The page is watched from outside: the last message of the console before something is drawn on a canvas, and the frame
+after that. Needs playwright and a Chromium of the distribution.
+"""
+
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+from drawbar.console.browsers import Place, place_of
+from drawbar.console.screenshots import PHONE, chromium_path
+
+SLOWER = 4
+"""times, by which a phone's processor is slower than this one"""
+_WAIT = 90_000
+"""ms"""
+_WATCH = """
+(() => {
+  window.painted = [];
+  let heard = null;
+  const Plain = window.WebSocket;
+  window.WebSocket = class extends Plain {
+    constructor(...given) {
+      super(...given);
+      this.addEventListener("message", ({ data }) => {
+        const drawn = /runMethod\\(\\d+, \\\\"(draw|run_chart_method)/;
+        if (typeof data === "string" && drawn.test(data)) heard = { text: data, at: performance.now() };
+      });
+    }
+  };
+  for (const name of ["fillRect", "clearRect"]) {
+    const plain = CanvasRenderingContext2D.prototype[name];
+    CanvasRenderingContext2D.prototype[name] = function (...given) {
+      if (heard !== null) {
+        const { text, at } = heard;
+        heard = null;
+        requestAnimationFrame(() => window.painted.push([text, at, performance.now()]));
+      }
+      return plain.apply(this, given);
+    };
+  }
+})();
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Painted:
+    """What one page has painted."""
+
+    name: str
+    begin: int
+    """monotonic, ns"""
+    end: int
+    took: list[float] = field(default_factory=list)
+    """from each message that was painted to its frame, s"""
+    places: list[tuple[int, Place]] = field(default_factory=list)
+    """when each picture of the map was on the screen (monotonic, ns), and where the bodies are in it"""
+
+
+async def paint(address: str, duration: float) -> list[Painted]:
+    """Return what a phone paints of the drive page and of a plot, each for a time, s; nothing without a Chromium."""
+    try:
+        from playwright.async_api import async_playwright
+    except ImportError:
+        return []
+    program = chromium_path()
+    if program is None:
+        return []
+    async with async_playwright() as playwright:
+        browser = await playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = await browser.new_page(viewport=PHONE, device_scale_factor=3)  # type: ignore[arg-type]
+        await page.add_init_script(_WATCH)
+        slow = await page.context.new_cdp_session(page)
+        await slow.send("Emulation.setCPUThrottlingRate", {"rate": SLOWER})
+        painted = [await _watched(page, name, address + path, duration) for name, path in _PAGES.items()]
+        await browser.close()
+    return painted
+
+
+_PAGES = {"map": "", "plot": "inside"}
+
+
+async def _watched(page: Any, name: str, address: str, duration: float) -> Painted:
+    await page.goto(address, timeout=_WAIT)
+    await page.wait_for_function("window.painted.length > 5", timeout=_WAIT)
+    await page.evaluate("window.painted = []")
+    begin = time.monotonic_ns()
+    await page.wait_for_timeout(1e3 * duration)
+    end = time.monotonic_ns()
+    rows = await page.evaluate("window.painted")
+    zero = await page.evaluate("performance.timeOrigin") * 1e6 - (time.time_ns() - time.monotonic_ns())
+    found = [(place_of(text), int(zero + at * 1e6)) for text, _, at in rows]
+    return Painted(
+        name=name,
+        begin=begin,
+        end=end,
+        took=[1e-3 * (at - heard) for _, heard, at in rows],
+        places=[(at, place) for place, at in found if place],
+    )

@@ -1,0 +1,49 @@
+"""Words: the texts of the pages in one language."""
+
+from typing import Literal
+
+from drawbar.console.catalogue import TEXTS
+from drawbar.console.causes_de import CAUSES_DE
+from drawbar.console.errors_de import ERRORS_DE
+from drawbar.console.translation import Translation
+from drawbar.safety.causes import Cause
+
+Language = Literal["en", "de"]
+_ERRORS = Translation(ERRORS_DE)
+
+
+class Words:
+    """The texts in one language."""
+
+    def __init__(self, language: Language) -> None:
+        """Choose the language."""
+        self.language: Language = language
+
+    def __call__(self, key: str, **values: object) -> str:
+        """Return a text with its values in it."""
+        return TEXTS[key][self.language == "de"].format(**values)
+
+    def cause(self, cause: Cause) -> tuple[str, str]:
+        """Return what a cause says, and what to do about it, as sentences that begin with a capital letter."""
+        sentence, advice = CAUSES_DE[cause] if self.language == "de" else (cause.sentence, cause.advice)
+        return sentence[:1].upper() + sentence[1:], advice[:1].upper() + advice[1:]
+
+    def message(self, text: object) -> str:
+        """Return an error, or what was refused, as people read it; one that has no German text stays English."""
+        return _ERRORS(str(text)) if self.language == "de" else str(text)
+
+    def number(self, value: float, decimals: int) -> str:
+        """Return a number as people write it."""
+        return self.decimal(f"{value:z.{decimals}f}")
+
+    def decimal(self, text: str) -> str:
+        """Return numbers with the decimal sign of the language."""
+        return text.replace(".", ",") if self.language == "de" else text
+
+
+def language_of(accepted: str, otherwise: Language) -> Language:
+    """Return the language that a browser asks for first, of those that there are (header Accept-Language)."""
+    for each in accepted.lower().split(","):
+        if each.strip()[:2] in ("en", "de"):
+            return "de" if each.strip().startswith("de") else "en"
+    return otherwise
