@@ -65,9 +65,9 @@ class Cause(Enum):
     CONTROLLER_GONE = (112, True, Response.RELEASE, "the controller's process has ended",
         "see its last messages; start drawbar again")
 
-    FIX_TOO_NEW = (201, True, Response.NONE, "the receivers have not had fixed ambiguities for long enough",
+    FIX_TOO_NEW = (201, True, Response.NONE, "the receivers have not had an RTK fix for long enough",
         "wait under open sky; check the corrections")
-    FIX_LOST = (202, True, Response.DEGRADE, "a receiver has no fixed ambiguities",
+    FIX_LOST = (202, True, Response.DEGRADE, "a receiver has no RTK fix",
         "wait under open sky; check the corrections")
     CORRECTIONS_OLD = (203, True, Response.NONE, "the corrections are old, or their age is not known",
         "check modem, caster and mount point")

@@ -26,7 +26,7 @@ class EngageSettings(Settings):
     seen: Timeout = 1.0
     """oldest state of the gate that an operator may have seen when asking for something, s"""
     fixed: Annotated[float, Field(ge=0.0, le=600.0)] = 10.0
-    """for how long both receivers must have had fixed ambiguities, s"""
+    """for how long both receivers must have had an RTK fix, s"""
     correction_age: Positive = 5.0
     """largest, s"""
     lateral_deviation: Positive = 0.10
@@ -147,7 +147,7 @@ class TimingSettings(Settings):
     speed_ratio: Annotated[float, Field(gt=1.0, le=5.0)] = 1.5
     """of wheels and receiver, each the mean of these samples, above which one of them is wrong; slip makes less"""
     fix: Timeout = 0.5
-    """for which a receiver's fixed ambiguities may be missing while driving; along trees they flip, s"""
+    """for which a receiver's RTK fix may be missing while driving; along trees it flips, s"""
     angle: Timeout = 0.2
     """oldest measured steering angle, s"""
     angle_lost: Timeout = 0.5
