@@ -67,7 +67,7 @@ def write_report(folder: Path) -> None:
         for file in sorted(folder.glob(f"*/{SUMMARY_NAME}"))
     }
     blocks = ["# Experiments", "Made by `drawbar experiment`, anew after each of them; do not edit."]
-    blocks += [*_opening(summaries.values()), "## All experiments", _overview(summaries)]
+    blocks += [*_opening(summaries.values()), "## All experiments", _overview(summaries), _machines(summaries.values())]
     (folder / REPORT_NAME).write_text("\n\n".join(blocks) + "\n", "utf-8")
 
 
@@ -91,11 +91,18 @@ def _overview(summaries: Mapping[str, Summary]) -> str:
             f"{each.seeds}",
             f"{each.expected}",
             f"**{each.missed}**" if each.missed else "0",
-            ", ".join(f"{fact} {text}" for fact, text in each.machine.items()),
         ]
         for name, each in summaries.items()
     ]
-    return markdown_table(["experiment", "", "cases", "seeds", "expected figures", "missed", "measured on"], rows)
+    return markdown_table(["experiment", "", "cases", "seeds", "expected figures", "missed"], rows)
+
+
+def _machines(summaries: Iterable[Summary]) -> str:
+    """Say on what machine the runs were made, once for all experiments that share it."""
+    titles: dict[str, list[str]] = {}
+    for each in summaries:
+        titles.setdefault(", ".join(f"{fact} {text}" for fact, text in each.machine.items()), []).append(each.title)
+    return "\n".join(f"- Measured on {machine}: {', '.join(those)}." for machine, those in titles.items())
 
 
 def _sections(measured: MeasuredExperiment, parts: Sequence[Part]) -> list[str]:
