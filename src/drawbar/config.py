@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import tomli_w
-from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationError, field_validator, model_validator
 
 from drawbar.bounded import BoundedErrors
 from drawbar.configurations import shipped_names, shipped_text
@@ -59,6 +59,15 @@ class PathSettings(Settings):
     """of the figure-eights, one after the other, m"""
     straight_length: TrackLength = 20.0
     """of the figure-eights' straights, m"""
+
+    @field_validator("file", "track")
+    @classmethod
+    def _unicode(cls, name: str) -> str:
+        try:
+            name.encode()
+        except UnicodeEncodeError as error:
+            raise ValueError(f"{name!r} is not Unicode, and a configuration is; rename it") from error
+        return name
 
     @model_validator(mode="after")
     def _track_of_a_file(self) -> Self:

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import os
 
 import numpy as np
 import pytest
@@ -12,16 +13,20 @@ from drawbar.config import load_configuration
 from drawbar.driving.certainty import across
 from drawbar.driving.demonstration import with_stand_ins, without_stand_ins
 from drawbar.driving.display import KEYS, picture
+from drawbar.driving.front_end import Keyboard
 from drawbar.driving.letters import Step, Sureness, pack, unpack
 from drawbar.driving.mail import MOST_KEPT, Mailbox
+from drawbar.driving.operator import changed_speed
 from drawbar.geometry import LocalFrame
 from drawbar.messages import GateState, SupervisorState, encode
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes, is_drive, open_drive
 from drawbar.recording.header import run_header
+from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
+from drawbar.safety.causes import Cause
 from drawbar.signals import Estimate, Pose, SolverStatus, StepRecord
 from drawbar.simulation import build_path
 from drawbar.transports.tapped import Direction
@@ -164,6 +169,7 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     assert read[:2] == [raw, look]
     assert len(read) == 3
     assert encode(read[2]) == encode(state)
+    assert read_log(tmp_path / "log.mcap").outcome.reason == "the drive was ended before the end of the path"
 
 
 def test_a_simulated_run_is_no_drive(tmp_path):
@@ -180,6 +186,31 @@ def test_the_display_fits_sixty_columns_without_a_machine():
         console.print(picture(None, None))
     assert all(len(line) <= 60 for line in capture.get().splitlines())
     assert KEYS.splitlines()[0] in capture.get()
+
+
+def test_the_display_says_why_a_key_was_refused():
+    assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
+def test_no_key_waits_for_the_next_one(monkeypatch):
+    far, near = os.openpty()
+    with open(near, encoding="utf-8") as terminal, open(far, "wb", buffering=0) as keys:
+        monkeypatch.setattr("sys.stdin", terminal)
+        with Keyboard() as keyboard:
+            assert keyboard.pressed() == ""
+            keys.write(b"+x")
+            assert keyboard.pressed() == "+x"
+            assert keyboard.pressed() == ""
+
+
+@pytest.mark.parametrize(
+    ("wish", "change", "asked"),
+    [(NAN, -0.1, 0.9), (NAN, 0.1, 1.0), (0.5, 0.1, 0.6), (0.15, -0.1, 0.1), (0.1, -0.1, 0.1), (0.95, 0.1, 1.0)],
+)
+def test_set_speed_changes_between_a_step_and_the_configured_one(wish, change, asked):
+    state = dataclasses.replace(gate_state_of(1), set_speed=wish)  # which allows 0 m/s: it does not steer
+    assert changed_speed(state, change, 1.0) == pytest.approx(asked)
 
 
 def test_schemas_hold_nothing_that_viewers_cannot_read():

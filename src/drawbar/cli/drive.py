@@ -1,6 +1,7 @@
 """`drawbar drive`: drive a real machine, or stand-ins of all its devices on this computer."""
 
 import time
+from contextlib import ExitStack, nullcontext
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -107,7 +108,9 @@ def _configured(name: str, changes: list[str]) -> tuple["Configuration", bool]:
 
 def _run(crew: "Crew", orders: "ConsoleOrders | None", *, demonstrates: bool, seconds: float) -> bool:
     """Start the processes and show the drive; return whether it failed."""
-    with console.status("starting the processes …"), crew:
+    with ExitStack() as started:
+        with console.status("starting the processes …"):
+            started.enter_context(crew)
         if orders is not None:
             console.print(f"the console is at {address(orders)}", soft_wrap=True)
         return _drive(crew, demonstrates=demonstrates, seconds=seconds)
@@ -148,18 +151,19 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
     told: SupervisorState | None = None
     lost_console = False
     try:
-        with live or Keyboard(), Keyboard() as keyboard:
+        with live or nullcontext(), Keyboard() as keyboard:
             while time.monotonic() < end and not (demonstrates and front.is_over):
                 front.wait(0.05)
-                key = keyboard.pressed()
-                if key == "q":
+                keys = keyboard.pressed()
+                for key in keys:
+                    front.press(key)
+                if "q" in keys:
                     break
-                front.press(key)
                 if front.state is not None and front.state.state is not told:
                     told = front.state.state
                     console.print(headline(front.state))
                 if live is not None:
-                    live.update(picture(front.state, front.controller), refresh=True)
+                    live.update(picture(front.state, front.controller, front.refusal), refresh=True)
                 if crew.has_lost_console and not lost_console:
                     lost_console = True
                     console.print(f"the console has ended, and the drive goes on: {crew.words()}", style="bold red")

@@ -53,14 +53,23 @@ def program(
         context.fail("Missing command.")
 
 
+def _show(error: str) -> None:
+    message = Text.assemble(("error:", "bold red"), f" {error}")
+    Console(stderr=True, highlight=False).print(message, soft_wrap=True)
+
+
 def main() -> None:
     """Run the command line; every expected error is one message and exit code 2, an interrupt one line and 130."""
     degrade_output()
     try:
         app(prog_name="drawbar")
     except DrawbarError as error:
-        message = Text.assemble(("error:", "bold red"), f" {error}")
-        Console(stderr=True, highlight=False).print(message, soft_wrap=True)
+        _show(str(error))
+        sys.exit(2)
+    except OSError as error:
+        if error.filename is None:
+            raise
+        _show(f"{error.filename}: {error.strerror}")
         sys.exit(2)
     except SystemExit as end:
         if isinstance(end.__context__, typer.Exit) and isinstance(end.__context__.__cause__, KeyboardInterrupt):

@@ -20,9 +20,9 @@ CONFIGURATION_NAME = "config.toml"
 def run(
     configuration: ConfigurationName = "articulated",
     path: Annotated[
-        str,
+        str | None,
         typer.Option(help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: figure-eights"),
-    ] = "",
+    ] = None,
     track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
     changes: Annotated[
         list[str] | None,
@@ -37,6 +37,8 @@ def run(
     from drawbar.config import load_configuration
     from drawbar.simulation import Simulation
 
+    if path == "":
+        raise typer.BadParameter("is empty; give a file or a field folder", param_hint="--path")
     # a JSON string is a TOML string
     given = (("path.file", path), ("path.track", track))
     settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
+from drawbar.driving.operator import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE
 from drawbar.safety.engagement import LATCHED, STEERING
@@ -235,11 +236,6 @@ def set_speed_text(gate: GateState | None, words: Words, speed: float) -> str:
     if gate is None:
         return "–"
     return f"{words.number(wished_speed(gate, speed) * KMH, 1)} km/h"
-
-
-def wished_speed(gate: GateState, otherwise: float) -> float:
-    """Return the speed that the operator wishes; otherwise the one that is driven without a wish, m/s."""
-    return gate.set_speed if math.isfinite(gate.set_speed) else otherwise
 
 
 def shift_text(gate: GateState | None, *, left: int) -> str:

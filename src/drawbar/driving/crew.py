@@ -48,7 +48,7 @@ class Crew:
             console: start the operator's console too; its `folder`, `configuration` and `stand_ins` are filled in here.
         """
         assert configuration.devices is not None
-        self._configuration, self._run = configuration, run
+        self.configuration, self._run = configuration, run
         self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
@@ -98,7 +98,7 @@ class Crew:
         self._await("recorder", "recorder")
         ours, theirs = controller_pair()
         with ours, theirs:
-            orders_of_gate = gate_orders(self._configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
+            orders_of_gate = gate_orders(self.configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
             self._start("guard", "driving.guard_main", orders_of_gate.model_dump_json())
             self._await("guard", GUARD)
             self._start("gate", "driving.gate_main", orders_of_gate.model_dump_json(), ends=(theirs,))

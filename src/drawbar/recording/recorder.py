@@ -85,10 +85,13 @@ class Recorder:
             self._give_up()
             return
         try:
-            self._finish(Outcome.of(error))
+            self._finish(self._outcome(error))
         except OSError as full:
             self._give_up()
             raise self._full(full) from full
+
+    def _outcome(self, error: BaseException | None) -> Outcome:
+        return Outcome.of(error)
 
     def _full(self, error: OSError) -> StorageError:
         return StorageError(
