@@ -15,9 +15,11 @@ class Speeds:
 
     def __init__(self, settings: SafetySettings) -> None:
         """Begin without samples."""
-        self._timing, self._fastest = settings.timing, settings.envelope.speed
+        self._timing, self._envelope = settings.timing, settings.envelope
         count = settings.timing.speed_samples
         self._samples = {source: deque[tuple[float, float]](maxlen=count) for source in ("wheels", "receiver")}
+        self._trusted = (-math.inf, settings.envelope.speed)
+        """when the largest magnitude was last known, s, and what it was, m/s"""
         self.last = 0.0
         """newest, forward positive, m/s"""
 
@@ -26,6 +28,8 @@ class Speeds:
         if math.isfinite(speed):
             self._samples[source].append((time, speed))
             self.last = speed
+            if self.known(time):
+                self._trusted = (time, self._largest_sample(time))
 
     def fresh(self, time: float) -> dict[str, float]:
         """Return the newest magnitude of each source that has one which is not too old, m/s."""
@@ -44,9 +48,17 @@ class Speeds:
         return len(self.fresh(time)) == 2 and fast > max(self._timing.speed_ratio * slow, slow + _SMALL)
 
     def largest(self, time: float) -> float:
-        """Return the largest magnitude of the last samples, m/s; the machine's largest where it is not known."""
-        if not self.known(time):
-            return self._fastest
+        """Return the largest magnitude of the last samples, m/s.
+
+        Where it is not known: what the vehicle can have reached since it last was, the machine's largest at most. Less
+        than that is not safe, and more would take the steering out of a curve that it is in.
+        """
+        if self.known(time):
+            return self._largest_sample(time)
+        since, speed = self._trusted
+        return min(speed + self._envelope.acceleration * (time - since), self._envelope.speed)
+
+    def _largest_sample(self, time: float) -> float:
         return max(abs(speed) for source in self.fresh(time) for _, speed in self._samples[source])
 
     def stands(self, time: float, slowest: float) -> bool:
