@@ -8,9 +8,11 @@ import pytest
 
 from drawbar.driving.drift import Drift
 from drawbar.messages import Fixes
-from drawbar.signals import FixQuality
+from drawbar.signals import FixQuality, Measurement
 
 PERIOD = 0.2
+UNUSED = ("tractor_x", "tractor_y", "trailer_x", "trailer_y", "hitch_angle", "speed", "tractor_steering")
+UNUSED += ("trailer_steering",)
 
 
 def epoch(time, *, speed=2.0, radius=math.inf, noise=(0.0,) * 4, aside=(0.0, 0.0), told=1.0, lag=0.0, **given):
@@ -101,3 +103,20 @@ def test_after_a_gap_it_begins_anew():
     assert heard(drift, times(5.0)) is None
     assert heard(drift, times(12.0, 6.0), aside=(1.0, 1.0)) is None
     assert heard(Drift(), times(20.0), speed=0.1) is None
+
+
+def test_from_where_they_were_before_the_velocities_lead_on():
+    drift, begin = Drift(), 5.0
+    assert heard(drift, times(begin), radius=20.0) is None
+    for time in times(8.0, begin):
+        off = 0.3 * (time - begin)
+        drift.hear(epoch(time, radius=20.0, aside=(off, off)))
+        if drift.exists and time < 6.1:
+            drift.carry()
+    measured = Measurement(time=0.0, **dict.fromkeys(UNUSED, 0.0))
+    true = epoch(times(8.0)[-1], radius=20.0)
+    carried = drift.carried(measured)
+    found = (carried.tractor_x, carried.tractor_y, carried.trailer_x, carried.trailer_y)
+    assert found == pytest.approx((true.tractor_x, true.tractor_y, true.trailer_x, true.trailer_y), abs=0.01)
+    drift.hear(epoch(9.0))
+    assert math.isnan(drift.carried(measured).tractor_x), "an epoch was lost"
