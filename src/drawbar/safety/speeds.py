@@ -15,12 +15,10 @@ class Speeds:
 
     def __init__(self, settings: SafetySettings) -> None:
         """Begin without samples."""
-        self._timing, self._envelope = settings.timing, settings.envelope
-        count = settings.timing.speed_samples
+        self._timing, self._envelope, count = settings.timing, settings.envelope, settings.timing.speed_samples
         self._samples = {source: deque[tuple[float, float]](maxlen=count) for source in ("wheels", "receiver")}
-        self._trusted = (-math.inf, settings.envelope.speed)
-        """when the largest magnitude was last known, s, and what it was, m/s"""
-        self.last = 0.0
+        # the largest magnitude: when it was last asked for and known, s, and what it was, m/s
+        self._known, self.last = (-math.inf, settings.envelope.speed), 0.0
         """newest, forward positive, m/s"""
 
     def add(self, time: float, source: str, speed: float) -> None:
@@ -28,8 +26,6 @@ class Speeds:
         if math.isfinite(speed):
             self._samples[source].append((time, speed))
             self.last = speed
-            if self.known(time):
-                self._trusted = (time, self._largest_sample(time))
 
     def fresh(self, time: float) -> dict[str, float]:
         """Return the newest magnitude of each source that has one which is not too old, m/s."""
@@ -54,12 +50,9 @@ class Speeds:
         than that is not safe, and more would take the steering out of a curve that it is in.
         """
         if self.known(time):
-            return self._largest_sample(time)
-        since, speed = self._trusted
-        return min(speed + self._envelope.acceleration * (time - since), self._envelope.speed)
-
-    def _largest_sample(self, time: float) -> float:
-        return max(abs(speed) for source in self.fresh(time) for _, speed in self._samples[source])
+            self._known = (time, max(abs(speed) for source in self.fresh(time) for _, speed in self._samples[source]))
+        since, speed = self._known
+        return min(speed + self._envelope.acceleration * (time - since), max(speed, self._envelope.speed))
 
     def stands(self, time: float, slowest: float) -> bool:
         """Return whether the vehicle is for certain no faster than a speed, m/s."""
