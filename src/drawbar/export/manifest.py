@@ -33,8 +33,10 @@ _BOUNDS = {
     "active_set_columns": "ACTIVE_COLUMNS",
 }
 """a solver's size and what limits its work, and their names in C, which a unit or else the runtime defines"""
-_SWEEPS_OF_ITERATION = 3
-"""of the interior point: predictor, corrector, and centring where the corrector led astray"""
+_SWEEPS_OF_ITERATION = 2
+"""of the interior point: predictor and corrector"""
+_CENTRED = "ASTRAY"
+"""C's name of how many of its iterations have one more, which centres where the corrector led astray"""
 
 
 def configuration_hash(configuration: Configuration) -> str:
@@ -101,11 +103,13 @@ def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     factorisations and a sweep, to damp a cost that leaves something undetermined. Then the interior point: a
     factorisation and a sweep for its start, and its iterations.
     """
-    bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
+    sources = [unit.source, *runtime_sources().values()]
+    bounds = {name: _defined(macro, sources) for name, macro in _BOUNDS.items()}
     bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
     held = bounds["held_set_passes"] + 1
-    sweeps = 1 + max(held, bounds["active_set_columns"] + 4) + 1 + _SWEEPS_OF_ITERATION * iterations
+    sweeps = 1 + max(held, bounds["active_set_columns"] + 4) + 1
+    sweeps += _SWEEPS_OF_ITERATION * iterations + min(_defined(_CENTRED, sources), iterations)
     return bounds | {"factorisations": 1 + max(held, 2) + 1 + iterations, "sweeps": sweeps}
 
 

@@ -44,7 +44,11 @@ FORCED = (
     ("kkt.h", "if (worst <= CHECK_TOLERANCE && !(gap <= ", "if (1 || !(gap <= "),
     ("ip_start.h", "if (!ip_far_out(s, out, span))", "if (ip_far_out(s, out, span) > 1)"),
     ("interior_point.h", "if (s->kkt <= IP_TOLERANCE)", "if (0)"),
-    ("interior_point.h", "if (!(ip_measure(ip, step) < mu))", "if (1)"),
+    (
+        "interior_point.h",
+        "if (ip_measure(ip, step) < mu)",
+        "if (ip->astray == ASTRAY - 1 && s->iterations < IP_ITERATIONS)",
+    ),
     ("interior_point.h", "ip->stalled >= STALLED && ip_outside(s) < LOOSEN_OUTSIDE", "ip_outside(s) >= 0.0"),
     ("interior_point.h", "if (ip->infeasible > FARKAS_FORGIVEN)", "if (0)"),
     ("interior_point.h", "ip_loosen(ip))\n            continue;", "ip_loosen(ip))\n            __builtin_trap();"),
