@@ -1,6 +1,7 @@
 """The machines that a library is built for, and what is asked of the compiler for each."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 from drawbar.errors import ConfigurationError
 
@@ -16,6 +17,13 @@ FLAGS = (
 )
 """The same on all targets. No fused multiply-add, so that targets agree; never -ffast-math."""
 _SIZED = "-fstack-size-section"
+
+
+class Precision(StrEnum):
+    """The type of an exported library's numbers."""
+
+    DOUBLE = "double"
+    SINGLE = "single"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +88,14 @@ TARGETS = (
         triple="thumb-freestanding-eabihf",
         # its unit for doubles; one lane at a time, as it has no SIMD for doubles: more would only cost stack
         flags=(_SIZED, "-mcpu=cortex_m7+fp_armv8d16", "-fno-unwind-tables", "-DLANES=1"),
+        headers=("arm-linux-musl", "generic-musl"),
+        static="libdrawbar.a",
+    ),
+    Target(
+        name="cortex-m4",
+        triple="thumb-freestanding-eabihf",
+        # a unit for floats alone: doubles are computed by __aeabi_dadd and its kind, of the C compiler's own library
+        flags=(_SIZED, "-mcpu=cortex_m4+vfp4d16sp", "-fno-unwind-tables", "-DLANES=1"),
         headers=("arm-linux-musl", "generic-musl"),
         static="libdrawbar.a",
     ),

@@ -19,9 +19,9 @@
 #include "signals.h"
 
 #ifdef DRAWBAR_HOSTED
-#define MEMORY(name, size) double *name
+#define MEMORY(memory, size) double *memory
 #else
-#define MEMORY(name, size) double name[((size) + sizeof(double) - 1) / sizeof(double)]
+#define MEMORY(memory, size) double memory[((size) + 7) / 8]   /* for structures of doubles, so aligned as one */
 #endif
 #define COMPONENT(memory) ((struct component *)(memory))
 
