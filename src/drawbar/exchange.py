@@ -297,7 +297,8 @@ def headers() -> dict[str, str]:
     inner = [_enumeration(Supervision)]
     inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering)]
     inner += [
-        "/* Largest magnitudes that sensors can mean, of the measurement's numbers behind the time, in their order. */\n" + _limits(),
+        "/* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */\n"
+        + _limits(),
     ]
     end = "\n#endif\n"
     return {

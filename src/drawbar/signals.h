@@ -48,7 +48,7 @@ struct drawbar_body_steering {
     int32_t reserved;
 };
 
-/* Largest magnitudes that sensors can mean, of the measurement's numbers behind the time, in their order. */
+/* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */
 static const double measurement_limits[] = {
     10000000.0,                 /* tractor_x */
     10000000.0,                 /* tractor_y */

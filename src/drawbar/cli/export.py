@@ -17,7 +17,8 @@ def export(
         typer.Option("--target", metavar="TARGET", help=f"build for {', '.join(target.name for target in TARGETS)}"),
     ] = None,
     precision: Annotated[
-        Precision, typer.Option(help="of the library's numbers; single: float, for a processor with a unit for these alone")
+        Precision,
+        typer.Option(help="of the library's numbers; single: float, for a processor with a unit for these alone"),
     ] = Precision.DOUBLE,
     changes: Annotated[
         list[str] | None,

@@ -13,8 +13,7 @@ from drawbar.codegen.cache import runtime_sources
 from drawbar.codegen.library import integer
 from drawbar.export.memory import Memory
 
-
-_TOLERANCES = {
+TOLERANCES = {
     "ACTIVE_ROUNDING": ("1e-10", "1e-5"),
     "CHECK_TOLERANCE": ("1e-8", "1e-3"),
     "DAMPING": ("1e-8", "1e-4"),
@@ -31,6 +30,7 @@ _TOLERANCES = {
     "LOOSEST": ("1e-5", "1e-3"),
     "PACK": ("4", "1"),
     "PATH_CONVERGED": ("1e-6", "1e-3"),
+    "PATH_FARTHEST": ("1e7", "1e4"),
     "ROUNDING": ("1e-6", "1e-3"),
     "WHOLE_SAMPLES": ("1e-9", "1e-4"),
 }
@@ -46,7 +46,7 @@ _WORDS = re.compile(r'(/\*.*?\*/|"[^"\n]*")', re.DOTALL)
 _DOUBLE = re.compile(r"\bdouble(?=_values\b|_settings\b|\b)(?! time\b| time_stamp\b| memory\[)")
 _FUNCTION = re.compile(rf"\b({'|'.join(_FUNCTIONS)})(?=\()")
 _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d*(?:[eE][-+]?\d+)?|\d+[eE][-+]?\d+)(?![\w.])")
-_DEFINED = re.compile(rf"(?<=^#define )({'|'.join(_TOLERANCES)}) (\S+)", re.MULTILINE)
+_DEFINED = re.compile(rf"(?<=^#define )({'|'.join(TOLERANCES)}) (\S+)", re.MULTILINE)
 
 
 def single(texts: Mapping[str, str]) -> dict[str, str]:
@@ -64,7 +64,7 @@ def single_text(text: str) -> str:
 
 def _defined(found: re.Match[str]) -> str:
     name, value = found.groups()
-    double, instead = _TOLERANCES[name]
+    double, instead = TOLERANCES[name]
     if value not in (double, instead):
         raise LookupError(f"{name} is {value}, no longer {double}: what is it in single precision?")
     return f"{name} {instead}"

@@ -106,10 +106,12 @@ def find_target(name: str) -> Target:
     """Return the target of that name or triple.
 
     Raises:
-        ConfigurationError: there is none; says which there are.
+        ConfigurationError: there is none, or several of that triple; says which there are.
     """
-    for target in TARGETS:
-        if name in (target.name, target.triple):
-            return target
+    found = [target for target in TARGETS if name in (target.name, target.triple)]
+    if len(found) == 1:
+        return found[0]
     known = ", ".join(f"{target.name} ({target.triple})" for target in TARGETS)
-    raise ConfigurationError(f"--target {name!r}: no such target; there are {known}.")
+    raise ConfigurationError(
+        f"--target {name!r}: {'several targets' if found else 'no such target'}; there are {known}."
+    )
