@@ -192,7 +192,8 @@ class _Chunk:
         self._messages.setdefault(channel, []).append((log_time, self.size))
         self._crc = zlib.crc32(record, self._crc)
         self.size += len(record)
-        self._write(self._compressor.compress(record))
+        if compressed := self._compressor.compress(record):  # mostly it stays with the compressor
+            self._write(compressed)
 
     def flush(self) -> None:
         self._write(self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))
