@@ -58,7 +58,7 @@ class History:
         self._step, self._rng, self._read = step, rng, read
         self._reach = round(_REACH / step) + 2
         self._rows = np.tile(first, (_SPARE * self._reach, 1))
-        self._end = self._reach  # of the rows that are known; when there is no room behind it the newest move to the front
+        self._end = self._reach  # of the known rows; where there is no room behind it the newest move to the front
         self._moments: dict[int, Moment] = {}  # since the newest row, by steps ago
 
     def append(self, rows: Floats) -> None:
