@@ -6,11 +6,13 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from drawbar import __version__
 from drawbar.codegen import Component
 from drawbar.codegen.cache import runtime_sources
 from drawbar.config import Configuration
-from drawbar.export.sources import state_doubles, work_size
+from drawbar.export.memory import Memory
 from drawbar.export.stack import CallGraph
+from drawbar.export.targets import Precision
 from drawbar.export.toolchain import Built
 from drawbar.optimal import SolverUnit
 
@@ -45,23 +47,28 @@ def configuration_hash(configuration: Configuration) -> str:
 
 
 def manifest(
-    configuration: Configuration, version: str, components: Sequence[Component], builds: Sequence[Built]
+    configuration: Configuration,
+    precision: Precision,
+    components: Sequence[Component],
+    memory: Memory,
+    builds: Sequence[Built],
 ) -> dict[str, Any]:
     """Return the manifest.
 
     Args:
         configuration: what was exported.
-        version: of drawbar.
+        precision: of its numbers.
         components: of its control step.
+        memory: that these need.
         builds: what was built, one entry a target.
     """
     return {
-        "drawbar": version,
+        "drawbar": __version__,
         "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
-        "state_bytes": 8 * state_doubles(components),
+        "precision": precision,
+        "state_bytes": 8 * memory.state_doubles,
         "actuate_state_bytes": 8 * _defined("DRAWBAR_ACTUATE_DOUBLES", runtime_sources().values()),
-        "components_bytes": {component.name: component.size for component in components}
-        | {"work": work_size(components)},
+        "components_bytes": {**memory.components, "work": memory.work},
         "bounds": {
             component.name: _bounds(component.unit)
             for component in components

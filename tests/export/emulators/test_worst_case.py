@@ -75,7 +75,7 @@ ROUTES = {
         ("active_set.h", "if (changes == 0)", "if (s->iterations == ACTIVE_PASSES - 1)"),
         ("active_set.h", "value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;", "i < ACTIVE_MOST;"),
         ("active_set.h", "if (!(side * a->nu[a->slot[i]] <= 0.0) && s->lower[i] < s->upper[i])", "if (0)"),
-        ("active_set.h", "if (!(pivot > 1e-10 * own))", "if (0)"),
+        ("active_set.h", "if (!(pivot > ACTIVE_ROUNDING * own))", "if (0)"),
         ("active_set.h", "if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))", "if (0)"),
     ),
     "damped": (("interior_point.h", "violated |= (value < s->lower[i]) | (value > s->upper[i]);", "(void)value;"),),
