@@ -51,6 +51,7 @@ export default {
     this.last = 0;
     if (this.$refs.box.clientWidth > 600) this.scale = 26;
     this.state = null;
+    this.unrecorded = false;
     this.watch = setInterval(() => this.judge(), 200);
     this.observer = new ResizeObserver(() => this.paint());
     this.observer.observe(this.$refs.box);
@@ -78,7 +79,7 @@ export default {
         if (!end || Math.hypot(x - end[0], y - end[1]) > 0.1) this.trail.push([x, y, picture.error]);
         if (this.trail.length > TRAIL) this.trail.shift();
       }
-      this.tell(picture.state);
+      this.tell(picture);
       this.judge();
       requestAnimationFrame(() => {
         this.paint();
@@ -89,9 +90,13 @@ export default {
       this.old = this.picture.stale !== false || performance.now() - this.last > STALE;
       document.body.classList.toggle("old-picture", this.old);
     },
-    tell(state) {
-      if (this.state !== null && state !== this.state && sounds()) beep(state);
+    tell({ state, unrecorded }) {
+      if (this.state !== null && sounds()) {
+        if (state !== this.state) beep(state);
+        else if (unrecorded && !this.unrecorded) beep("UNRECORDED");
+      }
       this.state = state;
+      this.unrecorded = unrecorded;
     },
     lamp(n, value) {
       if (value === null || value === undefined) return "off";
@@ -299,7 +304,7 @@ let speaker = null;
 function beep(state) {
   try {
     speaker = speaker || new AudioContext();
-    const grave = ["FAULT", "ESTOP", "STOPPING", "OVERRIDE", "NO_CONTACT"].includes(state);
+    const grave = ["FAULT", "ESTOP", "STOPPING", "OVERRIDE", "NO_CONTACT", "UNRECORDED"].includes(state);
     for (let n = 0; n < (grave ? 3 : 1); n++) {
       const tone = speaker.createOscillator(), volume = speaker.createGain();
       tone.frequency.value = grave ? 440 : state === "ACTIVE" ? 1040 : 780;
