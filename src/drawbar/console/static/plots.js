@@ -1,0 +1,34 @@
+// Colours of a plot's texts and axes as the page has them now, light or dark, and room for the names above it, which
+// stand one below the other on a phone.
+function plotLook(names) {
+  const colour = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
+  const axis = { axisLabel: { color: colour("--ink") }, splitLine: { lineStyle: { color: colour("--edge"), opacity: 0.4 } } };
+  const top = window.innerWidth < 600 ? 16 + 24 * names : 48;
+  return { grid: { top }, xAxis: axis, yAxis: axis, legend: { textStyle: { color: colour("--ink") }, pageTextStyle: { color: colour("--ink") }, pageIconColor: colour("--ink") } };
+}
+
+const SPAN = 60; // s
+const plots = new Map(); // lines and steps of each live plot, by its element's number
+
+// Adds new steps to a live plot, slides it to `age` s after the newest one, and says when that is drawn (live_plot.py).
+function plotSteps(number, { lines, rows, age }) {
+  const plot = getElement(number);
+  if (!plot) return;
+  if (lines) plots.set(number, { lines, rows: [], look: null });
+  const kept = plots.get(number);
+  kept.rows.push(...rows);
+  const now = kept.rows.length ? kept.rows[kept.rows.length - 1][0] + age : 0;
+  kept.rows = kept.rows.filter(([time]) => now - time <= SPAN);
+  const drawn = () => requestAnimationFrame(() => plot.$emit("plotted"));
+  if (!plot.chart) return drawn(); // it comes with the next picture
+  const series = kept.lines.map(({ id }, i) => ({ id, data: kept.rows.map((row) => [row[0] - now, row[i + 1]]) }));
+  const look = `${document.body.className} ${window.innerWidth}`;
+  if (kept.look === look) plot.chart.setOption({ series });
+  else {
+    const names = new Set(kept.lines.map(({ name }) => name)).size;
+    const whole = kept.lines.map((line, i) => ({ ...line, ...series[i] }));
+    plot.chart.setOption({ ...plotLook(names), series: whole }, { replaceMerge: ["series"] });
+    kept.look = look;
+  }
+  drawn();
+}
