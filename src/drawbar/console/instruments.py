@@ -3,6 +3,7 @@
 The browser acknowledges each picture (event `drawn`).
 """
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,8 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
     def __init__(self, standing: dict[str, Any], texts: dict[str, str], on_drawn: Callable[[object], None]) -> None:
         """Take what does not move, the texts, and what hears which state of the gate the browser has drawn."""
         super().__init__()
-        self._props["standing"], self._props["texts"] = standing, texts
+        self._props["standing"] = json.dumps(standing)  # a list would be watched by NiceGUI, point by point
+        self._props["texts"] = texts
         self._on_drawn = on_drawn
         self._under_way = UnderWay()
         self.on("drawn", self._drawn)

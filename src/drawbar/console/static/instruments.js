@@ -35,7 +35,7 @@ export default {
         <div class="old" role="alert" v-if="old">⚠ {{ texts.old }}</div>
       </section>
     </div>`,
-  props: { standing: Object, texts: Object },
+  props: { standing: String, texts: Object },
   data() {
     return {
       picture: { bodies: [], chips: [] },
@@ -45,9 +45,10 @@ export default {
     };
   },
   mounted() {
-    this.lines = plain(this.standing.lines);
-    this.boundary = plain(this.standing.boundary);
-    this.trail = plain(this.standing.trail || []);
+    this.scene = JSON.parse(this.standing);
+    this.lines = this.scene.lines;
+    this.boundary = this.scene.boundary;
+    this.trail = this.scene.trail || [];
     this.last = 0;
     if (this.$refs.box.clientWidth > 600) this.scale = 26;
     this.state = null;
@@ -170,7 +171,7 @@ export default {
       ink.globalAlpha = 1;
     },
     paintBodies(ink, to, moving, colour) {
-      const standing = this.standing, edge = colour("--ink");
+      const standing = this.scene, edge = colour("--ink");
       const joint = place(moving.tractor, [standing.tractorJoint, 0]);
       const eye = place(moving.trailer, [standing.trailerJoint, 0]);
       stroke(ink, to, [Infinity, Infinity], [joint, eye], edge, 4, []);
@@ -191,11 +192,6 @@ export default {
     },
   },
 };
-
-// Returns a copy that Vue does not watch: thousands of points are read in each frame.
-function plain(given) {
-  return JSON.parse(JSON.stringify(given));
-}
 
 // Returns what takes a place in the field (m) to the screen (px), with `yaw` upwards and `middle` at `at`.
 function transform(middle, yaw, scale, at) {
