@@ -17,7 +17,8 @@ import pytest
 from console_process import free_port
 from patience import PATIENT
 
-from drawbar.console.screenshots import chromium_path
+from drawbar.console import screenshots
+from drawbar.console.screenshots import chromium_path, word
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
@@ -25,8 +26,6 @@ playwright = pytest.importorskip("playwright.sync_api", reason="playwright is no
 
 WAIT = 300.0
 """until something is seen, s; what never comes is ended by this, and by the test's own limit"""
-AGAIN = 10.0
-"""after which something is pressed again, s"""
 
 pytestmark = pytest.mark.skipif(chromium_path() is None, reason="no Chromium is installed")
 
@@ -118,10 +117,6 @@ def _page(visitor):
     return page
 
 
-def word(page, word):
-    return page.locator(".word").get_by_text(word, exact=True)
-
-
 def see(page, seen):
     word(page, seen).wait_for()
 
@@ -131,15 +126,7 @@ def press(page, name):
 
 
 def press_until(page, seen, *names):
-    """Press buttons one after the other, and again where that was refused, until something is seen."""
-    end = time.monotonic() + WAIT
-    while not seen.first.is_visible():
-        assert time.monotonic() < end, page.locator("body").inner_text()
-        for name in names:
-            with suppress(playwright.TimeoutError):  # it may be gone or disabled by now
-                page.get_by_role("button", name=name, exact=True).click(timeout=1e3 * AGAIN / len(names))
-        with suppress(playwright.TimeoutError):
-            seen.first.wait_for(timeout=1e3 * AGAIN)
+    screenshots.press_until(page, seen, *names, wait=1e3 * WAIT)
 
 
 def look_at_the_other_pages(drive, page):

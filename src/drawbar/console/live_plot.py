@@ -14,7 +14,6 @@ from drawbar.console.under_way import UnderWay
 
 SPAN = 60
 """s"""
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#8c6bb1")
 _SHAPES = ("solid", "dashed", "dotted")
 
 
@@ -25,7 +24,7 @@ class Curve:
     name: str
     """as people read it; curves of one name are shown and hidden together"""
     index: int
-    """of its signal, for colour and dashes"""
+    """of its signal; it chooses colour (plots.js) and dashes"""
     thin: bool
 
 
@@ -59,15 +58,14 @@ class LivePlot:
 
 
 def _line(number: int, curve: Curve) -> dict[str, Any]:
-    colour, shape = _COLOURS[curve.index % len(_COLOURS)], _SHAPES[curve.index % len(_SHAPES)]
     return {
         "type": "line",
         "id": number,
         "name": curve.name,
         "showSymbol": False,
         "animation": False,
-        "lineStyle": {"width": 1 if curve.thin else 2.5, "color": colour, "type": shape},
-        "itemStyle": {"color": colour},
+        "colour": curve.index,
+        "lineStyle": {"width": 1 if curve.thin else 2.5, "type": _SHAPES[curve.index % len(_SHAPES)]},
     }
 
 

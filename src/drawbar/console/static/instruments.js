@@ -128,12 +128,12 @@ export default {
       ink.fillStyle = colour("--ground");
       ink.fillRect(0, 0, width, height);
       const to = this.camera(width, height), view = [width, height];
-      grid(ink, to, width, height, colour("--grid"));
       const boundary = this.boundary;
       if (boundary.length) stroke(ink, to, view, [...boundary, boundary[0]], colour("--edge"), 5, []);
       for (const line of this.lines.neighbours) stroke(ink, to, view, line, colour("--edge"), 1.5, [2, 5]);
       stroke(ink, to, view, this.lines.path, colour("--line"), 2.5, [9, 6]);
       this.paintTrail(ink, to, view, colour);
+      grid(ink, to, height, colour);
       const moving = this.picture.moving;
       if (!moving) return;
       stroke(ink, to, view, moving.plans[1], colour("--trailer"), 3, [3, 4]);
@@ -279,12 +279,13 @@ function extent(points) {
 }
 
 // A bar of a round length, so that distances on the map can be judged.
-function grid(ink, to, width, height, colour) {
+function grid(ink, to, height, colour) {
   const [a, b] = [to([0, 0]), to([1, 0])];
   const scale = Math.hypot(a[0] - b[0], a[1] - b[1]);
   const length = [1, 2, 5, 10, 20, 50, 100, 200].find((each) => each * scale >= 48) || 500;
-  ink.strokeStyle = colour;
-  ink.fillStyle = colour;
+  ink.fillStyle = colour("--ground");
+  ink.fillRect(6, height - 34, length * scale + 12, 30); // lines behind it would hide the figure
+  ink.strokeStyle = ink.fillStyle = colour("--ink");
   ink.lineWidth = 2;
   ink.beginPath();
   ink.moveTo(12, height - 16);
@@ -293,7 +294,7 @@ function grid(ink, to, width, height, colour) {
   ink.lineTo(12 + length * scale, height - 16);
   ink.stroke();
   ink.font = "600 14px system-ui, sans-serif";
-  ink.fillText(`${length} m`, 18, height - 16);
+  ink.fillText(`${length} m`, 18, height - 17);
 }
 
 let speaker = null;
