@@ -3,7 +3,7 @@
 function plotLook(names) {
   const colour = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
   const number = (value) => value.toLocaleString(document.documentElement.lang, { maximumFractionDigits: 6, useGrouping: false });
-  const axis = { axisLabel: { color: colour("--ink"), formatter: number }, splitLine: { lineStyle: { color: colour("--edge"), opacity: 0.4 } } };
+  const axis = { nameTextStyle: { color: colour("--ink"), fontSize: 14 }, axisLabel: { color: colour("--ink"), formatter: number }, splitLine: { lineStyle: { color: colour("--edge"), opacity: 0.4 } } };
   const top = window.innerWidth < 600 ? 16 + 24 * names : 48;
   return { grid: { top }, xAxis: axis, yAxis: axis, legend: { textStyle: { color: colour("--ink") }, pageTextStyle: { color: colour("--ink") }, pageIconColor: colour("--ink") } };
 }
