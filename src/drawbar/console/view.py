@@ -8,7 +8,7 @@ from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
 from drawbar.driving.operator import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
-from drawbar.safety.causes import BY_CODE
+from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.safety.engagement import LATCHED, STEERING
 from drawbar.signals import FixQuality
 
@@ -186,6 +186,7 @@ def picture(
         "seen": gate.sequence if gate is not None else -1,
         "stale": stale,
         "state": gate.state.name if gate is not None else "NO_CONTACT",
+        "unrecorded": gate is not None and Cause.NOT_RECORDING.value in gate.refusals,
         "bodies": [_body(controller, body, words) for body in ("tractor", "trailer")],
         "chips": _chips(controller, words),
         "moving": place.to_browser() if place is not None else None,

@@ -22,7 +22,7 @@ from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDE
 from drawbar.driving.wiggled import has_passed
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
-from drawbar.realtime import prepare
+from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order
 from drawbar.recording.log import encode_special
 from drawbar.signals import StepRecord
@@ -54,7 +54,7 @@ def main() -> int:
         tell=words.tell,
     )
     for word in prepare(max(configuration.safety.timing.priority - 10, 0)):
-        print(f"controller: {word}", file=sys.stderr)
+        say(f"controller: {word}")
     while not (ending.asked or words.gate_is_gone):
         now = time.monotonic_ns()
         for data in arrived(gate):

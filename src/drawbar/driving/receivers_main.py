@@ -22,7 +22,7 @@ from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import Role, encode, nanoseconds, seconds
 from drawbar.protocols.ntrip import gga_sentence
-from drawbar.realtime import prepare
+from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.signals import FixQuality
 from drawbar.transports.base import Received
@@ -53,7 +53,7 @@ def main() -> int:
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
     corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
     for word in prepare(0):
-        print(f"receivers: {word}", file=sys.stderr)
+        say(f"receivers: {word}")
     while not ending.asked:
         now = time.monotonic_ns()
         was_due = navigation.due <= seconds(now)

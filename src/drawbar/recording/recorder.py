@@ -45,7 +45,7 @@ class Recorder:
             try:
                 self._begin(header)
             except OSError:
-                self._give_up()
+                self.give_up()
                 raise
         except OSError as error:
             raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
@@ -84,13 +84,13 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if isinstance(error, StorageError):
-            self._give_up()
+        if isinstance(error, StorageError) or self._stream.closed:
+            self.give_up()
             return
         try:
             self._finish(self._outcome(error))
         except OSError as full:
-            self._give_up()
+            self.give_up()
             raise self._full(full) from full
 
     def _outcome(self, error: BaseException | None) -> Outcome:
@@ -102,8 +102,8 @@ class Recorder:
             f"are kept: free space, then `drawbar report {self._file.parent}`"
         )
 
-    def _give_up(self) -> None:
-        """Close the file; what is left in the buffer has no place on the disk."""
+    def give_up(self) -> None:
+        """Close the file, to which nothing can be added; what is left in the buffer has no place on the disk."""
         with suppress(OSError):
             self._stream.close()
 
