@@ -4,9 +4,13 @@ import dataclasses
 import json
 import math
 import os
+from collections import Counter
+from itertools import islice
 
+import msgspec
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 from rich.console import Console
 
 from drawbar.config import load_configuration
@@ -22,7 +26,7 @@ from drawbar.messages import GateState, SupervisorState, encode
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes, is_drive, open_drive
 from drawbar.recording.header import run_header
-from drawbar.recording.log import read_log
+from drawbar.recording.log import encode_special, read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
@@ -170,6 +174,25 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     assert len(read) == 3
     assert encode(read[2]) == encode(state)
     assert read_log(tmp_path / "log.mcap").outcome.reason == "the drive was ended before the end of the path"
+
+
+def test_a_drives_steps_and_what_is_drawn_of_them_fill_few_megabytes_an_hour(tmp_path, build):
+    simulation, frame = build("articulated"), LocalFrame(latitude=50.0, longitude=4.0)
+    scene = Scene(path=simulation.path, vehicle=simulation.configuration.vehicle, frame=frame)
+    encoder, sizes = msgspec.json.Encoder(enc_hook=encode_special), []
+    with DriveLog(tmp_path / "log.mcap", simulation.header(), scene) as log:
+        for record in islice(simulation.steps(), 200):
+            log.add_step(round(record.measurement.time * 1e9), encoder.encode(record), record)
+            sizes.append((tmp_path / "log.mcap").stat().st_size)
+    hourly = 3600.0 / simulation.configuration.sample_time * (sizes[-1] - sizes[20]) / (len(sizes) - 21) * 1e-6
+    print(f"\n{hourly:.1f} MB an hour")
+    assert hourly < 30.0
+    with (tmp_path / "log.mcap").open("rb") as stream:
+        topics = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
+    assert topics == dict.fromkeys(("/step", "/tf", "/plan", "/tractor/fix", "/trailer/fix"), 200) | {
+        "/path": 1,
+        "/bodies": 1,
+    }
 
 
 def test_a_simulated_run_is_no_drive(tmp_path):

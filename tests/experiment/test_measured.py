@@ -94,8 +94,16 @@ def test_an_expected_case_must_come_to_the_end(measured: MeasuredExperiment, sho
         short_result, metrics=dataclasses.replace(short_result.metrics, finished=False, outcome="lost")
     )
     runs = {"articulated": Runs(results=[lost], failures=[]), "slow": Runs(results=[lost], failures=[])}
-    assert dataclasses.replace(measured, runs=runs).misses()[0] == "slow, seed 1: lost"
-    assert dataclasses.replace(measured, runs=runs).finished("articulated") == "0/1"
+    measured = dataclasses.replace(measured, runs=runs)
+    assert measured.misses()[0] == "slow, seed 1: lost"
+    assert measured.finished("articulated") == "0/1"
+    write_results(measured, [])
+    write_report(measured.experiment.folder.parent)
+    report = (measured.experiment.folder.parent / "REPORT.md").read_text("utf-8")
+    assert (
+        "- **Missed**: 1 of 2 expected figures of *Two controllers*, and 1 of its runs did not come to the end."
+        in report
+    )
 
 
 def test_statistics_and_names_of_figures(measured: MeasuredExperiment, short_result) -> None:

@@ -46,6 +46,10 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
         "tractor": CONTROL_ITERATIONS,
         "trailer": CONTROL_ITERATIONS,
     }
+    tractor = manifest["bounds"][
+        "tractor"
+    ]  # free; columns, two to publish, two to take back; the start; its iterations
+    assert tractor["sweeps"] == 1 + tractor["active_set_columns"] + 4 + 1 + 2 * CONTROL_ITERATIONS + 4
     assert manifest["state_bytes"] >= sum(manifest["components_bytes"].values())
 
 

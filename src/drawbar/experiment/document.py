@@ -29,6 +29,8 @@ class Summary:
     """figures that were expected"""
     missed: int
     """of them"""
+    lost: int = 0
+    """runs of the cases with expected figures that have no result or did not come to the end of the path"""
     machine: Mapping[str, str]
     """on which the runs were made, without its compiler, whose name is a path of that machine"""
 
@@ -47,15 +49,17 @@ def write_results(measured: MeasuredExperiment, parts: Sequence[Part]) -> None:
 
 
 def _summary(measured: MeasuredExperiment) -> Summary:
-    settings, missed = measured.experiment.settings, len(measured.misses())
+    settings, misses = measured.experiment.settings, measured.misses()
+    missed = sum(not verdict.holds for verdict in measured.verdicts())
     return Summary(
         title=settings.title,
         learned=measured.told(settings.learned),
-        why_missed=measured.told(settings.why_missed) if missed else "",
+        why_missed=measured.told(settings.why_missed) if misses else "",
         cases=len(measured.cases),
         seeds=measured.seeds,
         expected=len(measured.verdicts()),
         missed=missed,
+        lost=len(misses) - missed,
         machine={name: text for name, text in machine().items() if name != "compiler"},
     )
 
@@ -76,8 +80,9 @@ def _opening(summaries: Iterable[Summary]) -> list[str]:
     told = list(summaries)
     lines = [f"- {each.learned}" for each in told if each.learned]
     for each in told:
-        if each.missed:
-            of = f"{each.missed} of {each.expected} expected figures of *{each.title}*"
+        if each.missed or each.lost:
+            lost = f", and {each.lost} of its runs did not come to the end" if each.lost else ""
+            of = f"{each.missed} of {each.expected} expected figures of *{each.title}*{lost}"
             lines.append(f"- **Missed**: {of}. {each.why_missed or 'The reason is not known.'}")
     return ["## What was learned", "\n".join(lines)] if lines else []
 

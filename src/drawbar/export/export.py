@@ -3,7 +3,7 @@
 import json
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple
 from pathlib import Path
 
@@ -14,8 +14,10 @@ from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.export import sources
 from drawbar.export.initialise import literal
 from drawbar.export.manifest import configuration_hash, manifest
+from drawbar.export.memory import Memory
+from drawbar.export.precision import single, single_memory, single_text
 from drawbar.export.recording import measurement_table, path_table, record
-from drawbar.export.targets import Target
+from drawbar.export.targets import Precision, Target
 from drawbar.export.toolchain import build_target
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
@@ -26,7 +28,12 @@ _SEED = 0
 """of the simulated run whose measurements go with the example"""
 
 
-def export_library(configuration: Configuration, folder: Path, targets: Sequence[Target] = ()) -> None:
+def export_library(
+    configuration: Configuration,
+    folder: Path,
+    targets: Sequence[Target] = (),
+    precision: Precision = Precision.DOUBLE,
+) -> None:
     """Write the library's sources, its example and its manifest, and build it for each target.
 
     The folder is new, empty, or that of an earlier export, which is replaced.
@@ -41,9 +48,10 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
     _require_exportable(configuration)
     simulation = Simulation(configuration, _SEED)
     components = list(simulation.autopilot.library.components.values())
+    sourced, memory = _source_files(configuration, components, precision)
     files = {
         "config.toml": configuration.to_toml(),
-        **_source_files(configuration, components),
+        **sourced,
         "example/path.csv": path_table(simulation.path),
         "example/measurements.csv": measurement_table(record(simulation)),
     }
@@ -54,7 +62,7 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text, "utf-8", newline="\n")
         builds = [build_target(target, folder) for target in targets]
-        content = manifest(configuration, __version__, components, builds)
+        content = manifest(configuration, precision, components, memory, builds)
         (folder / "manifest.json").write_text(json.dumps(content, indent=2) + "\n", "utf-8", newline="\n")
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
@@ -79,8 +87,10 @@ def _require_exportable(configuration: Configuration) -> None:
             )
 
 
-def _source_files(configuration: Configuration, components: Sequence[Component]) -> dict[str, str]:
-    """Return all that is the same for every target, by its place in the folder."""
+def _source_files(
+    configuration: Configuration, components: Sequence[Component], precision: Precision
+) -> tuple[dict[str, str], Memory]:
+    """Return all that is the same for every target, by its place in the folder, and what its state takes."""
     names = {component.name for component in components}
     version = f"{__version__} {configuration_hash(configuration)[:16]}"
     constants = {
@@ -94,12 +104,14 @@ def _source_files(configuration: Configuration, components: Sequence[Component])
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
     texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n'
-    every = {
-        **texts,
-        **sources.headers(texts.values()),
-        "drawbar_size.h": sources.size_header(components, configuration.sample_time),
-        "drawbar_components.h": sources.components_header(components, constants),
-    }
+    main = sources.filled("main.c", {})
+    every, memory = {**texts, **sources.headers(texts.values())}, Memory.of(components)
+    sizes = _sizes(memory, configuration, constants)
+    if precision is Precision.SINGLE:
+        every, main = single(every), single_text(main)
+        memory = single_memory(components, {**every, **single(sizes)})
+        sizes = single(_sizes(memory, configuration, constants))
+    every |= sizes
     listed = " ".join(f"src/{name}" for name in sorted(texts))
     number = re.match(r"\d+(?:\.\d+){0,3}", __version__)
     marks = {
@@ -109,11 +121,20 @@ def _source_files(configuration: Configuration, components: Sequence[Component])
         "HASH": version.split()[1],
         "SOURCES": listed,
     }
-    return {
+    files = {
         **{f"{'include' if name in sources.PUBLIC else 'src'}/{name}": text for name, text in sorted(every.items())},
         "CMakeLists.txt": sources.filled("CMakeLists.txt", marks),
         "README.md": sources.filled("README.md", marks),
-        "example/main.c": sources.filled("main.c", {}),
+        "example/main.c": main,
+    }
+    return files, memory
+
+
+def _sizes(memory: Memory, configuration: Configuration, constants: Mapping[str, str]) -> dict[str, str]:
+    """Return the headers with numbers of this very configuration."""
+    return {
+        "drawbar_size.h": sources.size_header(memory, configuration.sample_time),
+        "drawbar_components.h": sources.components_header(memory, constants),
     }
 
 

@@ -10,7 +10,7 @@ from typing import Self
 import msgspec
 
 from drawbar.errors import StorageError
-from drawbar.recording.chunks import ChunkedWriter
+from drawbar.recording.chunks import LEVEL, ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
 from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
@@ -32,6 +32,9 @@ class Recorder:
     leaving without one means that the run drove its path to the end.
     """
 
+    LEVEL = LEVEL
+    """of the compression"""
+
     def __init__(self, file: str | os.PathLike[str], header: RunHeader) -> None:
         """Create the file and write what is known before the first step.
 
@@ -50,7 +53,7 @@ class Recorder:
 
     def _begin(self, header: RunHeader) -> None:
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
-        self._writer = ChunkedWriter(self._stream, profile="drawbar")
+        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=self.LEVEL)
         self._writer.add_attachment(
             HEADER_NAME, "application/json", self._encoder.encode(header), created=time.time_ns()
         )

@@ -86,7 +86,7 @@ class DriveSettings(Settings):
     """for how long it must be below it, s"""
     correction_age: Positive = 20.0
     """oldest corrections with which to go on undegraded, s"""
-    lateral_deviation: Positive = 0.30
+    lateral_deviation: Positive = 0.15
     """standard deviation across the line at which to stop, m"""
     lateral_error: Positive = 1.5
     """distance of either body from the line at which to stop, m"""
@@ -113,6 +113,8 @@ class EnvelopeSettings(Settings):
 
     speed: Positive = 4.2
     """fastest that this machine is driven, m/s"""
+    acceleration: Positive = 1.5
+    """hardest that it speeds up, m/s²; bounds the speed while that is not known"""
     lateral_acceleration: Positive = 1.5
     """largest, m/s²; bounds the front wheels' angle by speed"""
     lateral_jerk: Positive = 2.0
