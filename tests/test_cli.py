@@ -123,7 +123,10 @@ REFUSED = {
     "quotes in a path": (("--path", 'a"\n\\b.csv'), 'a"\n\\b.csv'),
     "steering too far": (("--set", "vehicle.tractor_steering_limit=0.02"), "vehicle.tractor_steering_limit = 0.02"),
     "steering too fast": (("--set", "vehicle.tractor_steering_rate=0.001"), "vehicle.tractor_steering_rate = 0.001"),
-    "track without a path": (("--track", "Cu 275.4°"), "Cu 275.4°"),
+    "track without a path": (
+        ("--track", "Cu 275.4°"),
+        "error: --track Cu 275.4°: there is no file with lines; give --path",
+    ),
     "a start 1 km away": (("--set", "start.ahead=1000.0"), "1000.0"),
     "radius too tight": (("--set", "path.radii=[1.0]"), "path.radii holds 1.0 m"),
     "sample time off the machine's grid": (("--set", "machine.step=0.03"), "0.03"),

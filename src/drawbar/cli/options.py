@@ -1,15 +1,19 @@
 """What several commands share: the console, arguments and options."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from json import dumps
 from pathlib import Path as FilePath
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
 from drawbar.configurations import shipped_names
 from drawbar.errors import DrawbarError
+
+if TYPE_CHECKING:
+    from drawbar.config import Configuration
 
 console = Console(highlight=False, markup=False)  # names of files and lines may hold brackets
 
@@ -31,6 +35,21 @@ RunLogFile = Annotated[
 ]
 Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
+
+
+def configured(source: str, path: str, track: str, changes: Sequence[str]) -> "Configuration":
+    """Return a configuration with the line that --path and --track name, then changes; empty: its own line.
+
+    Raises DrawbarError for a track without a file, ConfigurationError as load_configuration.
+    """
+    from drawbar.config import load_configuration
+
+    if track and not path and not load_configuration(source, changes).path.file:
+        raise DrawbarError(f"--track {track}: there is no file with lines; give --path too, or leave --track out.")
+    given = (("path.file", path), ("path.track", track))
+    # a JSON string is a TOML string
+    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
+    return load_configuration(source, [*settings, *changes])
 
 
 @contextmanager

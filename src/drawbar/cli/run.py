@@ -1,12 +1,11 @@
 """`drawbar run`: drive a whole run in simulation and report on it."""
 
-from json import dumps
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, compiling, console
+from drawbar.cli.options import ConfigurationName, compiling, configured, console
 from drawbar.errors import DrawbarError, StorageError
 
 if TYPE_CHECKING:
@@ -34,15 +33,11 @@ def run(
 ) -> None:
     """Drive a whole run in simulation and report on it."""
     from drawbar.cli.interrupts import Interrupts
-    from drawbar.config import load_configuration
     from drawbar.simulation import Simulation
 
     if path == "":
         raise typer.BadParameter("is empty; give a file or a field folder", param_hint="--path")
-    # a JSON string is a TOML string
-    given = (("path.file", path), ("path.track", track))
-    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
-    config = load_configuration(configuration, [*settings, *(changes or [])])
+    config = configured(configuration, path or "", track, changes or [])
     if out is not None and not force:
         _refuse_a_run_in(out)
     with compiling():

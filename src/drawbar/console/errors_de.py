@@ -181,6 +181,8 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: is not valid TOML: {}.": "{0}: ist kein gültiges TOML ({1}).",
     "{}: cannot be read as a configuration ({}); give a TOML file or one of: {}.":
         "{0}: ist keine lesbare Konfiguration ({1}).",
+    "{}: is neither a file nor a shipped configuration{}; give a TOML file or one of: {}.":
+        "{0}: ist weder eine Datei noch eine mitgelieferte Konfiguration; mitgeliefert sind: {2}.",
     "not UTF-8 text": "kein Text (UTF-8)",
     "{}: extends = {} is not allowed; give the name of a shipped configuration ({}) or of a file in the same folder, "
     "but none that extends this one.":
@@ -206,9 +208,10 @@ ERRORS_DE: Mapping[str, str] = {
     "track = {} is given without a file; give path.file too, or leave track out":
         "Linie {0} ohne Datei; path.file auch angeben",
     "{} is too large against the weights on the errors: a correction would take {} s, at most {} s is allowed with "
-    "controller.horizon = {}; lower it, or raise the others":
+    "controller.horizon = {} and sample_time = {} s; lower the weight, raise the others, or raise horizon or "
+    "sample_time":
         "{0} ist zu groß gegenüber den Gewichten der Fehler: eine Korrektur würde {1} s dauern, höchstens {2} s sind "
-        "mit controller.horizon = {3} erlaubt; anderes Tempo wählen, oder das Gewicht ändern",
+        "mit controller.horizon = {3} und sample_time = {4} s erlaubt; anderes Tempo wählen, oder das Gewicht ändern",
     # calibration: names and units
     "front wheels": "Vorderräder",
     "joint": "Lenkgelenk",

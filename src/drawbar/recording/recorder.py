@@ -1,5 +1,6 @@
 """Writes every control step to a log that survives a crash: MCAP in compressed chunks, flushed after each step."""
 
+import os
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -34,14 +35,14 @@ class Recorder:
     LEVEL = LEVEL
     """of the compression"""
 
-    def __init__(self, file: Path, header: RunHeader) -> None:
+    def __init__(self, file: str | os.PathLike[str], header: RunHeader) -> None:
         """Create the file and write what is known before the first step.
 
         Raises StorageError when the file cannot be created.
         """
-        self._file, self._steps = file, 0
+        self._file, self._steps = Path(file), 0
         try:
-            self._stream = file.open("wb")
+            self._stream = self._file.open("wb")
             try:
                 self._begin(header)
             except OSError:
