@@ -83,6 +83,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}:{1}: die Datei endet mitten in Linie {2}; das Feld neu aus AgOpenGPS ausgeben",
     "{}:{}: line {} announces {} points, but {} rows follow; export the field from AgOpenGPS again":
         "{0}:{1}: Linie {2} kündigt {3} Punkte an, {4} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
+    "{}:{}: announces {} points; a whole number is allowed: export the field from AgOpenGPS again":
+        "{0}:{1}: kündigt {2} Punkte an; erlaubt ist eine ganze Zahl: das Feld neu aus AgOpenGPS ausgeben",
     "{}:{}: announces {} points, but {} rows follow; export the field from AgOpenGPS again":
         "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
     "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these":
