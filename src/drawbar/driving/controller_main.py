@@ -32,6 +32,8 @@ _TOGETHER = 32
 """of what was done is told at once; more than in a step"""
 _LONGEST_WAIT = 100_000_000
 """ns"""
+_LOOK = 1_000_000_000
+"""between two looks, while nothing is steered, whether the wiggle test is passed, ns"""
 
 
 def main() -> int:
@@ -43,8 +45,7 @@ def main() -> int:
     mailbox = Mailbox(orders.socket(CONTROLLER))
     beat, ending, words = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending(), Words(gate, mailbox, orders)
     path, _ = build_path(configuration)
-    fingerprint, wiggled = configuration.safety.fingerprint(), has_passed(configuration)
-    controller = Controller(configuration, path, fingerprint, wiggled=wiggled)
+    controller, look = Controller(configuration, path, configuration.safety.fingerprint()), 0
     loop = ControlLoop(
         controller,
         Sampler(configuration.sample_time),
@@ -57,6 +58,8 @@ def main() -> int:
         print(f"controller: {word}", file=sys.stderr)
     while not (ending.asked or words.gate_is_gone):
         now = time.monotonic_ns()
+        if now >= look and not controller.engaged:
+            look, controller.wiggled = now + _LOOK, has_passed(configuration)
         for data in arrived(gate):
             state = decode(data, GateState)
             if isinstance(state, GateState):
