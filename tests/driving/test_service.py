@@ -1,4 +1,4 @@
-"""The templates of systemd units are what systemd takes, and a drive finds its wiggle test in the folder that they name."""
+"""The templates of systemd units are what systemd takes, and a drive finds its wiggle test where they say."""
 
 import shutil
 import subprocess

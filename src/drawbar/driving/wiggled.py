@@ -1,7 +1,7 @@
 """Wiggled: that the actuators have passed their wiggle test, kept from `drawbar check --wiggle` until `drawbar drive`.
 
-It holds for the very same actuators, until the computer restarts, and for LONGEST at most. It is kept in the folder that
-systemd gives a service (`STATE_DIRECTORY`), else in the user's own.
+It holds for the very same actuators, until the computer restarts, and for LONGEST at most. It is kept in the folder
+that systemd gives a service (`STATE_DIRECTORY`), else in the user's own.
 """
 
 import hashlib
@@ -47,8 +47,8 @@ def _write(content: dict[str, str | float]) -> None:
         os.replace(part, file)
     except OSError as error:
         raise StorageError(
-            f"{file}: a passed wiggle test cannot be kept there ({error.strerror}); set STATE_DIRECTORY to a folder that "
-            "`drawbar check` may write and `drawbar drive` reads (docs/service.md)"
+            f"{file}: a passed wiggle test cannot be kept there ({error.strerror}); set STATE_DIRECTORY to a folder "
+            "that `drawbar check` may write and `drawbar drive` reads (docs/service.md)"
         ) from error
 
 
