@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.options import ConfigurationName, console, refuse_to_replace
 from drawbar.errors import DrawbarError
 
 
@@ -35,6 +35,8 @@ def path(
     given = (("path.file", line), ("path.track", track))
     settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
     config = load_configuration(configuration, [*settings, *(changes or [])])
+    if config.path.file:
+        refuse_to_replace("--out", out, FilePath(config.path.file))
     driven, drivable = build_path(config)
     if drivable:
         console.print(deviation_note(config, drivable), soft_wrap=True)
