@@ -4,7 +4,6 @@ import asyncio
 import contextlib
 import os
 import sys
-import tempfile
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,10 +24,10 @@ _RECONNECT = 60.0
 def main() -> int:
     """Serve the pages until told to end."""
     orders = ConsoleOrders.model_validate_json(sys.stdin.read())
-    with tempfile.TemporaryDirectory(prefix="drawbar-console-") as storage:
-        os.environ["NICEGUI_STORAGE_PATH"] = storage  # nothing of NiceGUI's own in the folder where one happens to be
-        os.environ.setdefault("MPLBACKEND", "agg")
-        return _serve(orders)
+    # nothing of NiceGUI's own in the folder where one happens to be, and nothing that outlives the drive
+    os.environ["NICEGUI_STORAGE_PATH"] = str(Path(orders.folder) / "storage")
+    os.environ.setdefault("MPLBACKEND", "agg")
+    return _serve(orders)
 
 
 def _serve(orders: ConsoleOrders) -> int:
