@@ -13,6 +13,7 @@ from typing import IO, Self
 
 from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.ending import undisturbed
 from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, GateOrders, Orders
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
@@ -147,6 +148,12 @@ class Crew:
         """End the gate first, so that the actuators let go; then all others, the recorder last."""
         if self._messages.closed:
             return
+        with undisturbed():
+            self._end_all()
+            self._messages.close()
+            self._folder.cleanup()
+
+    def _end_all(self) -> None:
         for name in ("gate", "guard", "controller", "receivers", "stand_in", "recorder", CONSOLE):
             process = self.processes.get(name)
             if process is not None and process.poll() is None:
@@ -156,8 +163,6 @@ class Crew:
                 except subprocess.TimeoutExpired:
                     process.kill()
                     process.wait()
-        self._messages.close()
-        self._folder.cleanup()
 
 
 def gate_orders(configuration: Configuration, folder: str, controller: int, *, shadow: bool = False) -> GateOrders:
