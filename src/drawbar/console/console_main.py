@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.ending import told
 
 if TYPE_CHECKING:
     from drawbar.console.link import Link
@@ -116,4 +117,4 @@ async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -15,7 +15,7 @@ from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Step, Sureness, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
@@ -147,4 +147,4 @@ def arrived(gate: socket.socket) -> Iterator[bytes]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

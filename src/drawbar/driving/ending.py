@@ -2,9 +2,12 @@
 
 import os
 import signal
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+from drawbar.errors import DrawbarError
 
 
 class Ending:
@@ -34,3 +37,12 @@ def undisturbed() -> Iterator[None]:
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
+
+
+def told(main: Callable[[], int]) -> int:
+    """Return the exit code of a process's program; an expected error is one message, which the crew passes on."""
+    try:
+        return main()
+    except DrawbarError as error:
+        print(error, file=sys.stderr)
+        return 2
