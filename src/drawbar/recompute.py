@@ -92,7 +92,9 @@ class Comparison:
         self._largest: dict[str, float] = {}
 
     def add(self, step: int, recorded: Any, recomputed: Any, prefix: str = "", names: Sequence[str] = ()) -> None:
-        """Compare all numbers of two dataclasses of one kind, NaN being the same as NaN.
+        """Compare all numbers that two dataclasses of one kind both have, NaN being the same as NaN.
+
+        Another setting may make more or fewer of them, as the stages of a plan.
 
         Args:
             step: at which they were.
@@ -101,8 +103,9 @@ class Comparison:
             prefix: before the names of its numbers, with a dot behind it.
             names: of the fields to compare; empty: all that are computed.
         """
-        pairs = zip(_numbers(recorded, names), _numbers(recomputed, names), strict=True)
-        for (name, here), (_, there) in pairs:
+        numbers = dict(_numbers(recomputed, names))
+        for name, here in _numbers(recorded, names):
+            there = numbers.get(name, here)
             if not (here == there or (math.isnan(here) and math.isnan(there))):
                 difference = Difference(step=step, signal=prefix + name, recorded=here, recomputed=there)
                 self._first.setdefault(difference.signal, difference)

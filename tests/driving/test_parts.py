@@ -21,6 +21,7 @@ from drawbar.driving.front_end import Keyboard
 from drawbar.driving.letters import Step, Sureness, pack, unpack
 from drawbar.driving.mail import MOST_KEPT, Mailbox
 from drawbar.driving.operator import changed_speed
+from drawbar.errors import ConfigurationError
 from drawbar.geometry import LocalFrame
 from drawbar.messages import GateState, SupervisorState, encode
 from drawbar.recording.drive_log import DriveLog
@@ -250,6 +251,13 @@ def test_schemas_hold_nothing_that_viewers_cannot_read():
     assert "$ref" not in text
     properties = json.loads(text)["properties"]
     assert properties["plan"]["properties"]["tractor"]["properties"]["poses"]["items"]["type"] == "array"
+
+
+@pytest.mark.parametrize("body", ["tractor", "trailer"])
+def test_a_vehicle_that_no_stand_in_board_can_steer_is_refused(body):
+    changes = [f"vehicle.{body}_steering_limit=0.9", f"machine.actuators.{body}_stop=1.0"]
+    with pytest.raises(ConfigurationError, match=rf"vehicle\.{body}_steering_limit = 0\.9 rad: .* below 0\.8726 rad"):
+        with_stand_ins(load_configuration("articulated", changes))
 
 
 def test_what_is_kept_of_a_demonstration_names_no_stand_in_and_asks_for_the_wiggle_test():

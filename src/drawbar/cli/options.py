@@ -62,6 +62,18 @@ def compiling() -> Iterator[None]:
         yield
 
 
+def refuse_to_replace(option: str, target: FilePath, given: FilePath) -> None:
+    """Raise DrawbarError where a file that is to be written is one that is read, by whatever name.
+
+    Args:
+        option: that names the target.
+        target: to be written.
+        given: to be read.
+    """
+    if target.exists() and given.exists() and target.samefile(given):
+        raise DrawbarError(f"{option} {target}: is what is read, {given}, and would be lost; choose another file.")
+
+
 def one_cluster(jobs: int | None, cluster: str) -> None:
     """Raise DrawbarError where both a number of processes and a running cluster are chosen."""
     if jobs and cluster:

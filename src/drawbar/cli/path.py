@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, configured, console
+from drawbar.cli.options import ConfigurationName, configured, console, refuse_to_replace
 from drawbar.errors import DrawbarError
 
 
@@ -31,6 +31,8 @@ def path(
     if out.suffix not in tables:
         raise DrawbarError(f"--out {out}: give a file that ends with {' or '.join(tables)}.")
     config = configured(configuration, line, track, changes or [])
+    if config.path.file:
+        refuse_to_replace("--out", out, FilePath(config.path.file))
     driven, drivable = build_path(config)
     if drivable:
         console.print(deviation_note(config, drivable), soft_wrap=True)

@@ -28,14 +28,13 @@ class Controller:
     While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
     """
 
-    def __init__(self, configuration: Configuration, path: Path, fingerprint: int, *, wiggled: bool = False) -> None:
+    def __init__(self, configuration: Configuration, path: Path, fingerprint: int) -> None:
         """Build the autopilot.
 
         Args:
             configuration: of the run.
             path: to drive along.
             fingerprint: of the safety settings that the gate has.
-            wiggled: the actuators have passed their wiggle test.
 
         Raises:
             PathError: the gate would not let the path be driven at the set speed.
@@ -43,7 +42,8 @@ class Controller:
         """
         self._configuration, self._fingerprint = configuration, fingerprint
         self._line, self._wished, self._anew = DrivenLine.first(configuration, path), math.nan, False
-        self._wiggled = wiggled
+        self.wiggled = False
+        """the actuators have passed their wiggle test"""
         self._autopilot = build_autopilot(within_envelope(configuration))
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
@@ -157,7 +157,7 @@ class Controller:
             configuration=self._fingerprint,
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(measurement.trailer_fix_quality),
-            wiggled=int(self._wiggled),
+            wiggled=int(self.wiggled),
             status=int(self._status),
             flags=int(record.flags),
             solved=self._solved,

@@ -15,7 +15,7 @@ from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Step, Sureness, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
@@ -32,6 +32,8 @@ _TOGETHER = 32
 """of what was done is told at once; more than in a step"""
 _LONGEST_WAIT = 100_000_000
 """ns"""
+_LOOK = 1_000_000_000
+"""between two looks, while nothing is steered, whether the wiggle test is passed, ns"""
 
 
 def main() -> int:
@@ -43,8 +45,7 @@ def main() -> int:
     mailbox = Mailbox(orders.socket(CONTROLLER))
     beat, ending, words = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending(), Words(gate, mailbox, orders)
     path, _ = build_path(configuration)
-    fingerprint, wiggled = configuration.safety.fingerprint(), has_passed(configuration)
-    controller = Controller(configuration, path, fingerprint, wiggled=wiggled)
+    controller, look = Controller(configuration, path, configuration.safety.fingerprint()), 0
     loop = ControlLoop(
         controller,
         Sampler(configuration.sample_time),
@@ -57,6 +58,8 @@ def main() -> int:
         say(f"controller: {word}")
     while not (ending.asked or words.gate_is_gone):
         now = time.monotonic_ns()
+        if now >= look and not controller.engaged:
+            look, controller.wiggled = now + _LOOK, has_passed(configuration)
         for data in arrived(gate):
             state = decode(data, GateState)
             if isinstance(state, GateState):
@@ -144,4 +147,4 @@ def arrived(gate: socket.socket) -> Iterator[bytes]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -7,6 +7,7 @@ import sys
 import termios
 import time
 import tty
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
@@ -45,13 +46,17 @@ class Keyboard:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._terminal:
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+            with suppress(termios.error):  # the terminal is gone
+                termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
 
     def pressed(self) -> str:
         """Return the keys that were pressed since the last call, in order; empty where there were none."""
         if not self._terminal or not select.select([sys.stdin], [], [], 0.0)[0]:
             return ""
-        return os.read(sys.stdin.fileno(), _MOST_KEYS).decode(errors="replace")  # a stream would keep the others back
+        try:
+            return os.read(sys.stdin.fileno(), _MOST_KEYS).decode(errors="replace")  # a stream would keep others back
+        except OSError:  # the terminal is gone
+            return ""
 
 
 class FrontEnd:

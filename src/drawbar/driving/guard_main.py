@@ -12,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GUARD, GateOrders
 from drawbar.messages import GateState, decode
@@ -90,4 +90,4 @@ def _send(wire: socket.socket, board: tuple[str, int]) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

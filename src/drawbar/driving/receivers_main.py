@@ -10,10 +10,10 @@ import time
 
 from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Device, pack
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECORDER, Orders
+from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECEIVERS, RECORDER, Orders
 from drawbar.driving.place import local_frame
 from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
@@ -45,7 +45,7 @@ def main() -> int:
     configuration = load_configuration(orders.configuration)
     devices = configuration.devices
     assert devices is not None
-    mailbox = Mailbox(orders.socket("receivers"))
+    mailbox = Mailbox(orders.socket(RECEIVERS))
     witness = Witness(mailbox, orders.socket(RECORDER))
     tractor, trailer = (_receiver(settings, device, witness) for settings, device in _receivers(devices))
     sensors = _sensors(devices, witness)
@@ -152,4 +152,4 @@ class Witness:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

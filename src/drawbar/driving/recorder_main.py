@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drawbar.config import Configuration, load_configuration
 from drawbar.driving.beat import Beat
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Step, unpack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GATE, RECORDER, Orders
@@ -103,4 +103,4 @@ def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

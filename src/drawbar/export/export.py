@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple
 from pathlib import Path
+from typing import Any
 
 from drawbar import __version__
 from drawbar.codegen import Component
@@ -18,7 +19,7 @@ from drawbar.export.memory import Memory
 from drawbar.export.precision import single, single_memory, single_text
 from drawbar.export.recording import measurement_table, path_table, record
 from drawbar.export.targets import Precision, Target
-from drawbar.export.toolchain import build_target
+from drawbar.export.toolchain import Built, build_target
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
 from drawbar.step.library import StepSettings
@@ -36,7 +37,7 @@ def export_library(
 ) -> None:
     """Write the library's sources, its example and its manifest, and build it for each target.
 
-    The folder is new, empty, or that of an earlier export, which is replaced.
+    The folder is new, empty, or that of an earlier export, which its manifest tells, and which is replaced.
 
     Raises:
         ConfigurationError: a component of the configuration exists in simulation only.
@@ -61,20 +62,46 @@ def export_library(
         for name, text in files.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text, "utf-8", newline="\n")
-        builds = [build_target(target, folder) for target in targets]
-        content = manifest(configuration, precision, components, memory, builds)
-        (folder / "manifest.json").write_text(json.dumps(content, indent=2) + "\n", "utf-8", newline="\n")
+        _write_manifest(folder, manifest(configuration, precision, components, memory, []))
+        builds = _built(folder, targets)
+        _write_manifest(folder, manifest(configuration, precision, components, memory, builds))
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
 
 
 def _require_room(folder: Path) -> None:
-    """Refuse a folder in which something else lies: it would be lost."""
-    earlier = (folder / "include" / "drawbar.h").is_file()
-    if folder.is_dir() and any(folder.iterdir()) and not earlier:
+    """Refuse a folder in which something lies that no earlier export wrote, and that would be lost or built in."""
+    if not folder.is_dir():
+        return
+    try:
+        earlier = json.loads((folder / "manifest.json").read_text("utf-8"))
+        written = set(earlier["files"]) if isinstance(earlier, dict) and "drawbar" in earlier else set()
+    except (OSError, ValueError, KeyError, TypeError):
+        written = set()
+    places = [folder / name for name in _FOLDERS] if written else [folder]
+    found = (file for place in places for file in place.rglob("*") if not file.is_dir())
+    other = next((name for file in found if (name := file.relative_to(folder).as_posix()) not in written), None)
+    if other is not None:
         raise DrawbarError(
-            f"{folder}: holds files that no earlier export wrote; choose another --out folder, or empty it."
+            f"{folder}: holds files that no earlier export wrote ({other}); choose another --out folder, or empty it."
         )
+
+
+def _built(folder: Path, targets: Sequence[Target]) -> list[Built]:
+    """Build the library for each target; where one cannot be built, none is left."""
+    try:
+        return [build_target(target, folder) for target in targets]
+    except BaseException:
+        shutil.rmtree(folder / "lib", ignore_errors=True)
+        raise
+
+
+def _write_manifest(folder: Path, content: dict[str, Any]) -> None:
+    """Write the manifest, with the names of the files that are in the export's folders."""
+    found = (file for name in _FOLDERS for file in (folder / name).rglob("*") if file.is_file())
+    files = sorted(file.relative_to(folder).as_posix() for file in found)
+    text = json.dumps(content | {"files": files}, indent=2)
+    (folder / "manifest.json").write_text(text + "\n", "utf-8", newline="\n")
 
 
 def _require_exportable(configuration: Configuration) -> None:

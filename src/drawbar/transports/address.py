@@ -4,7 +4,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from ipaddress import IPv4Address
+from typing import Annotated
 from urllib.parse import parse_qsl
+
+from pydantic import AfterValidator
 
 from drawbar.errors import ConfigurationError
 
@@ -105,6 +108,32 @@ def parse_can(text: str) -> CanAddress:
         return _bus(interface, channel)
     except _RefusedError as reason:
         raise ConfigurationError(f"CAN bus {text!r}: {reason}; give {BUSES}") from None
+
+
+def _bus_text(text: str) -> str:
+    """Return an address as it is; raise ValueError, as settings need it, where it is none of a CAN bus."""
+    try:
+        parse_can(text)
+    except ConfigurationError as refusal:
+        raise ValueError(str(refusal)) from None
+    return text
+
+
+def _transport_text(text: str) -> str:
+    """Return an address as it is; raise ValueError, as settings need it, where it is none of a transport."""
+    if text.startswith("can:"):
+        return _bus_text(text)
+    try:
+        parse_transport(text)
+    except ConfigurationError as refusal:
+        raise ValueError(str(refusal)) from None
+    return text
+
+
+BusText = Annotated[str, AfterValidator(_bus_text)]
+"""The address of a CAN bus in a configuration"""
+TransportText = Annotated[str, AfterValidator(_transport_text)]
+"""The address of a transport in a configuration, or of a CAN bus to listen to"""
 
 
 def _serial(rest: str) -> SerialAddress:
