@@ -82,7 +82,10 @@ WRONG = {
     "no TOML": ("title = ", "cannot be read as an experiment"),
     "no case": ('title = "x"\ncases = []', "cases"),
     "unknown key": ('title = "x"\nseed = 3\ncases = [{ name = "paper" }]', "has no key seed"),
-    "unknown configuration": ('title = "x"\ncases = [{ name = "papre" }]', "papre: is neither a file nor a shipped configuration"),
+    "unknown configuration": (
+        'title = "x"\ncases = [{ name = "papre" }]',
+        "papre: is neither a file nor a shipped configuration",
+    ),
     "same name twice": (
         'title = "x"\ncases = [{ name = "paper" }, { name = "paper" }]',
         "two cases are called 'paper'",
