@@ -32,7 +32,7 @@ from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
 from drawbar.safety.causes import Cause
-from drawbar.signals import Estimate, Pose, SolverStatus, StepRecord
+from drawbar.signals import Estimate, Pose, SolverStatus, Status, StepRecord
 from drawbar.simulation import build_path
 from drawbar.transports.tapped import Direction
 from drawbar.vehicle.articulated import trailer_antenna
@@ -196,6 +196,16 @@ def test_a_drives_steps_and_what_is_drawn_of_them_fill_few_megabytes_an_hour(tmp
     }
 
 
+@pytest.mark.parametrize("status", [Status.OK, Status.FINISHED])
+def test_a_drive_has_finished_where_its_path_has_ended(tmp_path, build, status):
+    simulation, frame = build("articulated"), LocalFrame(latitude=50.0, longitude=4.0)
+    scene = Scene(path=simulation.path, vehicle=simulation.configuration.vehicle, frame=frame)
+    record = dataclasses.replace(next(iter(simulation.steps())), status=status)
+    with DriveLog(tmp_path / "log.mcap", simulation.header(), scene) as log:
+        log.add_step(10**9, msgspec.json.encode(record, enc_hook=encode_special), record)
+    assert read_log(tmp_path / "log.mcap").outcome.finished == (status is Status.FINISHED)
+
+
 def test_a_simulated_run_is_no_drive(tmp_path):
     configuration = load_configuration("articulated")
     path, _ = build_path(configuration)
@@ -225,6 +235,16 @@ def test_no_key_waits_for_the_next_one(monkeypatch):
             assert keyboard.pressed() == ""
             keys.write(b"+x")
             assert keyboard.pressed() == "+x"
+            assert keyboard.pressed() == ""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
+def test_no_key_is_pressed_on_a_terminal_that_is_gone(monkeypatch):
+    far, near = os.openpty()
+    with open(near, encoding="utf-8") as terminal:
+        monkeypatch.setattr("sys.stdin", terminal)
+        with Keyboard() as keyboard:
+            os.close(far)
             assert keyboard.pressed() == ""
 
 

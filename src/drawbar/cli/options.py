@@ -37,13 +37,15 @@ Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
 
 
-def configured(source: str, path: str, track: str, changes: Sequence[str]) -> "Configuration":
-    """Return a configuration with the line that --path and --track name, then changes; empty: its own line.
+def configured(source: str, path: str | None, track: str, changes: Sequence[str]) -> "Configuration":
+    """Return a configuration with the line that --path (None: its own) and --track (empty: none) name, then changes.
 
-    Raises DrawbarError for a track without a file, ConfigurationError as load_configuration.
+    Raises DrawbarError for an empty path and for a track without a file, ConfigurationError as load_configuration.
     """
     from drawbar.config import load_configuration
 
+    if path == "":
+        raise DrawbarError("--path is empty; give a file or a field folder, or leave --path out.")
     if track and not path and not load_configuration(source, changes).path.file:
         raise DrawbarError(f"--track {track}: there is no file with lines; give --path too, or leave --track out.")
     given = (("path.file", path), ("path.track", track))

@@ -13,9 +13,9 @@ def path(
     configuration: ConfigurationName,
     out: Annotated[FilePath, typer.Option(help="file for the table: .csv, or .h for a C array")],
     line: Annotated[
-        str,
+        str | None,
         typer.Option("--path", help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: its own"),
-    ] = "",
+    ] = None,
     track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
     changes: Annotated[
         list[str] | None,

@@ -35,9 +35,7 @@ def run(
     from drawbar.cli.interrupts import Interrupts
     from drawbar.simulation import Simulation
 
-    if path == "":
-        raise typer.BadParameter("is empty; give a file or a field folder", param_hint="--path")
-    config = configured(configuration, path or "", track, changes or [])
+    config = configured(configuration, path, track, changes or [])
     if out is not None and not force:
         _refuse_a_run_in(out)
     with compiling():

@@ -30,7 +30,9 @@ def keep_passed(configuration: Configuration) -> None:
 
 
 def forget_passed() -> None:
-    """Forget that any have passed: they are tried again. What can be forgotten so can be kept afterwards.
+    """Forget that any have passed: they are tried again.
+
+    It is written as `keep_passed` does it, so that a folder that cannot be written shows before anything is moved.
 
     Raises:
         StorageError: nothing can be kept.

@@ -110,29 +110,24 @@ def parse_can(text: str) -> CanAddress:
         raise ConfigurationError(f"CAN bus {text!r}: {reason}; give {BUSES}") from None
 
 
-def _bus_text(text: str) -> str:
-    """Return an address as it is; raise ValueError, as settings need it, where it is none of a CAN bus."""
-    try:
-        parse_can(text)
-    except ConfigurationError as refusal:
-        raise ValueError(str(refusal)) from None
-    return text
+def _checked_by(parse: Callable[[str], object]) -> AfterValidator:
+    """Return the check of a text in settings, which need ValueError: it can be parsed, and stays as it is."""
+
+    def check(text: str) -> str:
+        try:
+            parse(text)
+        except ConfigurationError as refusal:
+            raise ValueError(str(refusal)) from None
+        return text
+
+    return AfterValidator(check)
 
 
-def _transport_text(text: str) -> str:
-    """Return an address as it is; raise ValueError, as settings need it, where it is none of a transport."""
-    if text.startswith("can:"):
-        return _bus_text(text)
-    try:
-        parse_transport(text)
-    except ConfigurationError as refusal:
-        raise ValueError(str(refusal)) from None
-    return text
-
-
-BusText = Annotated[str, AfterValidator(_bus_text)]
+BusText = Annotated[str, _checked_by(parse_can)]
 """The address of a CAN bus in a configuration"""
-TransportText = Annotated[str, AfterValidator(_transport_text)]
+TransportText = Annotated[
+    str, _checked_by(lambda text: parse_can(text) if text.startswith("can:") else parse_transport(text))
+]
 """The address of a transport in a configuration, or of a CAN bus to listen to"""
 
 

@@ -15,7 +15,9 @@ from drawbar.optimal.quadratic_program import Sizes
 from drawbar.optimal.stage_problem import StageProblem
 
 _CONTRADICTION = 1e-9
+"""of the largest number in question; equations farther from being fulfilled contradict each other"""
 _ROUNDING = 1e-12
+"""of a row's largest number; a row that no variable moves by more is a constant"""
 _NO_POINT = "The equations of {file} contradict each other or a bound: no point obeys all of them. Leave it out."
 
 
