@@ -28,6 +28,7 @@ which only its user may write to; a front end binds a path of its own first, and
 from there is sent every state of the gate (16 at most). A record that is refused is counted, and why is one of:"""
 ANSWERS = {
     Response.NONE: "",
+    Response.TELL: "tell, and drive on",
     Response.DEGRADE: "drive slower",
     Response.STOP: "stop, then let go",
     Response.RELEASE: "let go at once",
@@ -58,7 +59,13 @@ def _docs_in(body: ast.ClassDef) -> dict[str, str]:
 def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
     """Return the table of one kind of record."""
     layout, docs = LAYOUTS[kind], attribute_docs(cls)
-    lines = [f"## {kind.value}: {cls.__name__}", "", str(cls.__doc__), "", "| offset | type | field | meaning |"]
+    lines = [
+        f"## {kind.value}: {cls.__name__}",
+        "",
+        inspect.cleandoc(cls.__doc__ or ""),
+        "",
+        "| offset | type | field | meaning |",
+    ]
     lines += ["|---|---|---|---|", f"| 0 | u16 | mark | {MARK:#06x} |", f"| 2 | u8 | version | {VERSION} |"]
     lines.append(f"| 3 | u8 | kind | {kind.value} |")
     offset = 4
@@ -73,7 +80,14 @@ def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
 def enumeration_table(cls: type[Enum]) -> list[str]:
     """Return the table of an enumeration."""
     docs = attribute_docs(cls)
-    lines = [f"### {cls.__name__}", "", str(cls.__doc__), "", "| value | name | meaning |", "|---|---|---|"]
+    lines = [
+        f"### {cls.__name__}",
+        "",
+        inspect.cleandoc(cls.__doc__ or ""),
+        "",
+        "| value | name | meaning |",
+        "|---|---|---|",
+    ]
     return lines + [f"| {each.value} | {each.name} | {docs[each.name]} |" for each in cls]
 
 

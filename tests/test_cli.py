@@ -123,11 +123,17 @@ REFUSED = {
     "quotes in a path": (("--path", 'a"\n\\b.csv'), 'a"\n\\b.csv'),
     "steering too far": (("--set", "vehicle.tractor_steering_limit=0.02"), "vehicle.tractor_steering_limit = 0.02"),
     "steering too fast": (("--set", "vehicle.tractor_steering_rate=0.001"), "vehicle.tractor_steering_rate = 0.001"),
-    "track without a path": (("--track", "Cu 275.4°"), "Cu 275.4°"),
+    "track without a path": (
+        ("--track", "Cu 275.4°"),
+        "error: --track Cu 275.4°: there is no file with lines; give --path",
+    ),
     "a start 1 km away": (("--set", "start.ahead=1000.0"), "1000.0"),
     "radius too tight": (("--set", "path.radii=[1.0]"), "path.radii holds 1.0 m"),
     "sample time off the machine's grid": (("--set", "machine.step=0.03"), "0.03"),
     "too fast for the machine": (("--set", "speed=4.0"), "full_speed"),
+    "empty path": (("--path", ""), "--path"),
+    "no Unicode in a path": (("--path", "a\udcff.csv"), "not Unicode"),
+    "folder with a long name": (("--out", "a" * 300), "too long"),
     "no seed": (("--seed", "-1"), "--seed"),
     "no number": (("--seed", "x"), "--seed"),
     "no option": (("--fast",), "--fast"),
@@ -269,10 +275,32 @@ def test_interrupts_while_the_report_is_made_lose_nothing(
     assert signal.getsignal(signal.SIGINT) is before
 
 
+_TELLS = """
+class Tell:  # that the command line is about to load
+    def find_spec(self, name, path=None, target=None):
+        if name == "drawbar.cli.main":
+            print("loads", flush=True)
+sys.meta_path.insert(0, Tell())
+"""
+_IN_CASADI = """
+import casadi
+def interrupt(*given, whole=casadi.DM_from_array):  # casadi drops what is raised here
+    casadi.DM_from_array = whole
+    print("builds", flush=True)
+    signal.raise_signal(signal.SIGINT)
+    return whole(*given)
+casadi.DM_from_array = interrupt
+"""
+
+
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-@pytest.mark.parametrize("seconds", [0.0, 0.2, 0.8])
-def test_an_interrupt_while_the_program_loads_is_one_line(tmp_path: Path, seconds: float) -> None:
-    program = "import drawbar.__main__ as program; print('loaded', flush=True); program.main()"
+@pytest.mark.parametrize(
+    ("prepare", "seconds"),
+    [(_TELLS, 0.0), (_TELLS, 0.2), (_TELLS, 0.8), (_IN_CASADI, None)],
+    ids=["at once", "0.2 s", "0.8 s", "in casadi"],
+)
+def test_an_interrupt_while_the_program_loads_is_one_line(tmp_path: Path, prepare: str, seconds: float | None) -> None:
+    program = f"import signal, sys, drawbar.__main__ as program\n{prepare}\nprogram.main()"
     command = [sys.executable, "-c", program, "run", "--set=speed=0.05", "--out=out"]
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
@@ -280,8 +308,9 @@ def test_an_interrupt_while_the_program_loads_is_one_line(tmp_path: Path, second
     with subprocess.Popen(command, cwd=tmp_path, env=environment, preexec_fn=heed, **pipes) as process:
         assert process.stdout is not None
         process.stdout.readline()  # before, it is Python's own start
-        sleep(seconds)
-        process.send_signal(signal.SIGINT)
+        if seconds is not None:
+            sleep(seconds)
+            process.send_signal(signal.SIGINT)
         said, _ = process.communicate(timeout=60)
     assert process.returncode in (130, -signal.SIGINT)  # a shell shows 130 for both
     assert "Traceback" not in said

@@ -91,6 +91,9 @@ WRONG_VALUES = {
     "vehicle.tractor_steering_limit=1.5": ("vehicle.tractor_steering_limit = 1.5", "less than 1.39"),
     "vehicle.tractor_steering_limit=30": ("vehicle.tractor_steering_limit = 30", "radians", "0.5236 rad"),
     "estimator.prior.yaw=20.0": ("estimator.prior.yaw = 20.0", "radians", "0.3491 rad"),
+    "start.ahead=1e300": ("start.ahead = 1e+300", "less than or equal to 1000"),
+    "start.left=-1001.0": ("start.left = -1001.0", "greater than or equal to -1000"),
+    "sample_time=0.001": ("controller.tractor.steering_rate = 1 ", "sample_time = 0.001 s"),
     "start.yaw=-90": ("start.yaw = -90", "radians", "-1.5708 rad"),
     "estimator.window=0": ("estimator.window = 0", "greater than or equal to 2"),
     "estimator.window=1": ("estimator.window = 1", "greater than or equal to 2"),
@@ -124,7 +127,7 @@ WRONG_VALUES = {
     "guidance.path_tolerance=500.0": ("guidance.path_tolerance = 500", "millimetres? 500 mm = 0.5 m"),
     "machine.hydrostat.full_speed=25.0": ("machine.hydrostat.full_speed = 25", "km/h? 25 km/h = 6.94 m/s"),
     "controller.tractor.steering_rate=1e12": ("controller.tractor.steering_rate = 1e+12", "at most 2 s"),
-    "controller.tractor.steering_rate=1e4": ("controller.tractor.steering_rate = 10000", "lower it"),
+    "controller.tractor.steering_rate=1e4": ("controller.tractor.steering_rate = 10000", "lower the weight"),
 }
 
 
@@ -174,6 +177,8 @@ def test_missing_keys_are_named(write: Write) -> None:
     message = refusal(write(""))
     for key in ("name", "estimator", "controller"):
         assert f"  {key}: is missing" in message
+    assert 'Begin the file with extends = "articulated"' in message
+    assert "extends" not in refusal("articulated", "controller={}")
     assert "  machine.ground.longitudinal_slip.mean: is missing" in refusal(
         write(SMALLEST + "[machine.ground]\nlongitudinal_slip = {}")
     )
@@ -207,8 +212,33 @@ def test_a_file_that_is_no_toml_is_refused(write: Write, content: str | bytes) -
 def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
     for source in (str(tmp_path), str(tmp_path / "none.toml"), "", "a\0b"):
         message = refusal(source)
-        assert "cannot be read as a configuration" in message
+        what = "cannot be read as a" if source == str(tmp_path) else "is neither a file nor a shipped"
+        assert message.startswith(f"{source}: {what} configuration")
+        assert "did you mean" not in message
         assert ", ".join(shipped_names()) in message
+
+
+def test_the_nearest_name_is_suggested() -> None:
+    assert refusal("articulatd").startswith(
+        "articulatd: is neither a file nor a shipped configuration (did you mean articulated?); give"
+    )
+
+
+def test_a_recorded_line_is_beside_the_file_that_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine").mkdir()
+    base, mine = tmp_path / "mine" / "base.toml", tmp_path / "mine.toml"
+    base.write_text('extends = "articulated"\nname = "base"\npath.file = "fields/home"\n')
+    mine.write_text('extends = "mine/base.toml"\nname = "mine"\n')
+    monkeypatch.chdir(tmp_path)
+    beside = str(tmp_path / "mine" / "fields" / "home")
+    for source in ("mine/base.toml", mine, str(base)):
+        found = load_configuration(source)
+        assert found.path.file == beside
+        (tmp_path / "copy.toml").write_text(found.to_toml())
+        assert load_configuration("copy.toml").path.file == beside, "wherever a run's folder is"
+    assert load_configuration(base, ["path.file=fields/other"]).path.file == str(tmp_path / "fields" / "other")
+    assert load_configuration(base, ["speed=0.5"]).path.file == beside
+    assert load_configuration("articulated").path.file == ""
 
 
 def test_toml_that_is_no_configuration_is_refused() -> None:

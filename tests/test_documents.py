@@ -114,3 +114,15 @@ def test_the_example_of_a_machine_is_a_configuration(tmp_path: Path) -> None:
     assert configuration.devices is not None
     assert configuration.devices.sensors is not None
     assert configuration.devices.corrections is not None
+
+
+def test_no_merge_has_left_its_marks() -> None:
+    tracked = ("README.md", "CHANGELOG.md", "docs/**/*.md", "src/**/*", "tests/**/*", "experiments/**/*")
+    files = {
+        file
+        for pattern in tracked
+        for file in ROOT.glob(pattern)
+        if file.suffix in {f".{s}" for s in SUFFIXES.split("|")}
+    }
+    marked = [file for file in files if file.is_file() and re.search(r"^<{7} |^>{7} ", file.read_text("utf-8"), re.M)]
+    assert not marked

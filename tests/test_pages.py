@@ -23,6 +23,8 @@ def test_a_printed_page_is_up_to_date(page):
 def test_every_field_and_code_has_words(page):
     for line in PAGES[page]().split("\n"):
         assert not line.startswith("{"), line
+        assert not line.startswith("    "), f"a block of code: {line}"
+        assert not re.search(r"\| +(\(\w+\) +)?\|$", line), f"an empty cell: {line}"
 
 
 def test_the_page_for_labview_has_every_function_and_cluster_of_the_headers():

@@ -79,6 +79,26 @@ def test_another_setting_is_compared(recorded):
     assert "estimate.hitch_angle" not in {each.signal for each in again.differences if each.step == first.step}
 
 
+@pytest.mark.parametrize("change", ["controller.horizon=8", "sample_time=0.1"])
+def test_a_setting_with_other_stages_is_compared_in_what_both_have(recorded, change):
+    log = recorded("articulated")
+    again = replay(log, [change])
+    assert len(again.records) == len(log.records)
+    assert "command.tractor_steering" in again.largest
+
+
 def test_a_wrong_setting_is_refused(recorded):
     with pytest.raises(ConfigurationError, match="has no key weight"):
         replay(recorded("articulated"), ["controller.weight=3.0"])
+
+
+@pytest.mark.parametrize("changes", [(), ("controller.tractor.lateral=30.0",)])
+def test_numbers_that_are_missing_are_differences_but_of_another_setting(recorded, changes):
+    log = recorded("articulated")
+    touched = list(log.records)
+    plan = touched[20].plan
+    shorter = replace(plan.tractor, steerings=plan.tractor.steerings[:-1])
+    touched[20] = replace(touched[20], plan=replace(plan, tractor=shorter))
+    missing = f"plan.tractor.steerings.{len(shorter.steerings)}"
+    found = replay(replace(log, records=tuple(touched)), changes).differences
+    assert (missing in {each.signal for each in found if each.step == 20}) == (not changes)

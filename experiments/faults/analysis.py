@@ -54,7 +54,10 @@ def figures(result: Result) -> dict[str, float]:
     stands = (watched["speed"] < 0.05) & (np.cumsum(changed) > 0)
     until = int(np.argmax(stands)) if stands.any() else len(time) - 1
     errors = np.abs([watched["tractor"], watched["trailer"]])[:, : until + 1].max(axis=0)
-    steered = np.cumsum(~driving)[: until + 1] == 0
+    left = ~driving | np.isin(
+        watched["state"].astype(int), list(LET_GO)
+    )  # a board may hold its last set point after that
+    steered = np.cumsum(left)[: until + 1] == 0
     first = int(np.argmax(changed))
     return {
         "response": float(response),
@@ -168,7 +171,8 @@ def _responses(measured: MeasuredExperiment, cases: Sequence[str]) -> list[str]:
     expected = measured.experiment.expected[cases[0]]["response"]
     found = Counter(int(value) for case in cases for value in measured.values(case, "response") if math.isfinite(value))
     observed = ", ".join(f"{RESPONSES[number]} {count}" for number, count in found.most_common())
-    return [RESPONSES[round(expected.value or 0.0)], observed]
+    either = [expected.value] if expected.value is not None else [expected.at_least, expected.at_most]
+    return [" or ".join(RESPONSES[round(each)] for each in either if each is not None), observed]
 
 
 def _extra(measured: MeasuredExperiment, cases: Sequence[str], figure: str) -> float:

@@ -41,6 +41,7 @@ def figures(result: Result) -> dict[str, float]:
             f"{body} SD": float(error.std()),
             f"{body} 95 %": float(np.percentile(size, 95.0)),
             f"{body} largest": float(size.max()),
+            f"{body} straight SD": 100.0 * float(getattr(result.metrics.error_m, body)["straight"].rms),
         }
     found["masked"] = 100.0 * result.metrics.rejected_fixes / (2 * len(result.columns["measurement.time"]))
     found["roll"] = float(np.degrees(np.sqrt(np.mean(result.columns["truth.tractor_roll"] ** 2))))

@@ -1,8 +1,13 @@
 """The program `drawbar`, also as `python -m drawbar`; an interrupt while it loads is one line, as at any other time."""
 
+import _thread
 import signal
 import sys
+from threading import Timer
 from types import FrameType
+
+_AGAIN = 0.01
+"""s after which an interrupt that CasADi would lose is raised again"""
 
 
 def main() -> None:
@@ -12,11 +17,15 @@ def main() -> None:
     def interrupt(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
         interrupted = True
-        raise KeyboardInterrupt
+        if not _in_casadi(frame):
+            raise KeyboardInterrupt
+        again = Timer(_AGAIN, _thread.interrupt_main)
+        again.daemon = True
+        again.start()
 
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, interrupt)
     try:
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, interrupt)
         from drawbar.cli.main import main as program  # takes a while
 
         program()
@@ -26,6 +35,13 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # nor while Python ends
         print("interrupted", file=sys.stderr)
         sys.exit(130)
+
+
+def _in_casadi(frame: FrameType | None) -> bool:
+    """Whether Python code that CasADi calls is running: CasADi drops what is raised there."""
+    while frame is not None and not frame.f_globals.get("__name__", "").startswith("casadi"):
+        frame = frame.f_back
+    return frame is not None
 
 
 if __name__ == "__main__":

@@ -4,11 +4,12 @@ import os
 import reprlib
 import tomllib
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import tomli_w
-from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationError, field_validator, model_validator
 
 from drawbar.bounded import BoundedErrors
 from drawbar.configurations import shipped_names, shipped_text
@@ -38,15 +39,21 @@ from drawbar.settings import Angle, Settings, Speed
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
+SLOWEST = 0.05
+"""lowest set speed, m/s"""
 TrackLength = Annotated[float, Field(gt=0.0, le=1000.0)]
 """A length of the figure-eights, m; longer tracks are recorded lines."""
+
+StartOffset = Annotated[float, Field(ge=-1000.0, le=1000.0)]
+"""A distance from the start of the path, m; a run begins within guidance.maximum_start_distance of it."""
 
 
 class PathSettings(Settings):
     """What to drive: a recorded line, or else figure-eights."""
 
     file: str = ""
-    """AgOpenGPS field folder, CSV or GeoJSON file; empty: the figure-eights"""
+    """AgOpenGPS field folder, CSV or GeoJSON file, relative to the configuration file that names it, or for --path
+    and --set to the working directory; empty: the figure-eights"""
     track: str = ""
     """name of the line, where the file holds several"""
     extension: Annotated[float, Field(ge=0.0, le=10_000.0)] = 0.0
@@ -60,6 +67,15 @@ class PathSettings(Settings):
     straight_length: TrackLength = 20.0
     """of the figure-eights' straights, m"""
 
+    @field_validator("file", "track")
+    @classmethod
+    def _unicode(cls, name: str) -> str:
+        try:
+            name.encode()
+        except UnicodeEncodeError as error:
+            raise ValueError(f"{name!r} is not Unicode, and a configuration is; rename it") from error
+        return name
+
     @model_validator(mode="after")
     def _track_of_a_file(self) -> Self:
         if self.track and not self.file:
@@ -70,9 +86,9 @@ class PathSettings(Settings):
 class StartSettings(Settings):
     """Where the simulated machine stands at first, seen from the start of the path."""
 
-    ahead: float = 0.0
+    ahead: StartOffset = 0.0
     """m, along the path's first direction"""
-    left: float = 0.0
+    left: StartOffset = 0.0
     """m, across it"""
     yaw: Angle = 0.0
     """from the path's first direction, rad"""
@@ -109,7 +125,7 @@ class Configuration(Settings):
     """how reports and the folder of a run call it"""
     sample_time: Annotated[float, Field(gt=0.0, le=1.0)] = 0.2
     """s; RTK GNSS at 5 Hz"""
-    speed: Annotated[Speed, Field(ge=0.05)] = 1.0
+    speed: Annotated[Speed, Field(ge=SLOWEST)] = 1.0
     """set wheel speed, m/s"""
     acceleration: Annotated[float, Field(gt=0.0)] = 0.5
     """fastest change of the commanded speed during a run, m/s²; a run begins with the set speed"""
@@ -195,11 +211,12 @@ class Configuration(Settings):
         return tomli_w.dumps(self.model_dump(mode="json", exclude_none=True))
 
 
-def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuration:
+def load_configuration(source: str | os.PathLike[str], changes: Sequence[str] = ()) -> Configuration:
     """Read a configuration file, or a shipped one by name, with changes applied.
 
     A file may start with `extends = "articulated"` (a shipped name, or a file beside it) and give only what differs;
-    an empty section, `tube = {}`, takes back all that the other says of it.
+    an empty section, `tube = {}`, takes back all that the other says of it. A relative `path.file` is beside the file
+    that names it, one of the changes in the working directory; the configuration returned holds it as absolute.
 
     Args:
         source: path of a TOML file, or a shipped name.
@@ -208,7 +225,7 @@ def load_configuration(source: str, changes: Sequence[str] = ()) -> Configuratio
     Raises:
         ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; says which and why.
     """
-    data, origin = _resolved(source, ())
+    data, origin = _resolved(os.fspath(source), ())
     return _changed(_validated(data, origin), changes, origin)
 
 
@@ -232,6 +249,7 @@ def _changed(configuration: Configuration, changes: Sequence[str], origin: str) 
     resolved = configuration.model_dump(mode="json")
     for change in changes:
         _apply(resolved, change)
+    _anchor(resolved, "")
     return _validated(resolved, f"{origin} with --set {' '.join(changes)}")
 
 
@@ -243,6 +261,7 @@ def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], 
     except (ValueError, RecursionError) as error:  # also digits without end, brackets without end
         reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
         raise ConfigurationError(f"{origin}: is not valid TOML: {reason}.") from error
+    _anchor(data, Path(source).parent)
     if "extends" not in data:
         return data, origin
     base = data.pop("extends")
@@ -254,6 +273,13 @@ def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], 
     beside = str(Path(source).parent / base)
     basis, _ = _resolved(beside if os.path.isfile(beside) else base, (source, *extending))
     return _merged(basis, data), origin
+
+
+def _anchor(data: dict[str, Any], folder: str | Path) -> None:
+    """Make path.file absolute in place; a relative one is in the folder, which is relative to the working directory."""
+    section = data.get("path")
+    if isinstance(section, dict) and isinstance(file := section.get("file"), str) and file:
+        section["file"] = str(Path(folder, file).absolute())
 
 
 _TAGS = ("model", "kind")
@@ -277,6 +303,13 @@ def _goes_on(old: Any, new: Any) -> bool:
 def _read(source: str) -> tuple[str, str]:
     if source in shipped_names():
         return shipped_text(source), source
+    if not os.path.exists(source):
+        near = get_close_matches(source, shipped_names(), n=1)
+        meant = f" (did you mean {near[0]}?)" if near else ""
+        raise ConfigurationError(
+            f"{source}: is neither a file nor a shipped configuration{meant}; "
+            f"give a TOML file or one of: {', '.join(shipped_names())}."
+        )
     try:
         return Path(source).read_text("utf-8-sig"), source
     except (OSError, ValueError) as error:
@@ -292,7 +325,10 @@ def _validated(data: dict[str, Any], origin: str) -> Configuration:
         return Configuration.model_validate(data)
     except ValidationError as error:
         lines = [_explain(problem, data) for problem in error.errors()]
-        raise ConfigurationError("\n".join([f"{origin}: {len(lines)} wrong value(s).", *lines])) from error
+        head = f"{origin}: {len(lines)} wrong value(s)."
+        if not {"estimator", "controller"} <= data.keys():  # a first file: hardly meant to be complete
+            lines.append('  Begin the file with extends = "articulated": then only what differs has to be given.')
+        raise ConfigurationError("\n".join([head, *lines])) from error
 
 
 _REASONS = {

@@ -239,10 +239,10 @@ const char *drawbar_status_text(int status)
 
 
 def _limits() -> str:
-    """Return the largest magnitude of each measured double, in the structure's order."""
+    """Return the largest magnitude of each measured double but the time, in the structure's order."""
     limits = []
     for name, hint, _ in _members(Measurement):
-        if quantity := _annotation(hint, Quantity):
+        if name != "time" and (quantity := _annotation(hint, Quantity)):
             text = repr(quantity.limit) if math.isfinite(quantity.limit) else "DBL_MAX"
             limits.append(f"    {text},".ljust(32) + f"/* {name} */")
     return "static const double measurement_limits[] = {\n" + "\n".join(limits) + "\n};\n"
@@ -297,7 +297,8 @@ def headers() -> dict[str, str]:
     inner = [_enumeration(Supervision)]
     inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering)]
     inner += [
-        "/* Largest magnitudes that sensors can mean, of the measurement's numbers in their order. */\n" + _limits(),
+        "/* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */\n"
+        + _limits(),
     ]
     end = "\n#endif\n"
     return {

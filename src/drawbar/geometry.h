@@ -1,4 +1,4 @@
-/* Angles, as in geometry.py, and rows of numbers that are poses. */
+/* Angles, as in geometry.py, rows of numbers that are poses, and time stamps. */
 #ifndef DRAWBAR_GEOMETRY_H
 #define DRAWBAR_GEOMETRY_H
 
@@ -8,6 +8,8 @@
 
 /* A pose as a row of numbers, m and rad; a sample of a path is one that also has the curvature there, 1/m. */
 enum { AT_X, AT_Y, AT_YAW, AT_CURVATURE };
+
+typedef double time_stamp;                 /* s, of any steady clock; a double in single precision, too */
 
 /* The angle in [-pi, pi), rad; for differences only, never for states. */
 static inline double wrapped(double angle)

@@ -78,17 +78,29 @@ class SupervisorState(IntEnum):
     """Where the supervisor is (docs/safety.md)."""
 
     BOOT = 0
+    """before the first update"""
     SELFTEST = 1
+    """the gate tests itself, its connections and its settings"""
     STANDBY = 2
+    """a condition of engaging is not met"""
     READY = 3
+    """all conditions are met: the operator may engage"""
     ENGAGING = 4
+    """it steers as soon as actuators and controller have taken over; rates and distances are halved"""
     ACTIVE = 5
+    """it steers"""
     DEGRADED = 6
+    """it steers, slower and for a limited time: there is a cause to worry"""
     STOPPING = 7
+    """it steers until the vehicle stands"""
     STOPPED = 8
+    """let go of after a stop; waits for the acknowledgement"""
     OVERRIDE = 9
+    """let go of: the operator has taken over at an actuator; waits for the acknowledgement"""
     FAULT = 10
+    """let go of at once for a cause; waits for the acknowledgement"""
     ESTOP = 11
+    """let go of by an emergency stop; waits for the acknowledgement"""
 
 
 class Action(IntEnum):
@@ -121,9 +133,13 @@ class Role(IntEnum):
     """Which process a heartbeat is of."""
 
     RECEIVERS = 0
+    """reads the receivers and sensors"""
     CONTROLLER = 1
+    """estimates and plans"""
     RECORDER = 2
+    """writes the log"""
     FRONT_END = 3
+    """shows the drive to an operator"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,6 +159,7 @@ class CommandMessage(Message):
     """What the controller asks of the actuators; controller to gate, at least at 10 Hz."""
 
     mode: Annotated[Mode, Cell("B")]
+    """what the controller is about"""
     tractor_angle: Number
     """of the front wheels, rad"""
     trailer_angle: Number
@@ -202,6 +219,7 @@ class GateState(Message):
     """What the gate does; gate to controller, recorder and front ends, at each of its ticks."""
 
     state: Annotated[SupervisorState, Cell("B")]
+    """of the supervisor"""
     steers: Byte
     """1: the gate asks the actuators to steer"""
     engaged: Byte
@@ -257,6 +275,7 @@ class OperatorMessage(Message):
     """What an operator wants; front end to gate, one per datagram to the gate's Unix socket."""
 
     action: Annotated[Action, Cell("B")]
+    """what is asked for"""
     lease: Long
     """random number of this front end's session, not 0"""
     nonce: Long
@@ -274,6 +293,7 @@ class Heartbeat(Message):
     """A process is alive; at least at 4 Hz, to the gate's Unix socket."""
 
     role: Annotated[Role, Cell("B")]
+    """which process this is of"""
     healthy: Byte
     """1: it does all that it is there for; the recorder: what it writes reaches the disk"""
     state: Annotated[SupervisorState, Cell("B")]

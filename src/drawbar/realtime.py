@@ -10,6 +10,7 @@ import os
 import socket
 import sys
 import time
+from contextlib import suppress
 
 LOCK_ALL = 3
 """MCL_CURRENT | MCL_FUTURE"""
@@ -67,6 +68,12 @@ def suspended_time() -> float:
     if not hasattr(time, "CLOCK_BOOTTIME"):
         return 0.0
     return time.clock_gettime(time.CLOCK_BOOTTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)
+
+
+def say(text: str) -> None:
+    """Say something on standard error, which a drive keeps in a file: that its disk is full ends no process."""
+    with suppress(OSError):
+        os.write(sys.stderr.fileno(), f"{text}\n".encode())  # what a buffer kept would fail again at the end
 
 
 class Notifier:

@@ -77,7 +77,7 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
             machine.write(command)
             autopilot.prepare()
             records.append(autopilot.record(recorded.truth))
-    comparison = Comparison()
+    comparison = Comparison(common_only=bool(changes))
     for recorded, recomputed in zip(log.records, records, strict=True):
         comparison.add(recorded.step, recorded, recomputed)
     return comparison.replay(records)
@@ -86,13 +86,16 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
 class Comparison:
     """Collects where recomputed numbers are not the recorded ones."""
 
-    def __init__(self) -> None:
-        """Begin with no difference."""
+    def __init__(self, *, common_only: bool) -> None:
+        """Begin with no difference; common_only: another setting may make more or fewer numbers, as a plan's stages."""
+        self._common_only = common_only
         self._first: dict[str, Difference] = {}
         self._largest: dict[str, float] = {}
 
     def add(self, step: int, recorded: Any, recomputed: Any, prefix: str = "", names: Sequence[str] = ()) -> None:
         """Compare all numbers of two dataclasses of one kind, NaN being the same as NaN.
+
+        A number that only one of them has is a difference, to NaN, or left out with `common_only`.
 
         Args:
             step: at which they were.
@@ -101,9 +104,14 @@ class Comparison:
             prefix: before the names of its numbers, with a dot behind it.
             names: of the fields to compare; empty: all that are computed.
         """
-        pairs = zip(_numbers(recorded, names), _numbers(recomputed, names), strict=True)
-        for (name, here), (_, there) in pairs:
-            if not (here == there or (math.isnan(here) and math.isnan(there))):
+        before, now = dict(_numbers(recorded, names)), dict(_numbers(recomputed, names))
+        for name in before | now:
+            here, there = before.get(name, math.nan), now.get(name, math.nan)
+            if name in before and name in now:
+                same = here == there or (math.isnan(here) and math.isnan(there))
+            else:
+                same = self._common_only
+            if not same:
                 difference = Difference(step=step, signal=prefix + name, recorded=here, recomputed=there)
                 self._first.setdefault(difference.signal, difference)
                 self._largest[difference.signal] = np.fmax(self._largest.get(difference.signal, 0.0), difference.size)

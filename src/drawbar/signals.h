@@ -48,9 +48,8 @@ struct drawbar_body_steering {
     int32_t reserved;
 };
 
-/* Largest magnitudes that sensors can mean, of the measurement's numbers in their order. */
+/* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */
 static const double measurement_limits[] = {
-    DBL_MAX,                    /* time */
     10000000.0,                 /* tractor_x */
     10000000.0,                 /* tractor_y */
     10000000.0,                 /* trailer_x */

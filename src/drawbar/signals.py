@@ -59,7 +59,7 @@ class Status(IntEnum):
         status.text = text
         return status
 
-    OK = 0, "a new command"
+    OK = 0, "done; of a step: with a new command"
 
     REFUSED = 64, "last command repeated: the new one is not finite or exceeds its limits"
     TIME = 65, "last command repeated: the time stamp is not finite or does not increase"

@@ -3,9 +3,10 @@
 import math
 import time
 from collections.abc import Callable, Iterator
+from numbers import Integral
 from pathlib import Path as FilePath
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -106,9 +107,12 @@ class Simulation:
 
         Raises:
             PathError: the line cannot be read or driven, or the machine stands too far from its start.
-            ConfigurationError: the configuration contradicts itself.
+            ConfigurationError: the configuration contradicts itself, or the seed is none.
             CompilerError: the control step could not be compiled.
         """
+        given: Any = seed
+        if not (isinstance(given, Integral) and int(given) >= 0):
+            raise ConfigurationError(f"seed = {seed!r} is not allowed; give a whole number of 0 or more.")
         self.configuration, self.seed = configuration, seed
         self.path, self.drivable = build_path(configuration) if path is None else (path, None)
         self.machine = build_machine(configuration, self.path, seed)

@@ -39,7 +39,7 @@ def test_help_loads_nothing_heavy(command: str) -> None:
 
 
 def test_what_is_loaded_is_seen() -> None:
-    assert {"numpy", "casadi", "scipy"} <= loaded_by("import drawbar.step.build")
+    assert {"numpy", "casadi"} <= loaded_by("import drawbar.step.build")
 
 
 def test_help_names_every_command() -> None:

@@ -99,3 +99,6 @@ def test_contrast_is_enough_for_texts_and_more_for_figures(look):
     for kind, tone in (("positive", "good"), ("warning", "warn")):  # messages; Quasar's own have too little
         assert f".q-notification.bg-{kind} {{ background: var(--{tone}) !important; color: var(--on)" in css
     assert contrast("#ffd800", "#1c1c1c") >= 7.0  # emergency
+    curves = re.search(rf"  {look}: \[(.*?)\]", (CONSOLE / "static" / "plots.js").read_text("utf-8")).group(1)
+    for curve in re.findall(r"#\w{6}", curves):
+        assert contrast(curve, colours["panel"]) >= 4.0

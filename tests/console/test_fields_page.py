@@ -1,5 +1,6 @@
 """The fields page, by simulated users: lines are made while driving, imported, planned on the map and taken."""
 
+import json
 import re
 
 import numpy as np
@@ -55,7 +56,7 @@ async def opened(stage, browser):
 
 def scene(one):
     (found,) = (each for each in one.user.client.elements.values() if isinstance(each, FieldMap))
-    return found._props["scene"]
+    return json.loads(found._props["drawn"])
 
 
 def control(one, label):

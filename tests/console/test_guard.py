@@ -11,8 +11,9 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import HOST, Stage, client_id, console
 from nicegui import core
+from waiting import FakeClock
 
-from drawbar.console.guard import BURST, LARGEST, SOCKETS, Guard
+from drawbar.console.guard import BURST, LARGEST, PAGE_BURST, PAGE_RATE, PAUSE, SOCKETS, Guard
 from drawbar.console.passwords import load_users, save_user, verify
 from drawbar.console.visitors import COOKIE, LIFE, Rank, Visitors
 from drawbar.driving.console_orders import ConsoleOrders
@@ -265,6 +266,7 @@ def guarded():
         asks_for_password=False,
         secure=False,
         owns=lambda page, visitor: (page, visitor) == ("page", one),
+        clock=FakeClock(),
     )
     return guard, inner, one, other
 
@@ -293,9 +295,56 @@ def test_a_flood_and_what_is_too_large_end_their_socket(guarded):
     assert served(guard, Line(one, "page", messages=flood)) == ["websocket.accept"]
     assert 0 < inner.received <= BURST + 1
     inner.received = 0
+    guard._clock.now += PAUSE
     large = [{"type": "websocket.receive", "bytes": bytes(LARGEST + 1)}]
     assert served(guard, Line(one, "page", messages=large)) == ["websocket.accept"]
     assert inner.received == 0
+
+
+def test_whoever_flooded_is_not_served_for_a_while_and_others_are(guarded):
+    guard, _, one, other = guarded
+    guard._owns = lambda page, visitor: True
+    flood = [{"type": "websocket.receive", "text": "x"}] * 1000
+    assert served(guard, Line(one, "page", messages=flood)) == ["websocket.accept"]
+    assert served(guard, Line(one, "page")) == ["websocket.close"]
+    assert asked(guard, one) == [429]
+    assert served(guard, Line(other, "page")) == ["websocket.accept"]
+    assert asked(guard, other) == [200]
+    guard._clock.now += PAUSE
+    assert served(guard, Line(one, "page")) == ["websocket.accept"]
+
+
+def test_pages_are_built_so_often_for_an_address(guarded):
+    guard, _, one, _ = guarded
+    burst = int(PAGE_BURST)
+    assert asked(guard, one, burst + 1) == [200] * burst + [429]
+    assert asked(guard, one, address="192.168.5.11") == [200]
+    assert asked(guard, one, path="/drawbar/console.css") == [200]
+    guard._clock.now += 1.0 / PAGE_RATE
+    assert asked(guard, one, 2) == [200, 429]
+
+
+def asked(guard, visitor, times=1, path="/", address="192.168.5.10"):
+    """Return with what pages are answered that a visitor asks for."""
+    headers = [(b"host", HOST.encode()), (b"cookie", f"{COOKIE}={visitor.token}".encode())]
+    scope = {"type": "http", "method": "GET", "path": path, "headers": headers, "query_string": b""}
+    statuses = []
+
+    async def inner(scope, receive, send):
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+
+    async def send(message):
+        if message["type"] == "http.response.start":
+            statuses.append(message["status"])
+
+    async def whole():
+        for _ in range(times):
+            await guard({**scope, "client": (address, 1)}, None, send)
+
+    sockets, guard._app = guard._app, inner
+    asyncio.run(whole())
+    guard._app = sockets
+    return statuses
 
 
 def test_only_so_many_sockets_are_open(guarded):

@@ -1,4 +1,4 @@
-"""Look inside: any signal of the newest control steps, drawn as it comes."""
+"""Look inside: any signal of the newest control steps, by its words, drawn as it comes."""
 
 import json
 
@@ -10,13 +10,15 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import staged
 
+from drawbar.console import live_plot
 from drawbar.console.catalogue import TEXTS
-from drawbar.console.signal_history import PRESETS, ShownStep, all_names, series
+from drawbar.console.signal_history import PRESETS, Column, ShownStep, all_names, columns, row
+from drawbar.console.signal_words import QUANTITIES, SECTIONS, signal_words
 from drawbar.driving.letters import Step, Sureness, pack
 from drawbar.recording.log import encode_special
 
 
-def test_every_signal_of_a_step_has_a_name_and_a_series(run_log):
+def test_every_signal_of_a_step_has_a_name_and_a_value(run_log):
     log, _ = run_log
     steps = [ShownStep(record, None) for record in log.records[:50]]
     names = all_names(steps)
@@ -24,71 +26,124 @@ def test_every_signal_of_a_step_has_a_name_and_a_series(run_log):
     for preset in PRESETS.values():
         assert set(preset) <= set(names)
     assert set(PRESETS) <= set(TEXTS)
-    for name in names:
-        points = series(steps, name)
-        assert len(points) == 50
-        assert points[-1][0] == 0.0
-        assert points[0][0] == pytest.approx(-49 * 0.2)
-    errors = [value for _, value in series(steps, "reference.trailer.lateral_error")]
-    assert errors == pytest.approx([record.reference.trailer.lateral_error for record, *_ in steps], abs=1e-5)
-    curvature = [value for _, value in series(steps, "reference.tractor.closest.3")]
-    assert curvature == pytest.approx([record.reference.tractor.closest[3] for record, *_ in steps], abs=1e-5)
-    assert {value for _, value in series(steps, "controller.lateral_deviation")} == {None}
-    assert {value for _, value in series(steps, "no.such")} == {None}
-    assert series([], "step") == all_names([]) == []
+    wanted = columns(steps, names)
+    assert wanted == [Column(name) for name in names]
+    rows = [row(step, wanted) for step in steps]
+    assert [each[0] for each in rows] == pytest.approx([record.measurement.time for record, *_ in steps])
+
+    def drawn(name):
+        return [each[1 + names.index(name)] for each in rows]
+
+    errors = [record.reference.trailer.lateral_error for record, *_ in steps]
+    assert drawn("reference.trailer.lateral_error") == pytest.approx(errors, abs=1e-5)
+    curvature = [record.reference.tractor.closest[3] for record, *_ in steps]
+    assert drawn("reference.tractor.closest.3") == pytest.approx(curvature, abs=1e-5)
+    assert set(drawn("controller.lateral_deviation")) == {None}
+    assert row(steps[0], [Column("no.such")])[1] is None
+    assert all_names([]) == columns([], []) == []
 
 
-def drawn(one):
-    """Return what the page would send to the browser's chart from now on."""
-    sent = []
+def test_every_signal_has_words_of_its_own_in_both_languages(run_log):
+    log, _ = run_log
+    names = all_names([ShownStep(log.records[0], None)])
+    for language in (0, 1):
+        called = {name: signal_words(name, language) for name in names}
+        assert [name for name, words in called.items() if words == name] == []
+        assert len(set(called.values())) == len(names)
+    told = "\n".join(signal_words(name, 0) for name in names)
+    assert [words for words, *_ in [*QUANTITIES.values(), *SECTIONS.values()] if words not in told] == []
+    assert signal_words("measurement.tractor_x", 0) == "East · tractor · measured (m)"
+    assert signal_words("measurement.tractor_x", 1) == "Osten · Traktor · gemessen (m)"
+    assert signal_words("of.tomorrow", 0) == "of.tomorrow"
 
-    def call(name, options, *rest):
-        sent.append(json.loads(options.partition("series: ")[2].removesuffix("}")))
 
-    one.page._chart.run_chart_method = call
-    return sent
+class Plot:
+    """What a browser would keep and draw."""
+
+    def __init__(self, one, monkeypatch):
+        self.pictures, self.lines, self.rows = 0, [], []
+        self._one = one
+        monkeypatch.setattr(live_plot.ui, "run_javascript", self._run)
+
+    def _run(self, code):
+        picture = json.loads(code.partition(", ")[2].removesuffix(")"))
+        self.pictures += 1
+        if "lines" in picture:
+            self.lines, self.rows = picture["lines"], []
+        self.new, self.age = len(picture["rows"]), picture["age"]
+        self.rows += picture["rows"]
+        self._one.page._plot._under_way.drawn()
+
+    def values(self, name):
+        return [
+            each[1 + index] for index, line in enumerate(self.lines) if line["name"] == name for each in self.rows[-1:]
+        ]
+
+
+def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(run_log, monkeypatch):
+    records = run_log[0].records
+    encoder = msgspec.json.Encoder(enc_hook=encode_special)
+
+    @staged
+    async def look(stage, browser):
+        one = await browser().open("/inside")
+        plot = Plot(one, monkeypatch)
+
+        def step(record):
+            stage.run(0.2)
+            stage.hear_controller(lateral_deviation=0.02)
+            stage.link.hear(pack(Step(time=1, data=encoder.encode(record))))
+            one.refresh()
+
+        one.refresh()
+        assert "No control step" in one.text()
+        assert plot.pictures == 0
+        for record in records[:10]:
+            step(record)
+        assert plot.pictures == 10
+        assert [line["name"] for line in plot.lines] == [signal_words(name, 0) for name in PRESETS["plot_errors"]]
+        assert len(plot.rows) == 10
+        assert "No control step" not in one.text()
+        stage.run(0.1)
+        one.refresh()
+        assert (plot.pictures, plot.new) == (11, 0), "it slides between two steps, which are 200 ms apart"
+        assert plot.age == pytest.approx(0.1)
+        one.page._preset.set_value("plot_certainty")
+        assert plot.values("Uncertainty across the line (m)") == [0.02]
+        assert len(plot.rows) == 10, "other signals are drawn from the beginning"
+        assert (
+            one.page._names.options["measurement.tractor_x"] == "East · tractor · measured (m)\nmeasurement.tractor_x"
+        )
+        one.page._names.set_value(["measurement.tractor_x"])
+        assert plot.values("East · tractor · measured (m)") == [pytest.approx(records[9].measurement.tractor_x, 1e-5)]
+        stage.link.hear(pack(Sureness({"tractor_slip": 0.25})))
+        one.page._preset.set_value("plot_slips")
+        step(records[10])
+        value = records[10].estimate.tractor_slip
+        name = signal_words("estimate.tractor_slip", 0)
+        assert plot.values(name) == pytest.approx([value, value - 0.25, value + 0.25], abs=1e-5)
+        assert [line["lineStyle"]["width"] for line in plot.lines].count(1) == 2
+        before = plot.pictures
+        one.press("Pause")
+        step(records[11])
+        assert plot.pictures == before
+        one.press("Go on")
+        step(records[12])
+        assert len(plot.rows) == 13
+        assert plot.new == 2
+        assert plot.values(name)[1:] == [None, None]  # each step has its own deviations
+
+    look()
 
 
 @staged
-async def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(stage, browser):
-    from drawbar.config import load_configuration
-    from drawbar.simulation import simulate
-
-    records = simulate(load_configuration("articulated", ["path.radii=[4.0]", "path.straight_length=1.0"]), 1).records
-    encoder = msgspec.json.Encoder(enc_hook=encode_special)
+async def test_a_browser_that_does_not_draw_is_not_sent_more(stage, browser):
     one = await browser().open("/inside")
-    sent = drawn(one)
-
-    def step(record):
-        stage.run(0.2)
-        stage.hear_controller(lateral_deviation=0.02)
-        stage.link.hear(pack(Step(time=1, data=encoder.encode(record))))
-        one.refresh()
-
-    assert "No control step" in one.text()
-    for record in records[:10]:
-        step(record)
-    assert len(sent) == 10
-    assert [line["name"] for line in sent[-1]] == list(PRESETS["plot_errors"])
-    assert len(sent[-1][0]["data"]) == 10
-    assert "No control step" not in one.text()
-    one.page._preset.set_value("plot_certainty")
-    assert sent[-1][0]["data"][-1] == [0.0, 0.02]
-    assert "measurement.tractor_x" in one.page._names.options
-    one.page._names.set_value(["measurement.tractor_x"])
-    assert sent[-1][0]["data"][-1][1] == pytest.approx(records[9].measurement.tractor_x, rel=1e-5)
-    stage.link.hear(pack(Sureness({"tractor_slip": 0.25})))
-    one.page._preset.set_value("plot_slips")
-    step(records[10])
-    value = records[10].estimate.tractor_slip
-    of_slip = [line["data"][-1][1] for line in sent[-1] if line["name"] == "estimate.tractor_slip"]
-    assert of_slip == pytest.approx([value, value - 0.25, value + 0.25], abs=1e-5)
-    assert [line["lineStyle"]["width"] for line in sent[-1]].count(1) == 2
-    before = len(sent)
-    one.press("Pause")
-    step(records[11])
-    assert len(sent) == before
-    one.press("Go on")
-    step(records[12])
-    assert len(sent[-1][0]["data"]) == 13
-    assert sent[-1][2]["data"][-1][1] is None  # each step has its own deviations
+    plot = one.page._plot
+    for _ in range(2):
+        assert plot.may_draw
+        with one.user.client:
+            plot.draw([], 0.0)
+    assert not plot.may_draw
+    plot._under_way.drawn()
+    assert plot.may_draw

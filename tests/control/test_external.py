@@ -65,7 +65,7 @@ def test_it_is_told_its_gains(mine):
 
 def test_what_it_raises_comes_out_and_the_machine_is_stopped(mine):
     run = mine("raise ZeroDivisionError('mine')")
-    with pytest.raises(ZeroDivisionError, match="mine"):
+    with pytest.raises(ConfigurationError, match="ZeroDivisionError: mine"):
         next(run.steps())
     assert run.machine._newest[2] == 0.0
 

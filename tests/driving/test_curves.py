@@ -35,6 +35,11 @@ def test_a_curve_that_is_too_tight_for_the_speed_is_refused_with_what_to_do():
     demand_slow_curves(path, at(3.0, "safety.envelope.lateral_acceleration=3.0"))
 
 
+def test_a_limit_that_no_speed_keeps_is_said_so():
+    with pytest.raises(PathError, match=r"0\.02 m/s²: no speed will do; raise that limit, or choose a path"):
+        demand_slow_curves(figure_eights((6.67,), 20.0), at(1.0, "safety.envelope.lateral_acceleration=0.02"))
+
+
 def test_a_line_beside_it_that_is_tighter_is_refused_too():
     line = DrivenLine.first(at(3.0), figure_eights((11.0,), 40.0))
     assert line.beside(0.1).offset == 0.1

@@ -9,6 +9,7 @@ from drawbar.driving.doubts import DOUBTED, Doubts
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, Measurement, SolverStatus
 
+DEGREE = math.pi / 180.0
 SEEN = Measurement(
     time=0.0,
     tractor_x=1.0,
@@ -22,13 +23,15 @@ SEEN = Measurement(
 )
 
 
-def step(hitch=0.1, fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED), status=SolverStatus.SOLVED):
-    estimate = SimpleNamespace(hitch_angle=hitch, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status)
+def step(hitch=0.1, joint=0.0, fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED), status=SolverStatus.SOLVED):
+    estimate = SimpleNamespace(
+        hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status
+    )
     return SimpleNamespace(measurement=SEEN, estimate=estimate)
 
 
 def doubts(record, times=DOUBTED, *, engaged=True):
-    found = Doubts(SanitySettings())
+    found = Doubts(SanitySettings(), 0.2)
     for _ in range(times):
         found.look(record, engaged=engaged)
     return found
@@ -52,7 +55,7 @@ def test_positions_that_both_antennas_contradict_are_left_out_while_engaged():
 
 
 def test_positions_that_drift_are_left_out_while_engaged():
-    found = Doubts(SanitySettings())
+    found = Doubts(SanitySettings(), 0.2)
     found.look(step(), engaged=True, drifts=True)
     assert math.isnan(found.without(SEEN).tractor_x)
     found.look(step(), engaged=True)
@@ -61,15 +64,60 @@ def test_positions_that_drift_are_left_out_while_engaged():
     assert not found.exist
 
 
-def test_a_hitch_angle_that_contradicts_is_left_out_and_what_it_did_to_the_positions_is_forgiven():
+def test_a_hitch_angle_that_contradicts_leaves_out_the_trailer_and_what_it_did_to_the_positions_is_forgiven():
     found = doubts(step(hitch=0.3, fixes=REJECTED))
+    assert found.trailer
     without = found.without(SEEN)
-    assert math.isnan(without.hitch_angle)
-    assert without.tractor_x == 1.0
+    assert all(map(math.isnan, (without.hitch_angle, without.trailer_steering, without.trailer_x, without.trailer_y)))
+    assert (without.tractor_x, without.tractor_y) == (1.0, 2.0)
     found.look(step(fixes=REJECTED), engaged=True)
     assert found.without(SEEN).tractor_x == 1.0
-    found.look(step(), engaged=False)
+    for _ in range(5):
+        found.look(step(), engaged=False)
     assert not found.exist
+
+
+@pytest.mark.parametrize(
+    ("hitch", "joint", "doubted"), [(3.1, 0.0, True), (2.2, -2.2, True), (0.0, 3.1, True), (2.0, 2.0, False)]
+)
+def test_angles_of_hitch_and_joint_that_differ_a_little_for_long_are_doubted(hitch, joint, doubted):
+    differing = step(hitch=SEEN.hitch_angle + hitch * DEGREE, joint=joint * DEGREE)
+    assert not doubts(differing, 4).exist
+    assert doubts(differing, 5).trailer is doubted
+    assert not doubts(step(joint=math.nan, hitch=math.nan), 10).exist
+
+
+def test_differences_that_change_sides_are_noise():
+    found = Doubts(SanitySettings(), 0.2)
+    for _ in range(20):
+        found.look(step(hitch=SEEN.hitch_angle + 8.0 * DEGREE), engaged=True)
+        found.look(step(hitch=SEEN.hitch_angle - 8.0 * DEGREE), engaged=True)
+        assert not found.exist
+
+
+def test_on_rough_ground_more_is_usual():
+    def after(usual):
+        found = Doubts(SanitySettings(), 0.2)
+        for i in range(300):  # changes sides each second
+            found.look(step(joint=math.copysign(usual * DEGREE, i % 10 - 4.5)), engaged=True)
+            assert not found.exist
+        for _ in range(5):
+            found.look(step(joint=4.0 * DEGREE), engaged=True)
+        return found.exist
+
+    assert after(0.5)
+    assert not after(2.0)
+
+
+@pytest.mark.parametrize("sample_time", [0.05, 0.1])
+def test_at_any_rate_they_are_averaged_over_a_second(sample_time):
+    found = Doubts(SanitySettings(), sample_time)
+    differing = step(joint=4.0 * DEGREE)
+    for _ in range(round(1.0 / sample_time) - 1):
+        found.look(differing, engaged=True)
+        assert not found.exist
+    found.look(differing, engaged=True)
+    assert found.trailer
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,17 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
 import pytest
+
+from drawbar.config import load_configuration
+from drawbar.driving.crew import Crew
+from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.ending import told
+from drawbar.errors import HardwareError
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "getppid") or sys.platform == "win32", reason="drives are for Linux")
 CHILD = """
@@ -49,3 +56,22 @@ def test_it_ends_where_its_starter_was_killed(ended: Path) -> None:
         starter.stdout.readline()
         starter.kill()
         wait_for(ended)
+
+
+def test_a_processs_expected_error_is_its_message_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    def main() -> int:
+        raise HardwareError("the port is taken; give another")
+
+    assert told(main) == 2
+    assert capsys.readouterr().err == "the port is taken; give another\n"
+
+
+def test_a_temporary_folder_with_too_long_a_name_for_sockets_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    long = tmp_path / ("a" * 110)
+    long.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(long))
+    with pytest.raises(HardwareError, match="set TMPDIR to a shorter one"):
+        Crew(with_stand_ins(load_configuration("articulated")), tmp_path, stand_ins=True)
+    assert not list(long.iterdir())

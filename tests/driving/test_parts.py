@@ -3,26 +3,36 @@
 import dataclasses
 import json
 import math
+import os
+from collections import Counter
+from itertools import islice
 
+import msgspec
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 from rich.console import Console
 
 from drawbar.config import load_configuration
 from drawbar.driving.certainty import across
 from drawbar.driving.demonstration import with_stand_ins, without_stand_ins
 from drawbar.driving.display import KEYS, picture
+from drawbar.driving.front_end import Keyboard
 from drawbar.driving.letters import Step, Sureness, pack, unpack
 from drawbar.driving.mail import MOST_KEPT, Mailbox
+from drawbar.driving.operator import changed_speed
+from drawbar.errors import ConfigurationError
 from drawbar.geometry import LocalFrame
 from drawbar.messages import GateState, SupervisorState, encode
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes, is_drive, open_drive
 from drawbar.recording.header import run_header
+from drawbar.recording.log import encode_special, read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
-from drawbar.signals import Estimate, Pose, SolverStatus, StepRecord
+from drawbar.safety.causes import Cause
+from drawbar.signals import Estimate, Pose, SolverStatus, Status, StepRecord
 from drawbar.simulation import build_path
 from drawbar.transports.tapped import Direction
 from drawbar.vehicle.articulated import trailer_antenna
@@ -164,6 +174,36 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     assert read[:2] == [raw, look]
     assert len(read) == 3
     assert encode(read[2]) == encode(state)
+    assert read_log(tmp_path / "log.mcap").outcome.reason == "the drive was ended before the end of the path"
+
+
+def test_a_drives_steps_and_what_is_drawn_of_them_fill_few_megabytes_an_hour(tmp_path, build):
+    simulation, frame = build("articulated"), LocalFrame(latitude=50.0, longitude=4.0)
+    scene = Scene(path=simulation.path, vehicle=simulation.configuration.vehicle, frame=frame)
+    encoder, sizes = msgspec.json.Encoder(enc_hook=encode_special), []
+    with DriveLog(tmp_path / "log.mcap", simulation.header(), scene) as log:
+        for record in islice(simulation.steps(), 200):
+            log.add_step(round(record.measurement.time * 1e9), encoder.encode(record), record)
+            sizes.append((tmp_path / "log.mcap").stat().st_size)
+    hourly = 3600.0 / simulation.configuration.sample_time * (sizes[-1] - sizes[20]) / (len(sizes) - 21) * 1e-6
+    print(f"\n{hourly:.1f} MB an hour")
+    assert hourly < 30.0
+    with (tmp_path / "log.mcap").open("rb") as stream:
+        topics = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
+    assert topics == dict.fromkeys(("/step", "/tf", "/plan", "/tractor/fix", "/trailer/fix"), 200) | {
+        "/path": 1,
+        "/bodies": 1,
+    }
+
+
+@pytest.mark.parametrize("status", [Status.OK, Status.FINISHED])
+def test_a_drive_has_finished_where_its_path_has_ended(tmp_path, build, status):
+    simulation, frame = build("articulated"), LocalFrame(latitude=50.0, longitude=4.0)
+    scene = Scene(path=simulation.path, vehicle=simulation.configuration.vehicle, frame=frame)
+    record = dataclasses.replace(next(iter(simulation.steps())), status=status)
+    with DriveLog(tmp_path / "log.mcap", simulation.header(), scene) as log:
+        log.add_step(10**9, msgspec.json.encode(record, enc_hook=encode_special), record)
+    assert read_log(tmp_path / "log.mcap").outcome.finished == (status is Status.FINISHED)
 
 
 def test_a_simulated_run_is_no_drive(tmp_path):
@@ -182,6 +222,41 @@ def test_the_display_fits_sixty_columns_without_a_machine():
     assert KEYS.splitlines()[0] in capture.get()
 
 
+def test_the_display_says_why_a_key_was_refused():
+    assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
+def test_no_key_waits_for_the_next_one(monkeypatch):
+    far, near = os.openpty()
+    with open(near, encoding="utf-8") as terminal, open(far, "wb", buffering=0) as keys:
+        monkeypatch.setattr("sys.stdin", terminal)
+        with Keyboard() as keyboard:
+            assert keyboard.pressed() == ""
+            keys.write(b"+x")
+            assert keyboard.pressed() == "+x"
+            assert keyboard.pressed() == ""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
+def test_no_key_is_pressed_on_a_terminal_that_is_gone(monkeypatch):
+    far, near = os.openpty()
+    with open(near, encoding="utf-8") as terminal:
+        monkeypatch.setattr("sys.stdin", terminal)
+        with Keyboard() as keyboard:
+            os.close(far)
+            assert keyboard.pressed() == ""
+
+
+@pytest.mark.parametrize(
+    ("wish", "change", "asked"),
+    [(NAN, -0.1, 0.9), (NAN, 0.1, 1.0), (0.5, 0.1, 0.6), (0.15, -0.1, 0.1), (0.1, -0.1, 0.1), (0.95, 0.1, 1.0)],
+)
+def test_set_speed_changes_between_a_step_and_the_configured_one(wish, change, asked):
+    state = dataclasses.replace(gate_state_of(1), set_speed=wish)  # which allows 0 m/s: it does not steer
+    assert changed_speed(state, change, 1.0) == pytest.approx(asked)
+
+
 def test_schemas_hold_nothing_that_viewers_cannot_read():
     text = json_schema(StepRecord).decode()
 
@@ -196,6 +271,13 @@ def test_schemas_hold_nothing_that_viewers_cannot_read():
     assert "$ref" not in text
     properties = json.loads(text)["properties"]
     assert properties["plan"]["properties"]["tractor"]["properties"]["poses"]["items"]["type"] == "array"
+
+
+@pytest.mark.parametrize("body", ["tractor", "trailer"])
+def test_a_vehicle_that_no_stand_in_board_can_steer_is_refused(body):
+    changes = [f"vehicle.{body}_steering_limit=0.9", f"machine.actuators.{body}_stop=1.0"]
+    with pytest.raises(ConfigurationError, match=rf"vehicle\.{body}_steering_limit = 0\.9 rad: .* below 0\.8726 rad"):
+        with_stand_ins(load_configuration("articulated", changes))
 
 
 def test_what_is_kept_of_a_demonstration_names_no_stand_in_and_asks_for_the_wiggle_test():

@@ -1,10 +1,18 @@
-"""The templates of systemd units are what systemd takes."""
+"""The templates of systemd units are what systemd takes, and a drive finds its wiggle test where they say."""
 
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+from patience import ENGAGE, PATIENT, watch
+
+from drawbar.config import load_configuration
+from drawbar.driving.crew import CONFIGURATION_NAME, Crew
+from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.wiggled import keep_passed
 
 UNITS = sorted((Path(__file__).parents[2] / "docs" / "systemd").glob("*.service"))
 
@@ -30,3 +38,19 @@ def test_a_drive_is_fed_by_its_gate_and_ended_in_order():
     text = (UNITS[0].parent / "drawbar@.service").read_text("utf-8")
     for line in ("Type=notify", "NotifyAccess=all", "WatchdogSec=2", "KillMode=mixed", "KillSignal=SIGINT"):
         assert line in text.splitlines()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
+def test_a_drive_without_a_home_hears_of_a_wiggle_test_that_is_passed_meanwhile(tmp_path, monkeypatch):
+    assert "StateDirectory=drawbar" in (UNITS[0].parent / "drawbar@.service").read_text("utf-8").splitlines()
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path / "state"))
+    monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
+    configuration = with_stand_ins(load_configuration("articulated", ["path.radii=[8.0]", *PATIENT]))
+    (tmp_path / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
+    with Crew(configuration, tmp_path, stand_ins=True) as crew:
+        front = FrontEnd(crew, demonstrates=False)
+        watch(front, lambda front: front.controller is not None, ENGAGE)
+        assert front.controller.wiggled == 0
+        keep_passed(configuration)
+        watch(front, lambda front: front.controller.wiggled == 1, ENGAGE)
+        front.close()

@@ -55,15 +55,15 @@ def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["--fault", "list"], 0, "fixes-jump: both receivers' positions jump 1 m to the left"),
-        (["--fault", "nothing@3s"], 1, "there is no fault 'nothing'"),
-        (["--fault", "bus-off"], 1, "nothing that could break so"),
+        (["--fault", "list"], 0, ["fixes-jump: both receivers' positions jump 1 m to the left", "bus-off: "]),
+        (["--fault", "nothing@3s"], 1, ["there is no fault 'nothing'", "receivers-silent"]),
+        (["--fault", "bus-off"], 1, ["nothing that could break so"]),
     ],
 )
 def test_which_faults_there_are_is_told(configuration, arguments, code, words):
     command = [sys.executable, "-m", "drawbar", "stand-in", str(configuration[1]), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False)
     said = " ".join((done.stdout + done.stderr).split())
-    assert words in said
+    for part in words:
+        assert part in said
     assert (done.returncode != 0) == code
-    assert "receivers-silent" in said or "bus-off" in said

@@ -14,6 +14,7 @@ from drawbar.driving import wiggle, wiggled
 from drawbar.driving.check import Finding
 from drawbar.driving.demonstration import with_stand_ins
 from drawbar.driving.wiggle import TRAVEL, Phase, WiggleRun, carry_out
+from drawbar.errors import StorageError
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.aio_v4 import AioV4
 from drawbar.machine.stand_in.board_server import BoardServer
@@ -120,6 +121,7 @@ def test_it_passes_over_a_real_socket():
 
 @pytest.fixture
 def machine(tmp_path, monkeypatch):
+    monkeypatch.delenv("STATE_DIRECTORY", raising=False)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     return with_stand_ins(load_configuration("articulated", ["path.radii=[8.0]"]))
 
@@ -145,6 +147,27 @@ def test_a_pass_holds_for_these_actuators_this_run_of_the_computer_and_a_day(mac
     wiggled.forget_passed()
     wiggled.forget_passed()
     assert not wiggled.has_passed(machine)
+
+
+def test_a_service_without_a_home_keeps_it_in_the_folder_that_systemd_gives_it(machine, tmp_path, monkeypatch):
+    monkeypatch.setenv("STATE_DIRECTORY", f"{tmp_path / 'lib'}:{tmp_path / 'other'}")
+    monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
+    wiggled.forget_passed()
+    assert not wiggled.has_passed(machine)
+    wiggled.keep_passed(machine)
+    assert wiggled.has_passed(machine)
+    assert (tmp_path / "lib" / "wiggled.json").is_file()
+
+
+def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeypatch):
+    file = tmp_path / "my.toml"
+    file.write_text(machine.to_toml(), "utf-8")
+    monkeypatch.setattr("drawbar.driving.check.check", lambda *arguments: [Finding(device="all", heard=True)])
+    monkeypatch.setattr(wiggle, "wiggle_both", lambda configuration: pytest.fail("it was moved"))
+    monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
+    result = CliRunner().invoke(app, ["check", str(file), "--wiggle"], input="y\ny\n")
+    assert isinstance(result.exception, StorageError), result.output
+    assert "set STATE_DIRECTORY" in str(result.exception)
 
 
 @pytest.mark.parametrize("answers", ["n\n", "y\nn\n", "y\ny\n"])

@@ -197,8 +197,13 @@ def follow() -> Callable[..., list[Estimate]]:
 
 @pytest.fixture(scope="session")
 def recording() -> list[Measurement]:
-    """Return 60 s of a real drive: the simulated machine's own noise, slips and rounding on the first curve."""
-    plain = load_configuration("articulated", ["actuation.identify=false", "estimator.slide.prior=0.0"])
+    """Return 60 s of a real drive: the simulated machine's own noise, slips and rounding on the first curve.
+
+    Its controller is all given, so that the recording stays what it is when the product's weights change.
+    """
+    weights = "tractor={steering=0.1,steering_rate=0.7},trailer={steering_rate=0.3}"
+    controller = f"controller={{model='articulated',coupling='measured',{weights}}}"
+    plain = load_configuration("articulated", ["actuation.identify=false", "estimator.slide.prior=0.0", controller])
     with Simulation(plain, seed=5) as simulation:
         return [record.measurement for record in islice(simulation.steps(), 300)]
 

@@ -160,9 +160,10 @@ def test_all_experiments_make_one_report(
     code, said = drawbar("all", "--seeds", "2")
     assert code == 0, said
     report = (tmp_path / "experiments" / "REPORT.md").read_text("utf-8")
-    assert "| first | 2 | 2 | 0 | 0 |" in report
-    assert report.index("## The first one") < report.index("## The second one")
-    assert "| slow | 2/2 | 0.5 ± 6.4 |" in report  # of the seeds 0 and 1: t(0.975, 1) = 12.7
+    assert "| [The first one](first/results.md) | [what is compared](first/README.md) | 2 | 2 | 0 | 0 |" in report
+    assert report.index("[The first one]") < report.index("[The second one]")
+    results = (tmp_path / "experiments" / "second" / "results.md").read_text("utf-8")
+    assert "| slow | 2/2 | 0.5 ± 6.4 |" in results  # of the seeds 0 and 1: t(0.975, 1) = 12.7
     assert (tmp_path / "experiments" / "second" / "means.csv").exists()
 
 

@@ -82,7 +82,10 @@ WRONG = {
     "no TOML": ("title = ", "cannot be read as an experiment"),
     "no case": ('title = "x"\ncases = []', "cases"),
     "unknown key": ('title = "x"\nseed = 3\ncases = [{ name = "paper" }]', "has no key seed"),
-    "unknown configuration": ('title = "x"\ncases = [{ name = "papre" }]', "papre: cannot be read"),
+    "unknown configuration": (
+        'title = "x"\ncases = [{ name = "papre" }]',
+        "papre: is neither a file nor a shipped configuration",
+    ),
     "same name twice": (
         'title = "x"\ncases = [{ name = "paper" }, { name = "paper" }]',
         "two cases are called 'paper'",
@@ -98,6 +101,14 @@ WRONG = {
     "half an expectation": (
         'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { value = 1.0 }',
         "either value and within, or at_most",
+    ),
+    "a lower limit alone": (
+        'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { at_least = 1.0 }',
+        "give either value and within, or at_most",
+    ),
+    "limits the wrong way round": (
+        'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { at_least = 1.0, at_most = 0.0 }',
+        "at_least belongs to an at_most that is more",
     ),
     "two expectations": (
         'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { value = 1.0, within = 0.1, at_most = 1.0 }',
@@ -118,7 +129,9 @@ def test_an_expectation_holds_or_not() -> None:
     near, limit = Expectation(value=-50.0, within=0.1), Expectation(at_most=3.0)
     assert [near.holds(mean) for mean in (-44.9, -45.0, -55.0, -55.1, math.nan)] == [False, True, True, False, False]
     assert [limit.holds(mean) for mean in (-9.0, 3.0, 3.1, math.nan)] == [True, True, False, False]
-    assert (str(near), str(limit)) == ("-50 ± 10 %", "≤ 3")
+    between = Expectation(at_least=1.0, at_most=3.0)
+    assert [between.holds(mean) for mean in (0.9, 1.0, 3.0, 3.1, math.nan)] == [False, True, True, False, False]
+    assert (str(near), str(limit), str(between)) == ("-50 ± 10 %", "≤ 3", "1 to 3")
 
 
 def test_experiments_are_found_by_name_by_path_and_all(

@@ -94,8 +94,16 @@ def test_an_expected_case_must_come_to_the_end(measured: MeasuredExperiment, sho
         short_result, metrics=dataclasses.replace(short_result.metrics, finished=False, outcome="lost")
     )
     runs = {"articulated": Runs(results=[lost], failures=[]), "slow": Runs(results=[lost], failures=[])}
-    assert dataclasses.replace(measured, runs=runs).misses()[0] == "slow, seed 1: lost"
-    assert dataclasses.replace(measured, runs=runs).finished("articulated") == "0/1"
+    measured = dataclasses.replace(measured, runs=runs)
+    assert measured.misses()[0] == "slow, seed 1: lost"
+    assert measured.finished("articulated") == "0/1"
+    write_results(measured, [])
+    write_report(measured.experiment.folder.parent)
+    report = (measured.experiment.folder.parent / "REPORT.md").read_text("utf-8")
+    assert (
+        "- **Missed**: 1 of 2 expected figures of *Two controllers*, and 1 of its runs did not come to the end."
+        in report
+    )
 
 
 def test_statistics_and_names_of_figures(measured: MeasuredExperiment, short_result) -> None:
@@ -115,7 +123,7 @@ def test_a_seed_without_a_result_leaves_the_others_in_their_place(measured: Meas
     assert with_gap.statistic("slow", "x").text() == "–"
 
 
-def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment, tmp_path: Path) -> None:
+def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment) -> None:
     parts = [*table_of_means(measured), Text(text="In words.")]
     write_results(measured, parts)
     results = (measured.experiment.folder / "results.md").read_text("utf-8")
@@ -123,23 +131,23 @@ def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment, tm
     assert "2 cases with the seeds 0 to 0: 2 runs, 0 of them given up" in results
     assert "| **missed** |" in results
     assert "([CSV](means.csv))" in results
-    write_report(tmp_path / "REPORT.md", [(measured, parts)])
-    report = (tmp_path / "REPORT.md").read_text("utf-8")
-    assert "| small | 2 | 1 | 2 | **1** |" in report
+    folder = measured.experiment.folder
+    write_report(folder.parent)
+    report = (folder.parent / "REPORT.md").read_text("utf-8")
+    named = f"[Two controllers]({folder.name}/results.md) | [what is compared]({folder.name}/README.md)"
+    assert f"| {named} | 2 | 1 | 2 | **1** |" in report
     assert "- **Missed**: 1 of 2 expected figures of *Two controllers*. The reason is not known." in report
-    assert "([CSV](small/means.csv))" in report
-    assert "| casadi | " in report
+    assert ", casadi " in report
 
 
-def test_the_report_opens_with_what_was_learned_and_why_figures_were_missed(
-    measured: MeasuredExperiment, tmp_path: Path
-) -> None:
+def test_the_report_opens_with_what_was_learned_and_why_figures_were_missed(measured: MeasuredExperiment) -> None:
     experiment = measured.experiment
     told = {"learned": "It errs by {slow|trailer all} cm.", "why_missed": "Too slow."}
     settings = experiment.settings.model_copy(update=told)
     measured = dataclasses.replace(measured, experiment=dataclasses.replace(experiment, settings=settings))
-    write_report(tmp_path / "REPORT.md", [(measured, [])])
-    opening = (tmp_path / "REPORT.md").read_text("utf-8").partition("| measured on |")[0]
+    write_results(measured, [])
+    write_report(experiment.folder.parent)
+    opening = (experiment.folder.parent / "REPORT.md").read_text("utf-8").partition("## All experiments")[0]
     assert f"- It errs by {measured.statistic('slow', 'trailer all').text(2)} cm.\n" in opening
     assert "expected figures of *Two controllers*. Too slow." in opening
 

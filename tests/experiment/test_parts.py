@@ -31,13 +31,13 @@ def test_a_table_is_markdown_and_csv(tmp_path: Path) -> None:
     table.write(tmp_path)
     with (tmp_path / "t.csv").open(encoding="utf-8", newline="") as stream:
         assert list(csv.reader(stream)) == [["case", "cm"], ["a|b", "1.0"], ['"c", d', "–"]]
-    text = table.markdown("x/")
-    assert text.startswith("Two rows. ([CSV](x/t.csv))\n\n| case | cm |\n| --- | --- |\n")
+    text = table.markdown()
+    assert text.startswith("Two rows. ([CSV](t.csv))\n\n| case | cm |\n| --- | --- |\n")
     assert "| a\\|b | 1.0 |" in text
 
 
 def test_links_lead_to_the_folder_of_the_experiment(tmp_path: Path) -> None:
-    assert Picture(name="p", caption="C.", draw=draw).markdown("x/") == "![C.](x/p.svg)\n\n*C.*"
+    assert Picture(name="p", caption="C.", draw=draw).markdown() == "![C.](p.svg)\n\n*C.*"
     Text(text="plain").write(tmp_path)
-    assert Text(text="plain").markdown("x/") == "plain"
+    assert Text(text="plain").markdown() == "plain"
     assert list(tmp_path.iterdir()) == []

@@ -1,6 +1,8 @@
 """One run as plain data: the figures of `drawbar run`, exact after a way through bytes."""
 
 import dataclasses
+import subprocess
+import sys
 
 import msgspec
 import numpy as np
@@ -62,3 +64,11 @@ def test_solvers_do_not_depend_on_path_start_and_machine() -> None:
     assert solver_sections(plain) == solver_sections(other)
     longer = load_configuration("articulated", ("controller.horizon=16",)).to_toml()
     assert solver_sections(longer) != solver_sections(plain)
+
+
+def test_a_worker_of_plain_runs_loads_nothing_of_rehearsals_or_peers() -> None:
+    # every worker imports this before its first run
+    others = {"drawbar.driving.rehearsal", "drawbar.benchmark.peers.race", "scipy", "matplotlib"}
+    program = f"import sys, drawbar.experiment.task; print(*({others} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []

@@ -15,7 +15,7 @@ from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.config import load_configuration
 from drawbar.exchange import Layout
 from drawbar.export.export import export_library
-from drawbar.export.targets import TARGETS
+from drawbar.export.targets import TARGETS, Precision, find_target
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.signals import Command, Diagnostics, Estimate, Measurement
 
@@ -62,9 +62,11 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     """Return a function that exports a shipped configuration with changes, each once."""
 
     @cache
-    def exported(name: str, *changes: str) -> Path:
+    def exported(
+        name: str, *changes: str, precision: Precision = Precision.DOUBLE, targets: tuple[str, ...] = ()
+    ) -> Path:
         folder = tmp_path_factory.mktemp(name)
-        export_library(load_configuration(name, changes), folder)
+        export_library(load_configuration(name, changes), folder, [find_target(each) for each in targets], precision)
         return folder
 
     return exported

@@ -46,7 +46,22 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
         "tractor": CONTROL_ITERATIONS,
         "trailer": CONTROL_ITERATIONS,
     }
+    tractor = manifest["bounds"][
+        "tractor"
+    ]  # free; columns, two to publish, two to take back; the start; its iterations
+    assert tractor["sweeps"] == 1 + tractor["active_set_columns"] + 4 + 1 + 2 * CONTROL_ITERATIONS + 4
     assert manifest["state_bytes"] >= sum(manifest["components_bytes"].values())
+    for name in ("notes.txt", "build/cache"):  # left alone
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text("mine", "utf-8")
+    (folder / "src" / "step.c").write_text("changed", "utf-8")
+    assert drawbar("articulated", "--out", "library")[0] == 0
+    assert "changed" not in (folder / "src" / "step.c").read_text("utf-8")
+    assert (folder / "notes.txt").read_text("utf-8") == (folder / "build" / "cache").read_text("utf-8") == "mine"
+    (folder / "src" / "mine.c").write_text("mine", "utf-8")
+    code, said = drawbar("articulated", "--out", "library")
+    assert (code, "src/mine.c" in said) == (2, True)
+    assert (folder / "src" / "mine.c").read_text("utf-8") == "mine"
 
 
 REFUSED = {
@@ -54,6 +69,7 @@ REFUSED = {
     "unknown target": (("--out", "library", "--target", "sparc"), "'sparc'"),
     "folder is a file": (("--out", "file"), "file"),
     "folder with other files": (("--out", "taken"), "choose another"),
+    "a source folder of one's own": (("--out", "own"), "no earlier export wrote"),
     "simulation only": (("--out", "library", "--set", "estimator.model=ideal"), "The estimator of this configuration"),
 }
 
@@ -62,6 +78,10 @@ REFUSED = {
 def test_what_cannot_be_exported_is_refused_in_one_message(drawbar: Drawbar, tmp_path, case: str) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "taken" / "src").mkdir(parents=True)
+    (tmp_path / "taken" / "notes.txt").touch()
+    for name in ("include/drawbar.h", "src/main.c", "manifest.json"):
+        (tmp_path / "own" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "own" / name).write_text("{}", "utf-8")
     arguments, words = REFUSED[case]
     code, said = drawbar("articulated", *arguments)
     assert code == 2
@@ -69,3 +89,4 @@ def test_what_cannot_be_exported_is_refused_in_one_message(drawbar: Drawbar, tmp
     assert "Traceback" not in said
     assert not (tmp_path / "library").exists()
     assert (tmp_path / "taken" / "src").is_dir()
+    assert (tmp_path / "own" / "src" / "main.c").read_text("utf-8") == "{}"

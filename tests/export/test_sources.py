@@ -16,6 +16,7 @@ from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.export.export import export_library
 from drawbar.export.sources import PUBLIC
+from drawbar.export.targets import Precision
 from drawbar.signals import Flag, Status
 
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
@@ -40,13 +41,13 @@ FRAGMENTS = {
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 
 
-def said(command: tuple[str, ...], folder: Path, *names: str) -> str:
+def said(command: tuple[str, ...], folder: Path, *names: str, warnings: tuple[str, ...] = WARNINGS) -> str:
     """Return what a compiler says of the sources."""
     sources = [str(file) for name in names for file in sorted(folder.glob(name))]
     assert sources
 
     def compile_one(source: str) -> str:
-        arguments = [*command, *WARNINGS, f"-I{folder / 'include'}", "-c", source, "-o", "/dev/null"]
+        arguments = [*command, *warnings, f"-I{folder / 'include'}", "-c", source, "-o", "/dev/null"]
         return subprocess.run(arguments, capture_output=True, text=True, check=False).stderr
 
     with ThreadPoolExecutor(2) as pool:
@@ -71,6 +72,12 @@ def test_compiles_without_a_warning(exported, compiler: tuple[str, ...]) -> None
 
 def test_one_lane_at_a_time_compiles_too(exported) -> None:
     assert said((*find_compiler(), "-O0", "-DLANES=1"), exported("articulated"), "src/*.c") == ""
+
+
+def test_single_precision_compiles_too(exported) -> None:
+    folder = exported("articulated", precision=Precision.SINGLE)
+    plain = tuple(flag for flag in WARNINGS if flag != "-Wconversion")  # times are doubles, counts are integers
+    assert said((*find_compiler(), "-O0"), folder, "src/*.c", "example/*.c", warnings=plain) == ""
 
 
 @pytest.mark.parametrize("case", OTHERS)

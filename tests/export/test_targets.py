@@ -1,6 +1,7 @@
 """The library built for other machines, and what the manifest says of it."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.export.export import export_library
-from drawbar.export.targets import TARGETS, find_target
+from drawbar.export.targets import TARGETS, Precision, find_target
 from drawbar.export.toolchain import exports
 
 C_LIBRARY = {
@@ -31,6 +32,11 @@ C_LIBRARY = {
     "sqrt",
     "tan",
 }
+COMPARISONS = ("dcmpeq", "dcmpge", "dcmpgt", "dcmple", "dcmplt", "dcmpun")
+DOUBLES = re.compile(r"__aeabi_(d\w+|\w+2d)")
+"""arithmetic of doubles, by the run-time ABI for the Arm architecture"""
+MOST_CODE = {"cortex-m7": 320, "cortex-m4": 560}
+"""KiB"""
 MEMORY = {"memcpy", "memmove", "memset", "__aeabi_memclr8", "__aeabi_memcpy8", "__aeabi_memcpy", "__aeabi_memclr"}
 
 
@@ -48,6 +54,26 @@ def test_a_microcontroller_gets_mathematics_and_memory_from_its_c_library_and_no
     assert set(targets["cortex-m7"]["needs"]) <= C_LIBRARY | MEMORY
 
 
+def test_without_a_unit_for_doubles_they_are_the_compilers_own_functions(targets) -> None:
+    more = set(targets["cortex-m4"]["needs"]) - C_LIBRARY - MEMORY
+    assert {"__aeabi_dadd", "__aeabi_dmul", "__aeabi_ddiv"} <= more
+    assert all(DOUBLES.fullmatch(name) for name in more)
+
+
+def test_in_single_precision_only_time_stamps_are_doubles(exported) -> None:
+    pytest.importorskip("ziglang")
+    folder = exported("articulated", precision=Precision.SINGLE, targets=("cortex-m4",))
+    manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
+    built = manifest["targets"]["cortex-m4"]
+    needs = {name for name in built["needs"] if DOUBLES.fullmatch(name)}
+    assert needs <= {f"__aeabi_{name}" for name in ("d2f", "f2d", "dadd", "dsub", *COMPARISONS)}
+    assert {name.removesuffix("f") for name in built["needs"]} & C_LIBRARY
+    assert not C_LIBRARY & set(built["needs"])
+    assert manifest["precision"] == "single"
+    assert manifest["state_bytes"] < 64 * 1024
+    assert max(built["stack_bytes"].values()) < 8 * 1024
+
+
 def test_nothing_is_kept_outside_the_state(targets) -> None:
     for target in targets.values():
         assert target["sections_bytes"][".data"] == target["sections_bytes"][".bss"] == 0
@@ -57,7 +83,7 @@ def test_nothing_is_kept_outside_the_state(targets) -> None:
 def test_the_product_fits_a_microcontroller(manifest, target) -> None:
     stated = manifest["targets"][target.name]
     sections = stated["sections_bytes"]
-    assert 50_000 < sections[".text"] + sections[".rodata"] < (320 if target.name == "cortex-m7" else 384) * 1024
+    assert 50_000 < sections[".text"] + sections[".rodata"] < MOST_CODE.get(target.name, 384) * 1024
     assert 50_000 < manifest["state_bytes"] + sections[".data"] + sections[".bss"] < 128 * 1024
     if target.stack_known:
         assert 1000 < max(stated["stack_bytes"].values()) < 16 * 1024
@@ -79,7 +105,14 @@ def test_a_library_is_the_same_when_it_is_built_again(targets, tmp_path: Path) -
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
 def test_targets_are_found_by_name_and_by_triple(target) -> None:
-    assert find_target(target.name) is find_target(target.triple) is target
+    assert find_target(target.name) is target
+    if sum(target.triple == other.triple for other in TARGETS) == 1:
+        assert find_target(target.triple) is target
+
+
+def test_a_triple_of_several_targets_is_refused_with_their_names() -> None:
+    with pytest.raises(ConfigurationError, match=r"several targets; .* cortex-m7 .* cortex-m4"):
+        find_target("thumb-freestanding-eabihf")
 
 
 def test_an_unknown_target_is_refused_with_the_list() -> None:

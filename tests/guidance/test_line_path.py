@@ -9,7 +9,7 @@ import pytest
 from drawbar.codegen import build
 from drawbar.codegen.library import load
 from drawbar.geometry import Floats
-from drawbar.guidance.importers.line import RecordedLine
+from drawbar.guidance.importers.line import _LONGEST, _SHORTEST, RecordedLine
 from drawbar.guidance.smoothing import make_drivable
 
 MADE, NULL, POINTS, MEMORY, TIGHT, FAR = range(6)
@@ -93,6 +93,12 @@ def test_too_little_memory_is_refused_and_what_is_needed_is_told(line_path) -> N
     _, needed, _ = line_path(points, (0.4, 2.0, 0.3))
     assert line_path(points, (0.4, 2.0, 0.3), needed - 1)[:2] == (MEMORY, needed)
     assert line_path(points, (0.4, 2.0, 0.3), needed)[0] == MADE
+
+
+def test_a_line_is_as_long_as_in_python(line_path) -> None:
+    for length, status in ((_SHORTEST - 1e-9, POINTS), (_SHORTEST, MADE), (_LONGEST + 0.1, POINTS)):
+        assert line_path(np.array([[0.0, 0.0], [length, 0.0]]), capacity=100)[0] == status
+    assert line_path(np.array([[0.0, 0.0], [_LONGEST, 0.0]]))[0] == MEMORY
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, 2e7])

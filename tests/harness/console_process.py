@@ -35,6 +35,8 @@ def console_process(folder, **orders):
     ).model_dump_json()
     gate = Mailbox(str(folder / GATE))
     surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
+    (folder / "tmp").mkdir(exist_ok=True)
+    surroundings["TMPDIR"] = str(folder / "tmp")
     with subprocess.Popen(PROGRAM, stdin=subprocess.PIPE, env=surroundings, cwd=folder) as running:
         running.stdin.write(text.encode())
         running.stdin.close()
@@ -45,6 +47,7 @@ def console_process(folder, **orders):
         except subprocess.TimeoutExpired:
             running.kill()
     gate.close()
+    assert not list((folder / "tmp").iterdir())
 
 
 def until(condition):

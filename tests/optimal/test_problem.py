@@ -61,10 +61,17 @@ def estimation(**changes: Any) -> EstimationProblem:
 WRONG = (
     ({"horizon": 1}, "horizon must be at least 2 and integration_steps at least 1, got 1 and 1"),
     ({"integration_steps": 0}, "integration_steps at least 1, got 5 and 0"),
+    ({"horizon": "5"}, "horizon and integration_steps must be whole numbers, got '5' and 1"),
+    ({"horizon": 2.5}, "must be whole numbers, got 2.5 and 1"),
+    ({"integration_steps": 1.5}, "must be whole numbers, got 5 and 1.5"),
+    ({"integrator": "rk4"}, "integrator = 'rk4' is none of Integrator.RUNGE_KUTTA, Integrator.ROSENBROCK"),
+    ({"sample_time": "0.2"}, "A problem: numbers are allowed, got sample_time = '0.2'"),
     ({"sample_time": 0.0}, "sample_time must be positive"),
     ({"sample_time": math.nan}, "sample_time must be positive"),
     ({"sample_time": math.inf}, "sample_time must be positive"),
     ({"bounds": {"wings": Bound(lower=0.0, upper=1.0)}}, "bounds: 'wings' is no state"),
+    ({"bounds": {"speed": (-1, 1)}}, "got {'speed': (-1, 1)}; give a Bound for each"),
+    ({"bounds": [Bound(lower=0.0, upper=1.0)]}, "bounds go by name, such as {"),
 )
 
 
@@ -79,6 +86,8 @@ WRONG = (
         ({"weights": without(WEIGHTS, "y")}, "weights: 'y' is missing; give 0.0 to what shall not count"),
         ({"weights": WEIGHTS | {"yaw": 1.0}}, "weights: there is no 'yaw'; the names are x, y, steering"),
         ({"weights": WEIGHTS | {"y": -1.0}}, "weights must be finite and not negative"),
+        ({"weights": WEIGHTS | {"y": "a"}}, "weights: numbers are allowed, got y = 'a'"),
+        ({"change_bounds": {"steering": 1.0}}, "change_bounds go by name, such as {"),
         ({"terminal_weights": {"x": 1.0}}, "terminal_weights: 'y' is missing"),
         ({"terminal_weights": TERMINAL | {"y": math.nan}}, "terminal_weights must be finite"),
         ({"terminal_weights": WEIGHTS}, "terminal_weights: 'steering' of 'tricycle_tractor' depends on an input"),
@@ -118,13 +127,16 @@ def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:
         {"lower": 1.0, "upper": 0.0},
         {"lower": math.nan, "upper": 0.0},
         {"lower": 0.0, "upper": math.nan},
+        {"lower": math.inf, "upper": math.inf},
+        {"lower": -math.inf, "upper": -math.inf},
+        {"lower": "0", "upper": 1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 0.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": math.nan},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": -1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": math.inf},
     ],
 )
-def test_bound(values: dict[str, float]) -> None:
+def test_bound(values: dict[str, Any]) -> None:
     with pytest.raises(SolverError):
         Bound(**values)
 

@@ -232,6 +232,7 @@ def test_each_cause_has_its_response_while_driving(state, cause):
     engagement.update(100.05, Situation(causes=(cause,)))
     after = {
         Response.NONE: state,
+        Response.TELL: state,
         Response.DEGRADE: DEGRADED if state is ACTIVE else state,
         Response.STOP: STOPPING,
         Response.RELEASE: FAULT,

@@ -286,9 +286,10 @@ def test_old_or_missing_speeds_do_not_count():
     speeds.add(10.2, "receiver", math.nan)
     assert speeds.last == 1.0
     assert speeds.known(10.5)
+    assert speeds.largest(10.0) == 1.0
     assert speeds.fresh(10.5) == {"wheels": 1.0}
     assert not speeds.known(10.51)
-    assert speeds.largest(10.51) == 4.2
+    assert speeds.largest(10.51) == pytest.approx(1.0 + 1.5 * 0.51)
     speeds.add(10.6, "receiver", 0.5)
     assert speeds.largest(10.6) == 0.5, "what the wheels said is too old"
 
@@ -299,6 +300,21 @@ def test_sources_that_disagree_are_not_believed(receiver, known):
     speeds.add(10.0, "wheels", 1.0)
     speeds.add(10.0, "receiver", receiver)
     assert speeds.known(10.0) is known
+
+
+def test_while_it_is_not_known_it_grows_no_faster_than_the_vehicle_can():
+    speeds = Speeds(SETTINGS)
+    for tick in range(6):
+        speeds.add(10.0 + 0.2 * tick, "wheels", 2.0)
+        assert speeds.largest(10.0 + 0.2 * tick) == (2.0 if tick == 0 else 2.1)
+        speeds.add(10.0 + 0.2 * tick, "receiver", 2.1 if tick < 5 else 3.9)
+    assert not speeds.known(11.0)
+    assert speeds.largest(11.0) == pytest.approx(2.1)
+    assert speeds.largest(12.0) == pytest.approx(3.6)
+    assert speeds.largest(13.0) == 4.2
+    speeds.add(13.0, "wheels", 3.9)
+    speeds.add(13.0, "receiver", 3.9)
+    assert speeds.largest(13.0) == 3.9
 
 
 def test_it_stands_only_for_certain():

@@ -182,7 +182,7 @@ def test_a_bus_carries_several_actuators():
     assert wires.dropped == 2
 
 
-def test_an_actuator_that_raises_is_silent_and_does_not_keep_the_others_from_it(capsys):
+def test_an_actuator_that_raises_is_silent_and_does_not_keep_the_others_from_it(capfd):
     class Broken(FakeSteering):
         def report(self, time):
             raise RuntimeError("report")
@@ -201,14 +201,14 @@ def test_an_actuator_that_raises_is_silent_and_does_not_keep_the_others_from_it(
     assert wires.speed(1.0) == SpeedReport()
     assert wires.send(1.0, (OFF, OFF), STOP)
     assert transport.written == [b"trailer off"]
-    capsys.readouterr()
+    capfd.readouterr()
     wires.send(1.0, (OFF, OFF), STOP)
-    assert capsys.readouterr().err == "", "each error is said once"
+    assert capfd.readouterr().err == "", "each error is said once"
     for number in range(40):
         broken.receive = Broken("tractor").receive
         transport.waiting = [type("R", (), {"time": number, "data": b"", "source": ""})()]
         wires.receive()
-    assert capsys.readouterr().err.count("Traceback") == 14, "and no more than sixteen kinds"
+    assert capfd.readouterr().err.count("Traceback") == 14, "and no more than sixteen kinds"
 
 
 def test_a_frame_that_is_not_taken_is_said():

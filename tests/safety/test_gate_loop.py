@@ -61,7 +61,7 @@ def end_at(bench, seconds, how):
 
 
 @pytest.mark.parametrize(("how", "code"), [("signal", ENDED), ("gone", GONE)])
-def test_it_says_off_for_a_second_and_ends(loop, how, code, capsys):
+def test_it_says_off_for_a_second_and_ends(loop, how, code, capfd):
     bench = Bench()
     ends = {
         "signal": lambda: signal.raise_signal(signal.SIGTERM),
@@ -73,7 +73,7 @@ def test_it_says_off_for_a_second_and_ends(loop, how, code, capsys):
     assert 3.0 <= clock.time - 100.0 <= 3.2
     assert bench.transport.closed
     assert bench.state is SupervisorState.FAULT
-    assert "gate: memory is not locked" in capsys.readouterr().err
+    assert "gate: memory is not locked" in capfd.readouterr().err
 
 
 def test_its_pace_counts_from_the_last_tick_and_missed_ticks_are_left_out(loop):
@@ -85,7 +85,7 @@ def test_its_pace_counts_from_the_last_tick_and_missed_ticks_are_left_out(loop):
     assert min(after - before for before, after in itertools.pairwise(ticks)) > 0.01, "no burst"
 
 
-def test_a_program_that_fails_says_off_before_it_ends(loop, capsys):
+def test_a_program_that_fails_says_off_before_it_ends(loop, capfd):
     bench = Bench()
 
     def fail(*given):
@@ -98,7 +98,7 @@ def test_a_program_that_fails_says_off_before_it_ends(loop, capsys):
     off = bench.tractor.requests[before:]
     assert not any(request.steer for _, request in off)
     assert off[-1][0] - off[-20][0] == pytest.approx(0.95, abs=0.01)
-    assert "the gate's own program fails" in capsys.readouterr().err
+    assert "the gate's own program fails" in capfd.readouterr().err
     assert bench.transport.closed
     assert clock.time - 100.0 >= 2.0
 

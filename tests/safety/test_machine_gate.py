@@ -498,6 +498,7 @@ def test_the_recorder_must_live_and_write():
     bench.recorder = 0
     bench.run(5.0)
     assert bench.state is ACTIVE, "control goes on without it"
+    assert bench.shown.refusals[0] == Cause.NOT_RECORDING.value, "and the operator is told"
 
 
 def test_the_emergency_stop_must_have_been_tried():

@@ -262,6 +262,13 @@ def largest_speed(settings):
     return bench.gate.watch.speeds.largest(bench.time)
 
 
+def unknown_speed(settings):
+    bench = Bench(settings).drive()
+    bench.controller = {"wheel_speed": math.nan, "receiver_speed": math.nan}
+    bench.run(0.8)
+    return bench.gate.watch.speeds.largest(bench.time)
+
+
 def recorder_silent(seconds):
     def look(settings):
         bench = Bench(settings).ready()
@@ -368,6 +375,7 @@ TABLE = {
     "drive.reversed_angle": (0.001, stuck(0.018, -0.02, 0.7, ahead=False)),
     "drive.reversed_time": (0.2, stuck(0.05, -0.6, 0.3, ahead=False)),
     "envelope.speed": (0.5, state_after(0.2)),
+    "envelope.acceleration": (0.5, unknown_speed),
     "envelope.lateral_acceleration": (0.5, angle_cap),
     "envelope.lateral_jerk": (0.5, rate_cap),
     "envelope.steering_rate": (0.05, set_points),

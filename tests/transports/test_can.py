@@ -99,6 +99,14 @@ def test_foreign_datagrams_on_the_multicast_group_are_dropped() -> None:
     other.close()
 
 
+def read_to(far: int, ending: bytes) -> bytes:
+    """Return what comes out of a serial line, up to an ending."""
+    data = b""
+    while not data.endswith(ending):
+        data += os.read(far, 1000)
+    return data
+
+
 def test_slcan_adapter_on_a_serial_line(tmp_path: Path) -> None:
     far, near = pty.openpty()
     tty.setraw(far)
@@ -106,9 +114,9 @@ def test_slcan_adapter_on_a_serial_line(tmp_path: Path) -> None:
     clock = FakeClock()
     bus = PythonCanBus(CanAddress(interface="slcan", channel=os.ttyname(near), number=115200), clock, time.time)
     assert bus.connected, bus.trouble
-    assert until(lambda: os.read(far, 1000)).endswith(b"O\r")
+    read_to(far, b"O\r")
     assert bus.write(CLAIM)
-    assert until(lambda: os.read(far, 1000)) == b"T18EEFF1C83930E0AF001D02A0\r"
+    assert read_to(far, b"A0\r") == b"T18EEFF1C83930E0AF001D02A0\r"
     os.write(far, b"Tnonsense\rT18EE\r\xff\xfe\r")
     until(lambda: bus.read() == [] and bus.dropped["garbage"] >= 3)
     os.write(far, b"T18EEFF1C83930E0AF001D02A0\r")

@@ -1,6 +1,8 @@
 """`drawbar bench`: measure, show, write."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -36,17 +38,33 @@ def run_benchmark(console: Console, json_path: Path | None = None) -> None:
         DrawbarError: the file cannot be written.
         CompilerError: a solver could not be compiled.
     """
+    if json_path is not None:
+        _demand_writable(json_path)
     one_core()
     with Progress(console=console, transient=True) as progress:
         figures = measure(progress, steps=STEPS)
     show(console, figures)
     if json_path is not None:
-        try:
+        with _writing(json_path):
             json_path.write_text(json.dumps(figures, indent=2), "utf-8")
-        except OSError as error:
-            raise DrawbarError(
-                f"{json_path}: cannot be written ({error.strerror}); choose another --json file."
-            ) from error
+
+
+@contextmanager
+def _writing(file: Path) -> Iterator[None]:
+    """Turn what keeps a file from being written into an error that names it."""
+    try:
+        yield
+    except OSError as error:
+        raise DrawbarError(f"{file}: cannot be written ({error.strerror}); choose another --json file.") from error
+
+
+def _demand_writable(file: Path) -> None:
+    """Raise DrawbarError where a file cannot be written; one that is not there is not there afterwards either."""
+    there = file.exists()
+    with _writing(file):
+        file.open("ab").close()
+        if not there:
+            file.unlink()
 
 
 def measure(progress: Progress, *, steps: int) -> dict[str, Any]:

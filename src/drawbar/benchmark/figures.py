@@ -6,13 +6,15 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drawbar.benchmark.probe import Probe
 from drawbar.codegen.compiler import compiler_identity
 from drawbar.geometry import Floats
+
+if TYPE_CHECKING:
+    from drawbar.benchmark.probe import Probe
 
 
 def microseconds(times: Sequence[float] | Floats) -> dict[str, float]:
@@ -26,7 +28,7 @@ def microseconds(times: Sequence[float] | Floats) -> dict[str, float]:
     }
 
 
-def row(probe: Probe) -> dict[str, Any]:
+def row(probe: "Probe") -> dict[str, Any]:
     """Return the figures of a solver; steps before the estimator's window was full are left out."""
     full = slice(probe.stages + 1, len(probe.floor))
     prepare, feedback = np.asarray(probe.prepare)[full], np.asarray(probe.feedback)[full]
@@ -48,7 +50,7 @@ def row(probe: Probe) -> dict[str, Any]:
     }
 
 
-def race_rows(probe: Probe) -> list[dict[str, Any]]:
+def race_rows(probe: "Probe") -> list[dict[str, Any]]:
     """Return the figures of drawbar's quadratic program and its peers, on the stage problems that all were given."""
     times = probe.race.times if probe.race else {}
     return [

@@ -42,7 +42,9 @@ def console(
     try:
         known = Orders.model_validate_json((folder / ORDERS_NAME).read_text("utf-8"))
     except (OSError, ValueError):
-        raise HardwareError(f"{folder} is not the folder of a drive that is on; start one with drawbar drive") from None
+        known = None
+    if known is None or not _is_on(folder):
+        raise HardwareError(f"{folder} is not the folder of a drive that is on; start one with drawbar drive")
     if Path(known.socket(CONSOLE)).exists():
         raise HardwareError(f"the drive in {folder} has a console already; open that one, or end it")
     orders = console_orders(
@@ -109,7 +111,7 @@ def console_orders(*, host: str, port: int, name: list[str] | None, **others: st
             f"the console needs what is not installed here ({', '.join(missing)}); install it with: "
             f"{install_command('console')}"
         )
-    place = {"host": host, "port": port or free_port(host), "names": tuple(name or ())}
+    place = {"host": host, "port": free_port(host, port), "names": tuple(name or ())}
     orders = ConsoleOrders.model_validate(others | place)
     orders.check()
     if orders.passwords is not None:
@@ -134,6 +136,7 @@ def free_port(host: str, port: int = 0) -> int:
     kind = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         with socket.socket(kind, socket.SOCK_STREAM) as each:
+            each.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does: a port just given back
             each.bind((host, port))
             return int(each.getsockname()[1])
     except OSError as error:
@@ -142,10 +145,25 @@ def free_port(host: str, port: int = 0) -> int:
         ) from None
 
 
+def _is_on(folder: Path) -> bool:
+    """Return whether the gate of the drive in a folder is there; a drive that was killed leaves its folder."""
+    import socket
+
+    from drawbar.driving.orders import GATE
+
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as each:
+        try:
+            each.connect(str(folder / GATE))
+        except OSError:
+            return False
+    return True
+
+
 def _newest_drive() -> Path:
     from drawbar.driving.orders import ORDERS_NAME
 
-    found = [each for each in Path(tempfile.gettempdir()).glob(f"drawbar-*/{ORDERS_NAME}") if each.is_file()]
+    written = Path(tempfile.gettempdir()).glob(f"drawbar-*/{ORDERS_NAME}")
+    found = [each for each in written if each.is_file() and _is_on(each.parent)]
     if not found:
         raise HardwareError("no drive is on; start one with drawbar drive --console")
     return max(found, key=lambda each: each.stat().st_mtime).parent

@@ -1,6 +1,7 @@
 """`drawbar drive`: drive a real machine, or stand-ins of all its devices on this computer."""
 
 import time
+from contextlib import ExitStack, nullcontext
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,6 +25,7 @@ from drawbar.cli.options import ConfigurationName, console
 LOCAL = "127.0.0.1"
 
 if TYPE_CHECKING:
+    from drawbar.cli.interrupts import Interrupts
     from drawbar.config import Configuration
     from drawbar.driving.console_orders import ConsoleOrders
     from drawbar.driving.crew import Crew
@@ -60,6 +62,7 @@ def drive(
     audit: Audit = None,
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
+    from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.crew import Crew
 
     config, stand_ins = _configured(configuration, changes or [])
@@ -80,10 +83,11 @@ def drive(
         )
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
-    crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, live=shown, console=orders)
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
-    failed = _run(crew, orders, demonstrates=demonstrates, seconds=seconds)
-    _report(folder, shadow=shadow)
+    with Interrupts() as interrupts:
+        crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, live=shown, console=orders)
+        failed = _run(crew, orders, interrupts, demonstrates=demonstrates, seconds=seconds)
+        _report(folder, shadow=shadow)
     if failed:
         raise SystemExit(1)
 
@@ -105,12 +109,16 @@ def _configured(name: str, changes: list[str]) -> tuple["Configuration", bool]:
     return config, stand_ins
 
 
-def _run(crew: "Crew", orders: "ConsoleOrders | None", *, demonstrates: bool, seconds: float) -> bool:
+def _run(
+    crew: "Crew", orders: "ConsoleOrders | None", interrupts: "Interrupts", *, demonstrates: bool, seconds: float
+) -> bool:
     """Start the processes and show the drive; return whether it failed."""
-    with console.status("starting the processes …"), crew:
+    with ExitStack() as started:
+        with console.status("starting the processes …"):
+            started.enter_context(crew)
         if orders is not None:
             console.print(f"the console is at {address(orders)}", soft_wrap=True)
-        return _drive(crew, demonstrates=demonstrates, seconds=seconds)
+        return _drive(crew, interrupts, demonstrates=demonstrates, seconds=seconds)
 
 
 def _shown_at(port: int) -> int:
@@ -135,7 +143,7 @@ def _report(folder: FilePath, *, shadow: bool) -> None:
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
 
 
-def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
+def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, seconds: float) -> bool:
     """Show the drive until it is over; return whether it failed."""
     from rich.live import Live
 
@@ -148,18 +156,20 @@ def _drive(crew: "Crew", *, demonstrates: bool, seconds: float) -> bool:
     told: SupervisorState | None = None
     lost_console = False
     try:
-        with live or Keyboard(), Keyboard() as keyboard:
+        with live or nullcontext(), Keyboard() as keyboard:
             while time.monotonic() < end and not (demonstrates and front.is_over):
                 front.wait(0.05)
-                key = keyboard.pressed()
-                if key == "q":
+                interrupts.heed()
+                keys = keyboard.pressed()
+                for key in keys:
+                    front.press(key)
+                if "q" in keys:
                     break
-                front.press(key)
                 if front.state is not None and front.state.state is not told:
                     told = front.state.state
                     console.print(headline(front.state))
                 if live is not None:
-                    live.update(picture(front.state, front.controller), refresh=True)
+                    live.update(picture(front.state, front.controller, front.refusal), refresh=True)
                 if crew.has_lost_console and not lost_console:
                     lost_console = True
                     console.print(f"the console has ended, and the drive goes on: {crew.words()}", style="bold red")

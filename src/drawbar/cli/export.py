@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from drawbar.cli.options import ConfigurationName, console
-from drawbar.export.targets import TARGETS, find_target
+from drawbar.export.targets import TARGETS, Precision, find_target
 
 
 def export(
@@ -16,6 +16,10 @@ def export(
         list[str] | None,
         typer.Option("--target", metavar="TARGET", help=f"build for {', '.join(target.name for target in TARGETS)}"),
     ] = None,
+    precision: Annotated[
+        Precision,
+        typer.Option(help="of the library's numbers; single: float, for a processor with a unit for these alone"),
+    ] = Precision.DOUBLE,
     changes: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. controller.horizon=10"),
@@ -29,5 +33,5 @@ def export(
 
     config = load_configuration(configuration, changes or [])
     with console.status("writing and building the library …"):
-        export_library(config, out, machines)
+        export_library(config, out, machines, precision)
     console.print(out / "README.md", soft_wrap=True)

@@ -1,17 +1,22 @@
-"""Interrupts at the keyboard (and SIGTERM) while a run is driven and reported: heeded between two steps, never within.
+"""Interrupts at the keyboard, SIGTERM and SIGHUP while something is driven: heeded between two steps, never within.
 
 The first one asks; the loop ends after its step, and the report is made. Where nothing heeds it for a while, because
 the machine does not answer or the report takes long, the next one raises KeyboardInterrupt at once. Hitting the keys
 many times does no harm.
 """
 
+import errno
+import os
 import signal
+import sys
 import time
 from types import FrameType, TracebackType
 from typing import Self
 
 _PATIENCE = 2.0
 """s that an interrupt may wait to be heeded before another one raises"""
+_HANG_UP = getattr(signal, "SIGHUP", None)
+"""which Windows does not have"""
 
 
 class Interrupts:
@@ -28,6 +33,8 @@ class Interrupts:
             raise KeyboardInterrupt
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
+        if number == _HANG_UP:
+            _leave_a_terminal_that_is_gone()
         now = time.monotonic()
         if self._asked is not None and now - self._asked >= _PATIENCE:
             raise KeyboardInterrupt
@@ -35,7 +42,10 @@ class Interrupts:
             self._asked = now
 
     def __enter__(self) -> Self:
-        self._before = {each: signal.signal(each, self._ask) for each in (signal.SIGINT, signal.SIGTERM)}
+        taken = [signal.SIGINT, signal.SIGTERM]
+        if _HANG_UP is not None and signal.getsignal(_HANG_UP) is not signal.SIG_IGN:  # as nohup has it
+            taken.append(_HANG_UP)
+        self._before = {each: signal.signal(each, self._ask) for each in taken}
         return self
 
     def __exit__(
@@ -43,3 +53,13 @@ class Interrupts:
     ) -> None:
         for each, handler in self._before.items():
             signal.signal(each, handler)
+
+
+def _leave_a_terminal_that_is_gone() -> None:
+    """Let what is printed from now on go nowhere where the terminal is gone: it would raise amid an orderly end."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            os.get_terminal_size(stream.fileno())
+        except OSError as error:
+            if error.errno == errno.EIO:
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import RunLogFile, console
+from drawbar.cli.options import RunLogFile, console, refuse_to_replace
 from drawbar.errors import DrawbarError
 
 if TYPE_CHECKING:
@@ -33,6 +33,9 @@ def export(
     chosen = {"csv": csv, "ros2": ros2, "geojson": geojson}
     if not any(chosen.values()):
         raise typer.BadParameter("give at least one of --csv FILE, --ros2 FILE, --geojson FILE")
+    for kind, target in chosen.items():
+        if target is not None:
+            refuse_to_replace(f"--{kind}", target, file)
     content = read_log(file)
     for kind, target in chosen.items():
         if target is None:

@@ -1,5 +1,7 @@
 """The program: puts the commands together and turns every expected error into one message."""
 
+import errno
+import os
 import sys
 from typing import Annotated
 
@@ -27,6 +29,8 @@ from drawbar.errors import DrawbarError
 from drawbar.terminal import degrade_output
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EPIPE)
+"""what is wrong where output cannot be written; such an error names no file"""
 DRIVING = (run, drive, console, check, calibrate, stand_in)
 LOOKING = (report, replay, identify, config, events, tube, path, export, bench, experiment, tune)
 for command in (*DRIVING, *LOOKING):
@@ -53,14 +57,28 @@ def program(
         context.fail("Missing command.")
 
 
+def _show(error: str) -> None:
+    message = Text.assemble(("error:", "bold red"), f" {error}")
+    Console(stderr=True, highlight=False).print(message, soft_wrap=True)
+
+
 def main() -> None:
     """Run the command line; every expected error is one message and exit code 2, an interrupt one line and 130."""
     degrade_output()
     try:
-        app(prog_name="drawbar")
+        try:
+            app(prog_name="drawbar")
+        finally:
+            sys.stdout.flush()  # what cannot be written is told here, not when Python ends
     except DrawbarError as error:
-        message = Text.assemble(("error:", "bold red"), f" {error}")
-        Console(stderr=True, highlight=False).print(message, soft_wrap=True)
+        _show(str(error))
+        sys.exit(2)
+    except OSError as error:
+        if error.filename is None and error.errno not in _FULL:
+            raise
+        _show(f"{error.filename or 'output cannot be written'}: {error.strerror}")
+        if error.filename is None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is left of it is not tried again when Python ends
         sys.exit(2)
     except SystemExit as end:
         if isinstance(end.__context__, typer.Exit) and isinstance(end.__context__.__cause__, KeyboardInterrupt):

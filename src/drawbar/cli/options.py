@@ -1,15 +1,19 @@
 """What several commands share: the console, arguments and options."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from json import dumps
 from pathlib import Path as FilePath
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
 from drawbar.configurations import shipped_names
 from drawbar.errors import DrawbarError
+
+if TYPE_CHECKING:
+    from drawbar.config import Configuration
 
 console = Console(highlight=False, markup=False)  # names of files and lines may hold brackets
 
@@ -33,6 +37,23 @@ Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
 
 
+def configured(source: str, path: str | None, track: str, changes: Sequence[str]) -> "Configuration":
+    """Return a configuration with the line that --path (None: its own) and --track (empty: none) name, then changes.
+
+    Raises DrawbarError for an empty path and for a track without a file, ConfigurationError as load_configuration.
+    """
+    from drawbar.config import load_configuration
+
+    if path == "":
+        raise DrawbarError("--path is empty; give a file or a field folder, or leave --path out.")
+    if track and not path and not load_configuration(source, changes).path.file:
+        raise DrawbarError(f"--track {track}: there is no file with lines; give --path too, or leave --track out.")
+    given = (("path.file", path), ("path.track", track))
+    # a JSON string is a TOML string
+    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
+    return load_configuration(source, [*settings, *changes])
+
+
 @contextmanager
 def compiling() -> Iterator[None]:
     """Show on the console that, and how far, something is compiled."""
@@ -41,6 +62,18 @@ def compiling() -> Iterator[None]:
     text = "compiling the control step (the first time only) …"
     with console.status(text) as status, watch_compilation(lambda *of: status.update(f"{text} {of[0]} of {of[1]}")):
         yield
+
+
+def refuse_to_replace(option: str, target: FilePath, given: FilePath) -> None:
+    """Raise DrawbarError where a file that is to be written is one that is read, by whatever name.
+
+    Args:
+        option: that names the target.
+        target: to be written.
+        given: to be read.
+    """
+    if target.exists() and given.exists() and target.samefile(given):
+        raise DrawbarError(f"{option} {target}: is what is read, {given}, and would be lost; choose another file.")
 
 
 def one_cluster(jobs: int | None, cluster: str) -> None:

@@ -1,12 +1,11 @@
 """`drawbar path`: a configuration's path, or a recorded line made drivable, as the table that the C library takes."""
 
-from json import dumps
 from pathlib import Path as FilePath
 from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.options import ConfigurationName, configured, console, refuse_to_replace
 from drawbar.errors import DrawbarError
 
 
@@ -14,9 +13,9 @@ def path(
     configuration: ConfigurationName,
     out: Annotated[FilePath, typer.Option(help="file for the table: .csv, or .h for a C array")],
     line: Annotated[
-        str,
+        str | None,
         typer.Option("--path", help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: its own"),
-    ] = "",
+    ] = None,
     track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
     changes: Annotated[
         list[str] | None,
@@ -24,7 +23,6 @@ def path(
     ] = None,
 ) -> None:
     """Write a line, made drivable for a configuration's vehicle, as the path table of the C library."""
-    from drawbar.config import load_configuration
     from drawbar.export.recording import path_array, path_table
     from drawbar.recording.header import deviation_note
     from drawbar.simulation import build_path
@@ -32,9 +30,9 @@ def path(
     tables = {".csv": path_table, ".h": path_array}
     if out.suffix not in tables:
         raise DrawbarError(f"--out {out}: give a file that ends with {' or '.join(tables)}.")
-    given = (("path.file", line), ("path.track", track))
-    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
-    config = load_configuration(configuration, [*settings, *(changes or [])])
+    config = configured(configuration, line, track, changes or [])
+    if config.path.file:
+        refuse_to_replace("--out", out, FilePath(config.path.file))
     driven, drivable = build_path(config)
     if drivable:
         console.print(deviation_note(config, drivable), soft_wrap=True)

@@ -1,12 +1,11 @@
 """`drawbar run`: drive a whole run in simulation and report on it."""
 
-from json import dumps
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, compiling, console
+from drawbar.cli.options import ConfigurationName, compiling, configured, console
 from drawbar.errors import DrawbarError, StorageError
 
 if TYPE_CHECKING:
@@ -20,9 +19,9 @@ CONFIGURATION_NAME = "config.toml"
 def run(
     configuration: ConfigurationName = "articulated",
     path: Annotated[
-        str,
+        str | None,
         typer.Option(help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: figure-eights"),
-    ] = "",
+    ] = None,
     track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
     changes: Annotated[
         list[str] | None,
@@ -34,13 +33,9 @@ def run(
 ) -> None:
     """Drive a whole run in simulation and report on it."""
     from drawbar.cli.interrupts import Interrupts
-    from drawbar.config import load_configuration
     from drawbar.simulation import Simulation
 
-    # a JSON string is a TOML string
-    given = (("path.file", path), ("path.track", track))
-    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
-    config = load_configuration(configuration, [*settings, *(changes or [])])
+    config = configured(configuration, path, track, changes or [])
     if out is not None and not force:
         _refuse_a_run_in(out)
     with compiling():

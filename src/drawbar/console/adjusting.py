@@ -5,8 +5,9 @@ from collections.abc import Callable
 from nicegui import ui
 
 from drawbar.console.link import Link
-from drawbar.console.view import Board, drives_chosen_line, set_speed_text, shift_text, wished_speed
+from drawbar.console.view import Board, drives_chosen_line, set_speed_text, shift_text
 from drawbar.console.words import Words
+from drawbar.driving.operator import changed_speed
 from drawbar.messages import Action
 
 NUDGE = 0.02
@@ -80,7 +81,7 @@ class Adjusting:
 
     def _change_speed(self, change: float) -> None:
         if self._link.gate is not None:
-            self._ask(Action.SET_SPEED, wished_speed(self._link.gate, self._otherwise) + change)
+            self._ask(Action.SET_SPEED, changed_speed(self._link.gate, change, self._otherwise))
 
     def _reading(self, key: str) -> ui.label:
         with ui.element("div").classes("reading"):

@@ -1,6 +1,7 @@
 """Catalogue: every text of the pages in English and German.
 
-Causes and errors are in English where they arise; their German is in causes_de.py and errors_de.py.
+Causes and errors are in English where they arise; their German is in causes_de.py and errors_de.py. What signals are
+called is put together from signal_words.py.
 """
 
 from collections.abc import Mapping

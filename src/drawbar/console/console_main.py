@@ -4,12 +4,12 @@ import asyncio
 import contextlib
 import os
 import sys
-import tempfile
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.ending import told
 
 if TYPE_CHECKING:
     from drawbar.console.link import Link
@@ -25,10 +25,10 @@ _RECONNECT = 60.0
 def main() -> int:
     """Serve the pages until told to end."""
     orders = ConsoleOrders.model_validate_json(sys.stdin.read())
-    with tempfile.TemporaryDirectory(prefix="drawbar-console-") as storage:
-        os.environ["NICEGUI_STORAGE_PATH"] = storage  # nothing of NiceGUI's own in the folder where one happens to be
-        os.environ.setdefault("MPLBACKEND", "agg")
-        return _serve(orders)
+    # nothing of NiceGUI's own in the folder where one happens to be, and nothing that outlives the drive
+    os.environ["NICEGUI_STORAGE_PATH"] = str(Path(orders.folder) / "storage")
+    os.environ.setdefault("MPLBACKEND", "agg")
+    return _serve(orders)
 
 
 def _serve(orders: ConsoleOrders) -> int:
@@ -117,4 +117,4 @@ async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -14,6 +14,7 @@ from drawbar.console.view import Board, board, display_name, picture
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.messages import Action
+from drawbar.safety.causes import Cause
 
 _TEXTS = ("old", "map", "zoom_in", "zoom_out", "whole")
 
@@ -27,7 +28,7 @@ class DrivePage:
         """Build the page; standing, lines: what does not move by itself (drawing.py); login: visitors may log out."""
         self._link, self._visitor, self._words, self._lines = link, visitor, words, lines
         self._speed, self._working_width = float(standing["speed"]), float(standing["workingWidth"])
-        self._offset = 0.0
+        self._offset, self._lost = 0.0, False
         self._shown: Board | None = None
         self._told = link.session(visitor).told
         with ui.element("div").classes("cockpit"):
@@ -65,10 +66,19 @@ class DrivePage:
             self._notify(words("refused", cause=cause, advice=advice))
         if session.unanswered(now):
             self._notify(words("no_answer"))
+        self._announce_lost_record()
         if self._instruments.may_draw:
             self._adjusting.refresh()
             self._show_lines()
             self._instruments.draw(picture(gate, link.controller, link.moving, words, stale=link.is_stale))
+
+    def _announce_lost_record(self) -> None:
+        """Tell, once, that nothing is recorded any more: steering goes on, and the list of worries may be long."""
+        gate = self._link.gate
+        lost = gate is not None and bool(gate.steers) and Cause.NOT_RECORDING.value in gate.refusals
+        if lost and not self._lost:
+            self._notify(". ".join(self._words.cause(Cause.NOT_RECORDING)))
+        self._lost = lost
 
     def _show_lines(self) -> None:
         """Draw the line that is driven and its neighbours, where that is another one than before."""

@@ -83,6 +83,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}:{1}: die Datei endet mitten in Linie {2}; das Feld neu aus AgOpenGPS ausgeben",
     "{}:{}: line {} announces {} points, but {} rows follow; export the field from AgOpenGPS again":
         "{0}:{1}: Linie {2} kündigt {3} Punkte an, {4} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
+    "{}:{}: announces {} points; a whole number is allowed: export the field from AgOpenGPS again":
+        "{0}:{1}: kündigt {2} Punkte an; erlaubt ist eine ganze Zahl: das Feld neu aus AgOpenGPS ausgeben",
     "{}:{}: announces {} points, but {} rows follow; export the field from AgOpenGPS again":
         "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
     "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these":
@@ -181,6 +183,8 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: is not valid TOML: {}.": "{0}: ist kein gültiges TOML ({1}).",
     "{}: cannot be read as a configuration ({}); give a TOML file or one of: {}.":
         "{0}: ist keine lesbare Konfiguration ({1}).",
+    "{}: is neither a file nor a shipped configuration{}; give a TOML file or one of: {}.":
+        "{0}: ist weder eine Datei noch eine mitgelieferte Konfiguration; mitgeliefert sind: {2}.",
     "not UTF-8 text": "kein Text (UTF-8)",
     "{}: extends = {} is not allowed; give the name of a shipped configuration ({}) or of a file in the same folder, "
     "but none that extends this one.":
@@ -206,9 +210,10 @@ ERRORS_DE: Mapping[str, str] = {
     "track = {} is given without a file; give path.file too, or leave track out":
         "Linie {0} ohne Datei; path.file auch angeben",
     "{} is too large against the weights on the errors: a correction would take {} s, at most {} s is allowed with "
-    "controller.horizon = {}; lower it, or raise the others":
+    "controller.horizon = {} and sample_time = {} s; lower the weight, raise the others, or raise horizon or "
+    "sample_time":
         "{0} ist zu groß gegenüber den Gewichten der Fehler: eine Korrektur würde {1} s dauern, höchstens {2} s sind "
-        "mit controller.horizon = {3} erlaubt; anderes Tempo wählen, oder das Gewicht ändern",
+        "mit controller.horizon = {3} und sample_time = {4} s erlaubt; anderes Tempo wählen, oder das Gewicht ändern",
     # calibration: names and units
     "front wheels": "Vorderräder",
     "joint": "Lenkgelenk",

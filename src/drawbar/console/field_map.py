@@ -1,5 +1,6 @@
 """Field map: draws a field, its lines, the chosen one and what was smoothed of it; a line is chosen by touching it."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,13 @@ class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.
         """Take the texts, and what hears the name of a line that was touched."""
         super().__init__()
         self._props["texts"] = texts
-        self._props["scene"] = {"boundary": [], "lines": [], "chosen": [], "driven": [], "aside": []}
+        self.show({"boundary": [], "lines": [], "chosen": [], "driven": [], "aside": []})
         self._on_choose = on_choose
         self.on("choose", self._choose)
 
     def show(self, scene: dict[str, Any]) -> None:
         """Draw a field: boundary, lines, the chosen pass, what will be driven, and where that is aside."""
-        self._props["scene"] = scene
+        self._props["drawn"] = json.dumps(scene)  # a list would be watched by NiceGUI, point by point
         self.update()
 
     def place(self, place: list[float | None] | None, track: list[list[float]]) -> None:

@@ -11,7 +11,7 @@ from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from drawbar.console.session import Allowance
+from drawbar.console.allowances import Allowance, Allowances
 from drawbar.console.visitors import COOKIE, Rank, Visitor, Visitors
 
 Scope = MutableMapping[str, Any]
@@ -26,12 +26,18 @@ LARGEST = 1 << 16
 """bytes of a request or a message"""
 LARGEST_UPLOAD = 1 << 23
 """bytes of a file that is handed over"""
-RATE, BURST = 40.0, 200.0
+RATE, BURST = 40.0, 100.0
 """messages of a socket, 1/s and at once; a page acknowledges ten pictures a second"""
+PAGE_RATE, PAGE_BURST = 1.0, 20.0
+"""pages that one address may open, 1/s and at once; each takes some hundredths of a second to build"""
+PAUSE = 10.0
+"""for which a visitor whose socket was ended for a flood is not served, s"""
 VISITOR = "drawbar.visitor"
 """key of the visitor in a scope"""
 LOGIN = "/login"
 _SOCKET_PATH = "/_nicegui_ws"
+_FILES = ("/_nicegui", "/drawbar/")
+"""paths of what is only read and sent"""
 _UPLOAD = re.compile(r"/_nicegui/client/(?P<page>[\w-]+)/upload/\d+")
 _HEADERS = {
     # NiceGUI needs inline scripts and Vue's compiler; nothing may come from, or go to, another host.
@@ -56,6 +62,7 @@ class Guard:
         asks_for_password: bool,
         secure: bool,
         owns: Callable[[str, Visitor], bool],
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Take what it guards.
 
@@ -66,10 +73,14 @@ class Guard:
             asks_for_password: visitors must have logged in; otherwise each browser is admitted as maintainer.
             secure: cookies go over TLS only.
             owns: whether a page (its client's id) was opened by a visitor.
+            clock: s.
         """
         self._app, self._names, self._visitors = app, frozenset(name.lower() for name in names), visitors
         self._asks_for_password, self._secure, self._owns = asks_for_password, secure, owns
+        self._clock = clock
         self._sockets = 0
+        self._pages = Allowances(PAGE_RATE, PAGE_BURST)
+        self._flooded: dict[str, float] = {}  # until when they are not served, by visitors' tokens
         self.refused = 0
         """requests and sockets that were refused, and sockets that were ended"""
 
@@ -79,7 +90,7 @@ class Guard:
             await self._app(scope, receive, send)
             return
         headers = {key.decode("latin-1").lower(): value.decode("latin-1") for key, value in scope["headers"]}
-        visitor = self._visitors.find(_cookie(headers.get("cookie", "")), time.monotonic())
+        visitor = self._visitors.find(_cookie(headers.get("cookie", "")), self._clock())
         flaw = self._flaw(scope, headers, visitor)
         if flaw is not None:
             await self._refuse(scope, receive, send, *flaw)
@@ -104,12 +115,18 @@ class Guard:
             return 403, "Files are taken from pages of operators only."
         if scope["type"] == "http" and scope["path"].startswith(_SOCKET_PATH):
             return 403, "Only web sockets are served here."
+        now, (address, _) = self._clock(), scope.get("client") or ("", 0)
+        if visitor is not None and now < self._flooded.get(visitor.token, now):
+            return 429, "This browser has sent too much; wait ten seconds."
+        asks = scope["type"] == "http" and not scope["path"].startswith(_FILES)
+        if asks and not self._pages.take(address, now):
+            return 429, "Too many pages are asked for; wait a moment."
         return None
 
     async def _page(self, scope: Scope, receive: Receive, send: Send, visitor: Visitor | None) -> None:
         cookie = b""
         if visitor is None and not self._asks_for_password:
-            visitor = self._visitors.admit("", Rank.MAINTAINER, time.monotonic())
+            visitor = self._visitors.admit("", Rank.MAINTAINER, self._clock())
             cookie = set_cookie(visitor.token, secure=self._secure)
         if visitor is None and scope["path"] != LOGIN:
             head = [(b"location", LOGIN.encode()), (b"content-length", b"0")]
@@ -151,8 +168,9 @@ class Guard:
             nonlocal over
             message = await receive()
             size = len(message.get("text") or "") + len(message.get("bytes") or b"")
-            if message["type"] == "websocket.receive" and not (size <= LARGEST and allowance.take(time.monotonic())):
+            if message["type"] == "websocket.receive" and not (size <= LARGEST and allowance.take(self._clock())):
                 over = True
+                self._pause(visitor)
             if over and message["type"] == "websocket.receive":
                 self.refused += 1  # without a closing frame, after which uvicorn would take in the flood for 10 s more
                 return {"type": "websocket.disconnect", "code": 1008}
@@ -167,6 +185,12 @@ class Guard:
             await self._app(scope, receive_guarded, send_guarded)
         finally:
             self._sockets -= 1
+
+    def _pause(self, visitor: Visitor) -> None:
+        """Serve a visitor not for a while: each page and each socket of it would cost again."""
+        now = self._clock()
+        self._flooded = {each: until for each, until in self._flooded.items() if until > now}
+        self._flooded[visitor.token] = now + PAUSE
 
     async def _refuse(self, scope: Scope, receive: Receive, send: Send, status: int, reason: str) -> None:
         self.refused += 1

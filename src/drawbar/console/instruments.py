@@ -1,11 +1,9 @@
 """Instruments: figures, light bars and map, drawn by the browser from one picture at a time.
 
-The browser acknowledges each picture (event `drawn`). A new one goes out only while fewer than two are
-not acknowledged, so that a slow browser gets fewer pictures and never old ones in a row.
+The browser acknowledges each picture (event `drawn`).
 """
 
-import math
-import time
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,9 +11,7 @@ from typing import Any
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
-_UNACKNOWLEDGED = 2
-_LOST = 1.0
-"""without a word of a picture that was sent, s"""
+from drawbar.console.under_way import UnderWay
 
 
 class Instruments(Element, component=Path(__file__).parent / "static" / "instruments.js"):
@@ -24,15 +20,16 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
     def __init__(self, standing: dict[str, Any], texts: dict[str, str], on_drawn: Callable[[object], None]) -> None:
         """Take what does not move, the texts, and what hears which state of the gate the browser has drawn."""
         super().__init__()
-        self._props["standing"], self._props["texts"] = standing, texts
+        self._props["standing"] = json.dumps(standing)  # a list would be watched by NiceGUI, point by point
+        self._props["texts"] = texts
         self._on_drawn = on_drawn
-        self._under_way, self._sent = 0, -math.inf
+        self._under_way = UnderWay()
         self.on("drawn", self._drawn)
 
     @property
     def may_draw(self) -> bool:
-        """Whether another picture may be sent: not while two are under way, unless they must have been lost."""
-        return self._under_way < _UNACKNOWLEDGED or time.monotonic() - self._sent > _LOST
+        """Whether another picture may be sent."""
+        return self._under_way.may_send
 
     def show_lines(self, lines: dict[str, Any]) -> None:
         """Draw other lines from now on."""
@@ -40,10 +37,9 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
 
     def draw(self, picture: dict[str, Any]) -> None:
         """Send a picture."""
-        self._under_way = min(self._under_way + 1, _UNACKNOWLEDGED)
-        self._sent = time.monotonic()
+        self._under_way.send()
         self.run_method("draw", picture)
 
     def _drawn(self, event: GenericEventArguments) -> None:
-        self._under_way = max(0, self._under_way - 1)
+        self._under_way.drawn()
         self._on_drawn(event.args)

@@ -78,6 +78,11 @@ class Link:
         return self.gate is not None and (bool(self.gate.steers) or self.gate.state in STEERING)
 
     @property
+    def step_age(self) -> float:
+        """Since the newest control step was heard, s."""
+        return 1e-9 * (self.clock() - self._stepped)
+
+    @property
     def speed(self) -> float:
         """Of the vehicle, m/s; NaN: not known."""
         if self.controller is None:

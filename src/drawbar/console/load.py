@@ -158,7 +158,7 @@ def print_figures(phases: Sequence[Phase], drive: Drive) -> None:
     ends = sum(each.ends for phase in phases for each in phase.seen)
     load = " ".join(f"{each:.1f}" for each in os.getloadavg())
     terminal.print("delays in ms; a command's: after its epoch was complete")
-    terminal.print(f"connections that the console ended: {ends}; load of this computer: {load}")
+    terminal.print(f"connections that the console ended or refused: {ends}; load of this computer: {load}")
 
 
 def _row(phases: Sequence[Phase], drive: Drive) -> list[str]:

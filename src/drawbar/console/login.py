@@ -3,22 +3,20 @@
 import asyncio
 import html
 import time
-from collections import OrderedDict
 from urllib.parse import parse_qs
 
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
+from drawbar.console.allowances import Allowances
 from drawbar.console.audit import Audit
 from drawbar.console.guard import LOGIN, set_cookie
 from drawbar.console.passwords import User, verify
-from drawbar.console.session import Allowance
 from drawbar.console.visitors import COOKIE, Visitors
 from drawbar.console.words import Words
 
 ATTEMPTS, AGAIN = 5.0, 60.0
 """attempts from one address at once, and the time that gives as many new ones, s"""
-_ADDRESSES = 256
 _PAGE = """<!doctype html><html lang="{language}"><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1"><title>drawbar</title>
 <style>:root{{color-scheme:light dark}}body{{font:18px system-ui,sans-serif;max-width:22rem;margin:12vh auto;
@@ -38,7 +36,7 @@ class Login:
     def __init__(self, users: dict[str, User], visitors: Visitors, audit: Audit, *, secure: bool) -> None:
         """Take who may log in; secure: cookies go over TLS only."""
         self._users, self._visitors, self._audit, self._secure = users, visitors, audit, secure
-        self._allowances: OrderedDict[str, Allowance] = OrderedDict()
+        self._allowances = Allowances(ATTEMPTS / AGAIN, ATTEMPTS)
 
     def form(self, words: Words, flaw: str = "", status: int = 200) -> Response:
         """Return the page."""
@@ -49,7 +47,7 @@ class Login:
     async def attempt(self, request: Request, words: Words) -> Response:
         """Answer a form that was sent."""
         address = request.client.host if request.client else ""
-        if not self._allowance(address).take(time.monotonic()):
+        if not self._allowances.take(address, time.monotonic()):
             self._audit.write(None, "LOGIN_TOO_OFTEN", address=address)
             return self.form(words, "login_wait", 429)
         fields = parse_qs((await request.body()).decode("utf-8", "replace"))
@@ -70,8 +68,3 @@ class Login:
         answer = RedirectResponse(LOGIN, 303)
         answer.headers["set-cookie"] = set_cookie("", secure=self._secure).decode()
         return answer
-
-    def _allowance(self, address: str) -> Allowance:
-        if address not in self._allowances and len(self._allowances) >= _ADDRESSES:
-            self._allowances.popitem(last=False)
-        return self._allowances.setdefault(address, Allowance(ATTEMPTS / AGAIN, ATTEMPTS))

@@ -25,6 +25,7 @@ from drawbar.console.visitors import Visitor, Visitors
 from drawbar.console.words import Words, language_of
 from drawbar.console.workshop import Workshop
 from drawbar.driving.console_orders import LOOPBACK, ConsoleOrders
+from drawbar.realtime import say
 
 _STATIC = Path(__file__).parent / "static"
 _LANGUAGE = "drawbar-language"
@@ -93,7 +94,7 @@ class Pages:
                 with client:
                     page.refresh()
             except Exception:  # one page that cannot be shown must not end the others
-                traceback.print_exc()
+                say(traceback.format_exc())
 
     def _owns(self, client_id: str, visitor: Visitor) -> bool:
         found = self._open.get(client_id)

@@ -24,7 +24,7 @@ _WATCH = """
     constructor(...given) {
       super(...given);
       this.addEventListener("message", ({ data }) => {
-        const drawn = /runMethod\\(\\d+, \\\\"(draw|run_chart_method)/;
+        const drawn = /runMethod\\(\\d+, \\\\"draw|plotSteps/;
         if (typeof data === "string" && drawn.test(data)) heard = { text: data, at: performance.now() };
       });
     }

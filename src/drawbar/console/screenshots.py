@@ -7,16 +7,20 @@ distribution.
 
 import shutil
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Page
+    from playwright.sync_api import Locator, Page
 
 PHONE, TABLET = {"width": 360, "height": 740}, {"width": 1280, "height": 800}
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 WAIT = 90_000
 """ms"""
+_AGAIN = 10_000
+"""after which something is pressed again, ms"""
 
 
 def chromium_path() -> str | None:
@@ -47,23 +51,15 @@ def _take_drive(page: "Page", address: str, folder: Path) -> None:
     """Engage and stop on the drive page."""
     page.goto(address, timeout=WAIT)
 
-    def press(name: str) -> None:
-        page.get_by_role("button", name=name, exact=True).click(timeout=WAIT)
-
     _see(page, "Not ready")
     _shoot(page, folder, "not-ready")
-    press("EMERGENCY")
-    _see(page, "Emergency stop")
+    press_until(page, word(page, "Emergency stop"), "EMERGENCY")
     _shoot(page, folder, "emergency")
-    press("Acknowledge")
-    _see(page, "Ready")
-    press("1 Prepare")
-    press("2 Engage")
-    _see(page, "Steering")
+    press_until(page, word(page, "Ready"), "Acknowledge")
+    press_until(page, word(page, "Steering"), "1 Prepare", "2 Engage")
     page.wait_for_timeout(8000)
     _shoot(page, folder, "steering")
-    press("STOP")
-    _see(page, "Stopped")
+    press_until(page, word(page, "Stopped"), "STOP")
     page.goto(address + "language/de", timeout=WAIT)
     _see(page, "Angehalten")
     _shoot(page, folder, "stopped-german")
@@ -86,8 +82,40 @@ def _take_others(page: "Page", address: str, folder: Path, fields: list[str]) ->
         _shoot(page, folder, name)
 
 
-def _see(page: "Page", word: str) -> None:
-    page.locator(".word").get_by_text(word, exact=True).wait_for(timeout=WAIT)
+def word(page: "Page", text: str) -> "Locator":
+    """Return the word for the state of the drive, where it is this one."""
+    return page.locator(".word").get_by_text(text, exact=True)
+
+
+def _see(page: "Page", text: str) -> None:
+    word(page, text).wait_for(timeout=WAIT)
+
+
+def press_until(page: "Page", seen: "Locator", *names: str, wait: float = WAIT) -> None:
+    """Press buttons one after the other, and again where that was refused, until something is seen.
+
+    On a busy computer pictures are late, and what was seen too long ago is no ground to ask for anything.
+
+    Args:
+        page: with the buttons.
+        seen: what is waited for.
+        names: of the buttons.
+        wait: longest, ms.
+
+    Raises:
+        TimeoutError: it is not seen; says what is.
+    """
+    from playwright.sync_api import TimeoutError as Late
+
+    end = time.monotonic() + 1e-3 * wait
+    while not seen.first.is_visible():
+        if time.monotonic() > end:
+            raise TimeoutError(page.locator("body").inner_text())
+        for name in names:
+            with suppress(Late):  # it may be gone or disabled by now
+                page.get_by_role("button", name=name, exact=True).click(timeout=_AGAIN / len(names))
+        with suppress(Late):
+            seen.first.wait_for(timeout=_AGAIN)
 
 
 def _shoot(page: "Page", folder: Path, name: str) -> None:

@@ -5,8 +5,8 @@ a browser that hangs, sleeps or is out of reach is not there, whatever its conne
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 
+from drawbar.console.allowances import Allowance
 from drawbar.driving.operator import Operator
 from drawbar.messages import Action, GateState, OperatorMessage
 from drawbar.safety.causes import BY_CODE, Cause
@@ -20,28 +20,6 @@ ANSWER = 1_000_000_000
 """within which the gate answers, ns"""
 RATE, BURST = 5.0, 10.0
 """of commands, 1/s and at once"""
-
-
-@dataclass(slots=True)
-class Allowance:
-    """How much one may still ask for: `rate` more each second, at most `burst`."""
-
-    rate: float
-    burst: float
-    left: float = field(default=0.0)
-    since: float = field(default=float("-inf"))
-
-    def take(self, time: float) -> bool:
-        """Return whether one more is allowed at a time, s."""
-        if self.since == float("-inf"):
-            self.left = self.burst
-        else:
-            self.left = min(self.burst, self.left + self.rate * (time - self.since))
-        self.since = time
-        if self.left < 1.0:
-            return False
-        self.left -= 1.0
-        return True
 
 
 class Session:

@@ -39,7 +39,7 @@ class SetUpPage:
         self._numbers: dict[SetUpValue, ui.number] = {}
         self._changed: Configuration | None = None
         self._due, self._fills = 0, False
-        ui.add_head_html('<script src="/drawbar/plot_look.js"></script>')
+        ui.add_head_html('<script src="/drawbar/plots.js"></script>')
         self._head = PageHead(link, visitor, words, words("setup"), login=login)
         with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
             with ui.element("div").classes("left"):

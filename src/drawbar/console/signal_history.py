@@ -59,40 +59,37 @@ def all_names(steps: Sequence[ShownStep]) -> list[str]:
     return [*names, *(f"controller.{name}" for name in _OF_CONTROLLER)] if names else []
 
 
-def series(steps: Sequence[ShownStep], name: str) -> list[list[float | None]]:
-    """Return pairs of time (s, 0 is now) and value of a signal; None: it is missing."""
-    if not steps:
-        return []
-    now = steps[-1].record.measurement.time
-    return [[round(each.record.measurement.time - now, 3), _value(each, name)] for each in steps]
+class Column(NamedTuple):
+    """What is drawn of each step: a signal, plus so many of its standard deviations."""
+
+    name: str
+    deviations: float = 0.0
 
 
-def band(steps: Sequence[ShownStep], name: str) -> list[list[list[float | None]]]:
-    """Return series of an estimated signal less and plus its standard deviation; none where that is not known."""
-    section, _, field = name.rpartition(".")
-    if section != "estimate" or not any(field in step.deviations for step in steps):
-        return []
-    deviations = [step.deviations.get(field, math.nan) for step in steps]
-    return [
-        [
-            [time, _rounded(value + sign * deviation) if value is not None else None]
-            for (time, value), deviation in zip(series(steps, name), deviations, strict=True)
-        ]
-        for sign in (-1.0, 1.0)
-    ]
+def columns(steps: Sequence[ShownStep], names: Sequence[str]) -> list[Column]:
+    """Return the columns of signals: where the deviation of an estimated one is known, three."""
+    found = []
+    for name in names:
+        section, _, field = name.rpartition(".")
+        known = section == "estimate" and any(field in step.deviations for step in steps)
+        found += [Column(name), *([Column(name, -1.0), Column(name, 1.0)] if known else [])]
+    return found
 
 
-def _value(step: ShownStep, name: str) -> float | None:
-    first, _, rest = name.partition(".")
+def row(step: ShownStep, columns: Sequence[Column]) -> list[float | None]:
+    """Return time (s) and values of a step; None: it is missing."""
+    return [round(step.record.measurement.time, 3), *(_value(step, column) for column in columns)]
+
+
+def _value(step: ShownStep, column: Column) -> float | None:
+    first, _, rest = column.name.partition(".")
     try:
-        found = getattr(step.controller, rest) if first == "controller" else _picker(name)(step.record)
+        found = getattr(step.controller, rest) if first == "controller" else _picker(column.name)(step.record)
         number = float(found)
     except (AttributeError, TypeError, ValueError, IndexError):
         return None
-    return _rounded(number)
-
-
-def _rounded(number: float) -> float | None:
+    if column.deviations:
+        number += column.deviations * step.deviations.get(column.name.rpartition(".")[2], math.nan)
     return float(f"{number:.6g}") if math.isfinite(number) else None
 
 

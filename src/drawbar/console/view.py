@@ -6,8 +6,9 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
+from drawbar.driving.operator import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
-from drawbar.safety.causes import BY_CODE
+from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.safety.engagement import LATCHED, STEERING
 from drawbar.signals import FixQuality
 
@@ -185,6 +186,7 @@ def picture(
         "seen": gate.sequence if gate is not None else -1,
         "stale": stale,
         "state": gate.state.name if gate is not None else "NO_CONTACT",
+        "unrecorded": gate is not None and Cause.NOT_RECORDING.value in gate.refusals,
         "bodies": [_body(controller, body, words) for body in ("tractor", "trailer")],
         "chips": _chips(controller, words),
         "moving": place.to_browser() if place is not None else None,
@@ -235,11 +237,6 @@ def set_speed_text(gate: GateState | None, words: Words, speed: float) -> str:
     if gate is None:
         return "–"
     return f"{words.number(wished_speed(gate, speed) * KMH, 1)} km/h"
-
-
-def wished_speed(gate: GateState, otherwise: float) -> float:
-    """Return the speed that the operator wishes; otherwise the one that is driven without a wish, m/s."""
-    return gate.set_speed if math.isfinite(gate.set_speed) else otherwise
 
 
 def shift_text(gate: GateState | None, *, left: int) -> str:

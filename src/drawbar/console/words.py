@@ -5,6 +5,7 @@ from typing import Literal
 from drawbar.console.catalogue import TEXTS
 from drawbar.console.causes_de import CAUSES_DE
 from drawbar.console.errors_de import ERRORS_DE
+from drawbar.console.signal_words import signal_words
 from drawbar.console.translation import Translation
 from drawbar.safety.causes import Cause
 
@@ -27,6 +28,10 @@ class Words:
         """Return what a cause says, and what to do about it, as sentences that begin with a capital letter."""
         sentence, advice = CAUSES_DE[cause] if self.language == "de" else (cause.sentence, cause.advice)
         return sentence[:1].upper() + sentence[1:], advice[:1].upper() + advice[1:]
+
+    def signal(self, name: str) -> str:
+        """Return what a signal of a control step is called, with its unit."""
+        return signal_words(name, self.language == "de")
 
     def message(self, text: object) -> str:
         """Return an error, or what was refused, as people read it; one that has no German text stays English."""

@@ -6,6 +6,7 @@ It takes part in the whole control step: the estimator before it, the gate and t
 import ctypes
 import importlib
 import sys
+import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -68,7 +69,9 @@ class External:
             known = _ESTIMATE.unpack(ctypes.string_at(estimate, _ESTIMATE.size))
             reference = Reference(time=known.time, tractor=self._reference(tractor), trailer=self._reference(trailer))
             angles[0], angles[1] = self._controller.command(known, reference)
-        except BaseException as error:  # an exception cannot pass through C
+        except Exception as error:  # an exception cannot pass through C
+            self.error = _failure(f"{type(self._controller).__module__}:{type(self._controller).__name__}", error)
+        except BaseException as error:
             self.error = error
 
     def _reference(self, address: int) -> BodyReference:
@@ -94,10 +97,14 @@ def external_unit(vehicle: VehicleParameters, settings: ExternalControllerSettin
     """Return the unit that calls a controller of the user's own, which is made here.
 
     Raises:
-        ConfigurationError: there is no such class, or it is no Controller.
+        ConfigurationError: there is no such class, it is no Controller, or it cannot be made.
     """
     kind = _class(settings.implementation)
-    external = External(kind(vehicle, sample_time, dict(settings.gains)), settings.horizon)
+    try:
+        controller = kind(vehicle, sample_time, dict(settings.gains))
+    except Exception as error:
+        raise _failure(settings.implementation, error) from error
+    external = External(controller, settings.horizon)
     address = ctypes.cast(external.callback, ctypes.c_void_p).value or 0
 
     def configure(workspace: Workspace) -> None:
@@ -106,6 +113,17 @@ def external_unit(vehicle: VehicleParameters, settings: ExternalControllerSettin
 
     source = f'#define N {settings.horizon}\n#include "external.h"\n'
     return ExternalUnit(name="controller", source=source, configure=configure, simulation_only=True, external=external)
+
+
+def _failure(place: str, error: Exception) -> ConfigurationError:
+    """Return what a failure of the controller at MODULE:CLASS is for its user: what failed, and at which line."""
+    frames = traceback.extract_tb(error.__traceback__)
+    file, line = (frames[-1].filename, frames[-1].lineno) if frames else ("", None)
+    if isinstance(error, SyntaxError):
+        file, line = error.filename or file, error.lineno
+    return ConfigurationError(
+        f'controller.model = "{place}": {type(error).__name__}: {error} ({file}:{line}); mend the controller there.'
+    )
 
 
 def _class(place: str) -> Callable[..., Controller]:
@@ -121,6 +139,8 @@ def _class(place: str) -> Callable[..., Controller]:
             f'controller.model = "{place}": {error}; give MODULE:CLASS of a module on Python\'s path or in the working '
             f"directory {here}."
         ) from error
+    except Exception as error:
+        raise _failure(place, error) from error
     finally:
         for each in added:
             sys.path.remove(each)

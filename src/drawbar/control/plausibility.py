@@ -42,5 +42,6 @@ def demand_weights_that_steer(
     if not time <= allowed:
         raise ValueError(
             f"{weight} is too large against the weights on the errors: a correction would take {time:.3g} s, at most "
-            f"{allowed:.3g} s is allowed with controller.horizon = {controller.horizon}; lower it, or raise the others"
+            f"{allowed:.3g} s is allowed with controller.horizon = {controller.horizon} and sample_time = "
+            f"{sample_time:g} s; lower the weight, raise the others, or raise horizon or sample_time"
         )

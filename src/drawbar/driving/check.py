@@ -111,7 +111,7 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
     if receiver.dropped:
         finding.facts.append("dropped: " + ", ".join(f"{count} {kind}" for kind, count in receiver.dropped.items()))
     if last.quality is not FixQuality.FIXED:
-        finding.problems.append("no fixed ambiguities: wait under open sky, check the corrections")
+        finding.problems.append("no RTK fix: wait under open sky, check the corrections")
     if not math.isfinite(last.speed):
         finding.problems.append("it reports no speed: let it send VTG or RMC (NMEA), PVT (UBX, SBF)")
     if not math.isfinite(last.correction_age):

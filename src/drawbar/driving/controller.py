@@ -28,14 +28,13 @@ class Controller:
     While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
     """
 
-    def __init__(self, configuration: Configuration, path: Path, fingerprint: int, *, wiggled: bool = False) -> None:
+    def __init__(self, configuration: Configuration, path: Path, fingerprint: int) -> None:
         """Build the autopilot.
 
         Args:
             configuration: of the run.
             path: to drive along.
             fingerprint: of the safety settings that the gate has.
-            wiggled: the actuators have passed their wiggle test.
 
         Raises:
             PathError: the gate would not let the path be driven at the set speed.
@@ -43,15 +42,18 @@ class Controller:
         """
         self._configuration, self._fingerprint = configuration, fingerprint
         self._line, self._wished, self._anew = DrivenLine.first(configuration, path), math.nan, False
-        self._wiggled = wiggled
+        self.wiggled = False
+        """the actuators have passed their wiggle test"""
         self._autopilot = build_autopilot(within_envelope(configuration))
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
         self.sureness = Certainty()
         """of the newest estimate"""
-        self._doubts, self._drift = Doubts(configuration.sanity), Drift()
+        self._doubts, self._drift = Doubts(configuration.sanity, configuration.sample_time), Drift()
         self._gate: GateState | None = None
+        self._carried = False
+        """positions are where the velocities have led since both antennas began to drift"""
         self._sequence = self._solved = self._overruns = 0
         self._record: StepRecord | None = None
         self._status = Status.POSITION
@@ -82,6 +84,8 @@ class Controller:
             self._begin_beside(measurement)
         if self.engaged:
             measurement = self._doubts.without(measurement)
+            if self._carried:
+                measurement = self._drift.carried(measurement)
         self._status, self._command = self._autopilot.feedback(measurement)
         self._measurement = measurement
         return self.repeat(now)
@@ -89,16 +93,25 @@ class Controller:
     def repeat(self, now: int) -> CommandMessage:
         """Return the newest command again, which acts until the next sample."""
         self._sequence += 1
-        joint = self._configuration.vehicle.joint_sign * self._command.trailer_steering
         return CommandMessage(
             sequence=self._sequence % 2**32,
             time=now,
             valid_until=now + VALIDITY,
             mode=self._mode(),
             tractor_angle=self._command.tractor_steering,
-            trailer_angle=joint,
+            trailer_angle=self._joint(),
             speed=self._command.speed,
         )
+
+    def _joint(self) -> float:
+        """Return the joint's set point in the sign in which it is measured, rad.
+
+        Where its angle is doubted, the one that is measured: the joint then stays, instead of being turned by a wrong
+        angle until that is right.
+        """
+        if self._doubts.trailer and self._gate is not None and math.isfinite(self._gate.trailer_angle):
+            return self._gate.trailer_angle
+        return self._configuration.vehicle.joint_sign * self._command.trailer_steering
 
     def prepare(self, late: bool) -> StepRecord:
         """Do what can be done before the next measurement; return the record of the step.
@@ -112,9 +125,18 @@ class Controller:
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
             self._doubts.look(record, engaged=self.engaged, drifts=self._drift.exists)
+            self._leave_drift(record)
             known = self._status.is_new_command and not self._doubts.exist
             self.sureness = self._certainty(record.estimate) if known else Certainty()
         return record
+
+    def _leave_drift(self, record: StepRecord) -> None:
+        """Begin anew where the velocities have led, once both antennas drift: the estimate has followed, and turned."""
+        progress = record.reference.tractor.progress
+        if self.engaged and self._drift.exists and not self._carried and math.isfinite(progress):
+            self._drift.carry()
+            self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
+        self._carried = self.engaged and (self._carried or self._drift.exists)
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
         """Return how the controller is after its newest step.
@@ -135,7 +157,7 @@ class Controller:
             configuration=self._fingerprint,
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(measurement.trailer_fix_quality),
-            wiggled=int(self._wiggled),
+            wiggled=int(self.wiggled),
             status=int(self._status),
             flags=int(record.flags),
             solved=self._solved,

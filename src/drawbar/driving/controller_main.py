@@ -15,14 +15,14 @@ from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
 from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Step, Sureness, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
 from drawbar.driving.wiggled import has_passed
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
-from drawbar.realtime import prepare
+from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order
 from drawbar.recording.log import encode_special
 from drawbar.signals import StepRecord
@@ -32,6 +32,8 @@ _TOGETHER = 32
 """of what was done is told at once; more than in a step"""
 _LONGEST_WAIT = 100_000_000
 """ns"""
+_LOOK = 1_000_000_000
+"""between two looks, while nothing is steered, whether the wiggle test is passed, ns"""
 
 
 def main() -> int:
@@ -43,8 +45,7 @@ def main() -> int:
     mailbox = Mailbox(orders.socket(CONTROLLER))
     beat, ending, words = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending(), Words(gate, mailbox, orders)
     path, _ = build_path(configuration)
-    fingerprint, wiggled = configuration.safety.fingerprint(), has_passed(configuration)
-    controller = Controller(configuration, path, fingerprint, wiggled=wiggled)
+    controller, look = Controller(configuration, path, configuration.safety.fingerprint()), 0
     loop = ControlLoop(
         controller,
         Sampler(configuration.sample_time),
@@ -54,9 +55,11 @@ def main() -> int:
         tell=words.tell,
     )
     for word in prepare(max(configuration.safety.timing.priority - 10, 0)):
-        print(f"controller: {word}", file=sys.stderr)
+        say(f"controller: {word}")
     while not (ending.asked or words.gate_is_gone):
         now = time.monotonic_ns()
+        if now >= look and not controller.engaged:
+            look, controller.wiggled = now + _LOOK, has_passed(configuration)
         for data in arrived(gate):
             state = decode(data, GateState)
             if isinstance(state, GateState):
@@ -144,4 +147,4 @@ def arrived(gate: socket.socket) -> Iterator[bytes]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -13,7 +13,8 @@ from typing import IO, Self
 
 from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
-from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, GateOrders, Orders
+from drawbar.driving.ending import undisturbed
+from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, SOCKETS, GateOrders, Orders
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
@@ -22,6 +23,8 @@ _ENDING = 5.0
 """within which a process must end that was told to, s"""
 _STARTING = 30.0
 """within which a process must have opened its socket, s"""
+_LONGEST_PATH = 107
+"""bytes of a Unix socket's address, which Linux allows"""
 
 
 class Crew:
@@ -46,13 +49,16 @@ class Crew:
             shadow: the gate only listens to the actuators.
             live: port of this computer on which the recorder shows what it records; None: it does not.
             console: start the operator's console too; its `folder`, `configuration` and `stand_ins` are filled in here.
+
+        Raises:
+            HardwareError: the temporary folder's name is too long for sockets.
         """
         assert configuration.devices is not None
-        self._configuration, self._run = configuration, run
+        self.configuration, self._run = configuration, run
         self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._folder = _folder_of_sockets()
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
-        self._folder = tempfile.TemporaryDirectory(prefix="drawbar-")
         self.orders = Orders(
             folder=self._folder.name,
             run=str(run),
@@ -98,7 +104,7 @@ class Crew:
         self._await("recorder", "recorder")
         ours, theirs = controller_pair()
         with ours, theirs:
-            orders_of_gate = gate_orders(self._configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
+            orders_of_gate = gate_orders(self.configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
             self._start("guard", "driving.guard_main", orders_of_gate.model_dump_json())
             self._await("guard", GUARD)
             self._start("gate", "driving.gate_main", orders_of_gate.model_dump_json(), ends=(theirs,))
@@ -147,6 +153,12 @@ class Crew:
         """End the gate first, so that the actuators let go; then all others, the recorder last."""
         if self._messages.closed:
             return
+        with undisturbed():
+            self._end_all()
+            self._messages.close()
+            self._folder.cleanup()
+
+    def _end_all(self) -> None:
         for name in ("gate", "guard", "controller", "receivers", "stand_in", "recorder", CONSOLE):
             process = self.processes.get(name)
             if process is not None and process.poll() is None:
@@ -156,8 +168,19 @@ class Crew:
                 except subprocess.TimeoutExpired:
                     process.kill()
                     process.wait()
-        self._messages.close()
-        self._folder.cleanup()
+
+
+def _folder_of_sockets() -> "tempfile.TemporaryDirectory[str]":
+    """Return a new folder, the user's own, with room for the names of sockets."""
+    folder = tempfile.TemporaryDirectory(prefix="drawbar-")
+    longest = _LONGEST_PATH - len(os.sep) - len(max(SOCKETS, key=len))
+    if len(os.fsencode(folder.name)) > longest:
+        folder.cleanup()
+        raise HardwareError(
+            f"the temporary folder {tempfile.gettempdir()} has too long a name for sockets, which may have "
+            f"{_LONGEST_PATH} bytes; set TMPDIR to a shorter one, as TMPDIR=/tmp"
+        )
+    return folder
 
 
 def gate_orders(configuration: Configuration, folder: str, controller: int, *, shadow: bool = False) -> GateOrders:

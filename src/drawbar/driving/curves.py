@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from drawbar.config import Configuration
+from drawbar.config import SLOWEST, Configuration
 from drawbar.errors import PathError
 from drawbar.guidance.path import Path
 from drawbar.safety.envelope import Bounds, Envelope
@@ -43,12 +43,13 @@ def demand_slow_curves(path: Path, configuration: Configuration) -> None:
         return
     acceleration = configuration.safety.envelope.lateral_acceleration
     slower = math.sqrt(acceleration * vehicle.wheelbase / math.tan(needed)) - _FASTER
+    highest = math.floor(20.0 * slower) / 20.0
+    remedy = f"set speed to at most {highest:.2f} m/s" if highest >= SLOWEST else "no speed will do; raise that limit"
     raise PathError(
         f"the curve of {1.0 / tightest:.1f} m radius at {places[curvature.argmax()]:.0f} m of the path needs "
         f"{math.degrees(needed):.1f}° of the front wheels, {math.degrees(_CORRECTIONS):.1f}° of them for corrections; "
         f"at speed = {speed:g} m/s the gate allows {math.degrees(cap):.1f}°, by safety.envelope.lateral_acceleration = "
-        f"{acceleration:g} m/s²: set speed to at most {math.floor(20.0 * slower) / 20.0:.2f} m/s, or choose a path "
-        f"whose curves are wider"
+        f"{acceleration:g} m/s²: {remedy}, or choose a path whose curves are wider"
     )
 
 

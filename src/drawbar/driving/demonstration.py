@@ -1,22 +1,29 @@
 """Demonstration: the devices of a configuration that names none, all of them stand-ins on this computer."""
 
+import math
 import socket
 
 from drawbar.config import Configuration
+from drawbar.errors import ConfigurationError
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS, PULSES
+from drawbar.protocols.agopengps.heard import LARGEST_ANGLE
 
 
 def with_stand_ins(configuration: Configuration) -> Configuration:
-    """Return the configuration with two receivers on TCP and two boards on UDP, all at free ports of 127.0.0.1."""
+    """Return the configuration with two receivers on TCP and two boards on UDP, all at free ports of 127.0.0.1.
+
+    Raises:
+        ConfigurationError: the vehicle steers farther than a board may.
+    """
     vehicle = configuration.vehicle
     streams = _free_ports(socket.SOCK_STREAM, 3)
     receivers = [ReceiverSettings(transport=f"tcp://127.0.0.1:{port}") for port in streams[:2]]
     ports = _free_ports(socket.SOCK_DGRAM, 4)
-    limits = (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit)
+    limits = [_board_limit(body, getattr(vehicle, f"{body}_steering_limit")) for body in ("tractor", "trailer")]
     boards = [
         SteerBoardSettings(address=f"127.0.0.1:{board}", listen=f"127.0.0.1:{listen}", max_angle=limit)
         for board, listen, limit in zip(ports[:2], ports[2:], limits, strict=True)
@@ -36,6 +43,21 @@ def with_stand_ins(configuration: Configuration) -> Configuration:
     engage = configuration.safety.engage.model_copy(update={"wiggle_test": False})  # stand-ins turn the right way
     safety = configuration.safety.model_copy(update={"engage": engage})
     return configuration.model_copy(update={"devices": devices, "safety": safety})
+
+
+def _board_limit(body: str, limit: float) -> float:
+    """Return the largest angle of a stand-in board.
+
+    Raises:
+        ConfigurationError: no board can be told so large an angle.
+    """
+    if limit >= LARGEST_ANGLE:
+        raise ConfigurationError(
+            f"vehicle.{body}_steering_limit = {limit:g} rad: the stand-in of the {body}'s board takes angles below "
+            f"{LARGEST_ANGLE:.4g} rad ({math.degrees(LARGEST_ANGLE):g}°); give a smaller one, or drive in simulation "
+            "with `drawbar run`"
+        )
+    return limit
 
 
 def without_stand_ins(configuration: Configuration) -> Configuration:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from rich.text import Text
 
 from drawbar.messages import ControllerState, GateState, SupervisorState
-from drawbar.safety.causes import BY_CODE
+from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.signals import FixQuality
 
 _GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
@@ -29,9 +29,12 @@ _MEANINGS = {
 KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - speed   q quit"
 
 
-def picture(state: GateState | None, controller: ControllerState | None) -> Text:
-    """Return the whole picture: state, errors, what stands against engaging, keys."""
-    lines = [*_state(state), *_numbers(controller), *(_reasons(state) if state else ()), Text(KEYS, style="dim")]
+def picture(state: GateState | None, controller: ControllerState | None, refusal: Cause | None = None) -> Text:
+    """Return the whole picture: state, errors, what stands against engaging, why the newest key was refused, keys."""
+    lines = [*_state(state), *_numbers(controller), *(_reasons(state) if state else ())]
+    if refusal is not None:
+        lines.append(Text(f"refused: {refusal.sentence}: {refusal.advice}", style="yellow"))
+    lines.append(Text(KEYS, style="dim"))
     return Text("\n").join(lines)
 
 

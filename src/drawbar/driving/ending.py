@@ -2,7 +2,12 @@
 
 import os
 import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
+
+from drawbar.errors import DrawbarError
 
 
 class Ending:
@@ -21,3 +26,23 @@ class Ending:
 
     def _tell(self, number: int, frame: FrameType | None) -> None:
         self._told = True
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Ignore the signals that end a process while it ends already, in order."""
+    before = {each: signal.signal(each, signal.SIG_IGN) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+
+
+def told(main: Callable[[], int]) -> int:
+    """Return the exit code of a process's program; an expected error is one message, which the crew passes on."""
+    try:
+        return main()
+    except DrawbarError as error:
+        print(error, file=sys.stderr)
+        return 2

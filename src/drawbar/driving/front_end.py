@@ -1,19 +1,22 @@
 """Front end: an operator's place at a terminal; also the one that drives demonstrations by itself."""
 
+import os
 import secrets
 import select
 import sys
 import termios
 import time
 import tty
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
 from drawbar.driving.crew import Crew
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.operator import DemonstrationOperator, Operator
+from drawbar.driving.operator import DemonstrationOperator, Operator, changed_speed
 from drawbar.driving.orders import FRONT_END, GATE
 from drawbar.messages import Action, ControllerState, GateState, SupervisorState, decode, encode
+from drawbar.safety.causes import BY_CODE, Cause
 
 LOOK = 200_000_000
 """between two words of the operator, ns"""
@@ -25,6 +28,8 @@ _ACTIONS = {
 }
 _SPEED_STEP = 0.1
 """m/s"""
+_MOST_KEYS = 64
+"""bytes of keys that are taken at once"""
 
 
 class Keyboard:
@@ -41,13 +46,17 @@ class Keyboard:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._terminal:
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+            with suppress(termios.error):  # the terminal is gone
+                termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
 
     def pressed(self) -> str:
-        """Return the key that was pressed, empty where there was none."""
+        """Return the keys that were pressed since the last call, in order; empty where there were none."""
         if not self._terminal or not select.select([sys.stdin], [], [], 0.0)[0]:
             return ""
-        return sys.stdin.read(1)
+        try:
+            return os.read(sys.stdin.fileno(), _MOST_KEYS).decode(errors="replace")  # a stream would keep others back
+        except OSError:  # the terminal is gone
+            return ""
 
 
 class FrontEnd:
@@ -58,7 +67,10 @@ class FrontEnd:
         self._mailbox, gate = Mailbox(crew.orders.socket(FRONT_END)), crew.orders.socket(GATE)
         self._operator = Operator(secrets.randbits(63) | 1, lambda message: self._mailbox.send(gate, encode(message)))
         self._demonstration = DemonstrationOperator(self._operator) if demonstrates else None
-        self._look = 0
+        self._configured_speed = crew.configuration.speed
+        self._look = self._asked = 0
+        self.refusal: Cause | None = None
+        """why the gate refused the newest key"""
         self.state: GateState | None = None
         self.controller: ControllerState | None = None
         self.drove = False
@@ -88,6 +100,8 @@ class FrontEnd:
                 self.state = message
                 self._operator.see(message)
                 self.drove |= message.state is SupervisorState.ACTIVE
+                if self._asked and message.answered == self._asked:
+                    self.refusal, self._asked = BY_CODE.get(message.answer), 0
             elif isinstance(message, ControllerState):
                 self.controller = message
         now = time.monotonic_ns()
@@ -100,14 +114,18 @@ class FrontEnd:
 
     def press(self, key: str) -> None:
         """Ask for what a key means; other keys mean nothing."""
-        now, seen = time.monotonic_ns(), self.state
         if key in _ACTIONS:
-            self._operator.ask(_ACTIONS[key], now)
-        elif key == "e" and seen is not None:
-            self._operator.ask(Action.ENGAGE if seen.armed else Action.ARM, now)
-        elif key in "+-" and key and seen is not None:
-            wish = seen.set_speed if seen.set_speed == seen.set_speed else seen.speed_limit
-            self._operator.ask(Action.SET_SPEED, now, wish + (_SPEED_STEP if key == "+" else -_SPEED_STEP))
+            self._ask(_ACTIONS[key])
+        elif self.state is None:
+            return
+        elif key == "e":
+            self._ask(Action.ENGAGE if self.state.armed else Action.ARM)
+        elif key in ("+", "-"):
+            change = _SPEED_STEP if key == "+" else -_SPEED_STEP
+            self._ask(Action.SET_SPEED, changed_speed(self.state, change, self._configured_speed))
+
+    def _ask(self, action: Action, value: float = 0.0) -> None:
+        self._asked, self.refusal = self._operator.ask(action, time.monotonic_ns(), value), None
 
     def close(self) -> None:
         """Close the socket."""

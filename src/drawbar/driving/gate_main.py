@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from drawbar.driving.actuators import board_wires, isobus_wire, listened
+from drawbar.driving.ending import told
 from drawbar.driving.orders import DRIVER, GATE, GUARD, RECORDER, GateOrders
 from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
 from drawbar.safety.envelope import Bounds
@@ -42,4 +43,4 @@ def wires(orders: GateOrders) -> list[Wire]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -12,12 +12,12 @@ import sys
 import time
 from pathlib import Path
 
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GUARD, GateOrders
 from drawbar.messages import GateState, decode
 from drawbar.protocols.agopengps.steering import SteerCommand
-from drawbar.realtime import prepare
+from drawbar.realtime import prepare, say
 from drawbar.safety.settings import TimingSettings
 
 OFF = SteerCommand(steer=False, angle=0.0, speed=0.0).encode()
@@ -64,7 +64,7 @@ def main() -> int:
     guard, ending = Guard(orders.safety.timing), Ending()
     wire, mailbox = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), Mailbox(str(Path(orders.folder) / GUARD))
     for word in prepare(orders.safety.timing.priority):
-        print(f"guard: {word}", file=sys.stderr)
+        say(f"guard: {word}")
     while not (ending.asked and guard.rests(time.monotonic())):
         now = time.monotonic()
         select.select([mailbox.fileno()], [], [], min(max(guard.due - now, 0.0), _LOOK))
@@ -86,8 +86,8 @@ def _send(wire: socket.socket, board: tuple[str, int]) -> None:
     try:
         wire.sendto(OFF, board)
     except OSError as error:
-        print(f"guard: {board[0]} was not told to let go: {error}", file=sys.stderr)
+        say(f"guard: {board[0]} was not told to let go: {error}")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

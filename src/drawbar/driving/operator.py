@@ -1,6 +1,7 @@
 """Operator: a front end's side of the gate's socket, which keeps session, lease and what it has seen."""
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 
 from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
@@ -42,6 +43,19 @@ class Operator:
             )
         )
         return nonce
+
+
+def changed_speed(state: GateState, change: float, configured: float) -> float:
+    """Return the set speed to ask for, which differs by a change from the one that is wished; all in m/s.
+
+    It stays between the size of the change and the configured speed: no plan is made for a higher one.
+    """
+    return min(max(wished_speed(state, configured) + change, abs(change)), configured)
+
+
+def wished_speed(state: GateState, configured: float) -> float:
+    """Return the speed that the operator wishes; without a wish the configured one is driven; all in m/s."""
+    return state.set_speed if math.isfinite(state.set_speed) else configured
 
 
 class DemonstrationOperator:

@@ -31,8 +31,9 @@ class Orders(BaseModel):
 
 
 GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER = "gate", "controller", "recorder", "front", "driver"
-CONSOLE, GUARD = "console", "guard"
+CONSOLE, GUARD, RECEIVERS = "console", "guard", "receivers"
 """names of the sockets; the driver's is that of a lamp, or a stand-in"""
+SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS)
 ORDERS_NAME = "orders.json"
 """in the folder of the sockets: what a console that is started later needs to know"""
 

@@ -15,6 +15,6 @@ def local_frame(configuration: Configuration) -> LocalFrame:
         PathError: the line cannot be read.
     """
     settings = configuration.path
-    frame = load_line(Path(settings.file), settings.track or None).frame if settings.file else None
+    frame = load_line(Path(settings.file), settings.track or None, settings.extension).frame if settings.file else None
     devices = configuration.devices
     return frame or (devices.origin if devices is not None else OriginSettings()).frame()

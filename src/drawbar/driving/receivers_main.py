@@ -10,10 +10,10 @@ import time
 
 from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Device, pack
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECORDER, Orders
+from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECEIVERS, RECORDER, Orders
 from drawbar.driving.place import local_frame
 from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
@@ -22,7 +22,7 @@ from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import Role, encode, nanoseconds, seconds
 from drawbar.protocols.ntrip import gga_sentence
-from drawbar.realtime import prepare
+from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.signals import FixQuality
 from drawbar.transports.base import Received
@@ -45,7 +45,7 @@ def main() -> int:
     configuration = load_configuration(orders.configuration)
     devices = configuration.devices
     assert devices is not None
-    mailbox = Mailbox(orders.socket("receivers"))
+    mailbox = Mailbox(orders.socket(RECEIVERS))
     witness = Witness(mailbox, orders.socket(RECORDER))
     tractor, trailer = (_receiver(settings, device, witness) for settings, device in _receivers(devices))
     sensors = _sensors(devices, witness)
@@ -53,7 +53,7 @@ def main() -> int:
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
     corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
     for word in prepare(0):
-        print(f"receivers: {word}", file=sys.stderr)
+        say(f"receivers: {word}")
     while not ending.asked:
         now = time.monotonic_ns()
         was_due = navigation.due <= seconds(now)
@@ -152,4 +152,4 @@ class Witness:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drawbar.config import Configuration, load_configuration
 from drawbar.driving.beat import Beat
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Step, unpack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GATE, RECORDER, Orders
@@ -18,6 +18,7 @@ from drawbar.driving.place import local_frame
 from drawbar.errors import DrawbarError
 from drawbar.messages import KINDS as RECORDS
 from drawbar.messages import Flaw, GateState, Message, Role, decode
+from drawbar.realtime import say
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Order, RawBytes
 from drawbar.recording.header import run_header
@@ -37,7 +38,7 @@ def main() -> int:
         mailbox = Mailbox(orders.socket(RECORDER))  # only now: whoever sees it may send, and nothing is lost
         beat = Beat(Role.RECORDER, mailbox, orders.socket(GATE))
         while not ending.asked or select.select([mailbox], [], [], 0.2)[0]:
-            healthy &= _take(mailbox, log, beat)
+            healthy = _take(mailbox, log, beat) if healthy else _leave(mailbox)
             beat.pass_time(time.monotonic_ns(), healthy=healthy)
             select.select([mailbox], [], [], max(beat.due - time.monotonic_ns(), 0) * 1e-9)
     mailbox.close()
@@ -51,7 +52,7 @@ def _live(port: int | None) -> Live | None:
     try:
         return None if port is None else Live(port)
     except DrawbarError as error:
-        print(f"recorder: not live: {error}", file=sys.stderr)
+        say(f"recorder: not live: {error}")
         return None
 
 
@@ -63,16 +64,24 @@ def _log(configuration: Configuration, folder: Path, live: Live | None) -> Drive
 
 
 def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
-    """Write what has arrived; return whether it could be written."""
+    """Write what has arrived; return whether it could be written. Nothing is added behind what could not."""
     try:
         for data in mailbox.receive():
             _write(data, log, beat)
         if time.monotonic_ns() >= beat.due:
             log.flush()
     except (OSError, DrawbarError) as error:
-        print(f"recorder: the log cannot be written any further ({error})", file=sys.stderr)
+        log.give_up()
+        say(f"recorder: the log cannot be written any further ({error}); what came before is kept")
         return False
     return True
+
+
+def _leave(mailbox: Mailbox) -> bool:
+    """Let go of what has arrived; return that it is not written."""
+    for _ in mailbox.receive():
+        pass
+    return False
 
 
 def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
@@ -94,4 +103,4 @@ def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -124,12 +124,12 @@ class Rehearsal:
         self.operator = DemonstrationOperator(Operator(1, self._tell_desk))
 
     def _build_navigation(self, devices: DeviceSettings | None, frame: LocalFrame) -> Navigation:
-        plain = ReceiverSettings(transport="memory")
+        plain = ReceiverSettings(transport="file:memory")
         tractor, trailer = (
             Receiver(self._lines[body], getattr(devices, f"{body}_receiver") if devices else plain) for body in BODIES
         )
         board = SensorBoardSettings(
-            transport="memory", hitch_counts=HITCH_COUNTS, hitch_angles=HITCH_ANGLES, pulses_per_metre=PULSES
+            transport="file:memory", hitch_counts=HITCH_COUNTS, hitch_angles=HITCH_ANGLES, pulses_per_metre=PULSES
         )
         return Navigation(tractor, trailer, frame, SensorLine(self._lines[SENSORS], board))
 

@@ -51,7 +51,8 @@ def replay_drive(file: Path, changes: Sequence[str] = ()) -> Replay:
         again = _fixes(records, configuration, header)
     with open_drive(file) as records:
         recorded = _Recorded(records, file)
-    return _Controller(configuration, header, recorded).run(again)
+    comparison = Comparison(common_only=bool(changes))
+    return _Controller(configuration, header, recorded, comparison).run(again)
 
 
 def _fixes(records: Iterator[DriveRecord], configuration: Configuration, header: RunHeader) -> dict[int, Fixes]:
@@ -120,9 +121,10 @@ class _Recorded:
 class _Controller:
     """The controller's process once more, doing what the log says that it did."""
 
-    def __init__(self, configuration: Configuration, header: RunHeader, recorded: _Recorded) -> None:
-        self._recorded, self._now = recorded, 0
-        self._comparison = Comparison()
+    def __init__(
+        self, configuration: Configuration, header: RunHeader, recorded: _Recorded, comparison: Comparison
+    ) -> None:
+        self._recorded, self._comparison, self._now = recorded, comparison, 0
         self._steps: list[StepRecord] = []
         self._loop = ControlLoop(
             Controller(configuration, header.path.path(), configuration.safety.fingerprint()),

@@ -13,7 +13,7 @@ from contextlib import suppress
 from urllib.parse import urlsplit
 
 from drawbar.config import Configuration, load_configuration
-from drawbar.driving.ending import Ending
+from drawbar.driving.ending import Ending, told
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import DRIVER, Orders
 from drawbar.driving.place import local_frame
@@ -249,4 +249,4 @@ def serve(orders: Orders, faults: Sequence[PlannedFault] = (), tell: Callable[[s
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(told(main))

@@ -33,7 +33,7 @@ def stand_in_machine(
     boards: dict[str, tuple[StandInBoard, HeldWheel]] = {}
     encoders: dict[str, Encoder] = {}
     for index, body in enumerate(BODIES):
-        receiver = getattr(devices, f"{body}_receiver") if devices else ReceiverSettings(transport="memory")
+        receiver = getattr(devices, f"{body}_receiver") if devices else ReceiverSettings(transport="file:memory")
         encoders[body] = nmea2000(int(receiver.sender or 0x20 + index)) if receiver.is_on_can else _nmea
         if devices is None or getattr(devices, f"{body}_board") is not None:
             wheel = HeldWheel()

@@ -1,6 +1,7 @@
 """Wiggled: that the actuators have passed their wiggle test, kept from `drawbar check --wiggle` until `drawbar drive`.
 
-It holds for the very same actuators, until the computer restarts, and for LONGEST at most.
+It holds for the very same actuators, until the computer restarts, and for LONGEST at most. It is kept in the folder
+that systemd gives a service (`STATE_DIRECTORY`), else in the user's own.
 """
 
 import hashlib
@@ -12,6 +13,7 @@ from pathlib import Path
 from platformdirs import user_state_path
 
 from drawbar.config import Configuration
+from drawbar.errors import StorageError
 
 LONGEST = 12.0 * 3600.0
 """s; a working day"""
@@ -19,17 +21,37 @@ _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
 def keep_passed(configuration: Configuration) -> None:
-    """Keep that the actuators of a configuration have passed now."""
-    file = _file()
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_suffix(f".{os.getpid()}")
-    part.write_text(json.dumps({"actuators": _actuators(configuration), "boot": _boot(), "at": _running()}), "utf-8")
-    os.replace(part, file)
+    """Keep that the actuators of a configuration have passed now.
+
+    Raises:
+        StorageError: it cannot be kept.
+    """
+    _write({"actuators": _actuators(configuration), "boot": _boot(), "at": _running()})
 
 
 def forget_passed() -> None:
-    """Forget that any have passed: they are tried again."""
-    _file().unlink(missing_ok=True)
+    """Forget that any have passed: they are tried again.
+
+    It is written as `keep_passed` does it, so that a folder that cannot be written shows before anything is moved.
+
+    Raises:
+        StorageError: nothing can be kept.
+    """
+    _write({})
+
+
+def _write(content: dict[str, str | float]) -> None:
+    file = _file()
+    part = file.with_suffix(f".{os.getpid()}")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        part.write_text(json.dumps(content), "utf-8")
+        os.replace(part, file)
+    except OSError as error:
+        raise StorageError(
+            f"{file}: a passed wiggle test cannot be kept there ({error.strerror}); set STATE_DIRECTORY to a folder "
+            "that `drawbar check` may write and `drawbar drive` reads (docs/service.md)"
+        ) from error
 
 
 def has_passed(configuration: Configuration) -> bool:
@@ -44,7 +66,8 @@ def has_passed(configuration: Configuration) -> bool:
 
 
 def _file() -> Path:
-    return user_state_path("drawbar") / "wiggled.json"
+    given = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]  # systemd: several are joined by colons
+    return (Path(given) if given else user_state_path("drawbar")) / "wiggled.json"
 
 
 def _actuators(configuration: Configuration) -> str:

@@ -47,7 +47,8 @@ struct component {
 /* One sample of alignment: what was estimated last, and what is expected now. */
 struct since {
     const struct drawbar_estimate *last, *expected;
-    double now, elapsed;                   /* s */
+    time_stamp now;
+    double elapsed;                        /* s */
 };
 
 /* Where something that is `then` (0) and `now` (1) was at an age (s). */

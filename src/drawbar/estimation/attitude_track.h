@@ -16,8 +16,10 @@
 #define MOST_LEAN 0.45                     /* roll and pitch beyond are no vehicle that drives, rad */
 
 struct attitude_track {
-    double time[ATTITUDES], roll[ATTITUDES], pitch[ATTITUDES];   /* oldest first; s, rad */
-    double trust, asked;                   /* share of the correction that is applied; when that was last set, s */
+    time_stamp time[ATTITUDES];            /* oldest first */
+    double roll[ATTITUDES], pitch[ATTITUDES];   /* rad */
+    double trust;                          /* share of the correction that is applied */
+    time_stamp asked;                      /* when that was last set */
     int32_t count, begun;
 };
 
@@ -32,7 +34,7 @@ static inline void attitude_take(struct attitude_track *track, double time, doub
         || (last >= 0 && !(time > track->time[last])))
         return;
     if (track->count == ATTITUDES) {
-        memmove(track->time, track->time + 1, (ATTITUDES - 1) * sizeof(double));
+        memmove(track->time, track->time + 1, (ATTITUDES - 1) * sizeof(time_stamp));
         memmove(track->roll, track->roll + 1, (ATTITUDES - 1) * sizeof(double));
         memmove(track->pitch, track->pitch + 1, (ATTITUDES - 1) * sizeof(double));
         --track->count;
@@ -54,21 +56,21 @@ static inline void attitude_at(const struct attitude_track *track, double time, 
         --k;
     const int32_t next = k + 1 < track->count ? k + 1 : k;
     const double gap = track->time[next] - track->time[k];
-    const double share = gap > 0.0 ? clamped((time - track->time[k]) / gap, 0.0, 1.0) : 0.0;
+    const double passed = time - track->time[k], share = gap > 0.0 ? clamped(passed / gap, 0.0, 1.0) : 0.0;
     *roll = track->roll[k] + share * (track->roll[next] - track->roll[k]);
     *pitch = track->pitch[k] + share * (track->pitch[next] - track->pitch[k]);
 }
 
-static inline int attitude_is_new(const struct attitude_track *track, double now)
+static inline int attitude_is_new(const struct attitude_track *track, time_stamp now)
 {
     return track->count > 0 && now - track->time[track->count - 1] <= LAST_ATTITUDE;
 }
 
 /* Which share of the correction by this track is to be applied now (s); to be asked once in each sample. */
-static inline double attitude_trust(struct attitude_track *track, double now)
+static inline double attitude_trust(struct attitude_track *track, time_stamp now)
 {
     const double target = attitude_is_new(track, now) ? 1.0 : 0.0;
-    const double change = (now - track->asked) / FADE;
+    const double passed = now - track->asked, change = passed / FADE;
 
     track->trust = track->begun ? track->trust + clamped(target - track->trust, -change, change) : target;
     track->begun = 1;

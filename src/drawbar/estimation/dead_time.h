@@ -23,6 +23,8 @@ struct component {
     double x[1][STATES], u[1][INPUTS], p[1][PARAMETERS], duration[1][1], y[1][OUTPUTS];
 };
 
+#define WHOLE_SAMPLES 1e-9                 /* a dead time that is longer by less is a whole number of samples */
+
 #define COMPONENT_FIELDS                                                                                          \
     SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                              \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, constants, 0, CONSTANTS, 0, 0)
@@ -30,7 +32,7 @@ struct component {
 /* How many commands are under way within the dead time, all but the oldest for a whole sample. */
 static inline int32_t commands_under_way(const struct component *component)
 {
-    const double samples = ceil(component->dead_time / component->sample_time - 1e-9);
+    const double samples = ceil(component->dead_time / component->sample_time - WHOLE_SAMPLES);
     return (int32_t)fmin(fmax(samples, 0.0), MOST_COMMANDS - 1.0);
 }
 

@@ -118,9 +118,9 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     return status;
 }
 
-/* Do what can be done before the next measurement: let the newest stage know what the command does to the steering until
- * then (NULL: nobody tells), slide the window, linearise along the predicted trajectory. */
-int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
+/* Slide the window; the newest stage knows what the command does to the steering until the next one (NULL: nobody
+ * tells). */
+static void go_on(struct component *component, const struct drawbar_command *acting)
 {
     if (acting != NULL)
         model_told_outputs(&component->model, newest_state(component), acting,
@@ -129,15 +129,25 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
     WATCHED(WATCHED_SLIDE, window_slide(&component->window, &component->rti));
     if (full)
         fix_weights_slide(&component->weights, &component->rti);
+}
+
+/* Do what can be done before the next measurement: slide the window, linearise along the predicted trajectory. */
+int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
+{
+    go_on(component, acting);
     WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
 }
 
-/* Let a sample pass in which nothing was measured: its stage is what was predicted. */
+/* Let a sample pass in which nothing was measured: its stage is what was predicted. The next one, with a measurement or
+ * without, makes the Hessian anew, and nothing is factorised before that. */
 int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
     model_outputs(&component->model, &nothing_measured, component->rti.y[component->window.newest]);
-    return UNIT(ready)(component, acting);
+    go_on(component, acting);
+    rti_linearise(&component->rti);
+    rti_reweighted(&component->rti);
+    return component->prepared = component->window.absorbed;
 }
 
 /* From now on reckon with other lags of tractor and trailer, s. */

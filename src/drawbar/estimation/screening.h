@@ -17,7 +17,7 @@
 /* What is remembered of one receiver. */
 struct receiver {
     double fix[2], expected[2];            /* what it reports; where the antenna was expected when it first did, m */
-    double accepted;                       /* time of the last accepted fix that was not coarse, s */
+    time_stamp accepted;                   /* of the last accepted fix that was not coarse */
     int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
 };
 

@@ -260,6 +260,10 @@ class ActuationSettings(Settings):
     costs little, s"""
     guess_deviation: Positive = 0.15
     """of that guess, s"""
+    body_lag: Annotated[NonNegative, Field(le=0.5)] = 0.1
+    """with `identify`: by how much the bodies turn later than their wheels stand, s; tyres and inertia cause it, and no
+    steering sensor shows it. It is added to the dead time that is planned with: all of it from `speed` = 2 m/s on,
+    nothing up to 1 m/s, in proportion between"""
     lag_deviation: Positive = 0.7
     """of the logarithm of the lags about `vehicle.steering_lag`, before something shows them"""
     memory: Positive = 60.0

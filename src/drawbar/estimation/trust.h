@@ -9,11 +9,12 @@
 
 #include <math.h>
 #include <stdint.h>
+#include "geometry.h"
 
 #define AGAIN 1e-3                         /* s; shorter than any sample */
 
 struct lasting {
-    double since;                          /* s */
+    time_stamp since;
     int32_t holds;
 };
 

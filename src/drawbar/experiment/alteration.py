@@ -5,13 +5,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drawbar.errors import ConfigurationError
-from drawbar.experiment.trial import Trial
 from drawbar.machine.base import MachineWithTruth
 from drawbar.signals import Command, Measurement, Truth
 from drawbar.simulation import Simulation
+
+if TYPE_CHECKING:
+    from drawbar.experiment.trial import Trial
 
 FILE_NAME = "alterations.py"
 
@@ -24,7 +26,7 @@ class Alteration:
     source: str
     """of the whole file that defines it, Python"""
 
-    def apply(self, run: Simulation | Trial) -> None:
+    def apply(self, run: "Simulation | Trial") -> None:
         """Change a run that has not begun."""
         names: dict[str, Any] = {"__name__": "alterations"}
         exec(compile(self.source, FILE_NAME, "exec"), names)

@@ -13,7 +13,6 @@ from drawbar.experiment.document import REPORT_NAME, RESULTS_NAME, write_report,
 from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, load_experiment
 from drawbar.experiment.measure import Runs, measure
 from drawbar.experiment.measured import Figures, MeasuredExperiment
-from drawbar.experiment.parts import Part
 from drawbar.experiment.progress import RunsProgress
 
 
@@ -36,15 +35,13 @@ def run_experiments(
     experiments = [load_experiment(folder).with_cases(only) for folder in find_experiments(name)]
     with open_cluster(address, jobs) as client:
         outcomes = [_conduct(console, client, experiment, seeds) for experiment in experiments]
-    if name == "all":
-        write_report(FOLDER / REPORT_NAME, outcomes)
+    if any(experiment.folder.parent == FOLDER for experiment in experiments):
+        write_report(FOLDER)
         console.print(f"{FOLDER / REPORT_NAME}")
-    return not any(measured.misses() for measured, _ in outcomes)
+    return not any(measured.misses() for measured in outcomes)
 
 
-def _conduct(
-    console: Console, client: Client, experiment: Experiment, seeds: int | None
-) -> tuple[MeasuredExperiment, Sequence[Part]]:
+def _conduct(console: Console, client: Client, experiment: Experiment, seeds: int | None) -> MeasuredExperiment:
     """Run one experiment, leave its results in its folder, and print what was missed."""
     analysis = load_analysis(experiment.folder)
     counts = {case: len(tasks) for case, tasks in experiment.tasks(seeds).items()}
@@ -59,12 +56,11 @@ def _conduct(
         figures={case: _figures(analysis, each, counts[case]) for case, each in runs.items()},
     )
     if not runs:  # the results in the folder stay
-        return measured, []
+        return measured
     report = analysis.report if all(each.results for each in runs.values()) else table_of_means
-    parts = list(report(measured))
-    write_results(measured, parts)
+    write_results(measured, list(report(measured)))
     _print_outcome(console, measured, experiment.folder / RESULTS_NAME)
-    return measured, parts
+    return measured
 
 
 def _figures(analysis: Analysis, runs: Runs, seeds: int) -> list[Figures]:

@@ -1,74 +1,116 @@
-"""Results as Markdown: one results.md per experiment, and REPORT.md of all of them."""
+"""Results as Markdown: one results.md per experiment, and REPORT.md, which says what all of them taught."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+
+import msgspec
 
 from drawbar.benchmark.figures import machine
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Part, markdown_table
 
 RESULTS_NAME = "results.md"
+SUMMARY_NAME = "summary.json"
 REPORT_NAME = "REPORT.md"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Summary:
+    """What REPORT.md says of one experiment."""
+
+    title: str
+    learned: str
+    """empty: nothing to tell"""
+    why_missed: str
+    cases: int
+    seeds: int
+    expected: int
+    """figures that were expected"""
+    missed: int
+    """of them"""
+    lost: int = 0
+    """runs of the cases with expected figures that have no result or did not come to the end of the path"""
+    machine: Mapping[str, str]
+    """on which the runs were made, without its compiler, whose name is a path of that machine"""
+
+
 def write_results(measured: MeasuredExperiment, parts: Sequence[Part]) -> None:
-    """Write tables (CSV), pictures (SVG) and results.md into the experiment's folder."""
+    """Write tables (CSV), pictures (SVG), results.md and the summary into the experiment's folder."""
     folder = measured.experiment.folder
     for part in parts:
         part.write(folder)
     title = f"# {measured.experiment.settings.title}"
     origin = f"Made by `drawbar experiment {folder.name}`; [README.md](README.md) says what is compared."
-    text = "\n\n".join([title, origin, *_sections(measured, parts, "")])
+    text = "\n\n".join([title, origin, *_sections(measured, parts)])
     (folder / RESULTS_NAME).write_text(f"{text}\n", "utf-8")
+    content = msgspec.json.format(msgspec.json.encode(_summary(measured)), indent=2)
+    (folder / SUMMARY_NAME).write_bytes(content + b"\n")
 
 
-def write_report(file: Path, outcomes: Sequence[tuple[MeasuredExperiment, Sequence[Part]]]) -> None:
-    """Write the report of several experiments, whose folders lie beside it."""
-    blocks = ["# Experiments", "Made by `drawbar experiment all`; do not edit."]
-    blocks += [*_opening([measured for measured, _ in outcomes]), _machine_table(), _overview(outcomes)]
-    for measured, parts in outcomes:
-        prefix = f"{measured.experiment.folder.name}/"
-        blocks += [
-            f"## {measured.experiment.settings.title}",
-            f"What is compared, and with what: [{prefix}README.md]({prefix}README.md).",
-        ]
-        blocks += _sections(measured, parts, prefix)
-    file.write_text("\n\n".join(blocks) + "\n", "utf-8")
+def _summary(measured: MeasuredExperiment) -> Summary:
+    settings, misses = measured.experiment.settings, measured.misses()
+    missed = sum(not verdict.holds for verdict in measured.verdicts())
+    return Summary(
+        title=settings.title,
+        learned=measured.told(settings.learned),
+        why_missed=measured.told(settings.why_missed) if misses else "",
+        cases=len(measured.cases),
+        seeds=measured.seeds,
+        expected=len(measured.verdicts()),
+        missed=missed,
+        lost=len(misses) - missed,
+        machine={name: text for name, text in machine().items() if name != "compiler"},
+    )
 
 
-def _opening(experiments: Sequence[MeasuredExperiment]) -> list[str]:
+def write_report(folder: Path) -> None:
+    """Write REPORT.md of all experiments of a folder that have been driven."""
+    summaries = {
+        file.parent.name: msgspec.json.decode(file.read_bytes(), type=Summary)
+        for file in sorted(folder.glob(f"*/{SUMMARY_NAME}"))
+    }
+    blocks = ["# Experiments", "Made by `drawbar experiment`, anew after each of them; do not edit."]
+    blocks += [*_opening(summaries.values()), "## All experiments", _overview(summaries), _machines(summaries.values())]
+    (folder / REPORT_NAME).write_text("\n\n".join(blocks) + "\n", "utf-8")
+
+
+def _opening(summaries: Iterable[Summary]) -> list[str]:
     """Return the first lines: what was learned, and what was missed and why."""
-    learned = [measured.told(measured.experiment.settings.learned) for measured in experiments]
-    lines = [f"- {text}" for text in learned if text]
-    for measured in experiments:
-        if missed := len(measured.misses()):
-            settings = measured.experiment.settings
-            of = f"{missed} of {len(measured.verdicts())} expected figures of *{settings.title}*"
-            reason = measured.told(settings.why_missed) or "The reason is not known."
-            lines.append(f"- **Missed**: {of}. {reason}")
+    told = list(summaries)
+    lines = [f"- {each.learned}" for each in told if each.learned]
+    for each in told:
+        if each.missed or each.lost:
+            lost = f", and {each.lost} of its runs did not come to the end" if each.lost else ""
+            of = f"{each.missed} of {each.expected} expected figures of *{each.title}*{lost}"
+            lines.append(f"- **Missed**: {of}. {each.why_missed or 'The reason is not known.'}")
     return ["## What was learned", "\n".join(lines)] if lines else []
 
 
-def _machine_table() -> str:
-    facts = {name: text for name, text in machine().items() if name != "compiler"}  # it names a path of this machine
-    return markdown_table(["measured on", ""], [list(fact) for fact in facts.items()])
-
-
-def _overview(outcomes: Sequence[tuple[MeasuredExperiment, Sequence[Part]]]) -> str:
+def _overview(summaries: Mapping[str, Summary]) -> str:
     rows = [
         [
-            measured.experiment.folder.name,
-            f"{len(measured.cases)}",
-            f"{measured.seeds}",
-            f"{len(measured.verdicts())}",
-            f"**{len(measured.misses())}**" if measured.misses() else "0",
+            f"[{each.title}]({name}/{RESULTS_NAME})",
+            f"[what is compared]({name}/README.md)",
+            f"{each.cases}",
+            f"{each.seeds}",
+            f"{each.expected}",
+            f"**{each.missed}**" if each.missed else "0",
         ]
-        for measured, _ in outcomes
+        for name, each in summaries.items()
     ]
-    return markdown_table(["experiment", "cases", "seeds", "expected figures", "missed"], rows)
+    return markdown_table(["experiment", "", "cases", "seeds", "expected figures", "missed"], rows)
 
 
-def _sections(measured: MeasuredExperiment, parts: Sequence[Part], prefix: str) -> list[str]:
+def _machines(summaries: Iterable[Summary]) -> str:
+    """Say on what machine the runs were made, once for all experiments that share it."""
+    titles: dict[str, list[str]] = {}
+    for each in summaries:
+        titles.setdefault(", ".join(f"{fact} {text}" for fact, text in each.machine.items()), []).append(each.title)
+    return "\n".join(f"- Measured on {machine}: {', '.join(those)}." for machine, those in titles.items())
+
+
+def _sections(measured: MeasuredExperiment, parts: Sequence[Part]) -> list[str]:
     results = [result for runs in measured.runs.values() for result in runs.results]
     given_up = sum(not result.metrics.finished for result in results)
     fewer = any(len(each) < measured.seeds for each in measured.figures.values())
@@ -77,7 +119,7 @@ def _sections(measured: MeasuredExperiment, parts: Sequence[Part], prefix: str) 
         f"{len(results)} runs, "
         f"{given_up} of them given up before the end of the path."
     )
-    return [said, *_left_out(measured), *(part.markdown(prefix) for part in parts), *_judgement(measured)]
+    return [said, *_left_out(measured), *(part.markdown() for part in parts), *_judgement(measured)]
 
 
 def _left_out(measured: MeasuredExperiment) -> list[str]:

@@ -1,5 +1,6 @@
 """An experiment: a folder with an experiment.toml that says what is driven, how often, and what must come out."""
 
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,30 +23,34 @@ Texts = Annotated[tuple[str, ...], Field(strict=False)]
 
 
 class Expectation(Settings):
-    """What a figure's mean over the seeds must be: near a value, or not above a limit; in the figure's own unit."""
+    """What a figure's mean over the seeds must be: near a value, or within limits; in the figure's own unit."""
 
     value: float | None = None
     within: Positive | None = None
     """largest deviation from value, relative to it"""
     at_most: float | None = None
+    at_least: float | None = None
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
         near = (self.value is None, self.within is None)
         if near not in ((True, True), (False, False)) or near[0] == (self.at_most is None):
             raise ValueError("give either value and within, or at_most")
+        if self.at_least is not None and not (self.at_most is not None and self.at_least < self.at_most):
+            raise ValueError("at_least belongs to an at_most that is more; else give value and within")
         return self
 
     def holds(self, mean: float) -> bool:
         """Tell whether a mean meets it; NaN never does."""
         if self.value is not None and self.within is not None:
             return abs(mean - self.value) <= self.within * abs(self.value)
-        return self.at_most is not None and mean <= self.at_most
+        least = -math.inf if self.at_least is None else self.at_least
+        return self.at_most is not None and least <= mean <= self.at_most
 
     def __str__(self) -> str:
         if self.value is not None and self.within is not None:
             return f"{self.value:g} ± {100.0 * self.within:g} %"
-        return f"≤ {self.at_most:g}"
+        return f"≤ {self.at_most:g}" if self.at_least is None else f"{self.at_least:g} to {self.at_most:g}"
 
 
 class Variant(Settings):

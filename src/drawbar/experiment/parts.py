@@ -42,7 +42,7 @@ class Text:
     def write(self, _folder: Path) -> None:
         """Write nothing: the text stands in the report itself."""
 
-    def markdown(self, _prefix: str) -> str:
+    def markdown(self) -> str:
         """Return the paragraph."""
         return self.text
 
@@ -63,9 +63,9 @@ class Table:
         with (folder / f"{self.name}.csv").open("w", encoding="utf-8", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([self.header, *self.rows])
 
-    def markdown(self, prefix: str) -> str:
-        """Return caption and table; prefix is the way from the report to the folder of the experiment."""
-        return f"{self.caption} ([CSV]({prefix}{self.name}.csv))\n\n{markdown_table(self.header, self.rows)}"
+    def markdown(self) -> str:
+        """Return caption and table."""
+        return f"{self.caption} ([CSV]({self.name}.csv))\n\n{markdown_table(self.header, self.rows)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,9 +87,9 @@ class Picture:
             self.draw(figure)
             figure.savefig(folder / f"{self.name}.svg", metadata={"Date": None, "Creator": None})
 
-    def markdown(self, prefix: str) -> str:
-        """Return the picture with its caption; prefix is the way from the report to the folder of the experiment."""
-        return f"![{self.caption}]({prefix}{self.name}.svg)\n\n*{self.caption}*"
+    def markdown(self) -> str:
+        """Return the picture with its caption."""
+        return f"![{self.caption}]({self.name}.svg)\n\n*{self.caption}*"
 
 
 def markdown_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -18,7 +18,6 @@ from drawbar.benchmark.figures import on_one_core
 from drawbar.config import Configuration
 from drawbar.experiment.alteration import Alteration
 from drawbar.experiment.deviation import RecordedDeviation
-from drawbar.experiment.trial import watch_trial
 from drawbar.geometry import Floats
 from drawbar.recording.log import RunLog
 from drawbar.report.metrics import Metrics, compute_metrics
@@ -133,6 +132,8 @@ def _bytes_to_array(_kind: Any, value: bytes) -> Floats:
 
 
 def _rehearse(task: Task) -> Result:
+    from drawbar.experiment.trial import watch_trial  # it brings the whole machine along, which plain runs do not need
+
     configuration = Configuration.model_validate(tomllib.loads(task.configuration))
     trial = watch_trial(configuration, task.seed, task.alterations)
     log = trial.log()

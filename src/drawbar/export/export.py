@@ -3,9 +3,10 @@
 import json
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple
 from pathlib import Path
+from typing import Any
 
 from drawbar import __version__
 from drawbar.codegen import Component
@@ -14,9 +15,11 @@ from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.export import sources
 from drawbar.export.initialise import literal
 from drawbar.export.manifest import configuration_hash, manifest
+from drawbar.export.memory import Memory
+from drawbar.export.precision import single, single_memory, single_text
 from drawbar.export.recording import measurement_table, path_table, record
-from drawbar.export.targets import Target
-from drawbar.export.toolchain import build_target
+from drawbar.export.targets import Precision, Target
+from drawbar.export.toolchain import Built, build_target
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
 from drawbar.step.library import StepSettings
@@ -26,10 +29,15 @@ _SEED = 0
 """of the simulated run whose measurements go with the example"""
 
 
-def export_library(configuration: Configuration, folder: Path, targets: Sequence[Target] = ()) -> None:
+def export_library(
+    configuration: Configuration,
+    folder: Path,
+    targets: Sequence[Target] = (),
+    precision: Precision = Precision.DOUBLE,
+) -> None:
     """Write the library's sources, its example and its manifest, and build it for each target.
 
-    The folder is new, empty, or that of an earlier export, which is replaced.
+    The folder is new, empty, or that of an earlier export, which its manifest tells, and which is replaced.
 
     Raises:
         ConfigurationError: a component of the configuration exists in simulation only.
@@ -41,9 +49,10 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
     _require_exportable(configuration)
     simulation = Simulation(configuration, _SEED)
     components = list(simulation.autopilot.library.components.values())
+    sourced, memory = _source_files(configuration, components, precision)
     files = {
         "config.toml": configuration.to_toml(),
-        **_source_files(configuration, components),
+        **sourced,
         "example/path.csv": path_table(simulation.path),
         "example/measurements.csv": measurement_table(record(simulation)),
     }
@@ -53,20 +62,46 @@ def export_library(configuration: Configuration, folder: Path, targets: Sequence
         for name, text in files.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text, "utf-8", newline="\n")
-        builds = [build_target(target, folder) for target in targets]
-        content = manifest(configuration, __version__, components, builds)
-        (folder / "manifest.json").write_text(json.dumps(content, indent=2) + "\n", "utf-8", newline="\n")
+        _write_manifest(folder, manifest(configuration, precision, components, memory, []))
+        builds = _built(folder, targets)
+        _write_manifest(folder, manifest(configuration, precision, components, memory, builds))
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
 
 
 def _require_room(folder: Path) -> None:
-    """Refuse a folder in which something else lies: it would be lost."""
-    earlier = (folder / "include" / "drawbar.h").is_file()
-    if folder.is_dir() and any(folder.iterdir()) and not earlier:
+    """Refuse a folder in which something lies that no earlier export wrote, and that would be lost or built in."""
+    if not folder.is_dir():
+        return
+    try:
+        earlier = json.loads((folder / "manifest.json").read_text("utf-8"))
+        written = set(earlier["files"]) if isinstance(earlier, dict) and "drawbar" in earlier else set()
+    except (OSError, ValueError, KeyError, TypeError):
+        written = set()
+    places = [folder / name for name in _FOLDERS] if written else [folder]
+    found = (file for place in places for file in place.rglob("*") if not file.is_dir())
+    other = next((name for file in found if (name := file.relative_to(folder).as_posix()) not in written), None)
+    if other is not None:
         raise DrawbarError(
-            f"{folder}: holds files that no earlier export wrote; choose another --out folder, or empty it."
+            f"{folder}: holds files that no earlier export wrote ({other}); choose another --out folder, or empty it."
         )
+
+
+def _built(folder: Path, targets: Sequence[Target]) -> list[Built]:
+    """Build the library for each target; where one cannot be built, none is left."""
+    try:
+        return [build_target(target, folder) for target in targets]
+    except BaseException:
+        shutil.rmtree(folder / "lib", ignore_errors=True)
+        raise
+
+
+def _write_manifest(folder: Path, content: dict[str, Any]) -> None:
+    """Write the manifest, with the names of the files that are in the export's folders."""
+    found = (file for name in _FOLDERS for file in (folder / name).rglob("*") if file.is_file())
+    files = sorted(file.relative_to(folder).as_posix() for file in found)
+    text = json.dumps(content | {"files": files}, indent=2)
+    (folder / "manifest.json").write_text(text + "\n", "utf-8", newline="\n")
 
 
 def _require_exportable(configuration: Configuration) -> None:
@@ -79,8 +114,10 @@ def _require_exportable(configuration: Configuration) -> None:
             )
 
 
-def _source_files(configuration: Configuration, components: Sequence[Component]) -> dict[str, str]:
-    """Return all that is the same for every target, by its place in the folder."""
+def _source_files(
+    configuration: Configuration, components: Sequence[Component], precision: Precision
+) -> tuple[dict[str, str], Memory]:
+    """Return all that is the same for every target, by its place in the folder, and what its state takes."""
     names = {component.name for component in components}
     version = f"{__version__} {configuration_hash(configuration)[:16]}"
     constants = {
@@ -94,12 +131,14 @@ def _source_files(configuration: Configuration, components: Sequence[Component])
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
     texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n'
-    every = {
-        **texts,
-        **sources.headers(texts.values()),
-        "drawbar_size.h": sources.size_header(components, configuration.sample_time),
-        "drawbar_components.h": sources.components_header(components, constants),
-    }
+    main = sources.filled("main.c", {})
+    every, memory = {**texts, **sources.headers(texts.values())}, Memory.of(components)
+    sizes = _sizes(memory, configuration, constants)
+    if precision is Precision.SINGLE:
+        every, main = single(every), single_text(main)
+        memory = single_memory(components, {**every, **single(sizes)})
+        sizes = single(_sizes(memory, configuration, constants))
+    every |= sizes
     listed = " ".join(f"src/{name}" for name in sorted(texts))
     number = re.match(r"\d+(?:\.\d+){0,3}", __version__)
     marks = {
@@ -109,11 +148,20 @@ def _source_files(configuration: Configuration, components: Sequence[Component])
         "HASH": version.split()[1],
         "SOURCES": listed,
     }
-    return {
+    files = {
         **{f"{'include' if name in sources.PUBLIC else 'src'}/{name}": text for name, text in sorted(every.items())},
         "CMakeLists.txt": sources.filled("CMakeLists.txt", marks),
         "README.md": sources.filled("README.md", marks),
-        "example/main.c": sources.filled("main.c", {}),
+        "example/main.c": main,
+    }
+    return files, memory
+
+
+def _sizes(memory: Memory, configuration: Configuration, constants: Mapping[str, str]) -> dict[str, str]:
+    """Return the headers with numbers of this very configuration."""
+    return {
+        "drawbar_size.h": sources.size_header(memory, configuration.sample_time),
+        "drawbar_components.h": sources.components_header(memory, constants),
     }
 
 

@@ -6,11 +6,13 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from drawbar import __version__
 from drawbar.codegen import Component
 from drawbar.codegen.cache import runtime_sources
 from drawbar.config import Configuration
-from drawbar.export.sources import state_doubles, work_size
+from drawbar.export.memory import Memory
 from drawbar.export.stack import CallGraph
+from drawbar.export.targets import Precision
 from drawbar.export.toolchain import Built
 from drawbar.optimal import SolverUnit
 
@@ -33,8 +35,10 @@ _BOUNDS = {
     "active_set_columns": "ACTIVE_COLUMNS",
 }
 """a solver's size and what limits its work, and their names in C, which a unit or else the runtime defines"""
-_SWEEPS_OF_ITERATION = 3
-"""of the interior point: predictor, corrector, and centring where the corrector led astray"""
+_SWEEPS_OF_ITERATION = 2
+"""of the interior point: predictor and corrector"""
+_CENTRED = "ASTRAY"
+"""C's name of how many of its iterations have one more, which centres where the corrector led astray"""
 
 
 def configuration_hash(configuration: Configuration) -> str:
@@ -43,23 +47,28 @@ def configuration_hash(configuration: Configuration) -> str:
 
 
 def manifest(
-    configuration: Configuration, version: str, components: Sequence[Component], builds: Sequence[Built]
+    configuration: Configuration,
+    precision: Precision,
+    components: Sequence[Component],
+    memory: Memory,
+    builds: Sequence[Built],
 ) -> dict[str, Any]:
     """Return the manifest.
 
     Args:
         configuration: what was exported.
-        version: of drawbar.
+        precision: of its numbers.
         components: of its control step.
+        memory: that these need.
         builds: what was built, one entry a target.
     """
     return {
-        "drawbar": version,
+        "drawbar": __version__,
         "configuration": {"name": configuration.name, "sha256": configuration_hash(configuration)},
-        "state_bytes": 8 * state_doubles(components),
+        "precision": precision,
+        "state_bytes": 8 * memory.state_doubles,
         "actuate_state_bytes": 8 * _defined("DRAWBAR_ACTUATE_DOUBLES", runtime_sources().values()),
-        "components_bytes": {component.name: component.size for component in components}
-        | {"work": work_size(components)},
+        "components_bytes": {**memory.components, "work": memory.work},
         "bounds": {
             component.name: _bounds(component.unit)
             for component in components
@@ -101,11 +110,13 @@ def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     factorisations and a sweep, to damp a cost that leaves something undetermined. Then the interior point: a
     factorisation and a sweep for its start, and its iterations.
     """
-    bounds = {name: _defined(macro, [unit.source, *runtime_sources().values()]) for name, macro in _BOUNDS.items()}
+    sources = [unit.source, *runtime_sources().values()]
+    bounds = {name: _defined(macro, sources) for name, macro in _BOUNDS.items()}
     bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
     held = bounds["held_set_passes"] + 1
-    sweeps = 1 + max(held, bounds["active_set_columns"] + 4) + 1 + _SWEEPS_OF_ITERATION * iterations
+    sweeps = 1 + max(held, bounds["active_set_columns"] + 4) + 1
+    sweeps += _SWEEPS_OF_ITERATION * iterations + min(_defined(_CENTRED, sources), iterations)
     return bounds | {"factorisations": 1 + max(held, 2) + 1 + iterations, "sweeps": sweeps}
 
 

@@ -1,13 +1,13 @@
 """The C sources of a library: one file for each component, the headers that they include, the sizes of their memory."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from importlib import resources
 
 from drawbar.codegen import Component
 from drawbar.codegen.cache import runtime_sources
 from drawbar.export.initialise import initialiser
-from drawbar.step.library import STEP_DOUBLES
+from drawbar.export.memory import Memory
 
 PUBLIC = ("drawbar.h", "drawbar_actuate.h", "drawbar_api.h", "drawbar_line.h", "drawbar_signals.h", "drawbar_size.h")
 """headers that the library's users include"""
@@ -57,27 +57,16 @@ def headers(texts: Iterable[str]) -> dict[str, str]:
     return dict(sorted(found.items()))
 
 
-def size_header(components: Sequence[Component], sample_time: float) -> str:
+def size_header(memory: Memory, sample_time: float) -> str:
     """Return the public header with the size of the state: of all components, and of what the step itself remembers."""
-    macros = {"DRAWBAR_STATE_DOUBLES": str(state_doubles(components)), "DRAWBAR_SAMPLE_TIME": repr(sample_time)}
+    macros = {"DRAWBAR_STATE_DOUBLES": str(memory.state_doubles), "DRAWBAR_SAMPLE_TIME": repr(sample_time)}
     return _header("drawbar_size", macros)
 
 
-def state_doubles(components: Sequence[Component]) -> int:
-    """Return the size of an autopilot's state, in doubles."""
-    sizes = (*(component.size for component in components), work_size(components))
-    return sum(-(-size // 8) for size in sizes) + STEP_DOUBLES
-
-
-def work_size(components: Sequence[Component]) -> int:
-    """Return the bytes of what all components borrow in turn."""
-    return max(8, *(component.work_size for component in components))
-
-
-def components_header(components: Sequence[Component], constants: Mapping[str, str]) -> str:
+def components_header(memory: Memory, constants: Mapping[str, str]) -> str:
     """Return the header with the bytes that each component needs, and what step.h wants to know besides."""
-    needs = {f"DRAWBAR_{component.name.upper()}_SIZE": str(component.size) for component in components}
-    return _header("drawbar_components", {**needs, "DRAWBAR_WORK_SIZE": str(work_size(components)), **constants})
+    needs = {f"DRAWBAR_{name.upper()}_SIZE": str(size) for name, size in memory.components.items()}
+    return _header("drawbar_components", {**needs, "DRAWBAR_WORK_SIZE": str(memory.work), **constants})
 
 
 def _header(name: str, macros: Mapping[str, str]) -> str:

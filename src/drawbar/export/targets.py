@@ -1,6 +1,7 @@
 """The machines that a library is built for, and what is asked of the compiler for each."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 from drawbar.errors import ConfigurationError
 
@@ -16,6 +17,13 @@ FLAGS = (
 )
 """The same on all targets. No fused multiply-add, so that targets agree; never -ffast-math."""
 _SIZED = "-fstack-size-section"
+
+
+class Precision(StrEnum):
+    """The type of an exported library's numbers."""
+
+    DOUBLE = "double"
+    SINGLE = "single"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +91,14 @@ TARGETS = (
         headers=("arm-linux-musl", "generic-musl"),
         static="libdrawbar.a",
     ),
+    Target(
+        name="cortex-m4",
+        triple="thumb-freestanding-eabihf",
+        # a unit for floats alone: doubles are computed by __aeabi_dadd and its kind, of the C compiler's own library
+        flags=(_SIZED, "-mcpu=cortex_m4+vfp4d16sp", "-fno-unwind-tables", "-DLANES=1"),
+        headers=("arm-linux-musl", "generic-musl"),
+        static="libdrawbar.a",
+    ),
 )
 
 
@@ -90,10 +106,12 @@ def find_target(name: str) -> Target:
     """Return the target of that name or triple.
 
     Raises:
-        ConfigurationError: there is none; says which there are.
+        ConfigurationError: there is none, or several of that triple; says which there are.
     """
-    for target in TARGETS:
-        if name in (target.name, target.triple):
-            return target
+    found = [target for target in TARGETS if name in (target.name, target.triple)]
+    if len(found) == 1:
+        return found[0]
     known = ", ".join(f"{target.name} ({target.triple})" for target in TARGETS)
-    raise ConfigurationError(f"--target {name!r}: no such target; there are {known}.")
+    raise ConfigurationError(
+        f"--target {name!r}: {'several targets' if found else 'no such target'}; there are {known}."
+    )

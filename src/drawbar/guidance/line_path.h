@@ -10,6 +10,8 @@
 #include "path.h"
 
 #define LINE_PIECE 0.25                    /* longest step, m: PIECE_LENGTH of path.py */
+#define LINE_SHORTEST 0.1                  /* lengths between which a line may be one, m: _SHORTEST of line.py, */
+#define LINE_LONGEST 2e6                   /* _LONGEST */
 #define LINE_FEWEST 8                      /* steps: _FEWEST_PIECES of smoothing.py, as those below */
 #define LINE_DETAIL 0.7                    /* m, _DETAIL */
 #define LINE_MARGIN 0.995                  /* of the curvature, _MARGIN */
@@ -206,7 +208,7 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
         return DRAWBAR_LINE_NULL;
     *made = 0;
     const double length = line_length(points, count);
-    if (count < 2 || !(length > 0.0) || !(length / LINE_PIECE < 1e9) || !(limits->curvature > 0.0)
+    if (count < 2 || !(length >= LINE_SHORTEST && length <= LINE_LONGEST) || !(limits->curvature > 0.0)
         || !(limits->curvature_rate > 0.0) || !(limits->tolerance > 0.0))
         return DRAWBAR_LINE_POINTS;
     const int32_t steps = (int32_t)fmax(ceil(length / LINE_PIECE), LINE_FEWEST), n = steps + 1;

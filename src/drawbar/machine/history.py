@@ -10,6 +10,8 @@ from drawbar.machine.settings import Delay
 
 _REACH = 3.0
 """How far back it goes, s: the longest latency and four times the largest jitter"""
+_SPARE = 4
+"""room for so many times that"""
 YAWS = slice(2, 4)
 """columns of a row that hold both bodies' yaws, rad; the others are the machine's own affair"""
 
@@ -54,20 +56,28 @@ class History:
     def __init__(self, step: float, first: Floats, rng: np.random.Generator, read: Read) -> None:
         """Begin with a machine that has always stood as its first row (n,) says."""
         self._step, self._rng, self._read = step, rng, read
-        self._rows = np.tile(first, (round(_REACH / step) + 2, 1))
+        self._reach = round(_REACH / step) + 2
+        self._rows = np.tile(first, (_SPARE * self._reach, 1))
+        self._end = self._reach  # of the known rows; where there is no room behind it the newest move to the front
         self._moments: dict[int, Moment] = {}  # since the newest row, by steps ago
 
     def append(self, rows: Floats) -> None:
         """Take in the rows (m, n) after the newest integration steps."""
-        self._rows = np.concatenate((self._rows, rows))[len(rows) :]
+        rows = rows[-self._reach :]
+        if self._end + len(rows) > len(self._rows):
+            self._rows[: self._reach] = self._rows[self._end - self._reach : self._end]
+            self._end = self._reach
+        self._rows[self._end : self._end + len(rows)] = rows
+        self._end += len(rows)
         self._moments.clear()
 
     def seen(self, delay: Delay) -> Moment:
         """Return the moment that a sensor with this delay reports now; its jitter is drawn anew."""
         age = delay.latency + (delay.jitter * self._rng.standard_normal() if delay.jitter else 0.0)
-        steps = min(max(round(age / self._step), 0), len(self._rows) - 2)
+        steps = min(max(round(age / self._step), 0), self._reach - 2)
         if steps not in self._moments:
-            row, before = self._rows[-1 - steps].tolist(), self._rows[-2 - steps].tolist()
+            newest = self._end - 1 - steps
+            before, row = self._rows[newest - 1 : newest + 1].tolist()
             rates = [(now - then) / self._step for now, then in zip(row[YAWS], before[YAWS], strict=True)]
             self._moments[steps] = self._read(steps * self._step, row, (rates[0], rates[1]))
         return self._moments[steps]

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from numbers import Integral, Real
+from typing import Any
 
 import casadi as ca
 
@@ -23,9 +25,21 @@ class Bound:
     """cost of a violation, per unit squared (half of it, as in 1/2 q v²)"""
 
     def __post_init__(self) -> None:
+        _check_numbers(
+            "A bound",
+            lower=self.lower,
+            upper=self.upper,
+            linear_penalty=self.linear_penalty,
+            quadratic_penalty=self.quadratic_penalty,
+        )
         if not self.lower <= self.upper:
             raise SolverError(
                 f"A bound needs lower <= upper, got lower = {self.lower} and upper = {self.upper}; exchange them."
+            )
+        if self.lower == math.inf or self.upper == -math.inf:
+            raise SolverError(
+                f"A bound needs lower < infinity and upper > -infinity, got lower = {self.lower} and upper = "
+                f"{self.upper}: no number lies between; give a finite one, or exchange the signs."
             )
         if not (self.linear_penalty > 0.0 and 0.0 <= self.quadratic_penalty < math.inf):
             raise SolverError(
@@ -69,7 +83,7 @@ class ControlProblem:
     what it should be"""
 
     def __post_init__(self) -> None:
-        _check_time(self.horizon, self.sample_time, self.integration_steps)
+        _check_time(self.horizon, self.sample_time, self.integration_steps, self.integrator)
         model = self.model
         _check_values("weights", self.weights, model.outputs)
         depends = ca.which_depends(model.output, model.u, 1, True)
@@ -155,7 +169,7 @@ class EstimationProblem:
     """of the integrator, per sample"""
 
     def __post_init__(self) -> None:
-        _check_time(self.horizon, self.sample_time, self.integration_steps)
+        _check_time(self.horizon, self.sample_time, self.integration_steps, self.integrator)
         model, estimated = self.model, self.estimated
         _check_values("weights", self.weights, model.outputs)
         _check_values("prior_deviation", self.prior_deviation, estimated)
@@ -177,7 +191,21 @@ def row(values: Mapping[str, float], declared: Iterable[Variable]) -> list[float
     return [values.get(variable.name, 0.0) for variable in declared]
 
 
-def _check_time(horizon: int, sample_time: float, steps: int) -> None:
+def _check_numbers(what: str, **given: Any) -> None:
+    """Refuse what is no number."""
+    if wrong := [f"{name} = {value!r}" for name, value in given.items() if not isinstance(value, Real)]:
+        raise SolverError(f"{what}: numbers are allowed, got {', '.join(wrong)}; give numbers.")
+
+
+def _check_time(horizon: Any, sample_time: float, steps: Any, integrator: Integrator) -> None:
+    if not (isinstance(horizon, Integral) and isinstance(steps, Integral)):
+        raise SolverError(
+            f"horizon and integration_steps must be whole numbers, got {horizon!r} and {steps!r}; give an int."
+        )
+    _check_numbers("A problem", sample_time=sample_time)
+    if integrator not in tuple(Integrator):
+        allowed = ", ".join(f"Integrator.{each.name}" for each in Integrator)
+        raise SolverError(f"integrator = {integrator!r} is none of {allowed}; give one of these.")
     if horizon < 2 or steps < 1:
         raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
     if not 0.0 < sample_time < math.inf:
@@ -199,6 +227,7 @@ def _check_values(
     unknown = [name for name in values if name not in names]
     if unknown:
         raise SolverError(f"{what}: there is no {', '.join(map(repr, unknown))}; the names are {', '.join(names)}.")
+    _check_numbers(what, **values)
     needed = names if required is None else [variable.name for variable in required]
     missing = [name for name in needed if name not in values]
     if missing:
@@ -207,10 +236,13 @@ def _check_values(
         raise SolverError(f"{what} must be finite and not negative, got {dict(values)}.")
 
 
-def _check_bounds(
-    model: Model, bounds: Mapping[str, Bound], kinds: Mapping[str, Iterable[Variable]], what: str = "bounds"
-) -> None:
+def _check_bounds(model: Model, bounds: Any, kinds: Mapping[str, Iterable[Variable]], what: str = "bounds") -> None:
     names = [variable.name for kind in kinds.values() for variable in kind]
+    if not isinstance(bounds, Mapping) or not all(isinstance(bound, Bound) for bound in bounds.values()):
+        raise SolverError(
+            f"{what} go by name, such as {{{names[0]!r}: Bound(lower=-1.0, upper=1.0)}}, got {bounds!r}; give a Bound "
+            f"for each."
+        )
     for name in bounds:
         if name not in names:
             raise SolverError(

@@ -37,7 +37,8 @@ ENDLESS = 2**63 - 1
 CHUNK_BYTES = 1 << 20
 """of messages, before they are compressed, after which a chunk ends"""
 COMPRESSION = "zstd"
-_LEVEL = 1
+LEVEL = 1
+"""of the compression: as much as a run at a thousand times real time can wait for"""
 CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
 """opcode, length, first and last time, size and CRC uncompressed, the compression's name, size compressed"""
 _HEADED = CHUNK_HEAD.size - 9
@@ -47,9 +48,9 @@ _MESSAGE = struct.Struct("<BQHIQQ")
 class ChunkedWriter:
     """Puts records into a seekable stream that is at its beginning; the caller opens and closes it."""
 
-    def __init__(self, stream: BinaryIO, profile: str) -> None:
-        """Write the magic and the header."""
-        self._stream = stream
+    def __init__(self, stream: BinaryIO, profile: str, level: int = LEVEL) -> None:
+        """Write the magic and the header; `level` is zstd's, of the chunks."""
+        self._stream, self._level = stream, level
         self._chunk: _Chunk | None = None
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
@@ -90,7 +91,7 @@ class ChunkedWriter:
     def add_message(self, channel: int, data: bytes, *, sequence: int, log_time: int, publish_time: int) -> None:
         """Append a message, times in ns; it may stay in memory until flush()."""
         if self._chunk is None:
-            self._chunk = _Chunk(self._stream)
+            self._chunk = _Chunk(self._stream, self._level)
         head = _MESSAGE.pack(Opcode.MESSAGE, _MESSAGE.size - 9 + len(data), channel, sequence, log_time, publish_time)
         self._chunk.append(channel, log_time, head + data)
         self._counts[channel] += 1
@@ -178,9 +179,9 @@ def _bytes(builder: RecordBuilder) -> bytes:
 class _Chunk:
     """The chunk that grows."""
 
-    def __init__(self, stream: BinaryIO) -> None:
+    def __init__(self, stream: BinaryIO, level: int) -> None:
         self._stream, self._start = stream, stream.tell()
-        self._compressor = zstandard.ZstdCompressor(level=_LEVEL).compressobj()
+        self._compressor = zstandard.ZstdCompressor(level=level).compressobj()
         self._crc, self._compressed = 0, 0
         self._messages: dict[int, list[tuple[int, int]]] = {}
         self.size = 0
@@ -191,7 +192,8 @@ class _Chunk:
         self._messages.setdefault(channel, []).append((log_time, self.size))
         self._crc = zlib.crc32(record, self._crc)
         self.size += len(record)
-        self._write(self._compressor.compress(record))
+        if compressed := self._compressor.compress(record):  # mostly it stays with the compressor
+            self._write(compressed)
 
     def flush(self) -> None:
         self._write(self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))

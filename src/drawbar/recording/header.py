@@ -1,5 +1,6 @@
 """What is known of a run before its first step, from its configuration and path."""
 
+import os
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,7 @@ def run_header(
         seed=seed,
         started=datetime.now(UTC),
         vehicle=configuration.vehicle,
-        path_name=configuration.path.track or configuration.path.file or "figure-eights",
+        path_name=configuration.path.track or os.path.basename(configuration.path.file) or "figure-eights",
         path_note=deviation_note(configuration, drivable) if drivable else "",
         path=PathTable.of(path),
         recorded=RecordedPoints.of(drivable.recorded, drivable.deviations) if drivable else None,

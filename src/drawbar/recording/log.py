@@ -5,6 +5,7 @@ StepRecord on the topic `/step`, in compressed chunks, and at the end, in most c
 JSON has neither NaN nor infinity: both are written as null and read back as NaN.
 """
 
+import os
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -302,12 +303,12 @@ def _parts(records: Iterator[Logged]) -> LogParts:
     return LogParts(header=decoded, steps=steps(), outcome=lambda: outcome)
 
 
-def read_log(file: Path) -> RunLog:
+def read_log(file: str | os.PathLike[str]) -> RunLog:
     """Read the log of a run; a last record cut off by a crash is left out.
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
     """
-    with open_log(file) as log:
+    with open_log(Path(file)) as log:
         messages = [(decode_step(message.data), message.publish_time * 1e-9) for message in log.steps]
         return RunLog(
             header=log.header,

@@ -1,5 +1,6 @@
 """Writes every control step to a log that survives a crash: MCAP in compressed chunks, flushed after each step."""
 
+import os
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Self
 import msgspec
 
 from drawbar.errors import StorageError
-from drawbar.recording.chunks import ChunkedWriter
+from drawbar.recording.chunks import LEVEL, ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
 from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
@@ -31,25 +32,28 @@ class Recorder:
     leaving without one means that the run drove its path to the end.
     """
 
-    def __init__(self, file: Path, header: RunHeader) -> None:
+    LEVEL = LEVEL
+    """of the compression"""
+
+    def __init__(self, file: str | os.PathLike[str], header: RunHeader) -> None:
         """Create the file and write what is known before the first step.
 
         Raises StorageError when the file cannot be created.
         """
-        self._file, self._steps = file, 0
+        self._file, self._steps = Path(file), 0
         try:
-            self._stream = file.open("wb")
+            self._stream = self._file.open("wb")
             try:
                 self._begin(header)
             except OSError:
-                self._give_up()
+                self.give_up()
                 raise
         except OSError as error:
             raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
 
     def _begin(self, header: RunHeader) -> None:
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
-        self._writer = ChunkedWriter(self._stream, profile="drawbar")
+        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=self.LEVEL)
         self._writer.add_attachment(
             HEADER_NAME, "application/json", self._encoder.encode(header), created=time.time_ns()
         )
@@ -81,14 +85,17 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if isinstance(error, StorageError):
-            self._give_up()
+        if isinstance(error, StorageError) or self._stream.closed:
+            self.give_up()
             return
         try:
-            self._finish(Outcome.of(error))
+            self._finish(self._outcome(error))
         except OSError as full:
-            self._give_up()
+            self.give_up()
             raise self._full(full) from full
+
+    def _outcome(self, error: BaseException | None) -> Outcome:
+        return Outcome.of(error)
 
     def _full(self, error: OSError) -> StorageError:
         return StorageError(
@@ -96,8 +103,8 @@ class Recorder:
             f"are kept: free space, then `drawbar report {self._file.parent}`"
         )
 
-    def _give_up(self) -> None:
-        """Close the file; what is left in the buffer has no place on the disk."""
+    def give_up(self) -> None:
+        """Close the file, to which nothing can be added; what is left in the buffer has no place on the disk."""
         with suppress(OSError):
             self._stream.close()
 

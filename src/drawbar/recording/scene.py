@@ -39,7 +39,9 @@ _PATH, _PLANS = Color(r=0.45, g=0.45, b=0.45, a=1.0), {TRACTOR: (0.12, 0.47, 0.7
 _WIDTH, _HEIGHT = 1.2, 0.6
 """of the boxes that stand for the bodies, m"""
 _GRID = 1024.0
-"""points of lines in a metre: what is drawn to a millimetre has short mantissas, and compresses"""
+"""places in a metre: what is drawn to a millimetre has short mantissas, and compresses"""
+_PLAN_GRID, _TURNS = 256.0, 2.0**20
+"""places of a plan in a metre, and of a quaternion's numbers in one, likewise"""
 _DRAWN = 5000
 """points of the path, at most"""
 
@@ -72,8 +74,10 @@ class Scene:
             _transform(time, body, place) for body, place in places if math.isfinite(place.x + place.y + place.yaw)
         ]
         yield "/tf", FrameTransforms(transforms=known)
-        yield from _plan(time, TRACTOR, record.plan.tractor)
-        yield from _plan(time, TRAILER, record.plan.trailer)
+        plans = ((TRACTOR, record.plan.tractor), (TRAILER, record.plan.trailer))
+        drawn = [_plan(time, body, plan) for body, plan in plans if math.isfinite(float(plan.poses.sum()))]
+        if drawn:
+            yield "/plan", SceneUpdate(entities=drawn)
 
     def _fix(self, time: int, body: str, x: float, y: float, deviation: float) -> Iterator[tuple[str, Any]]:
         if self.frame is None or not math.isfinite(x + y):
@@ -109,17 +113,15 @@ class Scene:
         return SceneEntity(timestamp=_stamp(time), frame_id=body, id=body, frame_locked=True, cubes=boxes)
 
 
-def _plan(time: int, body: str, plan: BodyPlan) -> Iterator[tuple[str, Any]]:
-    if not math.isfinite(float(plan.poses.sum())):
-        return
+def _plan(time: int, body: str, plan: BodyPlan) -> SceneEntity:
+    """Return a plan as a line through every other of its poses."""
     r, g, b = _PLANS[body]
-    entity = SceneEntity(
+    return SceneEntity(
         timestamp=_stamp(time),
         frame_id=FIELD,
-        id="plan",
-        lines=[_line(plan.poses[:, :2], Color(r=r, g=g, b=b, a=1.0), 0.06)],
+        id=body,
+        lines=[_line(plan.poses[::2, :2], Color(r=r, g=g, b=b, a=1.0), 0.06, _PLAN_GRID)],
     )
-    yield f"/plan/{body}", SceneUpdate(entities=[entity])
 
 
 def _transform(time: int, body: str, place: Place) -> FrameTransform:
@@ -127,8 +129,10 @@ def _transform(time: int, body: str, place: Place) -> FrameTransform:
         timestamp=_stamp(time),
         parent_frame_id=FIELD,
         child_frame_id=body,
-        translation=Vector3(x=place.x, y=place.y, z=0.0),
-        rotation=Quaternion(x=0.0, y=0.0, z=math.sin(place.yaw / 2.0), w=math.cos(place.yaw / 2.0)),
+        translation=Vector3(x=_on_grid(place.x, _GRID), y=_on_grid(place.y, _GRID), z=0.0),
+        rotation=Quaternion(
+            x=0.0, y=0.0, z=_on_grid(math.sin(place.yaw / 2.0), _TURNS), w=_on_grid(math.cos(place.yaw / 2.0), _TURNS)
+        ),
     )
 
 
@@ -142,13 +146,17 @@ def _box(back: float, front: float, width: float, color: Color) -> CubePrimitive
     )
 
 
-def _line(points: Floats, color: Color, width: float) -> LinePrimitive:
+def _on_grid(value: float, grid: float) -> float:
+    return round(value * grid) / grid
+
+
+def _line(points: Floats, color: Color, width: float, grid: float = _GRID) -> LinePrimitive:
     """Return a line through points (n, 2), m, to the nearest of the grid."""
     return LinePrimitive(
         type=LinePrimitiveLineType.LineStrip,
         pose=Pose(position=Vector3(), orientation=Quaternion(w=1.0)),
         thickness=width,
-        points=[Point3(x=x, y=y, z=0.05) for x, y in (np.round(points * _GRID) / _GRID).tolist()],
+        points=[Point3(x=x, y=y, z=0.05) for x, y in (np.round(points * grid) / grid).tolist()],
         color=color,
     )
 

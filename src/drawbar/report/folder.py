@@ -14,7 +14,7 @@ from drawbar.report.picture import render_picture
 REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
 
 
-def write_report(folder: Path, log_file: Path | None = None) -> Metrics:
+def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str] | None = None) -> Metrics:
     """Read the log in a run's folder, or another, and write metrics.json, report.html and map.svg into the folder.
 
     Returns the metrics. Works for a run that crashed or was killed.
@@ -23,7 +23,8 @@ def write_report(folder: Path, log_file: Path | None = None) -> Metrics:
         DrawbarError: the log cannot be read.
         StorageError: a file cannot be written; what was there before is still there.
     """
-    log = read_columns(log_file or folder / LOG_NAME)
+    folder = Path(folder)
+    log = read_columns(Path(log_file or folder / LOG_NAME))
     errors = true_path_errors(log)
     metrics = compute_metrics(log, best_path_errors(log))
     contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), render_picture(log, errors).encode())

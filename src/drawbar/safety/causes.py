@@ -14,11 +14,13 @@ class Response(IntEnum):
     """What the supervisor does about a cause while driving, the worst last."""
 
     NONE = 0
-    DEGRADE = 1
+    TELL = 1
+    """tell the operator, and drive on"""
+    DEGRADE = 2
     """drive slower, for a limited time"""
-    STOP = 2
+    STOP = 3
     """stop the vehicle along its steering, then let go"""
-    RELEASE = 3
+    RELEASE = 4
     """let go of the steering at once, and stop"""
 
 
@@ -65,9 +67,9 @@ class Cause(Enum):
     CONTROLLER_GONE = (112, True, Response.RELEASE, "the controller's process has ended",
         "see its last messages; start drawbar again")
 
-    FIX_TOO_NEW = (201, True, Response.NONE, "the receivers have not had fixed ambiguities for long enough",
+    FIX_TOO_NEW = (201, True, Response.NONE, "the receivers have not had an RTK fix for long enough",
         "wait under open sky; check the corrections")
-    FIX_LOST = (202, True, Response.DEGRADE, "a receiver has no fixed ambiguities",
+    FIX_LOST = (202, True, Response.DEGRADE, "a receiver has no RTK fix",
         "wait under open sky; check the corrections")
     CORRECTIONS_OLD = (203, True, Response.NONE, "the corrections are old, or their age is not known",
         "check modem, caster and mount point")
@@ -153,8 +155,8 @@ class Cause(Enum):
 
     NO_OPERATOR = (601, True, Response.STOP, "no operator has been heard",
         "open the console, or start the keyboard again")
-    NOT_RECORDING = (602, True, Response.NONE, "the recorder is not there, or cannot write",
-        "check the disk's space and the recorder's messages")
+    NOT_RECORDING = (602, True, Response.TELL, "nothing is recorded: the disk is full, or the recorder has ended",
+        "steering goes on; stop when it suits, make room on the disk, start drawbar again")
     EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
         "stand, press the emergency stop, then acknowledge")
     WIGGLE_UNTRIED = (604, True, Response.NONE, "the actuators' signs and gains have not been tried",

@@ -228,7 +228,7 @@ class Engagement:
         events: dict[Event, Cause | None] = {}
         spent = time - self.since
         response, cause = worst(situation.causes)
-        if response is not Response.NONE:
+        if response in _RESPONSES:
             events[_RESPONSES[response]] = cause
         if situation.overridden:
             events[Event.OVERRIDE] = Cause.OPERATOR_STEERS

@@ -6,7 +6,6 @@ It alone owns the actuators. Before it ends, for whatever reason but a SIGKILL, 
 import math
 import select
 import signal
-import sys
 import time as clock
 import traceback
 from collections.abc import Callable
@@ -15,7 +14,7 @@ from types import FrameType
 from drawbar.messages import SupervisorState, seconds
 from drawbar.protocols.actuator import SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
-from drawbar.realtime import Notifier, prepare
+from drawbar.realtime import Notifier, prepare, say
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 
@@ -37,7 +36,7 @@ def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = mono
     the devices are given back. What the system forbids of real time is said on standard error.
     """
     for word in prepare(settings.timing.priority):
-        print(f"gate: {word}", file=sys.stderr)
+        say(f"gate: {word}")
 
     def end(number: int, frame: FrameType | None) -> None:
         gate.watch.troubles.ended = True
@@ -48,7 +47,7 @@ def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = mono
     try:
         return _loop(gate, settings, notifier, now)
     except Exception:
-        traceback.print_exc()
+        say(traceback.format_exc())
         _let_go(gate, settings, now)
         return FAILED
     finally:

@@ -23,9 +23,9 @@ struct component {
     double wheelbase;                      /* m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
-    double last_fine, time;                /* time of the last fine fix, of the last sample, s */
+    time_stamp time, last_fine;            /* of the last sample, of the last fine fix */
     double fixes[4];                       /* of the last sample, m */
-    double last_hitch;                     /* time of the last hitch angle that agreed, s */
+    time_stamp last_hitch;                 /* of the last hitch angle that agreed */
     double way, moved[2];                  /* lately: by the wheels, and of both points along their bodies, m */
     struct swings errors[2], steering;
     int32_t swinging, spells;              /* it oscillates; how often that has begun */

@@ -26,7 +26,7 @@ class EngageSettings(Settings):
     seen: Timeout = 1.0
     """oldest state of the gate that an operator may have seen when asking for something, s"""
     fixed: Annotated[float, Field(ge=0.0, le=600.0)] = 10.0
-    """for how long both receivers must have had fixed ambiguities, s"""
+    """for how long both receivers must have had an RTK fix, s"""
     correction_age: Positive = 5.0
     """largest, s"""
     lateral_deviation: Positive = 0.10
@@ -86,7 +86,7 @@ class DriveSettings(Settings):
     """for how long it must be below it, s"""
     correction_age: Positive = 20.0
     """oldest corrections with which to go on undegraded, s"""
-    lateral_deviation: Positive = 0.30
+    lateral_deviation: Positive = 0.15
     """standard deviation across the line at which to stop, m"""
     lateral_error: Positive = 1.5
     """distance of either body from the line at which to stop, m"""
@@ -113,6 +113,8 @@ class EnvelopeSettings(Settings):
 
     speed: Positive = 4.2
     """fastest that this machine is driven, m/s"""
+    acceleration: Positive = 1.5
+    """hardest that it speeds up, m/s²; bounds the speed while that is not known"""
     lateral_acceleration: Positive = 1.5
     """largest, m/s²; bounds the front wheels' angle by speed"""
     lateral_jerk: Positive = 2.0
@@ -147,7 +149,7 @@ class TimingSettings(Settings):
     speed_ratio: Annotated[float, Field(gt=1.0, le=5.0)] = 1.5
     """of wheels and receiver, each the mean of these samples, above which one of them is wrong; slip makes less"""
     fix: Timeout = 0.5
-    """for which a receiver's fixed ambiguities may be missing while driving; along trees they flip, s"""
+    """for which a receiver's RTK fix may be missing while driving; along trees it flips, s"""
     angle: Timeout = 0.2
     """oldest measured steering angle, s"""
     angle_lost: Timeout = 0.5

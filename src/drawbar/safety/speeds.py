@@ -15,10 +15,10 @@ class Speeds:
 
     def __init__(self, settings: SafetySettings) -> None:
         """Begin without samples."""
-        self._timing, self._fastest = settings.timing, settings.envelope.speed
-        count = settings.timing.speed_samples
+        self._timing, self._envelope, count = settings.timing, settings.envelope, settings.timing.speed_samples
         self._samples = {source: deque[tuple[float, float]](maxlen=count) for source in ("wheels", "receiver")}
-        self.last = 0.0
+        # the largest magnitude: when it was last asked for and known, s, and what it was, m/s
+        self._known, self.last = (-math.inf, settings.envelope.speed), 0.0
         """newest, forward positive, m/s"""
 
     def add(self, time: float, source: str, speed: float) -> None:
@@ -44,10 +44,15 @@ class Speeds:
         return len(self.fresh(time)) == 2 and fast > max(self._timing.speed_ratio * slow, slow + _SMALL)
 
     def largest(self, time: float) -> float:
-        """Return the largest magnitude of the last samples, m/s; the machine's largest where it is not known."""
-        if not self.known(time):
-            return self._fastest
-        return max(abs(speed) for source in self.fresh(time) for _, speed in self._samples[source])
+        """Return the largest magnitude of the last samples, m/s.
+
+        Where it is not known: what the vehicle can have reached since it last was, the machine's largest at most. Less
+        than that is not safe, and more would take the steering out of a curve that it is in.
+        """
+        if self.known(time):
+            self._known = (time, max(abs(speed) for source in self.fresh(time) for _, speed in self._samples[source]))
+        since, speed = self._known
+        return min(speed + self._envelope.acceleration * (time - since), max(speed, self._envelope.speed))
 
     def stands(self, time: float, slowest: float) -> bool:
         """Return whether the vehicle is for certain no faster than a speed, m/s."""

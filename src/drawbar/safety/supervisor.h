@@ -3,13 +3,14 @@
 #define DRAWBAR_SUPERVISOR_H
 
 #include <math.h>
+#include "geometry.h"
 #include "signals.h"
 #include "unit.h"
 
 struct component {
     double lost;                           /* distance from the path at which a run is given up, m */
     double blind;                          /* time without a fix of either antenna after which it is, s */
-    double last_fix;                       /* time of the last fix, s */
+    time_stamp last_fix;
     int32_t begun;
 };
 

@@ -9,13 +9,14 @@
 
 #include <math.h>
 #include <stdint.h>
+#include "geometry.h"
 
 #define LONGEST_SWING 8.0                  /* s */
 #define STILL_SWINGING 0.7                 /* least share of the peak before it */
 
 struct swings {
     double peak, before;                   /* of this half wave, so far, and of the one before */
-    double since;                          /* when this half wave began, s */
+    time_stamp since;                      /* when this half wave began */
     int32_t side;                          /* 1: it is to the left, -1: to the right, 0: none yet */
     int32_t count;                         /* half waves in a row that count */
 };

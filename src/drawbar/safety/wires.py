@@ -1,6 +1,5 @@
 """Wires: the transports to the actuators with what speaks on them; only the gate's process opens them."""
 
-import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -8,6 +7,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from drawbar.protocols.actuator import SteeringActuator, SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedActuator, SpeedReport, SpeedRequest
+from drawbar.realtime import say
 from drawbar.transports.base import CanBus, Transport
 
 Result = TypeVar("Result")
@@ -104,7 +104,7 @@ class Wires:
             kind = repr(error)
             if kind not in self._complained and len(self._complained) < 16:
                 self._complained.add(kind)
-                traceback.print_exc(file=sys.stderr)
+                say(traceback.format_exc())
             return None
 
 

@@ -11,6 +11,7 @@
 
 #include "kkt.h"
 
+#define ACTIVE_ROUNDING 1e-10              /* a pivot this much smaller than what it was taken from is rounding */
 #define ACTIVE_PASSES 10
 
 /* How the pulls move everything, and nothing else does. */
@@ -78,7 +79,7 @@ static int active_factor(struct active_set *a)
             a->L[r][c] = v / a->D[c];
             pivot -= a->L[r][c] * v;
         }
-        if (!(pivot > 1e-10 * own))
+        if (!(pivot > ACTIVE_ROUNDING * own))
             return 0;
         a->D[r] = pivot;
     }

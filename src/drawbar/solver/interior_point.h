@@ -19,6 +19,7 @@
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
 #define CENTRING 0.3                       /* target of a step without the second-order term, of the measure */
+#define ASTRAY 4                           /* times that the second-order term may lead away before it is left alone */
 #define STALLED 2                          /* long steps one after the other that leave the residual as it was: rounding */
 #define STALL_RATIO 0.9                    /* of the residual before */
 #define LOOSE 1e-12                        /* how much bounds give way then, relative to the curvature, */
@@ -51,6 +52,7 @@ static void ip_look(const struct qp *restrict s, struct interior_point *restrict
         ip->per_t[m] = 1.0 / ip->t[m];
         ip->per_v[m] = 1.0 / (ip->v[m] + (1.0 - ip->soft[m]));
     }
+    memcpy(ip->per_pair, ip->per_t, sizeof ip->per_pair);
     for (int m = 0; ip->loose > 0.0 && m < 2 * NLOWER; ++m)
         ip->per_pair[m] = 1.0 / (ip->t[m] + ip->loose * ip->ease[m] * ip->lambda[m]);
 }
@@ -71,10 +73,10 @@ static double ip_measure(const struct interior_point *restrict ip, double step)
     return ip->pairs > 0.0 ? total / ip->pairs : 0.0;
 }
 
-/* How many stages there are up to the last one with a bound: only they see the barrier. */
-static int ip_stages(const struct qp *s, const struct interior_point *ip)
+/* How many stages there are up to the last one with a bound: only there the barrier changes. */
+static int ip_stages(const struct qp *s)
 {
-    int stages = ip->damping.on ? N + 1 : 0;
+    int stages = 0;
 
     for (int i = 0; i < NB; ++i) {
         const int at = s->bound[i], k = at < (N + 1) * NX ? at / NX : (at - (N + 1) * NX) / NU;
@@ -87,21 +89,20 @@ static int ip_stages(const struct qp *s, const struct interior_point *ip)
  * before. The barrier is factorised in the first `stages`; 0: it has not changed. */
 static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, double tau, double second, int stages)
 {
-    const double *restrict per_pair = ip->loose > 0.0 ? ip->per_pair : ip->per_t;
     double gradient[NZ], initial[NX];
     double gap[NSLOTS], pair[NSLOTS], soft_pair[NSLOTS], elastic[NSLOTS], give[NSLOTS], push[NSLOTS], weight[NSLOTS],
         move[NSLOTS] = {0.0};
 
     for (int m = 0; m < 2 * NLOWER; ++m) {
-        const double exists = ip->exists[m], soft = ip->soft[m], w = ip->lambda[m] * per_pair[m];
+        const double exists = ip->exists[m], soft = ip->soft[m], w = ip->lambda[m] * ip->per_pair[m];
         const double dual = soft * (ip->linear[m] + ip->quadratic[m] * ip->v[m] - ip->lambda[m] - ip->sigma[m]);
         const double inverse = soft / (ip->quadratic[m] + w + ip->sigma[m] * ip->per_v[m] + (1.0 - soft));
         gap[m] = exists * (ip->distance[m] + ip->v[m] - ip->t[m]);
         pair[m] = exists * (tau - ip->t[m] * ip->lambda[m] - second * ip->dt[m] * ip->dlambda[m]);
         soft_pair[m] = soft * (tau - ip->v[m] * ip->sigma[m] - second * ip->dv[m] * ip->dsigma[m]);
-        elastic[m] = (pair[m] * per_pair[m] - w * gap[m] + soft_pair[m] * ip->per_v[m] - dual) * inverse;
+        elastic[m] = (pair[m] * ip->per_pair[m] - w * gap[m] + soft_pair[m] * ip->per_v[m] - dual) * inverse;
         give[m] = w * inverse;
-        push[m] = pair[m] * per_pair[m] - w * (gap[m] + elastic[m]);
+        push[m] = pair[m] * ip->per_pair[m] - w * (gap[m] + elastic[m]);
         weight[m] = w * (1.0 - give[m]);
     }
     memcpy(gradient, ip->gradient, sizeof gradient);
@@ -125,7 +126,7 @@ static int ip_step(struct qp *restrict s, struct interior_point *restrict ip, do
         const double exists = ip->exists[m], soft = ip->soft[m];
         const double dv = soft * (elastic[m] - give[m] * move[m]), dt = exists * (move[m] + dv + gap[m]);
         ip->dv[m] = dv;
-        ip->dlambda[m] = (pair[m] - ip->lambda[m] * dt) * per_pair[m];
+        ip->dlambda[m] = (pair[m] - ip->lambda[m] * dt) * ip->per_pair[m];
         ip->dt[m] = dt;
         ip->dsigma[m] = (soft_pair[m] - ip->sigma[m] * dv) * ip->per_v[m];
     }
@@ -224,23 +225,37 @@ static int ip_end(struct qp *s, struct interior_point *ip, int reason)
     return largest(ip->infeasible, ip_infeasible(s, ip)) > FARKAS_EXACT ? INFEASIBLE : reason;
 }
 
-/* One iteration: predictor, corrector, and the step along both. Returns its length, or 0 where the factorisation
- * fails. */
-static double ip_iterate(struct qp *restrict s, struct interior_point *restrict ip, int stages)
+/* A sweep towards the middle, without the second-order term. Returns the length of the step, or 0 where the
+ * factorisation fails. */
+static double ip_centre(struct qp *restrict s, struct interior_point *restrict ip, double mu, int stages)
 {
-    ip_look(s, ip);
-    const double mu = ip_measure(ip, 0.0);
+    return ip_step(s, ip, CENTRING * mu, 0.0, stages) ? ip_longest(ip, BOUNDARY) : 0.0;
+}
+
+/* Predictor and corrector, likewise. */
+static double ip_correct(struct qp *restrict s, struct interior_point *restrict ip, double mu, int stages)
+{
     if (!ip_step(s, ip, 0.0, 0.0, stages))
         return 0.0;
     const double affine = ip_longest(ip, 1.0), ratio = mu > 0.0 ? ip_measure(ip, affine) / mu : 0.0;
     ip_step(s, ip, ratio * ratio * ratio * mu, affine * affine, 0);
-    double step = ip_longest(ip, BOUNDARY);
-    if (!(ip_measure(ip, step) < mu)) {    /* the second-order term led astray, and would do so in a cycle */
-        ip_step(s, ip, CENTRING * mu, 0.0, 0);
-        step = ip_longest(ip, BOUNDARY);
+    const double step = ip_longest(ip, BOUNDARY);
+    if (ip_measure(ip, step) < mu)
+        return step;
+    ++ip->astray;                          /* the second-order term did it, and would do so in a cycle */
+    return ip_centre(s, ip, mu, 0);
+}
+
+/* One iteration. Returns the length of its step, or 0 where the factorisation fails. */
+static double ip_iterate(struct qp *restrict s, struct interior_point *restrict ip, int stages)
+{
+    ip_look(s, ip);
+    const double mu = ip_measure(ip, 0.0);
+    const double step = ip->astray < ASTRAY ? ip_correct(s, ip, mu, stages) : ip_centre(s, ip, mu, stages);
+    if (step > 0.0) {
+        ip_move(s, ip, step);
+        ip_publish(s, ip);
     }
-    ip_move(s, ip, step);
-    ip_publish(s, ip);
     return step;
 }
 
@@ -257,7 +272,8 @@ static void ip_watch(const struct qp *restrict s, struct interior_point *restric
 static int qp_interior_point(struct qp *s, struct interior_point *ip)
 {
     struct ip_answer *best = &ip->best;
-    const int stages = ip_stages(s, ip);
+    const int bounded = ip_stages(s);
+    int stages = ip->damping.on ? N + 1 : bounded;
 
     if (!ip_approach(s, ip))
         return NOT_FINITE;
@@ -269,6 +285,7 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip)
         const double step = ip_iterate(s, ip, stages);
         if (step == 0.0 && best->kkt > CHECK_TOLERANCE && ip_loosen(ip))
             continue;
+        stages = bounded;
         const int status = step == 0.0 ? NOT_FINITE : kkt_check(s, 1, ip->gradient, ip->defect);
         if (status == NOT_FINITE)
             return ip_end(s, ip, NOT_FINITE);

@@ -91,8 +91,8 @@ static void rti_hessian(struct rti *s)
     s->qp.factored = 0;
 }
 
-/* The preparation phase: linearise along the trajectory, factorise for complete measurements as far as known. */
-static int rti_prepare(struct rti *s)
+/* Linearise along the trajectory. */
+static void rti_linearise(struct rti *s)
 {
     if (!s->linearised)
         dynamics(s, 0, N);
@@ -103,6 +103,12 @@ static int rti_prepare(struct rti *s)
     for (int k = 0; k < N; ++k)
         for (int i = 0; i < NX; ++i)
             s->qp.c[k][i] -= STATE(s->z, k + 1)[i];
+}
+
+/* The preparation phase: linearise, factorise for complete measurements as far as known. */
+static int rti_prepare(struct rti *s)
+{
+    rti_linearise(s);
     rti_note_missing(s);
     rti_hessian(s);
     s->qp.factored = qp_factor(&s->qp, NULL, N + 1);

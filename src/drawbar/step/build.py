@@ -81,7 +81,7 @@ def units_of(configuration: Configuration) -> list[Unit]:
         alignment_unit(vehicle, configuration.sensors),
         _estimator(configuration),
         _guidance(configuration),
-        *([actuation_unit(vehicle, configuration.actuation, configuration.sample_time)] if identified else []),
+        *([_actuation(configuration)] if identified else []),
         *([predictor] if predictor else []),
         *_controllers(configuration, tubes),
         ancillary_unit("tractor_law", tubes.tractor if tubes else None, vehicle.tractor_steering_limit),
@@ -145,6 +145,11 @@ def _controllers(configuration: Configuration, tubes: Tubes | None) -> list[Unit
         articulated_tractor_unit(vehicle, settings, sample_time, tubes.tractor),
         articulated_trailer_unit(vehicle, settings, sample_time, tubes.trailer),
     ]
+
+
+def _actuation(configuration: Configuration) -> Unit:
+    speed, sample_time = configuration.speed, configuration.sample_time
+    return actuation_unit(configuration.vehicle, configuration.actuation, sample_time, speed=speed)
 
 
 def _predictor(configuration: Configuration) -> Unit | None:

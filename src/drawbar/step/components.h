@@ -19,9 +19,9 @@
 #include "signals.h"
 
 #ifdef DRAWBAR_HOSTED
-#define MEMORY(name, size) double *name
+#define MEMORY(memory, size) double *memory
 #else
-#define MEMORY(name, size) double name[((size) + sizeof(double) - 1) / sizeof(double)]
+#define MEMORY(memory, size) double memory[((size) + 7) / 8]   /* for structures of doubles, so aligned as one */
 #endif
 #define COMPONENT(memory) ((struct component *)(memory))
 
@@ -194,9 +194,9 @@ struct autopilot {
 #include "clock.h"
 #define TIMED(a, solver, phase, call)                                                                        \
     do {                                                                                                     \
-        const double began = clock_now();                                                                    \
+        const int64_t began = clock_now();                                                                   \
         (void)(call);                                                                                        \
-        (a)->times[solver][phase] = clock_now() - began;                                                     \
+        (a)->times[solver][phase] = (double)(clock_now() - began) / 1e9;                                     \
     } while (0)
 #else
 #define TIMED(a, solver, phase, call) (void)(call)

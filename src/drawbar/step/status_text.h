@@ -11,7 +11,7 @@ const char *drawbar_status_text(int status)
         return "a new command; several flags are set";
     switch (status) {
     case DRAWBAR_OK:
-        return "a new command";
+        return "done; of a step: with a new command";
     case DRAWBAR_REFUSED:
         return "last command repeated: the new one is not finite or exceeds its limits";
     case DRAWBAR_TIME:

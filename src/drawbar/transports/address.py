@@ -4,7 +4,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from ipaddress import IPv4Address
+from typing import Annotated
 from urllib.parse import parse_qsl
+
+from pydantic import AfterValidator
 
 from drawbar.errors import ConfigurationError
 
@@ -105,6 +108,27 @@ def parse_can(text: str) -> CanAddress:
         return _bus(interface, channel)
     except _RefusedError as reason:
         raise ConfigurationError(f"CAN bus {text!r}: {reason}; give {BUSES}") from None
+
+
+def _checked_by(parse: Callable[[str], object]) -> AfterValidator:
+    """Return the check of a text in settings, which need ValueError: it can be parsed, and stays as it is."""
+
+    def check(text: str) -> str:
+        try:
+            parse(text)
+        except ConfigurationError as refusal:
+            raise ValueError(str(refusal)) from None
+        return text
+
+    return AfterValidator(check)
+
+
+BusText = Annotated[str, _checked_by(parse_can)]
+"""The address of a CAN bus in a configuration"""
+TransportText = Annotated[
+    str, _checked_by(lambda text: parse_can(text) if text.startswith("can:") else parse_transport(text))
+]
+"""The address of a transport in a configuration, or of a CAN bus to listen to"""
 
 
 def _serial(rest: str) -> SerialAddress:

@@ -76,7 +76,7 @@ def write_parts(analysis: ModuleType, tmp_path: Path) -> Callable[[MeasuredExper
         parts = list(analysis.report(measured))
         for part in parts:
             part.write(tmp_path)
-        text = "\n\n".join(part.markdown("") for part in parts)
+        text = "\n\n".join(part.markdown() for part in parts)
         return text, {part.name: part for part in parts if isinstance(part, Table)}
 
     return write

@@ -39,7 +39,8 @@ def test_values_as_toml_are_a_configuration(tmp_path: Path) -> None:
     }
     (tmp_path / "mine.toml").write_text(f'extends = "articulated"\nname = "mine"\n\n{to_toml(values)}', "utf-8")
     weights = load_configuration(str(tmp_path / "mine.toml")).controller.tractor
-    assert (weights.heading, weights.lateral, weights.steering_rate) == (33.0, 20.0, 0.7)
+    own = load_configuration("articulated").controller.tractor
+    assert (weights.heading, weights.lateral, weights.steering_rate) == (33.0, 20.0, own.steering_rate)
 
 
 WRONG = {

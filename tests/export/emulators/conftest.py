@@ -12,16 +12,19 @@ from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
+from single_layout import SingleLayout
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.exchange import Layout
 from drawbar.experiment.alteration import InterceptedMachine
+from drawbar.export.targets import Precision
 from drawbar.geometry import Floats
 from drawbar.signals import Measurement, StepRecord
 from drawbar.simulation import Simulation
 
 HERE = FilePath(__file__).parent
-MEASUREMENT = Layout(Measurement)
+LAYOUTS = {Precision.DOUBLE: Layout(Measurement), Precision.SINGLE: SingleLayout(Measurement)}
+NUMBERS = {Precision.DOUBLE: "<f8", Precision.SINGLE: "<f4"}
 REPLAY = str(HERE / "replay.c")
 FILES = str(HERE / "files.c")
 
@@ -34,12 +37,16 @@ class Recording:
     """(n, 4) of the path"""
     records: list[StepRecord]
 
-    def write(self, folder: FilePath, measurements: Sequence[Measurement]) -> None:
+    def write(
+        self, folder: FilePath, measurements: Sequence[Measurement], precision: Precision = Precision.DOUBLE
+    ) -> None:
         """Write what replay.c reads: the path, and measurements."""
-        packed = bytearray(MEASUREMENT.size * len(measurements))
+        layout = LAYOUTS[precision]
+        packed = bytearray(layout.size * len(measurements))
         for i, measurement in enumerate(measurements):
-            MEASUREMENT.pack(packed, measurement, i * MEASUREMENT.size)
-        (folder / "input").write_bytes(np.float64(len(self.nodes)).tobytes() + self.nodes.tobytes() + packed)
+            layout.pack(packed, measurement, i * layout.size)
+        nodes = self.nodes.astype(NUMBERS[precision])
+        (folder / "input").write_bytes(np.float64(len(nodes)).tobytes() + nodes.tobytes() + packed)
 
     @property
     def measurements(self) -> list[Measurement]:
@@ -65,6 +72,8 @@ class Replay:
     commands: Floats
     stack: int | None
     """bytes, where it was measured"""
+    instructions: Floats
+    """millions of each step, where QEMU counts them"""
 
 
 def runaway_wheel(measured: Measurement) -> Measurement:
@@ -98,8 +107,10 @@ class Host:
     runner: tuple[str, ...] = ()
 
 
-_BARE = ("-mcpu=cortex_m7+fp_armv8d16", "-Wl,--gc-sections", "-T", str(HERE / "cortex_m7.ld"))
-_BOARD = ("-M", "mps2-an500", "-nographic", "-semihosting-config", "enable=on,target=native", "-kernel")
+INSTRUCTIONS_OF_TICK = 40
+"""QEMU with -icount shift=0 takes an instruction for a nanosecond, and the board's clock has 25 MHz"""
+_BARE = ("-mcpu=cortex_m7+fp_armv8d16", "-Wl,--gc-sections", "-T", str(HERE / "cortex_m.ld"))
+_BOARD = ("-nographic", "-semihosting-config", "enable=on,target=native", "-kernel")
 HOSTS = {
     "linux-x86_64": Host(triple="x86_64-linux-gnu", library="libdrawbar.so"),
     "linux-aarch64": Host(triple="aarch64-linux-musl", flags=("-static",), runner=("qemu-aarch64",)),
@@ -109,17 +120,22 @@ HOSTS = {
         triple="thumb-linux-musleabihf",
         flags=("-static", *_BARE),
         sources=("semihosting.c",),
-        runner=("qemu-system-arm", *_BOARD),
+        runner=("qemu-system-arm", "-M", "mps2-an500", *_BOARD),
     ),
 }
 """by target; on the Cortex-M7 there is no Linux, but its C library's mathematics serve as well"""
 
 
 ARM_GCC = (
-    *("arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mfpu=fpv5-d16", "-mfloat-abi=hard", "-std=gnu99", "-O2"),
+    *("arm-none-eabi-gcc", "-mfloat-abi=hard", "-std=gnu99", "-O2"),
     *("-nostartfiles", "--specs=nano.specs", "--specs=nosys.specs", "-Wl,--gc-sections", "-Wl,--no-warn-rwx-segments"),
-    *("-T", str(HERE / "cortex_m7.ld")),
+    *("-T", str(HERE / "cortex_m.ld")),
 )
+ARM = {
+    "cortex-m7": (("-mcpu=cortex-m7", "-mfpu=fpv5-d16"), "mps2-an500"),
+    "cortex-m4": (("-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16"), "mps2-an386"),
+}
+"""by target: how Arm's compiler is told the processor, and QEMU's board with it"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,10 +144,11 @@ class Player:
 
     command: tuple[str, ...]
     environment: dict[str, str]
+    precision: Precision = Precision.DOUBLE
 
     def play(self, recording: Recording, folder: FilePath) -> Replay:
         """Replay the recording in an empty folder."""
-        recording.write(folder, recording.measurements)
+        recording.write(folder, recording.measurements, self.precision)
         done = subprocess.run(
             self.command,
             cwd=folder,
@@ -142,14 +159,16 @@ class Player:
             timeout=300,
         )
         assert done.returncode == 0, (done.stdout + done.stderr).decode(errors="replace")[-2000:]
-        output = np.fromfile(folder / "output")
-        assert output[0] == 0.0, "the path was refused"
-        steps = output[1:].reshape(-1, 5)
-        stack = folder / "stack"
+        output = (folder / "output").read_bytes()
+        assert np.frombuffer(output, "<f8", 1)[0] == 0.0, "the path was refused"
+        step = np.dtype([("status", "<f8"), ("time", "<f8"), ("rest", NUMBERS[self.precision], 3)], align=True)
+        steps = np.frombuffer(output, step, offset=8)
+        stack, ticks = folder / "stack", folder / "ticks"
         return Replay(
-            statuses=steps[:, 0].astype(int).tolist(),
-            commands=steps[:, 1:],
+            statuses=steps["status"].astype(int).tolist(),
+            commands=np.column_stack([steps["time"], steps["rest"]]),
             stack=int.from_bytes(stack.read_bytes(), "little") if stack.exists() else None,
+            instructions=1e-6 * INSTRUCTIONS_OF_TICK * np.fromfile(ticks, "<u4") if ticks.exists() else np.empty(0),
         )
 
 
@@ -160,16 +179,17 @@ def linked(command: Sequence[str], program: FilePath) -> FilePath:
 
 
 @pytest.fixture(scope="session")
-def native(exported: Callable[..., FilePath]) -> Callable[[str], Player]:
+def native(exported: Callable[..., FilePath]) -> Callable[..., Player]:
     """Return a function that builds a configuration's player with the compiler and flags of Python's own solvers."""
     flags = [flag for flag in FLAGS if flag not in ("-shared", "-fPIC")]
 
     @cache
-    def native(name: str) -> Player:
-        folder = exported(name)
+    def native(name: str, precision: Precision = Precision.DOUBLE) -> Player:
+        folder = exported(name, precision=precision)
         sources = map(str, sorted((folder / "src").glob("*.c")))
         command = [*find_compiler(), *flags, f"-I{folder / 'include'}", *sources, REPLAY, FILES, "-lm"]
-        return Player(command=(str(linked(command, folder / "replay")),), environment={})
+        program = linked(command, folder / "replay")
+        return Player(command=(str(program),), environment={}, precision=precision)
 
     return native
 
@@ -199,13 +219,26 @@ def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> C
 
 
 @pytest.fixture(scope="session")
-def arm_player(for_targets: FilePath) -> Player:
-    """Return the player for the Cortex-M7, linked by GCC with newlib; the library is as it was exported."""
-    host = HOSTS["cortex-m7"]
-    for program in (ARM_GCC[0], host.runner[0]):
-        if shutil.which(program) is None:
-            pytest.skip(f"{program} is not installed")
-    library = for_targets / "lib" / "cortex-m7"
-    sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), "-lm"]
-    program = linked([*ARM_GCC, f"-I{for_targets / 'include'}", *sources], library / f"replay-gcc-{os.getpid()}.elf")
-    return Player(command=(*host.runner, str(program)), environment={})
+def arm_player(exported: Callable[..., FilePath], for_targets: FilePath) -> Callable[..., Player]:
+    """Return a function that links a target's library by GCC with newlib; the library is as it was exported."""
+
+    @cache
+    def arm_player(target: str, precision: Precision = Precision.DOUBLE) -> Player:
+        for program in (ARM_GCC[0], "qemu-system-arm"):
+            if shutil.which(program) is None:
+                pytest.skip(f"{program} is not installed")
+        processor, board = ARM[target]
+        folder = for_targets
+        if precision is Precision.SINGLE:
+            folder = exported("articulated", precision=precision, targets=(target,))
+        library = folder / "lib" / target / "libdrawbar.a"
+        sources = [REPLAY, str(HERE / "semihosting.c"), str(library), "-lm"]
+        program = library.with_name(f"replay-gcc-{os.getpid()}.elf")
+        linked([*ARM_GCC, *processor, f"-I{folder / 'include'}", *sources], program)
+        return Player(
+            command=("qemu-system-arm", "-M", board, "-icount", "shift=0", *_BOARD, str(program)),
+            environment={},
+            precision=precision,
+        )
+
+    return arm_player

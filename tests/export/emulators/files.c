@@ -11,6 +11,14 @@ int host_read(void *bytes, size_t size)
     return input && fread(bytes, 1, size, input) == size;
 }
 
+void host_begin(void)
+{
+}
+
+void host_end(void)
+{
+}
+
 int host_write(const void *bytes, size_t size)
 {
     if (!output)

@@ -8,4 +8,8 @@
 int host_read(void *bytes, size_t size);
 int host_write(const void *bytes, size_t size);
 
+/* A step begins, and has ended: without an operating system its instructions are counted. */
+void host_begin(void);
+void host_end(void);
+
 #endif

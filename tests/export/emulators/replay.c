@@ -41,8 +41,12 @@ int main(void)
     code = drawbar_set_path(&state, nodes, count);
     if (!host_write(&code, sizeof code))
         return 2;
-    while (host_read(&measurement, sizeof measurement))
-        if (!write_step(drawbar_step(&state, &measurement, &command), &command))
+    while (host_read(&measurement, sizeof measurement)) {
+        host_begin();
+        const int status = drawbar_step(&state, &measurement, &command);
+        host_end();
+        if (!write_step(status, &command))
             return 3;
+    }
     return 0;
 }

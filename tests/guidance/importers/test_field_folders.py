@@ -1,5 +1,6 @@
 """Field folders as they occur: older files of lines, boundaries, decimal commas, file names in either case."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,20 @@ def test_boundary_of_several_pieces_gives_the_one_with_the_point(tmp_path: Path)
         np.testing.assert_allclose(load_line(field, name).x, ends, atol=0.01)
     with pytest.raises(PathError, match=r"ABLines\.txt:4: the line does not cross the field .*path\.extension"):
         load_line(field, "outside")
+
+
+@pytest.mark.parametrize("count", ["nan", "inf", "4.5"])
+def test_boundary_announces_a_whole_number_of_points(tmp_path: Path, count: str) -> None:
+    field = folder(tmp_path, ABLines=STRAIGHTS, Boundary=SQUARE.replace("4\n", f"{count}\n", 1))
+    with pytest.raises(PathError, match=rf"Boundary\.txt:3: announces {count} points; a whole number"):
+        load_line(field, "AB 0°")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX links")
+def test_a_link_to_nothing_is_no_file(tmp_path: Path) -> None:
+    field = folder(tmp_path, ABLines=STRAIGHTS)
+    (field / "CurveLines.txt").symlink_to("nowhere.txt")
+    assert load_line(field, "AB 0°").name == "AB 0°"
 
 
 def test_curves_of_older_versions_are_read(tmp_path: Path) -> None:

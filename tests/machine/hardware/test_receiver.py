@@ -67,7 +67,7 @@ def test_bytes_become_epochs_when_their_time_has_come() -> None:
 @pytest.mark.parametrize("sender", ["192.168.5.126", ""])
 def test_two_boards_on_one_port_are_told_apart(sender: str) -> None:
     wire = Wire()
-    receiver = Receiver(wire, ReceiverSettings(transport="udp://:9999", sender=sender))
+    receiver = Receiver(wire, ReceiverSettings(transport="udp://0.0.0.0:9999", sender=sender))
     for step in range(3):
         wire.waiting += [
             Received(10.0 + step, gga(step, 50.0), "192.168.5.126:5120"),

@@ -27,11 +27,14 @@ export default {
       </div>
       <div class="scale"><i :style="{ width: bar / pixel + 'px' }"></i>{{ bar }} m</div>
     </div>`,
-  props: { scene: Object, texts: Object },
+  props: { drawn: String, texts: Object },
   data() {
     return { box: [-50, -50, 100, 100], at: null, track: [], held: null, width: 360, height: 300 };
   },
   computed: {
+    scene() {
+      return JSON.parse(this.drawn);
+    },
     pixel() { // m
       return Math.max(this.box[2] / this.width, this.box[3] / this.height);
     },

@@ -35,7 +35,7 @@ export default {
         <div class="old" role="alert" v-if="old">⚠ {{ texts.old }}</div>
       </section>
     </div>`,
-  props: { standing: Object, texts: Object },
+  props: { standing: String, texts: Object },
   data() {
     return {
       picture: { bodies: [], chips: [] },
@@ -45,12 +45,14 @@ export default {
     };
   },
   mounted() {
-    this.lines = plain(this.standing.lines);
-    this.boundary = plain(this.standing.boundary);
-    this.trail = plain(this.standing.trail || []);
+    this.scene = JSON.parse(this.standing);
+    this.lines = this.scene.lines;
+    this.boundary = this.scene.boundary;
+    this.trail = this.scene.trail || [];
     this.last = 0;
     if (this.$refs.box.clientWidth > 600) this.scale = 26;
     this.state = null;
+    this.unrecorded = false;
     this.watch = setInterval(() => this.judge(), 200);
     this.observer = new ResizeObserver(() => this.paint());
     this.observer.observe(this.$refs.box);
@@ -78,7 +80,7 @@ export default {
         if (!end || Math.hypot(x - end[0], y - end[1]) > 0.1) this.trail.push([x, y, picture.error]);
         if (this.trail.length > TRAIL) this.trail.shift();
       }
-      this.tell(picture.state);
+      this.tell(picture);
       this.judge();
       requestAnimationFrame(() => {
         this.paint();
@@ -89,9 +91,13 @@ export default {
       this.old = this.picture.stale !== false || performance.now() - this.last > STALE;
       document.body.classList.toggle("old-picture", this.old);
     },
-    tell(state) {
-      if (this.state !== null && state !== this.state && sounds()) beep(state);
+    tell({ state, unrecorded }) {
+      if (this.state !== null && sounds()) {
+        if (state !== this.state) beep(state);
+        else if (unrecorded && !this.unrecorded) beep("UNRECORDED");
+      }
       this.state = state;
+      this.unrecorded = unrecorded;
     },
     lamp(n, value) {
       if (value === null || value === undefined) return "off";
@@ -122,12 +128,12 @@ export default {
       ink.fillStyle = colour("--ground");
       ink.fillRect(0, 0, width, height);
       const to = this.camera(width, height), view = [width, height];
-      grid(ink, to, width, height, colour("--grid"));
       const boundary = this.boundary;
       if (boundary.length) stroke(ink, to, view, [...boundary, boundary[0]], colour("--edge"), 5, []);
       for (const line of this.lines.neighbours) stroke(ink, to, view, line, colour("--edge"), 1.5, [2, 5]);
       stroke(ink, to, view, this.lines.path, colour("--line"), 2.5, [9, 6]);
       this.paintTrail(ink, to, view, colour);
+      grid(ink, to, height, colour);
       const moving = this.picture.moving;
       if (!moving) return;
       stroke(ink, to, view, moving.plans[1], colour("--trailer"), 3, [3, 4]);
@@ -165,7 +171,7 @@ export default {
       ink.globalAlpha = 1;
     },
     paintBodies(ink, to, moving, colour) {
-      const standing = this.standing, edge = colour("--ink");
+      const standing = this.scene, edge = colour("--ink");
       const joint = place(moving.tractor, [standing.tractorJoint, 0]);
       const eye = place(moving.trailer, [standing.trailerJoint, 0]);
       stroke(ink, to, [Infinity, Infinity], [joint, eye], edge, 4, []);
@@ -186,11 +192,6 @@ export default {
     },
   },
 };
-
-// Returns a copy that Vue does not watch: thousands of points are read in each frame.
-function plain(given) {
-  return JSON.parse(JSON.stringify(given));
-}
 
 // Returns what takes a place in the field (m) to the screen (px), with `yaw` upwards and `middle` at `at`.
 function transform(middle, yaw, scale, at) {
@@ -278,12 +279,13 @@ function extent(points) {
 }
 
 // A bar of a round length, so that distances on the map can be judged.
-function grid(ink, to, width, height, colour) {
+function grid(ink, to, height, colour) {
   const [a, b] = [to([0, 0]), to([1, 0])];
   const scale = Math.hypot(a[0] - b[0], a[1] - b[1]);
   const length = [1, 2, 5, 10, 20, 50, 100, 200].find((each) => each * scale >= 48) || 500;
-  ink.strokeStyle = colour;
-  ink.fillStyle = colour;
+  ink.fillStyle = colour("--ground");
+  ink.fillRect(6, height - 34, length * scale + 12, 30); // lines behind it would hide the figure
+  ink.strokeStyle = ink.fillStyle = colour("--ink");
   ink.lineWidth = 2;
   ink.beginPath();
   ink.moveTo(12, height - 16);
@@ -292,14 +294,14 @@ function grid(ink, to, width, height, colour) {
   ink.lineTo(12 + length * scale, height - 16);
   ink.stroke();
   ink.font = "600 14px system-ui, sans-serif";
-  ink.fillText(`${length} m`, 18, height - 16);
+  ink.fillText(`${length} m`, 18, height - 17);
 }
 
 let speaker = null;
 function beep(state) {
   try {
     speaker = speaker || new AudioContext();
-    const grave = ["FAULT", "ESTOP", "STOPPING", "OVERRIDE", "NO_CONTACT"].includes(state);
+    const grave = ["FAULT", "ESTOP", "STOPPING", "OVERRIDE", "NO_CONTACT", "UNRECORDED"].includes(state);
     for (let n = 0; n < (grave ? 3 : 1); n++) {
       const tone = speaker.createOscillator(), volume = speaker.createGain();
       tone.frequency.value = grave ? 440 : state === "ACTIVE" ? 1040 : 780;

@@ -37,7 +37,7 @@ def write_findings(folder: Path, findings: Findings) -> Path:
     for part in parts:
         part.write(folder)
     file = folder / RESULTS_NAME
-    file.write_text("\n\n".join(["# Tuning", *(part.markdown("") for part in parts)]) + "\n", "utf-8")
+    file.write_text("\n\n".join(["# Tuning", *(part.markdown() for part in parts)]) + "\n", "utf-8")
     return file
 
 

@@ -16,10 +16,12 @@
 
 #define LINE 2048
 #define NODE (sizeof(struct drawbar_path_node) / sizeof(double))
-/* Of a measurement, its doubles, the first of them that is an age, and the integers behind them. */
-#define DOUBLES (offsetof(struct drawbar_measurement, tractor_fix_quality) / sizeof(double))
-#define FIRST_AGE (offsetof(struct drawbar_measurement, tractor_fix_age) / sizeof(double))
-#define INTEGERS (sizeof(struct drawbar_measurement) / sizeof(int32_t) - 2 * DOUBLES)
+/* Of a measurement, its numbers behind the time, the first of them that is an age, and the integers behind them. */
+#define FIRST offsetof(struct drawbar_measurement, tractor_x)
+#define BEHIND offsetof(struct drawbar_measurement, tractor_fix_quality)
+#define NUMBERS ((BEHIND - FIRST) / sizeof(double))
+#define FIRST_AGE ((offsetof(struct drawbar_measurement, tractor_fix_age) - FIRST) / sizeof(double))
+#define INTEGERS ((sizeof(struct drawbar_measurement) - BEHIND) / sizeof(int32_t))
 
 static struct drawbar_state state;         /* too large for a microcontroller's stack */
 
@@ -28,7 +30,7 @@ static void read_numbers(const char *line, double *values, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
         char *end;
-        const double value = strtod(line, &end);
+        const double value = (double)strtod(line, &end);
         values[i] = end != line && strchr(",\r\n", *end) != NULL ? value : (double)NAN;
         line += strcspn(line, ",");
         line += *line == ',';
@@ -76,16 +78,21 @@ static struct drawbar_path_node *read_path(const char *name, int32_t *count)
 static struct drawbar_measurement read_measurement(const char *line)
 {
     struct drawbar_measurement measurement;
-    double values[DOUBLES + INTEGERS];
+    double values[NUMBERS + INTEGERS];
     int32_t integers[INTEGERS];
+    char *end;
+    const double time = strtod(line, &end);
 
-    read_numbers(line, values, DOUBLES + INTEGERS);
-    for (size_t i = FIRST_AGE; i < DOUBLES + INTEGERS; ++i)
+    measurement.time = end != line ? time : (double)NAN;
+    line += strcspn(line, ",");
+    line += *line == ',';
+    read_numbers(line, values, NUMBERS + INTEGERS);
+    for (size_t i = FIRST_AGE; i < NUMBERS + INTEGERS; ++i)
         values[i] = isnan(values[i]) ? 0.0 : values[i];
     for (size_t i = 0; i < INTEGERS; ++i)
-        integers[i] = (int32_t)values[DOUBLES + i];
-    memcpy(&measurement, values, DOUBLES * sizeof *values);
-    memcpy((char *)&measurement + DOUBLES * sizeof *values, integers, sizeof integers);
+        integers[i] = (int32_t)values[NUMBERS + i];
+    memcpy((char *)&measurement + FIRST, values, NUMBERS * sizeof *values);
+    memcpy((char *)&measurement + BEHIND, integers, sizeof integers);
     return measurement;
 }
 

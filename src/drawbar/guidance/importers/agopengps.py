@@ -51,7 +51,7 @@ def field_lines(folder: Path) -> tuple[LocalFrame, list[RecordedLine], Boundary 
 
 def _files(folder: Path) -> dict[str, Path]:
     """Return a field folder's files by their names in small letters."""
-    files = {file.name.lower(): file for file in sorted(folder.iterdir(), reverse=True)}
+    files = {file.name.lower(): file for file in sorted(folder.iterdir(), reverse=True) if file.is_file()}
     if _ORIGIN.lower() not in files:
         raise PathError(
             f"{folder}: has no {_ORIGIN}; give the folder of one AgOpenGPS field, which holds {_ORIGIN} and "

@@ -56,7 +56,15 @@ def read_boundary(file: Path) -> Boundary | None:
     """Return the edge of a field; None where the file holds none. Raises PathError with file and line number."""
     rows = read_lines(file) if file.stat().st_size else []
     head = next((index for index, row in enumerate(rows) if is_number(row)), None)
-    if head is None or (count := int(float(rows[head]))) < _FEWEST:
+    if head is None:
+        return None
+    announced = float(rows[head])
+    if not announced.is_integer():
+        raise PathError(
+            f"{file}:{head + 1}: announces {rows[head]} points; a whole number is allowed: export the field "
+            f"from AgOpenGPS again"
+        )
+    if (count := int(announced)) < _FEWEST:
         return None
     if head + count >= len(rows):
         raise PathError(

@@ -12,6 +12,7 @@ from drawbar.protocols.isobus.heartbeat import Heartbeat
 from drawbar.protocols.isobus.name import Name
 from drawbar.protocols.isobus.node import IsobusNode
 from drawbar.settings import Angle, Positive, Settings
+from drawbar.transports.address import BusText
 
 Address = Annotated[int, Field(ge=0, le=253)]
 """An address on the bus; 254 means none, 255 means all."""
@@ -75,7 +76,7 @@ class ValveSettings(Settings):
 class IsobusSettings(Settings):
     """One ISOBUS: where it is plugged in, who drawbar is on it, and what it steers there."""
 
-    bus: str
+    bus: BusText
     """`can:INTERFACE:CHANNEL` of python-can, as `can:socketcan:can0`"""
     name: NameSettings
     preferred_address: Address = 128

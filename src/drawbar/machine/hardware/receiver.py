@@ -8,6 +8,7 @@ from pydantic import model_validator
 
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
+from drawbar.transports.address import TransportText
 from drawbar.transports.base import Transport
 
 CAN = "can:"
@@ -17,9 +18,9 @@ CAN = "can:"
 class ReceiverSettings(EpochSettings):
     """Section of one receiver."""
 
-    transport: str
-    """where its bytes come from, e.g. serial:/dev/ttyACM0@460800, tcp://192.168.3.1:28784, udp://:9999; of NMEA 2000 as
-    can:socketcan:can0"""
+    transport: TransportText
+    """where its bytes come from, e.g. serial:/dev/ttyACM0@460800, tcp://192.168.3.1:28784, udp://0.0.0.0:9999; of NMEA
+    2000 as can:socketcan:can0"""
     sender: str = ""
     """address of the board whose datagrams are its, or of the receiver on its CAN bus; empty: the first that is heard.
     Two boards send to the same port"""

@@ -9,13 +9,14 @@ from drawbar.errors import ConfigurationError
 from drawbar.protocols.sensor_board import SensorBoard, SensorReport
 from drawbar.protocols.sensors import Encoder, Potentiometer
 from drawbar.settings import Angle, Settings
+from drawbar.transports.address import TransportText
 from drawbar.transports.base import Transport
 
 
 class SensorBoardSettings(Settings):
     """A board that measures the hitch angle, the wheels' speed, or both, as `drawbar calibrate` found them."""
 
-    transport: str
+    transport: TransportText
     """where its sentences come from, e.g. serial:/dev/ttyUSB1@115200"""
     hitch_counts: Annotated[tuple[float, ...], Field(strict=False)] = ()
     """of the hitch angle's converter, rising; none: it does not measure that"""

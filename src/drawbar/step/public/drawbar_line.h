@@ -20,7 +20,8 @@ enum drawbar_line_status {
     DRAWBAR_LINE_MADE = 0,
     DRAWBAR_LINE_NULL = 1,                 /* a pointer is NULL */
     DRAWBAR_LINE_POINTS = 2,               /* fewer than two points, or one that is not finite, beyond 1e7 m, or where
-                                            * the one before is; or a limit that is not positive */
+                                            * the one before is; a line shorter than 0.1 m or longer than 2000 km; or
+                                            * a limit that is not positive */
     DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made` says how many */
     DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can: `made` is
                                             * the first such node */

@@ -9,7 +9,7 @@
 
 /* What became of a control step; each status carries its text. Below REFUSED it is a set of flags (Flag). */
 enum drawbar_status {
-    DRAWBAR_OK = 0,                     /* a new command */
+    DRAWBAR_OK = 0,                     /* done; of a step: with a new command */
     DRAWBAR_REFUSED = 64,               /* last command repeated: the new one is not finite or exceeds its limits */
     DRAWBAR_TIME = 65,                  /* last command repeated: the time stamp is not finite or does not
                                          * increase */

@@ -1,0 +1,92 @@
+"""How well drawbar and its peers solve problems whose optimum is not known beforehand."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from rich.table import Table
+from scipy.optimize import nnls
+
+from drawbar.benchmark.hostile.construct import HostileProblem
+from drawbar.benchmark.hostile.solvers import SOLVERS
+from drawbar.benchmark.hostile.verdict import TOLERANCE, Answer, Verdict, judge, sizes_by_kind, violation
+from drawbar.benchmark.published.families import Published
+from drawbar.geometry import Floats
+from drawbar.optimal.stage_problem import StageProblem
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compared:
+    """One problem, and what each solver made of it."""
+
+    published: Published
+    answers: dict[str, Answer]
+    """by solver"""
+    verdicts: dict[str, Verdict]
+    """by solver, judged by the cheapest admissible answer of all"""
+    optimality: float | None
+    """of drawbar's point, see `stationarity`; None without one"""
+
+
+def cost(problem: StageProblem, z: Floats) -> float:
+    """Return what a point costs."""
+    return float(0.5 * z @ problem.weighed(z) + problem.g @ z + problem.penalty(z))
+
+
+def stationarity(problem: StageProblem, z: Floats) -> float:
+    """Return by how much a point's gradient is none of the bounds it sits on, relative to the gradient's terms.
+
+    The inputs' gradient, with the states eliminated, is told as well as can be by multipliers of the right signs; no
+    solver's own multipliers are asked. Bounds are hard.
+    """
+    T, _ = problem.reach()
+    size = sizes_by_kind(problem, z)
+    near = TOLERANCE * np.maximum(size, 1e-3 * size.max())[problem.bound]
+    value = z[problem.bound]
+    sides = [(problem.bound[i], 1.0) for i in np.flatnonzero(value - problem.lower <= near)]
+    sides += [(problem.bound[i], -1.0) for i in np.flatnonzero(problem.upper - value <= near)]
+    gradient = T.T @ (problem.weighed(z) + problem.g)
+    terms = np.abs(T).T @ (np.abs(problem.weighed(z)) + np.abs(problem.g))
+    left = np.abs(gradient)
+    if sides:
+        pulls = np.column_stack([sign * T[at] for at, sign in sides])
+        left = np.abs(pulls @ nnls(pulls, gradient, maxiter=100 * len(sides))[0] - gradient)
+    return float(left.max() / terms.max())
+
+
+def compare(published: Published, solvers: Sequence[str]) -> Compared:
+    """Let all solvers solve one problem."""
+    problem = published.problem
+    answers = {solver: SOLVERS[solver](problem) for solver in solvers}
+    points = [answer.z for answer in answers.values() if answer.claim == Verdict.SOLVED and answer.z is not None]
+    admissible = [z for z in points if violation(problem, z, sizes_by_kind(problem, z)) <= 1e-7]
+    best = min(admissible, key=lambda z: cost(problem, z), default=None)
+    truth = HostileProblem(name=published.name, problem=problem, optimum=best)
+    own = answers["drawbar"].z if answers["drawbar"].claim == Verdict.SOLVED else None
+    return Compared(
+        published=published,
+        answers=answers,
+        verdicts={solver: judge(truth, answer) for solver, answer in answers.items()},
+        optimality=None if own is None else stationarity(problem, own),
+    )
+
+
+def published_table(found: Sequence[Compared]) -> Table:
+    """Return how many problems of each family each solver solved, and the worst of drawbar's points."""
+    solvers = list(found[0].answers)
+    title = f"{len(found)} published problems of model predictive control: solved"
+    table = Table(title=title, title_justify="left", title_style="bold", box=None, padding=(0, 1), pad_edge=False)
+    for column in ("family", "problems", "stages", "states", "inputs", *solvers, "drawbar's gradient left"):
+        table.add_column(column, justify="left" if column == "family" else "right")
+    for family in dict.fromkeys(each.published.family for each in found):
+        rows = [each for each in found if each.published.family == family]
+        sizes = [each.published.problem.sizes for each in rows]
+        spans = [_span([getattr(size, of) for size in sizes]) for of in ("stages", "states", "inputs")]
+        solved = [str(sum(each.verdicts[solver].right for each in rows)) for solver in solvers]
+        known = [each.optimality for each in rows if each.optimality is not None]
+        table.add_row(family, str(len(rows)), *spans, *solved, f"{max(known):.1e}" if known else "")
+    return table
+
+
+def _span(values: Sequence[int]) -> str:
+    return str(min(values)) if min(values) == max(values) else f"{min(values)} to {max(values)}"

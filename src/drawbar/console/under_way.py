@@ -1,0 +1,30 @@
+"""Under way: pictures that a browser has not drawn yet. A slow one gets fewer, and never old ones in a row."""
+
+import math
+import time
+
+_MOST = 2
+_LOST = 1.0
+"""without a word of a picture that was sent, s"""
+
+
+class UnderWay:
+    """Counts pictures from when they are sent until the browser says that they are drawn."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._count, self._sent = 0, -math.inf
+
+    @property
+    def may_send(self) -> bool:
+        """Whether another one may be sent: not while two are under way, unless they must have been lost."""
+        return self._count < _MOST or time.monotonic() - self._sent > _LOST
+
+    def send(self) -> None:
+        """Count one that is sent."""
+        self._count = min(self._count + 1, _MOST)
+        self._sent = time.monotonic()
+
+    def drawn(self) -> None:
+        """Take the browser's word that one is drawn."""
+        self._count = max(0, self._count - 1)

@@ -1,0 +1,61 @@
+"""`drawbar console` and the ports of `drawbar drive`: what is told before anything is started."""
+
+import socket
+import sys
+import tempfile
+
+import pytest
+from typer.testing import CliRunner
+
+from drawbar.cli.main import app
+from drawbar.driving.orders import ORDERS_NAME, Orders
+from drawbar.errors import HardwareError
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
+
+
+@pytest.fixture
+def stale(tmp_path, monkeypatch):
+    """Return the folder that a drive has left that was killed, the only one on this computer."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    folder = tmp_path / "drawbar-killed"
+    folder.mkdir()
+    orders = Orders(folder=str(folder), run="runs/a", configuration="config.toml")
+    (folder / ORDERS_NAME).write_text(orders.model_dump_json(), "utf-8")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as gate:
+        gate.bind(str(folder / "gate"))
+    return folder
+
+
+@pytest.fixture
+def taken():
+    """Return a port of this computer that another program listens at."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield server.getsockname()[1]
+
+
+def refusal(*arguments):
+    error = CliRunner().invoke(app, [str(each) for each in arguments]).exception
+    assert isinstance(error, HardwareError), repr(error)
+    return str(error)
+
+
+def test_a_console_joins_no_drive_that_was_killed(stale):
+    assert refusal("console") == "no drive is on; start one with drawbar drive --console"
+    assert refusal("console", "--drive", stale) == (
+        f"{stale} is not the folder of a drive that is on; start one with drawbar drive"
+    )
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as gate:
+        (stale / "gate").unlink()
+        gate.bind(str(stale / "gate"))
+        (stale / "console").touch()
+        assert refusal("console") == f"the drive in {stale} has a console already; open that one, or end it"
+
+
+@pytest.mark.parametrize("option", [["--console", "--port"], ["--live", "--live-port"]])
+def test_a_port_that_is_taken_is_told_before_anything_starts(taken, tmp_path, option):
+    if "--console" in option:
+        pytest.importorskip("nicegui", reason="the extra `console` is not installed")
+    said = refusal("drive", "--out", tmp_path / "run", *option, taken)
+    assert f"127.0.0.1:{taken} cannot be listened at" in said
+    assert not (tmp_path / "run").exists()

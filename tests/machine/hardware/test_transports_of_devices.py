@@ -1,0 +1,47 @@
+"""An address at which nothing can be opened is refused with the configuration, by file and key."""
+
+import pytest
+
+from drawbar.config import load_configuration
+from drawbar.driving.demonstration import with_stand_ins
+from drawbar.errors import ConfigurationError
+
+ISOBUS = """
+[devices.isobus]
+bus = "can:foo:can0"
+name = {identity = 1}
+"""
+
+
+@pytest.fixture(scope="module")
+def text():
+    """Return a configuration with devices, as TOML."""
+    return with_stand_ins(load_configuration("articulated")).to_toml()
+
+
+@pytest.mark.parametrize("device", ["tractor_receiver", "trailer_receiver", "sensors"])
+@pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        ("foo", "'foo' is no kind of transport; give serial:"),
+        ("serial:/dev/ttyUSB0", "it needs a device and a baud rate"),
+        ("can:foo:can0", "can:foo is no kind of CAN bus"),
+    ],
+)
+def test_a_transport_that_is_none_is_refused(text, tmp_path, device, given, why):
+    file = tmp_path / "my.toml"
+    before, section, after = text.partition(f"[devices.{device}]\n")
+    old = after[: after.index("\n\n")]
+    line = next(each for each in old.splitlines() if each.startswith("transport = "))
+    file.write_text(before + section + after.replace(line, f'transport = "{given}"', 1), "utf-8")
+    with pytest.raises(ConfigurationError) as refused:
+        load_configuration(str(file))
+    for part in (str(file), f"devices.{device}.transport", why):
+        assert part in str(refused.value)
+
+
+def test_a_bus_that_is_none_is_refused(text, tmp_path):
+    file = tmp_path / "my.toml"
+    file.write_text(text + ISOBUS, "utf-8")
+    with pytest.raises(ConfigurationError, match=r"devices\.isobus\.bus.*can:foo is no kind of CAN bus"):
+        load_configuration(str(file))
