@@ -9,6 +9,7 @@
 #include "chain.h"
 #include "side_slip.h"
 #include "subsystem.h"
+#include "yaw_rate.h"
 
 #define STEEPEST 1.2                       /* angle to its line at which the tractor comes back, rad */
 
@@ -93,8 +94,7 @@ static int follow_line(struct component *component, const struct drawbar_estimat
 /* The tractor's smoothed present yaw rate, rad/s; one that is not finite is none to go on from. */
 static double smoothed_yaw_rate(struct component *component, const struct drawbar_estimate *estimate, double speed)
 {
-    const double angle = estimate->tractor_slip * estimate->tractor_steering + estimate->steering_offset;
-    const double measured = speed * (tan(angle) - tan(estimate->tractor_crab)) / component->chain.wheelbase;
+    const double measured = tractor_yaw_rate(estimate, speed, component->chain.wheelbase);
     const double smoothed = component->yaw_rate + component->smoothing * (measured - component->yaw_rate);
 
     if (isfinite(smoothed))

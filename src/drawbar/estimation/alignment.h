@@ -13,6 +13,8 @@
 #include "ground_record.h"
 #include "lever_arm.h"
 #include "unit.h"
+#include "yaw_rate.h"
+#include "yaw_rate_sensor.h"
 #include "yaws_at_rest.h"
 
 #define OLDEST 1.0                         /* what is older is missing, s */
@@ -35,12 +37,14 @@ struct component {
     struct ground_record ground;
     struct reported_fix fixes[ALIGNED];
     struct coarse_noise noises[ALIGNED];
+    struct yaw_rate_sensor yaw_rate;       /* the tractor's */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
     MAST_FIELDS(component, masts[ALIGNED_TRACTOR]) MAST_FIELDS(component, masts[ALIGNED_TRAILER])                      \
     FIX_DEVIATIONS_FIELDS(component, deviations) SETTING(component, chain.hitch, 0, 1, 0, 0)                           \
     SETTING(component, chain.drawbar, 0, 1, 0, 0) SETTING(component, chain.back, 0, 1, 0, 0)                           \
+    SETTING(component, chain.wheelbase, 0, 1, 0, 0)                                                                    \
     SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
     SETTING(component, ground.spacing, 0, 1, 0, 0)
 
@@ -164,6 +168,22 @@ static inline void align_angles(const struct since *since, struct drawbar_measur
                                      now->trailer_steering);
 }
 
+/* The tractor's yaw rate by an estimate, rad/s. */
+static inline double wheels_yaw_rate(const struct component *alignment, const struct drawbar_estimate *estimate)
+{
+    return tractor_yaw_rate(estimate, estimate->longitudinal_slip * estimate->speed, alignment->chain.wheelbase);
+}
+
+/* Bring the tractor's yaw rate up to now, without the sensor's bias, in place; NaN where it is not to be believed. */
+static inline void align_yaw_rate(struct component *alignment, const struct since *since, struct drawbar_measurement *m)
+{
+    const double last = wheels_yaw_rate(alignment, since->last), now = wheels_yaw_rate(alignment, since->expected);
+    const double told = brought_up(since, m->tractor_yaw_rate, m->tractor_attitude_age, last, now);
+
+    m->tractor_yaw_rate = yaw_rate_believed(&alignment->yaw_rate, told, now, since->last->tractor.yaw, since->last->speed,
+                                            since->elapsed);
+}
+
 /* Let each fix, already on the ground, have the deviation that it is to be reckoned with; take away what is none. */
 static inline void judge_deviations(struct component *alignment, const struct drawbar_estimate *expected,
                                     struct drawbar_measurement *m)
@@ -235,6 +255,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     aligned->trailer_y = trailer[1];
     judge_deviations(alignment, expected, aligned);
     align_angles(&since, aligned);
+    align_yaw_rate(alignment, &since, aligned);
     return 0;
 }
 

@@ -29,6 +29,7 @@ def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
         },
         **{f"deviations.{name}": value for name, value in fixes.model_dump(exclude={"age"}).items()},
         **chain(vehicle),
+        "chain.wheelbase": vehicle.wheelbase,
         "to_axle": vehicle.trailer_antenna,
         "fix_age": fixes.age,
         "ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,

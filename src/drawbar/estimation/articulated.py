@@ -14,6 +14,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
 _CRAB = {"trailer_crab": "rad", "tractor_crab": "rad"}
+_TURN = {"tractor_yaw_rate": "rad/s"}
 _RATES = ("tractor_steering_rate", "trailer_steering_rate")
 _KEYS = (
     dict.fromkeys(("tractor_x", "tractor_y"), "position")
@@ -58,10 +59,11 @@ class ArticulatedEstimation(EstimationModel):
         }
         deviations = (
             sensor_deviations(noise)
+            | dict.fromkeys(_TURN, noise.yaw_rate)
             | dict.fromkeys(_CRAB, settings.crab)
             | dict.fromkeys(_RATES, settings.steering_rate)
         )
-        model = _with_crab(_on_slide(articulated(vehicle)))
+        model = _with_turn_and_crab(_on_slide(articulated(vehicle)))
         angle = Bound(lower=-settings.angle_bound, upper=settings.angle_bound)
         self.problem = EstimationProblem(
             model=model,
@@ -113,13 +115,17 @@ def _turns(model: Model, states: dict[str, Any], known: dict[str, Any]) -> dict[
     return {"tractor": tractor, "trailer": trailer}
 
 
-def _with_crab(model: Model) -> Model:
-    """Return the model with both crab angles as outputs, before the rates: on the whole, axles do not slip sideways."""
-    crab, known, split = variables(**_CRAB), by_name(model.parameters, model.p), len(MEASURED)
+def _with_turn_and_crab(model: Model) -> Model:
+    """Return the model with the tractor's yaw rate and both crab angles as outputs too, before the rates.
+
+    On the whole, axles do not slip sideways.
+    """
+    known, split = by_name(model.parameters, model.p), len(MEASURED)
+    turn = by_name(model.states, model.derivative)["tractor_yaw"]
     return replace(
         model,
-        outputs=(*model.outputs[:split], *crab, *model.outputs[split:]),
-        output=ca.vertcat(model.output[:split], *(known[name] for name in _CRAB), model.output[split:]),
+        outputs=(*model.outputs[:split], *variables(**_TURN, **_CRAB), *model.outputs[split:]),
+        output=ca.vertcat(model.output[:split], turn, *(known[name] for name in _CRAB), model.output[split:]),
     )
 
 

@@ -1,5 +1,6 @@
 """What the sensors measure and how noisily, shared by models, estimator and simulated machine."""
 
+import math
 from typing import Annotated
 
 from pydantic import Field
@@ -56,4 +57,6 @@ class SensorNoise(Settings):
     """delta_t, rad"""
     trailer_steering: AngleDeviation = 0.0175
     """delta_i, rad"""
+    yaw_rate: AngleDeviation = math.radians(0.5)
+    """of the tractor, where a sensor tells it: noise, and what its body turns beside what its wheels say, rad/s"""
     fixes: FixSettings = FixSettings()
