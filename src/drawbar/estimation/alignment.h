@@ -179,9 +179,12 @@ static inline void align_yaw_rate(struct component *alignment, const struct sinc
 {
     const double last = wheels_yaw_rate(alignment, since->last), now = wheels_yaw_rate(alignment, since->expected);
     const double told = brought_up(since, m->tractor_yaw_rate, m->tractor_attitude_age, last, now);
+    double tractor, trailer;
 
-    m->tractor_yaw_rate = yaw_rate_believed(&alignment->yaw_rate, told, now, since->last->tractor.yaw, since->last->speed,
-                                            since->elapsed);
+    if (isnan(m->tractor_yaw_rate) && !alignment->yaw_rate.begun)
+        return;
+    const double yaw = yaws_at_rest(&alignment->chain, m, &tractor, &trailer) ? tractor : NAN;
+    m->tractor_yaw_rate = yaw_rate_believed(&alignment->yaw_rate, told, now, yaw, since->elapsed);
 }
 
 /* Let each fix, already on the ground, have the deviation that it is to be reckoned with; take away what is none. */

@@ -1,9 +1,9 @@
-/* What a yaw-rate sensor tells of the tractor: its bias is found and taken off, and what contradicts the wheels is not believed.
+/* What a yaw-rate sensor tells of the tractor: its bias is found and taken off, and what contradicts the antennas or is noisy
+ * is not believed.
  *
- * A body turns as far as its estimated yaw changes, whatever the sensor says: what the sensor's integral runs ahead of it
- * grows with the bias. A Kalman filter tells both from each other, and until the bias is known the sensor is not used.
- * What it tells beside the wheels' yaw rate is small and short-lived; a mean of that which lasts shows a sensor that is
- * stuck, reversed, or mounted elsewhere.
+ * A body turns as far as its antennas and angles show, whatever the sensor says: how far the sensor's integral runs ahead
+ * of that yaw grows with the bias. A Kalman filter tells both from each other. Until the bias is known, and while the
+ * integral leaves the yaw or the single values leave the wheels' yaw rate, the sensor is not used.
  */
 #ifndef DRAWBAR_YAW_RATE_SENSOR_H
 #define DRAWBAR_YAW_RATE_SENSOR_H
@@ -13,91 +13,102 @@
 #include "geometry.h"
 
 #define DEGREE (DRAWBAR_PI / 180.0)
-#define MOST_BIAS (5.0 * DEGREE)           /* rad/s */
 #define FIRST_BIAS (2.0 * DEGREE)          /* its deviation before anything is known, rad/s */
-#define BIAS_KNOWN (0.5 * DEGREE)          /* deviation from which on the sensor is used, rad/s */
+#define MOST_BIAS (3.0 * FIRST_BIAS)
+#define BIAS_KNOWN (0.4 * DEGREE)          /* deviation from which on the sensor is used, rad/s */
 #define BIAS_WALK (0.005 * DEGREE)         /* by which it changes, rad/s per square root of a second */
-#define SLOW 0.3                           /* m/s; below, the wheels' yaw rate is known to SLOW_NOISE, rad/s */
-#define SLOW_NOISE (0.5 * DEGREE)
-#define YAW_NOISE (5.0 * DEGREE)           /* of estimated yaws, which err for seconds, rad times square root of a second */
-#define YAW_WALK (0.1 * DEGREE)            /* of the sensor's integral, rad per square root of a second */
-#define FIRST_LEAD (2.0 * DEGREE)          /* deviation of the first estimated yaw, rad */
-#define CONTRADICTED (5.0 * DEGREE)        /* mean difference to the wheels' yaw rate beyond which nothing is believed, rad/s */
-#define SPIKE (20.0 * DEGREE)              /* a single difference beyond which one value is not believed, rad/s */
+#define YAW_NOISE (1.5 * DEGREE)           /* of one yaw that antennas and angles show, rad */
+#define FIRST_LEAD (2.0 * DEGREE)          /* deviation of the integral's first lead, rad */
+#define LEAD_WALK (0.3 * DEGREE)           /* of the integral, and of what the angles' sensors change, rad per square root of a second */
+#define MOST_LEAD (3.0 * DEGREE)           /* a root mean square of unexpected lead that contradicts, rad */
+#define LEAP (6.0 * DEGREE)                /* a single unexpected lead that does, rad */
 #define OBSERVED 1.0                       /* time constant of that mean, s */
-#define PATIENCE 10.0                      /* for how long nothing is believed afterwards, s */
+#define ALIKE 30.0                         /* time over which the sensor is compared with the wheels, s */
+#define TURNED 27.0                        /* what the vehicle has turned in that time before it says anything, deg^2 / s */
+#define UNLIKE 0.35                        /* by so much more or less than the wheels the sensor may say */
+#define PATIENCE 60.0                      /* for how long nothing is believed afterwards, s */
 
 struct yaw_rate_sensor {
-    double bias, lead;                     /* rad/s; how far its integral is ahead of the estimated yaw, rad */
+    double bias, lead;                     /* rad/s; how far the integral is ahead, rad */
     double of_bias, of_both, of_lead;      /* their covariance */
-    double ahead;                          /* the same as `lead`, as it was observed, rad */
-    double difference;                     /* mean of what it tells beyond the wheels' yaw rate, rad/s */
+    double integral;                       /* rad */
+    double beyond;                         /* newest lead beyond what was expected, rad */
+    double unexpected;                     /* mean square of the lead beyond what was expected */
+    double square, product;                /* of the wheels' yaw rate, and with the sensor's, rad^2 / s */
     double doubted;                        /* for how much longer nothing is believed, s */
-    double last_yaw;                       /* estimated last, rad */
-    int32_t begun, follows;                /* is there anything; has the sensor been integrated since the last yaw? */
+    int32_t begun, follows;                /* is there anything; is there an integral? */
 };
 
-/* Take in that bias * on_bias + lead * on_lead is so much beyond what is expected, with this deviation. */
-static inline void yaw_rate_learn(struct yaw_rate_sensor *sensor, double on_bias, double on_lead, double beyond,
-                                  double deviation)
+/* Begin the integral anew, from a yaw (rad). */
+static inline void yaw_rate_follow(struct yaw_rate_sensor *sensor, double yaw)
 {
-    const double bias = sensor->of_bias * on_bias + sensor->of_both * on_lead;
-    const double lead = sensor->of_both * on_bias + sensor->of_lead * on_lead;
-    const double spread = on_bias * bias + on_lead * lead + deviation * deviation;
-
-    sensor->bias = clipped(sensor->bias + bias / spread * beyond, MOST_BIAS);
-    sensor->lead += lead / spread * beyond;
-    sensor->of_bias -= bias * bias / spread;
-    sensor->of_both -= bias * lead / spread;
-    sensor->of_lead -= lead * lead / spread;
+    sensor->integral = yaw;
+    sensor->lead = sensor->of_both = sensor->beyond = sensor->unexpected = 0.0;
+    sensor->of_lead = FIRST_LEAD * FIRST_LEAD;
+    sensor->follows = 1;
 }
 
-/* Let the sensor's integral go on by a yaw rate (rad/s) while the estimated yaw turns by an angle (rad). */
-static inline void yaw_rate_integrate(struct yaw_rate_sensor *sensor, double told, double turned, double elapsed)
+/* Let the integral go on by a yaw rate (rad/s). */
+static inline void yaw_rate_integrate(struct yaw_rate_sensor *sensor, double told, double elapsed)
 {
-    if (!sensor->follows || !(fabs(told * elapsed - turned) < SPIKE)) {
-        sensor->ahead = sensor->lead = sensor->of_both = 0.0;
-        sensor->of_lead = FIRST_LEAD * FIRST_LEAD;
-        sensor->follows = 1;
-        return;
-    }
-    sensor->ahead += told * elapsed - turned;
+    sensor->integral += told * elapsed;
     sensor->lead += sensor->bias * elapsed;
-    sensor->of_lead += elapsed * (2.0 * sensor->of_both + elapsed * sensor->of_bias + YAW_WALK * YAW_WALK);
+    sensor->of_lead += elapsed * (2.0 * sensor->of_both + elapsed * sensor->of_bias + LEAD_WALK * LEAD_WALK);
     sensor->of_both += elapsed * sensor->of_bias;
     sensor->of_bias += elapsed * BIAS_WALK * BIAS_WALK;
-    yaw_rate_learn(sensor, 0.0, 1.0, sensor->ahead - sensor->lead, YAW_NOISE / sqrt(elapsed));
+}
+
+/* Compare the integral with a yaw (rad). */
+static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, double yaw, double share)
+{
+    const double beyond = sensor->beyond = wrapped(sensor->integral - yaw - sensor->lead);
+    const double spread = sensor->of_lead + YAW_NOISE * YAW_NOISE;
+    const double on_bias = sensor->of_both / spread, on_lead = sensor->of_lead / spread;
+
+    sensor->unexpected += share * (beyond * beyond - sensor->unexpected);
+    sensor->bias = clipped(sensor->bias + on_bias * beyond, MOST_BIAS);
+    sensor->lead += on_lead * beyond;
+    sensor->of_bias -= on_bias * sensor->of_both;
+    sensor->of_both -= on_bias * sensor->of_lead;
+    sensor->of_lead -= on_lead * sensor->of_lead;
+}
+
+/* Does the sensor say what the wheels say, as far as the vehicle has turned? */
+static inline int yaw_rate_alike(struct yaw_rate_sensor *sensor, double told, double wheels, double elapsed)
+{
+    const double kept = exp(-elapsed / ALIKE);
+
+    sensor->square = kept * sensor->square + elapsed * wheels * wheels;
+    sensor->product = kept * sensor->product + elapsed * wheels * told;
+    return sensor->square > TURNED * DEGREE * DEGREE && fabs(sensor->product / sensor->square - 1.0) < UNLIKE;
 }
 
 /* Return the yaw rate to be believed, rad/s; NaN: none.
  *
- * told: by the sensor, rad/s; wheels: by the wheels, rad/s; yaw: newest estimate, a sample ago, rad; speed: m/s; elapsed:
- * since that estimate, s. */
-static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double told, double wheels, double yaw, double speed,
-                                       double elapsed)
+ * told: by the sensor, rad/s; wheels: by the wheels, rad/s; yaw: by antennas and angles, rad, NaN: none; elapsed: since the
+ * last call, s. */
+static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double told, double wheels, double yaw, double elapsed)
 {
-    if (!sensor->begun)
-        *sensor = (struct yaw_rate_sensor){.of_bias = FIRST_BIAS * FIRST_BIAS, .last_yaw = yaw, .begun = 1};
-    const double turned = wrapped(yaw - sensor->last_yaw), since = fmax(elapsed, 0.0);
+    const double share = -expm1(-fmax(elapsed, 0.0) / OBSERVED);
 
-    sensor->last_yaw = yaw;
-    sensor->doubted = fmax(sensor->doubted - since, 0.0);
-    if (!isfinite(told + wheels + turned) || !(elapsed > 0.0)) {
+    if (!sensor->begun)
+        *sensor = (struct yaw_rate_sensor){.of_bias = FIRST_BIAS * FIRST_BIAS, .begun = 1};
+    sensor->doubted = fmax(sensor->doubted - fmax(elapsed, 0.0), 0.0);
+    if (!isfinite(told + wheels) || !(elapsed > 0.0)) {
         sensor->follows = 0;
         return NAN;
     }
-    if (fabs(speed) < SLOW)
-        yaw_rate_learn(sensor, 1.0, 0.0, told - wheels - sensor->bias, SLOW_NOISE);
-    if (sensor->doubted > 0.0)
-        sensor->follows = 0;
-    else
-        yaw_rate_integrate(sensor, told, turned, elapsed);
-    const double difference = told - sensor->bias - wheels;
-    sensor->difference += -expm1(-elapsed / OBSERVED) * (clipped(difference, SPIKE) - sensor->difference);
-    if (fabs(sensor->difference) > CONTRADICTED)
+    if (sensor->follows)
+        yaw_rate_integrate(sensor, told, elapsed);
+    if (isfinite(yaw) && !sensor->follows)
+        yaw_rate_follow(sensor, yaw);
+    else if (isfinite(yaw))
+        yaw_rate_compare(sensor, yaw, share);
+    if (sensor->unexpected > MOST_LEAD * MOST_LEAD || fabs(sensor->beyond) > LEAP)
         sensor->doubted = PATIENCE;
-    return sensor->doubted > 0.0 || fabs(difference) > SPIKE || sensor->of_bias > BIAS_KNOWN * BIAS_KNOWN ? NAN
-                                                                                                     : told - sensor->bias;
+    const int known = sensor->of_bias < BIAS_KNOWN * BIAS_KNOWN;
+    const int alike = known && yaw_rate_alike(sensor, told - sensor->bias, wheels, elapsed);
+    return alike && !(sensor->doubted > 0.0) ? told - sensor->bias : NAN;
 }
 
 #endif
