@@ -24,6 +24,7 @@ VALIDATION = {
     "field, attitude on the tractor": ("1.8 / 4.1 / 6", "6.2 / 12 / 14"),
     "field, attitude on both": ("1.8 / 4.3 / 6", "3.4 / 9.5 / 14"),
     "field, attitude on both, 2 m/s": ("2.0 / 5.3 / 9", "2.5 / 5.4 / 9"),
+    "field, attitude on both, 2 m/s, soft as a contact": ("2.0 / 5.3 / 9", "2.5 / 5.4 / 9"),
 }
 """mean / 95 % / max of an independent validation's own plant, commit da1c574, two seeds; attitude there: ideal lever
 arm before the autopilot, with noise of 0.3° in the field; on the tractor alone: nothing predicts the trailer's roll"""

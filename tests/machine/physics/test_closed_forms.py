@@ -100,17 +100,69 @@ def test_inner_wheels_steer_more_and_spin_slower(build: Build, drive: Drive) -> 
     assert fast / slow == pytest.approx((rear + half) / (rear - half), rel=0.01)
 
 
-@pytest.mark.parametrize("creep", [0.0, 0.36])
 @pytest.mark.parametrize("downhill", [-1.0, 1.0])
-def test_crab_on_a_side_slope(build: Build, drive: Drive, creep: float, downhill: float) -> None:
-    """Side force and load of every axle are the same shares of the weight: tan(crab) = tan(slope) / c."""
-    terrain = {"slope": SLOPE, "downhill": 0.5 * math.pi * downhill, "creep": creep}
-    truths = drive(build(terrain=terrain, tyres={"rolling_resistance": 0.0}), 110)[80:]  # the truth averages over 2 s
-    expected = downhill * math.atan(math.tan(SLOPE) * max(1.0 / TYRES.cornering, creep))
+@pytest.mark.parametrize(
+    ("ground", "speed", "share"),
+    [
+        ({}, 1.0, 1.0 / TYRES.cornering),
+        ({"creep": 0.36}, 1.0, 0.36),
+        ({"creep": 0.36}, 2.0, 0.36),
+        ({"creep": 0.36, "creep_speed": 1.0}, 0.5, 0.72),
+        ({"creep": 0.36, "creep_speed": 1.0}, 2.0, 0.18),
+        ({"creep": 0.05, "creep_speed": 1.0}, 2.0, 1.0 / TYRES.cornering),
+    ],
+)
+def test_crab_on_a_side_slope(
+    build: Build, drive: Drive, ground: dict[str, float], speed: float, share: float, downhill: float
+) -> None:
+    """Side force and load of every axle are the same shares of the weight: tan(crab) = share tan(slope).
+
+    On soil the share is the ground's creep at any speed, and 1 / c where that is more; in a contact with viscous
+    friction it is the creep at one speed, and falls with the speed, but not below 1 / c.
+    """
+    terrain = {"slope": SLOPE, "downhill": 0.5 * math.pi * downhill, **ground}
+    machine = build(terrain=terrain, tyres={"rolling_resistance": 0.0})
+    truths = drive(machine, 110, speed=speed)[80:]  # the truth averages over 2 s
+    expected = downhill * math.atan(math.tan(SLOPE) * share)
     assert np.mean([truth.tractor_crab for truth in truths]) == pytest.approx(expected, rel=0.02)
     assert np.mean([truth.trailer_crab for truth in truths]) == pytest.approx(expected, rel=0.02)
-    if creep:
+    if share == 0.36:
         assert abs(math.degrees(expected)) == pytest.approx(1.8, abs=0.01)  # the soft ground of the validation
+
+
+def test_a_vehicle_at_rest_slides_where_the_contact_creeps_at_a_speed(build: Build, drive: Drive) -> None:
+    machine = build(terrain={"slope": SLOPE, "creep": 0.36, "creep_speed": 0.5})
+    first, *_, last = drive(machine, 50, speed=0.0)[20:]
+    slid = 0.36 * 0.5 * math.sin(SLOPE) * (last.time - first.time)  # the drive lets no wheel turn
+    assert first.tractor.y - last.tractor.y == pytest.approx(slid, rel=0.02)
+    assert first.trailer.y - last.trailer.y == pytest.approx(slid, rel=0.02)
+
+
+@pytest.mark.parametrize("creep", [0.0, 0.36])
+def test_the_carcass_is_as_stiff_on_soft_ground(build: Build, drive: Drive, creep: float) -> None:
+    """A vehicle at rest that is pushed with a tenth of its weight moves aside by 0.1 s / c, whatever it stands on."""
+    machine = build(terrain={"creep": creep})
+    before = drive(machine, 5, speed=0.0)[-1]
+    machine.multibody._model.opt.gravity[1] = 0.1 * G
+    after = drive(machine, 10, speed=0.0)[-1]
+    for body in ("tractor", "trailer"):
+        aside = getattr(after, body).y - getattr(before, body).y
+        assert aside == pytest.approx(0.1 * TYRES.relaxation / TYRES.cornering, rel=0.08)  # it leans as well
+
+
+@pytest.mark.parametrize(
+    ("creep", "creep_speed", "speed"), [(0.36, 0.0, 0.3), (0.36, 0.0, 3.0), (1.0, 0.0, 3.0), (0.36, 1.0, 3.0)]
+)
+def test_a_push_aside_dies(build: Build, drive: Drive, creep: float, creep_speed: float, speed: float) -> None:
+    """The ground's creep takes the momentum M v over a way of creep V v / g, and nothing swings on."""
+    machine = build(terrain={"creep": creep, "creep_speed": creep_speed}, tyres={"rolling_resistance": 0.0})
+    before, push = drive(machine, 40, speed=speed)[-1], 0.1
+    machine.multibody._data.qvel[1] += push  # of the tractor; all other bodies move relative to it
+    after = drive(machine, 25, speed=speed)[-1]
+    way = creep * (creep_speed or speed) * push / G - push * machine.multibody._model.opt.timestep  # of the first step
+    for body in ("tractor", "trailer"):
+        assert getattr(after, body).y - getattr(before, body).y == pytest.approx(way, abs=1e-4)
+    assert abs(machine.multibody._data.qvel[1]) < 1e-4 * push
 
 
 def test_stopping_distance_of_the_hydrostat(build: Build, drive: Drive) -> None:

@@ -120,7 +120,9 @@ def _tyres(vehicle: VehicleParameters, settings: PhysicsMachineSettings) -> list
         Tyre(
             stiffness=load / tyres.deflection,
             damping=2.0 * tyres.damping * load / ca.sqrt(GRAVITY * tyres.deflection),
-            slip_stiffness=1.0 / ca.fmax(1.0 / tyres.cornering, settings.terrain.creep),
+            cornering=tyres.cornering,
+            creep=settings.terrain.creep,
+            creep_speed=settings.terrain.creep_speed,
             friction=tyres.friction,
             relaxation=tyres.relaxation,
             rolling_resistance=tyres.rolling_resistance,

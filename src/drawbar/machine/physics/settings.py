@@ -79,9 +79,18 @@ class TyreSettings(Settings):
     friction: Positive = 0.8
     """largest force along the ground per wheel load"""
     relaxation: Positive = 0.3
-    """way that a wheel rolls until its slip is built up, m"""
+    """way that a wheel rolls until its slip is built up, on firm ground, m; on ground that creeps it is shorter, as
+    `cornering` is less: the carcass stays as stiff"""
     rolling_resistance: NonNegative = 0.03
     """torque that brakes a rolling wheel, per wheel load and radius"""
+
+
+class SoftTerrainSettings(TerrainSettings):
+    """The ground's height, see machine/terrain.py, and how it yields to tyres; the defaults are a firm level plane."""
+
+    creep_speed: NonNegative = 0.0
+    """speed at which the side-slip is `creep`, m/s; faster it is as much less, and a vehicle at rest slides; 0: it is
+    `creep` at any speed, as on soil"""
 
 
 class ServoSettings(Settings):
@@ -110,7 +119,7 @@ class PhysicsMachineSettings(Settings):
     tractor: TractorBodySettings = TractorBodySettings()
     trailer: TrailerBodySettings = TrailerBodySettings()
     tyres: TyreSettings = TyreSettings()
-    terrain: TerrainSettings = TerrainSettings()
+    terrain: SoftTerrainSettings = SoftTerrainSettings()
     sensors: SensorSettings = SensorSettings()
     masts: MastErrors = MastErrors()
     attitude: AttitudeSensors = AttitudeSensors()

@@ -1,12 +1,16 @@
 """A tyre on the ground: a spring that carries, and bristles that hold, slip and slide.
 
 The wheel is a disc on the plane that touches the ground beneath it. Its bristles are bent by what the tread slides over
-the ground, and unbend while the wheel rolls on, over the relaxation length s:
+the ground, and unbend as far as the contact yields to their force:
 
-    u' = -v - |w r| / s u,    F = k u + d u',    k = c N / s,    |F| <= mu N
+    u' = -v - y F / (c N),    F = k u + d u',    k = c N / s,    |F| <= mu N,    y = max(|w r|, c creep V)
 
-At rest F is a spring's: a vehicle on a slope stands still. In steady rolling F = -c N (slip, slip angle), up to
-friction (Pacejka, "Tire and vehicle dynamics", ch. 7: single contact point transient tyre models).
+On firm ground y = |w r|: in steady rolling F = -c N (slip, slip angle), up to friction, built up over the relaxation
+length s (Pacejka, "Tire and vehicle dynamics", ch. 7: single contact point transient tyre models). Soft ground creeps
+by creep V F / N, beneath a carcass, k and d, that is as stiff as on firm ground. With V = |w r|, as on soil, the slip
+angle is creep F / N at any speed, built up over s / (c creep), and at rest F is a spring's: a vehicle on a slope stands
+still. With a constant V, as in a contact with viscous friction, the slip angle falls with the speed, and a vehicle at
+rest on a slope slides.
 """
 
 from typing import NamedTuple
@@ -42,8 +46,12 @@ class Tyre(NamedTuple):
     """vertical, N/m"""
     damping: float
     """vertical, N s/m"""
-    slip_stiffness: float
-    """c, of tyre and ground together, 1/rad"""
+    cornering: float
+    """c, on firm ground, 1/rad"""
+    creep: float
+    """of the ground"""
+    creep_speed: float
+    """V, m/s; 0: as fast as the wheel rolls"""
     friction: float
     relaxation: float
     rolling_resistance: float
@@ -78,10 +86,15 @@ def _bristles(
     tyre: Tyre, bristles: ca.SX, sliding: ca.SX, rolling: ca.SX, load: ca.SX, step: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """Return the bristles after a step (2,), m, and their force (2,), N; both within friction."""
-    bent = (bristles - step * sliding) / (1.0 + step * rolling / tyre.relaxation)
-    stiffness = tyre.slip_stiffness * load / tyre.relaxation
+    creeping = tyre.creep * ca.if_else(tyre.creep_speed > 0.0, tyre.creep_speed, rolling)
+    yielding = ca.fmax(rolling, tyre.cornering * creeping)
+    unbending = yielding / tyre.relaxation
+    bent = (bristles * (1.0 + _BRISTLE_DAMPING * unbending) - step * sliding) / (
+        1.0 + (_BRISTLE_DAMPING + step) * unbending
+    )
+    stiffness = tyre.cornering * load / tyre.relaxation
     force = stiffness * (bent + _BRISTLE_DAMPING * (bent - bristles) / step)
-    reach = tyre.friction * tyre.relaxation / tyre.slip_stiffness
+    reach = tyre.friction * tyre.relaxation / tyre.cornering
     touching = load > 0.0
     bent = ca.if_else(touching, bent * ca.fmin(1.0, reach / _length(bent)), 0.0)
     return bent, force * ca.fmin(1.0, tyre.friction * load / _length(force))
