@@ -18,10 +18,14 @@ static inline double side_slip(const struct drawbar_estimate *estimate, double y
         - estimate->creep * speed * speed * curvature / GRAVITY;
 }
 
-/* By how much side-slip angles (rad) change along a path from its first sample to another (x, y, yaw, curvature). */
+/* By how much side-slip angles (rad) change along a path from its first sample to another (x, y, yaw, curvature); not at all
+ * where the path is no path, so that what was planned before stays finite. */
 static inline double side_slip_change(const struct drawbar_estimate *estimate, const double *first, const double *other)
 {
-    return side_slip(estimate, other[AT_YAW], other[AT_CURVATURE]) - side_slip(estimate, first[AT_YAW], first[AT_CURVATURE]);
+    const double change = side_slip(estimate, other[AT_YAW], other[AT_CURVATURE])
+        - side_slip(estimate, first[AT_YAW], first[AT_CURVATURE]);
+
+    return isfinite(change) ? change : 0.0;
 }
 
 #endif
