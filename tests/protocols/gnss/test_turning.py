@@ -82,7 +82,8 @@ def driven(*sentences: bytes) -> list[Epoch]:
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "degrees"), [(1235, 1229, 3.0), (1229, 1235, -3.0), (3, 3597, 3.0), (1235, 1235, 0.0)]
+    ("before", "after", "degrees"),
+    [(1235, 1229, 3.0), (1229, 1235, -3.0), (3, 3597, 3.0), (2703, 2697, 3.0), (1235, 1235, 0.0)],
 )
 def test_a_board_turns_as_the_yaw_of_its_sensor_changes(before: int, after: int, degrees: float) -> None:
     first, second = driven(panda(before, 0.0), panda(after, 0.2))
