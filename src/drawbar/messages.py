@@ -15,7 +15,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 MARK = 0x4244
 """first two bytes of every record: "DB" """
-VERSION = 2
+VERSION = 3
 """of the layouts; a record of another version is refused"""
 
 
@@ -335,6 +335,10 @@ class Fixes(Message):
     """right side down positive, rad"""
     tractor_pitch: Known
     """in the sign of signals.py, rad"""
+    tractor_yaw_rate: Known = math.nan
+    """counter-clockwise, rad/s"""
+    tractor_attitude_time: Time = 0
+    """when roll, pitch and yaw rate were measured, ns; 0: never"""
     tractor_correction_age: Known
     """s"""
     trailer_x: Known
@@ -353,6 +357,10 @@ class Fixes(Message):
     """right side down positive, rad"""
     trailer_pitch: Known
     """in the sign of signals.py, rad"""
+    trailer_yaw_rate: Known = math.nan
+    """counter-clockwise, rad/s"""
+    trailer_attitude_time: Time = 0
+    """when roll, pitch and yaw rate were measured, ns; 0: never"""
     trailer_correction_age: Known
     """s"""
 

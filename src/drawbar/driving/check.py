@@ -105,6 +105,10 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
     rate = f"{(len(epochs) - 1) / span:.1f} Hz, " if span > 0.0 else ""
     finding.facts.append(f"{rate}{', '.join(sorted(receiver.kinds))}")
     finding.facts.append(f"fix {last.quality.name.lower()}, deviation {max(last.sigma_east, last.sigma_north):.3f} m")
+    if math.isfinite(last.roll):
+        finding.facts.append(f"roll {math.degrees(last.roll):.1f}°")
+    if math.isfinite(last.yaw_rate):
+        finding.facts.append(f"yaw rate {math.degrees(last.yaw_rate):.1f}°/s")
     if last.has_fix:
         east, north = (float(each) for each in frame.east_north(last.latitude, last.longitude))
         finding.facts.append(f"{math.hypot(east, north):.1f} m from the origin of the path's frame")

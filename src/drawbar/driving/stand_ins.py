@@ -1,5 +1,7 @@
 """Stand-ins of all devices of a configuration: the simulated machine behind receivers and boards, without wires."""
 
+import math
+
 from drawbar.config import Configuration
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
@@ -8,7 +10,7 @@ from drawbar.machine.stand_in.aio_v4 import AioV4
 from drawbar.machine.stand_in.board import StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.machine import BODIES, Driver, StandInMachine, StandInSettings
-from drawbar.machine.stand_in.nmea import gga, gst, vtg
+from drawbar.machine.stand_in.nmea import gga, gst, panda, vtg
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.wheel import HeldWheel
@@ -56,4 +58,5 @@ def stand_in_machine(
 
 
 def _nmea(report: Report) -> list[bytes]:
-    return [gga(report), vtg(report), gst(report)]
+    inertial = [panda(report)] if math.isfinite(report.inertial_yaw) else []
+    return [gga(report), vtg(report), gst(report), *inertial]

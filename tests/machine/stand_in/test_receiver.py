@@ -38,6 +38,8 @@ reports = st.builds(
     roll=inclinations,
     pitch=inclinations,
     attitude_sigma=st.floats(0.001, 0.05),
+    inertial_yaw=angles,
+    yaw_rate=st.floats(-1.5, 1.5),
     heading_is_fixed=st.booleans(),
     baseline=st.floats(0.5, 2.5),
     correction_age=st.floats(0.1, 30.0),
@@ -83,6 +85,7 @@ def test_sentences(report: Report) -> None:
     check_motion(found, report)
     check_yaw(found, report, 1e-5)
     assert found.height == pytest.approx(report.height, abs=1e-4)
+    assert found.yaw_rate == pytest.approx(report.yaw_rate, abs=2e-6)
     assert (found.sigma_east, found.sigma_north) == pytest.approx((report.sigma_east, report.sigma_north), abs=1e-4)
     assert found.correction_age == pytest.approx(report.correction_age, abs=0.051)
     assert found.station == report.station
@@ -104,6 +107,7 @@ def test_blocks(report: Report) -> None:
     assert found.station == report.station
     if report.heading_is_fixed:
         assert (found.roll, found.pitch) == pytest.approx((report.roll, report.pitch), abs=1e-6)
+        assert found.yaw_rate == pytest.approx(report.yaw_rate, abs=1e-6)
         assert found.pitch_sigma == pytest.approx(report.attitude_sigma, rel=1e-5)
 
 
@@ -132,7 +136,7 @@ def test_sentences_of_boards(report: Report) -> None:
     check_position(found, report)
     assert found.speed == pytest.approx(report.speed, abs=1e-4)
     assert (found.roll, found.pitch) == pytest.approx((report.roll, report.pitch), abs=9e-4)
-    assert math.remainder(found.inertial_yaw - report.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=9e-4)
+    assert math.remainder(found.inertial_yaw - report.inertial_yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=9e-4)
     assert math.isnan(found.yaw)
     sentence = nmea.paogi(report)
     assert bool(sentence) is report.heading_is_fixed

@@ -42,7 +42,7 @@ _TOKENS = (
 )
 _BEGIN = datetime.datetime(2026, 11, 22, 12, tzinfo=datetime.UTC)
 _SENTENCES = (nmea.gga, nmea.vtg, nmea.gst, nmea.rmc, nmea.zda, nmea.hdt, nmea.ths, nmea.hrp, nmea.hpr, nmea.avr)
-_ENCODERS = (*_SENTENCES, nmea.ksxt, nmea.panda, nmea.paogi, ubx.pvt, ubx.hpposllh, ubx.relposned)
+_ENCODERS = (*_SENTENCES, nmea.rot, nmea.ksxt, nmea.panda, nmea.paogi, ubx.pvt, ubx.hpposllh, ubx.relposned)
 _BLOCKS = (sbf.pvt_geodetic, sbf.pos_cov_geodetic, sbf.att_euler, sbf.att_cov_euler)
 
 
@@ -50,7 +50,7 @@ def corpus(chance: random.Random) -> list[bytes]:
     """Return frames of every kind, of reports with and without fix and attitude."""
     frames = []
     for index in range(40):
-        angles = [math.nan] * 3 if index % 5 == 0 else [chance.uniform(-0.5, 0.5) for _ in range(3)]
+        angles = [math.nan] * 5 if index % 5 == 0 else [chance.uniform(-0.5, 0.5) for _ in range(5)]
         report = Report(
             time=_BEGIN + datetime.timedelta(milliseconds=100 * index),
             latitude=chance.uniform(-89.0, 89.0),
@@ -59,7 +59,7 @@ def corpus(chance: random.Random) -> list[bytes]:
             quality=chance.choice(list(FixQuality)[1:]),
             speed=chance.uniform(0.0, 5.0),
             course=chance.uniform(-3.0, 3.0),
-            **dict(zip(("yaw", "roll", "pitch"), angles, strict=True)),
+            **dict(zip(("yaw", "roll", "pitch", "inertial_yaw", "yaw_rate"), angles, strict=True)),
         )
         frames += [encode(report) for encode in (*_ENCODERS, *_BLOCKS)]
     frames += [rtcm(chance.randbytes(chance.randrange(60))) for _ in range(40)]

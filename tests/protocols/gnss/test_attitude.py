@@ -103,7 +103,7 @@ def test_deviations_are_those_reported_or_usual_for_the_distance(report: Maker, 
 
 
 def test_the_yaw_of_an_inertial_sensor_is_not_a_heading(report: Maker, once: Once) -> None:
-    epoch = once(nmea.panda(report(yaw=1.0, roll=0.1, pitch=0.05)))
+    epoch = once(nmea.panda(report(inertial_yaw=1.0, roll=0.1, pitch=0.05)))
     assert math.isnan(epoch.yaw)
     assert (epoch.inertial_yaw, epoch.roll, epoch.pitch) == pytest.approx((1.0, 0.1, 0.05), abs=1e-3)
     without = once(nmea.panda(report()))

@@ -11,6 +11,8 @@ from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.nmea2000.stream import Nmea2000Stream
 from drawbar.signals import FixQuality
+from drawbar.transports.base import CanFrame
+from drawbar.transports.can_listener import packed
 
 BEGIN = datetime.datetime(2026, 6, 1, 23, 59, 59, 400_000, tzinfo=datetime.UTC)
 STEP = 0.2
@@ -67,3 +69,33 @@ def test_another_receiver_and_garbage_are_counted_and_left_out() -> None:
     assert stream.dropped["no frame"] == 2
     assert stream.dropped["other receiver"] > 0
     assert len(epochs_of([report(1)], stream)) == 1
+
+
+@pytest.mark.parametrize(
+    ("rate", "expected"),
+    [
+        ("002ccfff", 0.1),  # -3200000: to the left
+        ("00d43000", -0.1),
+        ("ffffff7f", math.nan),  # not available
+        ("fe5b5303", math.radians(-99.9)),
+        ("53105503", math.nan),  # 100.1 °/s
+    ],
+)
+def test_a_rate_of_turn_is_given_to_the_right_in_steps_of_a_32nd_of_a_microradian(rate: str, expected: float) -> None:
+    stream = Nmea2000Stream(EpochSettings())
+    position = nmea2000(32)(report(0))[:-1]
+    turn = packed(CanFrame(0x09F11320, bytes.fromhex(f"00{rate}ffffff")))
+    for frame in (*position, turn):
+        stream.push(frame, 10.0)
+    (epoch,) = stream.poll(10.1)
+    assert epoch.yaw_rate == pytest.approx(expected, abs=2e-8, nan_ok=True)
+    assert epoch.attitude_age == 0.0
+    assert stream.dropped["impossible yaw rate"] == (rate == "53105503")
+
+
+def test_an_inertial_sensor_comes_with_the_epoch() -> None:
+    stream = Nmea2000Stream(EpochSettings())
+    told = [report(index, roll=0.05, pitch=-0.02, yaw_rate=0.1) for index in range(3)]
+    for epoch in epochs_of(told, stream):
+        assert (epoch.roll, epoch.pitch, epoch.yaw_rate) == pytest.approx((0.05, -0.02, 0.1), abs=5e-5)
+    assert not stream.dropped

@@ -84,5 +84,7 @@ class Navigation:
             f"{name}_course": epoch.course if epoch else nan,
             f"{name}_roll": epoch.roll if epoch else nan,
             f"{name}_pitch": -epoch.pitch if epoch else nan,  # nose up positive
+            f"{name}_yaw_rate": epoch.yaw_rate if epoch else nan,
+            f"{name}_attitude_time": nanoseconds(epoch.time - epoch.attitude_age) if epoch else 0,
             f"{name}_correction_age": epoch.correction_age if epoch else nan,
         }

@@ -136,6 +136,8 @@ class StandInMachine:
         """make a receiver's bytes of what it reports, by body"""
         self._ticks = self._epochs = self._reports = 0
         self._way = 0.0
+        self._yaws = dict.fromkeys(BODIES, 0.0)
+        """of the inertial sensors, from their own zero, rad; NaN: there is none"""
         self._leaving: deque[tuple[float, str, bytes]] = deque()
         self.quality = dict.fromkeys(BODIES, FixQuality.FIXED)
         """what the receivers report"""
@@ -183,6 +185,7 @@ class StandInMachine:
         self.driver.tick(time, steered, self.can.speed(time) if self.can else None)
         if self._ticks:
             self.world.tick(points["tractor"], points["trailer"], self.driver.speed)
+            self._turn()
         truth = self.world.truth
         angles = {"tractor": truth.tractor_steering, "trailer": truth.trailer_steering}
         for body, (_, wheel) in self.boards.items():
@@ -196,6 +199,11 @@ class StandInMachine:
         if time + _SAME >= self._epochs * self._settings.epochs:
             self._epochs += 1
             self._report(time, truth)
+
+    def _turn(self) -> None:
+        """Let the inertial sensors add up what they have felt in a tick."""
+        for body in BODIES:
+            self._yaws[body] += TICK * getattr(self.world.measurement, f"{body}_yaw_rate")
 
     def _sense(self, time: float) -> None:
         """Let the sensor board speak."""
@@ -221,6 +229,10 @@ class StandInMachine:
                 sigma_north=moved.sigma,
                 speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
                 course=self.world.course(body),
+                roll=getattr(measured, f"{body}_roll"),
+                pitch=-getattr(measured, f"{body}_pitch"),  # nose up there
+                inertial_yaw=self._yaws[body],
+                yaw_rate=getattr(measured, f"{body}_yaw_rate"),
                 correction_age=moved.correction_age,
             )
             self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]

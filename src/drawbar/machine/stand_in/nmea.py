@@ -1,4 +1,4 @@
-"""NMEA of a receiver's stand-in: GGA VTG GST RMC ZDA HDT THS HRP HPR AVR KSXT, and the boards' PANDA and PAOGI."""
+"""NMEA of a receiver's stand-in: GGA VTG GST RMC ZDA HDT THS ROT HRP HPR AVR KSXT, and the boards' PANDA and PAOGI."""
 
 import math
 
@@ -90,6 +90,12 @@ def ths(report: Report) -> bytes:
     return sentence(f"GNTHS,{_heading(report)},{'A' if _heading(report) else 'V'}")
 
 
+def rot(report: Report) -> bytes:
+    """Return the rate of turn, degrees per minute to the right; V: it is not measured."""
+    turns = math.isfinite(report.yaw_rate)
+    return sentence(f"GNROT,{-60.0 * math.degrees(report.yaw_rate):.2f},A" if turns else "GNROT,,V")
+
+
 def hrp(report: Report) -> bytes:
     """Return Septentrio's heading, roll, pitch; an axis that is missing is empty."""
     mode = 0 if math.isnan(report.yaw) else (2 if math.isnan(report.roll) else 4) - (not report.heading_is_fixed)
@@ -126,11 +132,11 @@ def ksxt(report: Report) -> bytes:
 
 
 def panda(report: Report) -> bytes:
-    """Return what a board with an inertial sensor sends: integers of 0.1°."""
+    """Return what a board with an inertial sensor sends: integers of 0.1°, and 0 for the yaw rate."""
     angles = f"{_NO_SENSOR},,,"
-    if math.isfinite(report.yaw + report.roll + report.pitch):
-        tenths = [10.0 * each for each in (heading(report.yaw), math.degrees(report.roll), -math.degrees(report.pitch))]
-        angles = f"{','.join(f'{each:.0f}' for each in tenths)},0"
+    if math.isfinite(report.inertial_yaw + report.roll + report.pitch):
+        degrees = heading(report.inertial_yaw), math.degrees(report.roll), -math.degrees(report.pitch)
+        angles = f"{','.join(f'{10.0 * each:.0f}' for each in degrees)},0"
     return sentence(f"PANDA,{_board(report)},{angles}")
 
 
@@ -179,5 +185,6 @@ def _degrees(angle: float, decimals: int = 4) -> str:
 
 
 def sentences(report: Report) -> list[bytes]:
-    """Return one epoch as most receivers are set up: GGA, VTG, GST and, with two antennas, HRP."""
-    return [gga(report), vtg(report), gst(report), *([] if math.isnan(report.yaw) else [hrp(report)])]
+    """Return one epoch as most receivers are set up: GGA, VTG, GST and, with two antennas, HRP and ROT."""
+    attitude = [] if math.isnan(report.yaw) else [hrp(report), rot(report)]
+    return [gga(report), vtg(report), gst(report), *attitude]

@@ -1,4 +1,7 @@
-"""NMEA 2000 of a receiver's stand-in: position (129029) and course and speed (129026), as packed CAN frames."""
+"""NMEA 2000 of a receiver's stand-in, as packed CAN frames: position (129029), course and speed (129026).
+
+With an inertial sensor also rate of turn (127251) and attitude (127257).
+"""
 
 import math
 import struct
@@ -6,7 +9,7 @@ from collections.abc import Iterator
 
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.protocols.isobus.identifier import Message, encode
-from drawbar.protocols.nmea2000.messages import COURSE_SPEED, GNSS_POSITION, FixMethod
+from drawbar.protocols.nmea2000.messages import ATTITUDE, COURSE_SPEED, GNSS_POSITION, RATE_OF_TURN, FixMethod
 from drawbar.signals import FixQuality
 from drawbar.transports.can_listener import packed
 
@@ -19,6 +22,7 @@ _METHODS = {
 }
 _POSITION = struct.Struct("<BHIqqqBBBhhiBHH")
 _MOTION = struct.Struct("<BBHHH")
+_TURN, _ATTITUDE = struct.Struct("<Bi3x"), struct.Struct("<BHhhx")
 _SIDS = 253
 _DAY = 86400.0
 _SAFE = 1
@@ -30,7 +34,11 @@ def nmea2000(source: int) -> Encoder:
 
     def encoder(report: Report) -> list[bytes]:
         count = next(counter)
-        motion = Message(pgn=COURSE_SPEED, source=source, priority=2, data=_motion(report, count % _SIDS))
+        joined = [Message(pgn=COURSE_SPEED, source=source, priority=2, data=_motion(report, count % _SIDS))]
+        if math.isfinite(report.roll + report.pitch + report.yaw_rate):
+            turn, attitude = _turn(report, count % _SIDS), _attitude(report, count % _SIDS)
+            joined.append(Message(pgn=RATE_OF_TURN, source=source, priority=2, data=turn))
+            joined.append(Message(pgn=ATTITUDE, source=source, priority=3, data=attitude))
         whole = _position(report, count % _SIDS)
         pieces = [bytes((len(whole),)) + whole[:6], *(whole[at : at + 7] for at in range(6, len(whole), 7))]
         frames = [
@@ -39,7 +47,7 @@ def nmea2000(source: int) -> Encoder:
             )
             for index, piece in enumerate(pieces)
         ]
-        return [packed(encode(message)) for message in (*frames, motion)]
+        return [packed(encode(message)) for message in (*frames, *joined)]
 
     return encoder
 
@@ -76,3 +84,11 @@ def _position(report: Report, sid: int) -> bytes:
 def _motion(report: Report, sid: int) -> bytes:
     course = 0xFFFF if math.isnan(report.course) else round((math.pi / 2 - report.course) % (2.0 * math.pi) * 1e4)
     return _MOTION.pack(sid, 0xFC, course, round(report.speed * 100.0), 0xFFFF)
+
+
+def _turn(report: Report, sid: int) -> bytes:
+    return _TURN.pack(sid, round(-report.yaw_rate * 32e6))  # to the right
+
+
+def _attitude(report: Report, sid: int) -> bytes:
+    return _ATTITUDE.pack(sid, 0x7FFF, round(-report.pitch * 1e4), round(report.roll * 1e4))  # nose up

@@ -44,6 +44,10 @@ class Report:
     """front down positive, rad"""
     attitude_sigma: float = 0.005
     """standard deviation of yaw, roll and pitch, rad"""
+    inertial_yaw: float = math.nan
+    """of an inertial sensor, from any zero, rad"""
+    yaw_rate: float = math.nan
+    """counter-clockwise, rad/s"""
     heading_is_fixed: bool = True
     baseline: float = 1.0
     """distance of the antennas, m"""

@@ -50,11 +50,12 @@ def pos_cov_geodetic(report: Report) -> bytes:
 
 
 def att_euler(report: Report) -> bytes:
-    """Return heading, pitch (front up) and roll; an axis that is missing is not to be used."""
+    """Return heading, pitch (front up), roll and the heading's rate; what is missing is not to be used."""
     mode = 0 if math.isnan(report.yaw) else (2 if math.isnan(report.roll) else 4) - (not report.heading_is_fixed)
     angles = [heading(report.yaw) if mode else _UNUSED]
     angles += [_UNUSED if math.isnan(each) or not mode else math.degrees(each) for each in (-report.pitch, report.roll)]
-    body = struct.pack("<BBHH6f", report.satellites, 0 if mode else 128, mode, 0, *angles, *[_UNUSED] * 3)
+    rate = -math.degrees(report.yaw_rate) if mode and math.isfinite(report.yaw_rate) else _UNUSED
+    body = struct.pack("<BBHH6f", report.satellites, 0 if mode else 128, mode, 0, *angles, _UNUSED, _UNUSED, rate)
     return block(5938, 0, report, body)
 
 

@@ -13,6 +13,7 @@ from drawbar.protocols.gnss.quality import QualityHold
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.gnss.solution import Solution, sigma, solve
 from drawbar.protocols.gnss.timing import SAME_EPOCH, ReceiverClock, difference
+from drawbar.protocols.gnss.turning import LARGEST_YAW_RATE, Turning
 from drawbar.signals import FixQuality
 
 _REMEMBERED = 10
@@ -68,6 +69,7 @@ class Assembler:
         self._hold = QualityHold(self._settings.quality_hold)
         self._behind, self._behind_utc = 0, 0.0
         self._place, self._repeats = (0.0, 0.0), 0
+        self._turning = Turning()
         self._last_kinds: set[str] = set()  # of the epoch before
 
     @property
@@ -163,6 +165,7 @@ class Assembler:
             self._place = place
         by_quality = solution.quality if quality is FixQuality.NONE else quality
         east, north = sigma(solution.sigma, by_quality, settings.sigma_inflation)
+        yaw_rate, age = self._turn(solution, utc)
         return Epoch(
             time=time,
             received=draft.received,
@@ -183,5 +186,15 @@ class Assembler:
             station=position.station,
             satellites=position.satellites,
             hdop=position.hdop,
+            yaw_rate=yaw_rate,
+            attitude_age=age,
             **solution.attitude,
         )
+
+    def _turn(self, solution: Solution, utc: float) -> tuple[float, float]:
+        """Return the yaw rate of an epoch, rad/s, and its age, s."""
+        rate, age = self._turning.rate(solution.yaw_rate, solution.attitude.get("inertial_yaw", math.nan), utc)
+        if abs(rate) > LARGEST_YAW_RATE:
+            self.dropped["impossible yaw rate"] += 1
+            return math.nan, 0.0
+        return rate, age

@@ -17,7 +17,11 @@ _KSXT_FIXED = 3
 
 
 def panda(values: Values) -> tuple[Content, ...]:
-    """Return what one antenna and an inertial sensor say, in integers of 0.1°; without sensor the rest is stale."""
+    """Return what one antenna and an inertial sensor say, in integers of 0.1°; without sensor the rest is stale.
+
+    The last field is called yaw rate. Most firmware sends 0 there, other firmware numbers whose scale it alone knows:
+    it is not taken.
+    """
     contents = _board(values)
     if values.number("12") == _NO_SENSOR:
         return contents
@@ -25,7 +29,6 @@ def panda(values: Values) -> tuple[Content, ...]:
         yaw=wrap(math.pi / 2.0 - values.number("12", _TENTHS, low=-1800.0, high=3600.0)),
         roll=values.angle("13", 0.1),
         pitch=-values.angle("14", 0.1),
-        yaw_rate=values.number("15"),
     )
     return (*contents, inertial)
 

@@ -55,6 +55,10 @@ class Epoch:
     """standard deviation, rad"""
     inertial_yaw: float = math.nan
     """of an inertial sensor, from any zero, drifting: for differences over short times only, rad"""
+    yaw_rate: float = math.nan
+    """of the body, counter-clockwise, rad/s"""
+    attitude_age: float = 0.0
+    """of roll, pitch and yaw rate at `time`, s"""
     correction_age: float = math.nan
     """s; the oldest possible where the receiver gives a class only"""
     station: int | None = None

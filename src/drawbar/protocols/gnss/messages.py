@@ -123,8 +123,14 @@ class InertialAttitude:
     """rad"""
     pitch: float = math.nan
     """rad"""
-    yaw_rate: float = math.nan
-    """as sent; its scale is not known, counter-clockwise or not"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turn:
+    """How fast the body turns."""
+
+    yaw_rate: float
+    """rad/s, counter-clockwise"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,7 +147,7 @@ class Latency:
     seconds: float
 
 
-Content = Position | Velocity | Accuracy | Attitude | AttitudeAccuracy | InertialAttitude | Date | Latency
+Content = Position | Velocity | Accuracy | Attitude | AttitudeAccuracy | InertialAttitude | Turn | Date | Latency
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,16 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from drawbar.protocols.gnss.messages import Accuracy, Attitude, AttitudeAccuracy, Content, Latency, Position, Velocity
+from drawbar.protocols.gnss.messages import (
+    Accuracy,
+    Attitude,
+    AttitudeAccuracy,
+    Content,
+    Latency,
+    Position,
+    Turn,
+    Velocity,
+)
 from drawbar.protocols.gnss.sentences import LARGEST_SPEED
 from drawbar.protocols.gnss.values import Values, place
 from drawbar.signals import FixQuality
@@ -91,7 +100,7 @@ def pos_cov_geodetic(values: Values) -> tuple[Content, ...]:
 
 
 def att_euler(values: Values) -> tuple[Content, ...]:
-    """Return heading, pitch (front up) and roll of the antennas' line or plane."""
+    """Return heading, pitch (front up) and roll of the antennas' line or plane, and how fast the heading changes."""
     mode = values.integer("Mode")
     attitude = Attitude(
         yaw=values.yaw("Heading"),
@@ -102,7 +111,8 @@ def att_euler(values: Values) -> tuple[Content, ...]:
         code=mode,
         rank=3,
     )
-    return (attitude,)
+    turn = Turn(yaw_rate=values.number("HeadingDot", -math.radians(1.0)))
+    return (attitude, turn) if attitude.valid and attitude.fixed else (attitude,)
 
 
 def att_cov_euler(values: Values) -> tuple[Content, ...]:

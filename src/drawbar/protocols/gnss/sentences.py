@@ -1,14 +1,23 @@
-"""NMEA 0183 sentences that libraries know: GGA, VTG, RMC, GST, ZDA, HDT, THS, HRP, HPR and AVR.
+"""NMEA 0183 sentences that libraries know: GGA, VTG, RMC, GST, ZDA, HDT, THS, ROT, HRP, HPR and AVR.
 
 Traps: HRP is heading, roll, pitch and HPR heading, pitch, roll; with two antennas one of the two is empty (HRP) or
-0.0000 (HPR). HDT, THS and VTG carry no time. Speed is taken in knots, as every sentence has it.
+0.0000 (HPR). HDT, THS, ROT and VTG carry no time. Speed is taken in knots, as every sentence has it.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from drawbar.protocols.gnss.messages import Accuracy, Attitude, AttitudeAccuracy, Content, Date, Position, Velocity
+from drawbar.protocols.gnss.messages import (
+    Accuracy,
+    Attitude,
+    AttitudeAccuracy,
+    Content,
+    Date,
+    Position,
+    Turn,
+    Velocity,
+)
 from drawbar.protocols.gnss.values import KMH, KNOT, Values, place
 from drawbar.signals import FixQuality
 
@@ -24,6 +33,7 @@ QUALITIES = {
 _MODES = {"R": FixQuality.FIXED, "F": FixQuality.FLOAT, "D": FixQuality.DIFFERENTIAL, "A": FixQuality.SINGLE}
 _HPR_FIXED, _AVR_FIXED = 4, 3
 _HRP_FIXED = (2, 4)
+_DEGREE_PER_MINUTE = math.radians(1.0) / 60.0
 
 
 def gga(values: Values) -> tuple[Content, ...]:
@@ -112,6 +122,11 @@ def ths(values: Values) -> tuple[Content, ...]:
     return (Attitude(yaw=values.yaw("headt"), valid=values.text("mi") == "A"),)
 
 
+def rot(values: Values) -> tuple[Content, ...]:
+    """Return the rate of turn, given in degrees per minute to the right; A: it is measured."""
+    return (Turn(yaw_rate=values.number("rot", -_DEGREE_PER_MINUTE)),) if values.text("valid") == "A" else ()
+
+
 def hrp(values: Values) -> tuple[Content, ...]:
     """Return Septentrio's heading, roll and pitch with deviations; mode 0 none, 1 and 3 float, 2 and 4 fixed."""
     mode = values.integer("attmode")
@@ -193,6 +208,7 @@ SENTENCES = {
     "ZDA": Sentence(decode=zda, clock="1", fields=4),
     "HDT": Sentence(decode=hdt, fields=1),
     "THS": Sentence(decode=ths, fields=2),
+    "ROT": Sentence(decode=rot, fields=2),
     "HRP": Sentence(decode=hrp, clock="2", fields=11),
     "HPR": Sentence(decode=hpr, clock="1", fields=5),
     "AVR": Sentence(decode=avr, clock="2", fields=10),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from drawbar.protocols.gnss.attitude import body_attitude, choose_attitude
-from drawbar.protocols.gnss.messages import Accuracy, Content, Date, Latency, Position, Velocity
+from drawbar.protocols.gnss.messages import Accuracy, Content, Date, Latency, Position, Turn, Velocity
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.signals import FixQuality
 
@@ -41,6 +41,8 @@ class Solution:
     velocity: Velocity
     attitude: dict[str, float]
     """fields of an epoch"""
+    yaw_rate: float
+    """that the receiver reports, rad/s"""
     day: datetime.date | None
     latency: float
     """that the receiver reports, s"""
@@ -64,6 +66,7 @@ def solve(contents: list[Content], settings: EpochSettings) -> Solution:
         impossible=accuracy.impossible and math.isfinite(position.latitude),
         velocity=velocity if velocity.speed >= SLOWEST_COURSE else Velocity(speed=velocity.speed),
         attitude=body_attitude(attitude, contents, settings.antennas),
+        yaw_rate=_first([each.yaw_rate for each in _all(contents, Turn)]),
         day=next((each.day for each in _all(contents, Date)), None),
         latency=max((each.seconds for each in _all(contents, Latency)), default=0.0),
         refused=refused,

@@ -6,7 +6,7 @@ from collections import Counter
 
 from drawbar.protocols.gnss.assembly import Assembler
 from drawbar.protocols.gnss.epoch import Epoch
-from drawbar.protocols.gnss.messages import DAY, Content, Date, InertialAttitude, Message, Position, Velocity
+from drawbar.protocols.gnss.messages import DAY, Content, Date, InertialAttitude, Message, Position, Turn, Velocity
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.nmea2000.gnss import Nmea2000Epoch, Nmea2000Receiver
 from drawbar.protocols.nmea2000.messages import FixMethod, GnssPosition
@@ -75,6 +75,8 @@ def _message(epoch: Nmea2000Epoch) -> Message:
         contents.append(Velocity(speed=epoch.motion.speed, course=epoch.motion.course))
     if epoch.attitude is not None:
         contents.append(InertialAttitude(roll=epoch.attitude.roll, pitch=-epoch.attitude.pitch))  # there nose up
+    if epoch.turn is not None:
+        contents.append(Turn(yaw_rate=epoch.turn.yaw_rate))
     if math.isfinite(utc):
         contents.append(Date(day=datetime.datetime.fromtimestamp(utc, datetime.UTC).date()))
     return Message(kind=KIND, utc=utc % DAY if math.isfinite(utc) else None, contents=tuple(contents))

@@ -1,0 +1,39 @@
+"""`drawbar check` of a receiver: what its last epoch says, as somebody at the machine reads it."""
+
+import datetime
+
+import pytest
+
+from drawbar.driving import check
+from drawbar.driving.memory import MemoryTransport
+from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.stand_in import nmea
+from drawbar.machine.stand_in.receiver import Report
+
+BEGIN = datetime.datetime(2026, 11, 22, 12, tzinfo=datetime.UTC)
+
+
+def facts_of(monkeypatch, **changes):
+    """Return what is told of a receiver that turns to the left by 3 °/s."""
+    line = MemoryTransport()
+    for step in range(5):
+        time = BEGIN + datetime.timedelta(seconds=0.2 * step)
+        told = Report(time=time, latitude=50.0, longitude=4.0, height=0.0, **{k: v(step) for k, v in changes.items()})
+        line.arrive(10.0 + 0.2 * step, nmea.gga(told) + nmea.panda(told))
+    monkeypatch.setattr(check, "open_transport", lambda _: line)
+    monkeypatch.setattr(check, "_looks", lambda _: iter([10.0, 11.0]))
+    settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
+    return check._receiver("tractor receiver", settings, frame, 1.0).facts
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_roll_and_yaw_rate_are_told_in_degrees(monkeypatch, side):
+    yaw, roll, level = (lambda step: side * 0.0104720 * step), (lambda _: side * 0.04), (lambda _: 0.0)
+    facts = facts_of(monkeypatch, inertial_yaw=yaw, roll=roll, pitch=level)
+    assert f"roll {side * 2.3:.1f}°" in facts
+    assert f"yaw rate {side * 3.0:.1f}°/s" in facts
+
+
+def test_what_is_not_measured_is_not_told(monkeypatch):
+    assert not any("roll" in fact or "yaw" in fact for fact in facts_of(monkeypatch))
