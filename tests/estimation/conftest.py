@@ -47,9 +47,9 @@ UNIT = """
 #define NX {states}
 #define CONSTANTS {constants}
 {indices}#include "{name}_estimation.h"
-struct component {{ struct estimation_model model; double state[12], y[12]; }};
+struct component {{ struct estimation_model model; double state[12], y[13]; }};
 #define COMPONENT_FIELDS MODEL_FIELDS(component, model.) \\
-    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 12, 0, 0)
+    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 13, 0, 0)
 int UNIT(first_guess)(struct component *component, const struct drawbar_measurement *first)
 {{
     return model_first_guess(&component->model, first, component->state);

@@ -62,12 +62,13 @@ def articulated_rates(z, u):
 
 def articulated_output(z):
     x, y, theta, psi, delta, joint, v = *z[:6], z[10]
+    omega = articulated_rates(z, np.zeros(2))[2]
     parts = [(L - D, theta), (D, psi + joint), (L_I - C, psi)]
     trailer = [
         x - sum(r * math.cos(a) for r, a in parts),
         y - sum(r * math.sin(a) for r, a in parts),
     ]
-    return np.array([x, y, *trailer, theta - psi - joint, v, delta, joint, z[9], z[11]])
+    return np.array([x, y, *trailer, theta - psi - joint, v, delta, joint, omega, z[9], z[11]])
 
 
 TEXTBOOK = {"tricycle": (tricycle_rates, tricycle_output), "articulated": (articulated_rates, articulated_output)}
@@ -95,7 +96,7 @@ def outputs_of(model, measurement):
     if model.name == "tricycle":
         return np.array(y)
     crab = 0.0 if math.isnan(sum(y[:4])) else math.nan
-    return np.array([*y, crab, crab, 0.0, 0.0])
+    return np.array([*y, measurement.tractor_yaw_rate, crab, crab, 0.0, 0.0])
 
 
 def dense_filter(model, measurements):
@@ -175,6 +176,13 @@ def test_agrees_with_a_dense_filter_on_the_papers_model(recording, patchy, weigh
 @pytest.mark.parametrize("gaps", [False, True], ids=["complete", "patchy"])
 def test_agrees_with_a_dense_filter_on_the_chain(recording, patchy, gaps):
     assert_dense(make("articulated"), patchy if gaps else recording)
+
+
+def test_agrees_with_a_dense_filter_on_the_chain_with_yaw_rates(patchy):
+    rates = np.random.default_rng(5).normal(0.0, 0.1, len(patchy))
+    rates[::7] = math.nan
+    turning = [replace(each, tractor_yaw_rate=rate) for each, rate in zip(patchy, rates.tolist(), strict=True)]
+    assert_dense(make("articulated"), turning)
 
 
 def assert_dense(model, measurements):

@@ -185,11 +185,11 @@ class SlideSettings(Settings):
     """of the slide to the east and to the north at first; 0: none is looked for, rad"""
     walk: NonNegativeAngle = 2e-4
     """by which they may change per sample, rad"""
-    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.2
+    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
     """of the side-slip per side acceleration of a curve at first, rad per g; 0: none is looked for"""
     constant_prior: PositiveAngle = 0.005
     """of what is the same in all headings, rad"""
-    noise: PositiveAngle = 0.08
+    noise: PositiveAngle = 0.12
     """of one estimated side-slip, which is much like the one before, rad"""
 
 

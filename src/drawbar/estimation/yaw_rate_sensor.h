@@ -39,6 +39,12 @@ struct yaw_rate_sensor {
     int32_t begun, follows;                /* is there anything; is there an integral? */
 };
 
+/* Begin to know the sensor; nothing is believed for a while (s). */
+static inline void yaw_rate_begin(struct yaw_rate_sensor *sensor, double doubted)
+{
+    *sensor = (struct yaw_rate_sensor){.of_bias = FIRST_BIAS * FIRST_BIAS, .doubted = doubted, .begun = 1};
+}
+
 /* Begin the integral anew, from a yaw (rad). */
 static inline void yaw_rate_follow(struct yaw_rate_sensor *sensor, double yaw)
 {
@@ -92,7 +98,7 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
     const double share = -expm1(-fmax(elapsed, 0.0) / OBSERVED);
 
     if (!sensor->begun)
-        *sensor = (struct yaw_rate_sensor){.of_bias = FIRST_BIAS * FIRST_BIAS, .begun = 1};
+        yaw_rate_begin(sensor, 0.0);
     sensor->doubted = fmax(sensor->doubted - fmax(elapsed, 0.0), 0.0);
     if (!isfinite(told + wheels) || !(elapsed > 0.0)) {
         sensor->follows = 0;
@@ -105,7 +111,7 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
     else if (isfinite(yaw))
         yaw_rate_compare(sensor, yaw, share);
     if (sensor->unexpected > MOST_LEAD * MOST_LEAD || fabs(sensor->beyond) > LEAP)
-        sensor->doubted = PATIENCE;
+        yaw_rate_begin(sensor, PATIENCE);
     const int known = sensor->of_bias < BIAS_KNOWN * BIAS_KNOWN;
     const int alike = known && yaw_rate_alike(sensor, told - sensor->bias, wheels, elapsed);
     return alike && !(sensor->doubted > 0.0) ? told - sensor->bias : NAN;
