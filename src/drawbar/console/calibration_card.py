@@ -109,7 +109,7 @@ class CalibrationCard:
         middle = 0.5 * (points.max(axis=0) + points.min(axis=0))
         half = 0.5 * max(float(np.ptp(points, axis=0).max()), _SPAN)
         axes = [{"min": round(each - half), "max": round(each + half)} for each in middle.tolist()]
-        self._track.run_chart_method(":setOption", "plotLook(0)")
+        self._track.run_chart_method(":setOption", "plotLook(1)")
         self._track.run_chart_method(
             "setOption", {"xAxis": axes[0], "yAxis": axes[1], "series": [CURVE | {"data": points.tolist()}]}
         )

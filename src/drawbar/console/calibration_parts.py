@@ -51,7 +51,7 @@ def plot_options(x: str, y: str) -> dict[str, Any]:
     axis = {"type": "value", "scale": True}
     return {
         "animation": False,
-        "grid": {"left": 8, "right": 16, "top": 16, "bottom": 16, "containLabel": True},
+        "grid": {"left": 8, "right": 28, "top": 16, "bottom": 16, "containLabel": True},
         "xAxis": {**axis, "name": x},
         "yAxis": {**axis, "name": y, "nameTextStyle": {"align": "left"}},
         "series": [],

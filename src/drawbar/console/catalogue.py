@@ -155,7 +155,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "import_kinds": ("{kinds}; folders as .zip", "{kinds}; Ordner als .zip"),
     "imported": ("Imported {fields}: {lines} lines", "{fields} importiert: {lines} Linien"),
     "too_large": (
-        "Not taken: one file only, of at most {size} MiB",
+        "Not taken: one file of at most {size} MiB",
         "Nicht angenommen: nur eine Datei, höchstens {size} MiB",
     ),
     "left_out": ("Left out: {what}", "Ausgelassen: {what}"),

@@ -73,7 +73,7 @@ class ValveCard:
                 plot.set_visibility(True)
                 ui.run_javascript(f"keepLook({plot.id})")
             points = np.round(np.column_stack([times, values])[::every], 2).tolist()
-            plot.run_chart_method(":setOption", "plotLook(0)")
+            plot.run_chart_method(":setOption", "plotLook(1)")
             plot.run_chart_method("setOption", {"series": [CURVE | {"data": points}]})
 
 

@@ -16,7 +16,7 @@ const COLOURS = { // of curves, on the ground of each look
 
 // Gives a plot that is drawn once the look of the page, now and whenever that changes.
 function keepLook(number) {
-  const look = () => getElement(number)?.chart?.setOption(plotLook(0));
+  const look = () => getElement(number)?.chart?.setOption(plotLook(1));
   new MutationObserver(look).observe(document.body, { attributes: true, attributeFilter: ["class"] });
 }
 
