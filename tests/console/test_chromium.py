@@ -157,6 +157,13 @@ def look_at_the_other_pages(drive, page):
 def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     page.goto(drive)
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    page.locator(".why li").first.wait_for()
+    assert page.locator(".map").evaluate("(each) => each.offsetHeight") >= 180
+    stop = page.locator(".stop")
+    assert stop.evaluate("(each) => each.getBoundingClientRect().bottom") <= 740
+    page.keyboard.press("Tab")
+    stop.focus()
+    assert stop.evaluate("(each) => getComputedStyle(each).outlineWidth") == "4px"
     press_until(page, word(page, "Emergency stop"), "EMERGENCY")
     press_until(page, word(page, "Ready"), "Acknowledge")
     press_until(page, word(page, "Steering"), "1 Prepare", "2 Engage")

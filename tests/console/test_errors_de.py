@@ -47,7 +47,9 @@ NOT_MET = {
     "guidance/importers/csv.py",  # the console reads its own CSV files, of degrees
     "console/passwords.py",  # of the command line
     "console/errors_de.py",
+    "console/refusals_de.py",
     "console/catalogue.py",
+    "console/catalogue_set_up.py",
     "console/causes_de.py",
 }
 RAISED = {"DrawbarError", "ConfigurationError", "PathError", "StorageError", "ModelError", "ValueError"}
@@ -173,7 +175,7 @@ def test_bounds_are_in_the_units_of_the_page():
         return flaws(str(caught.value), Words(language))
 
     assert said("vehicle.wheelbase=40.0") == "A  Wheelbase: must be at most 3000 cm"
-    assert said("vehicle.tractor_steering_limit=1.5") == "Front wheels, most: must be less than 80 °"
+    assert said("vehicle.tractor_steering_limit=1.5") == "Front wheels, at most: must be less than 80 °"
     assert said("speed=0.01", "de") == "Fahrtempo: muss mindestens 0,2 km/h sein"
     assert said("vehicle.curvature_limit=-0.1") == "Smallest radius of lines: must be more than 0 m"
     assert said("vehicle.dead_time=nan", "de") == "Totzeit: muss eine Zahl sein"

@@ -154,7 +154,7 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
     turn = np.linspace(0.0, 1.5, 60)
     drive(stage, one, 20.0 * np.column_stack([np.sin(turn), 1.0 - np.cos(turn)]))
     assert "Recording: " in one.text()
-    one.press("■ End and keep")
+    one.press("■ End and save")
     assert stage.workshop.fields.names() == ["New field"]
     straight, curve = stage.workshop.fields.load("New field").lines
     assert straight.name == "AB 36.9°"
@@ -183,7 +183,7 @@ async def test_positions_that_are_not_fixed_make_no_line(stage, browser):
     for x in range(20):
         stage.run(0.1)
         stage.hear_fixes(float(x), 0.0, quality=4)
-    one.press("■ End and keep")
+    one.press("■ End and save")
     assert "0.0 m long" in one.told()
     assert stage.link.surveyor.track is not None
 

@@ -62,6 +62,8 @@ def test_steering_goes_on_while_the_disk_is_full_and_what_was_written_is_kept(tm
     assert len(read_log(tmp_path / "log.mcap").records) > 5
     told = [event.text for event in run_events(tmp_path / "log.mcap", WORDS["en"])]
     assert "Steering" in told
+    assert told[-1] == WORDS["en"]("record_ends")
+    assert run_events(tmp_path / "log.mcap", WORDS["en"], is_on=True)[-1].text != told[-1]
 
 
 @staged

@@ -19,7 +19,7 @@ from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Rank
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
-from drawbar.messages import Action, OperatorMessage
+from drawbar.messages import Action, OperatorMessage, SupervisorState
 from drawbar.recording.chunks import ChunkedWriter
 from drawbar.recording.recorder import Recorder
 from drawbar.report.folder import write_report
@@ -168,6 +168,23 @@ def test_events_are_told_in_plain_words(drive_log, language):
     assert told.count(words("operator_pressed", what=words("emergency"))) == 1
     assert told.index(words("operator_pressed", what=words("emergency"))) < len(told) - 2
     assert told[-1].startswith(words("STANDBY"))
+
+
+def test_a_recorder_that_falls_silent_while_steering_is_an_event_once(tmp_path):
+    words, lost = Words("en"), Cause.NOT_RECORDING.value
+    silent = [(0, lost), (1, 0), (1, lost), (1, lost), (1, 0), (0, 0)]  # before it steers it is none
+    states = [
+        {"state": SupervisorState.ACTIVE, "cause": 0, "steers": steers, "refusals": [code]} for steers, code in silent
+    ]
+    with (tmp_path / "log.mcap").open("wb") as stream:
+        writer = ChunkedWriter(stream, "")
+        channel = writer.add_channel("/gate", "json", 0)
+        for time, state in enumerate(states):
+            data = msgspec.json.encode(state)
+            writer.add_message(channel, data, log_time=time * SECOND, publish_time=time * SECOND, sequence=0)
+        writer.finish()
+    told = [(event.time, event.text) for event in run_events(tmp_path / "log.mcap", words)]
+    assert told == [(0.0, words("ACTIVE")), (2.0, words.cause(Cause.NOT_RECORDING)[0])]
 
 
 def test_a_simulated_run_has_no_events_and_a_broken_log_is_refused(runs):

@@ -53,7 +53,7 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
     }.items():
         number(one, key).set_value(value)
     assert "A  Wheelbase: 140 cm → 215.5 cm" in one.text()
-    assert "Front wheels, most: 30 ° → 25 °" in one.text()
+    assert "Front wheels, at most: 30 ° → 25 °" in one.text()
     one.press("Save as a new version")
     (version,) = stage.workshop.versions.all()
     saved = load_configuration(str(version.file))
@@ -63,7 +63,7 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
     assert saved.vehicle.curvature_limit == pytest.approx(1.0 / 6.0, abs=1e-12)
     assert saved.speed == pytest.approx(0.75)
     assert saved.vehicle.hitch_length == stage.configuration.vehicle.hitch_length
-    assert "No number is changed" in one.text()
+    assert "Nothing is changed" in one.text()
     assert version.file.name in one.text()
 
 
@@ -73,7 +73,7 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
         ("vehicle.wheelbase", 0.0, "Wheelbase: must be more than 0 cm"),
         ("vehicle.wheelbase", 215500.0, "Wheelbase: must be at most 3000 cm"),
         ("vehicle.trailer_antenna", 500.0, "ahead of the actuated joint"),
-        ("vehicle.tractor_steering_limit", 89.0, "Front wheels, most: must be less than 80 °"),
+        ("vehicle.tractor_steering_limit", 89.0, "Front wheels, at most: must be less than 80 °"),
         ("speed", None, "Driving speed: must be a number"),
         ("vehicle.curvature_limit", 0.0, "Smallest radius of lines: must be more than 0 m"),
     ],
@@ -238,7 +238,7 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     assert "✖ front wheels: scale" in one.text()
     pulses = stage.workshop.driven.devices.sensors.pulses_per_metre
     one.refresh()
-    one.press("Save what was found")
+    one.press("Save the result")
     assert stage.workshop.configuration.devices.sensors.pulses_per_metre == pytest.approx(1.04 * pulses, rel=1e-3)
     log = stage.link.hand_log
     log.begin()

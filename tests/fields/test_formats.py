@@ -15,7 +15,7 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 pytest.importorskip("pyproj", reason="the extra `console` is not installed")
 
 from drawbar.errors import PathError
-from drawbar.fields.exchange import WRITERS, read_fields, unpack
+from drawbar.fields.exchange import WRITERS, read_fields, take_in, unpack
 from drawbar.fields.field import Field, FieldLine
 from drawbar.fields.lines import on_earth, on_plane
 from drawbar.geometry import LocalFrame
@@ -229,3 +229,10 @@ def test_an_archive_writes_nothing_outside_its_folder(tmp_path: Path) -> None:
     ):
         assert path.resolve().is_relative_to(inner.resolve())
     assert [each.name for each in tmp_path.iterdir()] == ["inner"]
+
+
+def test_a_field_that_was_packed_without_its_folder_is_named_as_the_archive() -> None:
+    with zipfile.ZipFile(io.BytesIO(WRITERS["AgOpenGPS"][1](FIELD))) as archive:
+        files = {Path(name).name: archive.read(name).decode() for name in archive.namelist()}
+    (field,) = take_in("hill.zip", packed(**files), FRAME)
+    assert field.name == "hill"

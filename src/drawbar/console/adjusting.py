@@ -22,7 +22,7 @@ Ask = Callable[[Action, float], None]
 
 
 class Adjusting:
-    """Two rows of buttons, each with what it changes between them."""
+    """Two rows of buttons, each with what it changes between them; a small screen folds them while nothing steers."""
 
     def __init__(self, link: Link, words: Words, ask: Ask, *, speed: float, working_width: float) -> None:
         """Build the rows.
@@ -37,6 +37,9 @@ class Adjusting:
         self._link, self._words, self._ask = link, words, ask
         self._otherwise, self._width = speed, working_width
         self._followed = link.clock()  # when the chosen line was driven last
+        self._is_open = False
+        self._fold = ui.button(words("unfold"), on_click=self._toggle, color=None)
+        self._fold.props("no-caps unelevated aria-expanded=false").classes("fold plain")
         with ui.element("div").classes("adjust needs-sight") as self._fine:
             self._button("◀", "nudge_left", lambda: self._nudge(NUDGE))
             self._shift = self._reading("line_shift")
@@ -53,6 +56,8 @@ class Adjusting:
         """Show what may be changed now."""
         self._fine.set_visibility(shown.may_adjust)
         self._passes.set_visibility(shown.may_choose_line and self._width > 0.0)
+        self._fold.set_visibility(shown.may_choose_line and (self._fine.visible or self._passes.visible))
+        self._show_fold()
 
     def refresh(self) -> None:
         """Show how everything is now."""
@@ -65,6 +70,18 @@ class Adjusting:
             self._followed = now
         failed = self._words("not_drivable") if now - self._followed > _PATIENCE else ""
         self._pass.set_text(f"{gate.line} {failed}".strip())
+
+    def _toggle(self) -> None:
+        self._is_open = not self._is_open
+        self._show_fold()
+
+    def _show_fold(self) -> None:
+        """Let small screens fold the rows while there is a button to unfold them (console.css)."""
+        folded = self._fold.visible and not self._is_open
+        for row in (self._fine, self._passes):
+            row.classes(add="folded" if folded else "", remove="" if folded else "folded")
+        self._fold.set_text(self._words("unfold" if folded else "fold"))
+        self._fold.props(f"aria-expanded={str(not folded).lower()}")
 
     @property
     def _left(self) -> int:

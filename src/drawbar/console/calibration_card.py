@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
+from drawbar.console.calibration_parts import CURVE, StepList, list_found, plot_options
 from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
-from drawbar.driving.calibrating import Found, calibrate
+from drawbar.driving.calibrating import calibrate
 from drawbar.driving.hand_drive import HandDrive
 from drawbar.driving.loop_drive import dead_bands
 from drawbar.errors import ConfigurationError, DrawbarError
@@ -23,8 +24,6 @@ _POINTS = 800
 """of the track that are drawn, at most"""
 _SPAN = 20.0
 """least length of the plot's axes, m"""
-_LINE = {"width": 3, "color": "#0072b2"}
-_PICTURE = '<svg viewBox="0 0 48 48" class="to-drive" aria-hidden="true"><path d="{}"/></svg>'
 _WHEEL = "M24 6 a18 18 0 1 0 0.1 0 M6 24 H42 M24 24 V42"
 _AHEAD = "M6 24 H40 M33 17 l8 7 l-8 7"
 STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]] | None], ...] = (
@@ -54,13 +53,13 @@ class CalibrationCard:
             with ui.element("h2"):
                 ui.label(words("calibrate"))
             ui.label(words("calibrate_help")).classes("note")
-            self._build_steps()
+            self._steps = StepList([(key, picture) for key, picture, _ in STEPS], words)
             with ui.element("div").classes("line-up"):
                 self._begin = self._button("calibrate_begin", self._start)
                 self._evaluate = self._button("calibrate_evaluate", self._find)
                 self._keep = self._button("calibrate_keep", self._save).classes("main")
             self._said = ui.label().classes("note").props("role=status")
-            self._track = ui.echart(_options()).classes("track-plot")
+            self._track = ui.echart(plot_options("m", "m")).classes("track-plot")
             self._found = ui.element("div")
         self._track.set_visibility(False)
         self._show_buttons()
@@ -76,25 +75,9 @@ class CalibrationCard:
         if (drive := log.drive()) is not None:
             self._draw(drive)
 
-    def _build_steps(self) -> None:
-        """Build the list of what to drive, each with its picture."""
-        self._counts: list[ui.label] = []
-        with ui.element("ol").classes("to-do"):
-            for key, picture, _ in STEPS:
-                with ui.element("li"):
-                    ui.html(_PICTURE.format(picture), sanitize=False)
-                    ui.label(self._words(key)).classes("grow")
-                    self._counts.append(ui.label().classes("count"))
-
     def _count(self, done: Driven | None) -> None:
         """Show how much of each step has been driven; None: nothing."""
-        for label, (_, _, measure) in zip(self._counts, STEPS, strict=True):
-            if done is None or measure is None:
-                label.set_text("")
-                continue
-            much, enough, unit = measure(done)
-            text = f"{min(much, 9999.0):.0f} / {enough:.0f} {unit}".strip()
-            label.set_text(f"✓ {text}" if much >= enough else text)
+        self._steps.count([measure(done) if done and measure else None for _, _, measure in STEPS])
 
     def _button(self, key: str, act: Callable[[], Any]) -> ui.button:
         button = ui.button(self._words(key), on_click=act, color=None)
@@ -123,12 +106,13 @@ class CalibrationCard:
         points = np.round(np.column_stack([drive.x[known], drive.y[known]])[::every], 2)
         if not len(points):
             return
-        line = {"type": "line", "data": points.tolist(), "showSymbol": False, "lineStyle": _LINE}
         middle = 0.5 * (points.max(axis=0) + points.min(axis=0))
         half = 0.5 * max(float(np.ptp(points, axis=0).max()), _SPAN)
         axes = [{"min": round(each - half), "max": round(each + half)} for each in middle.tolist()]
-        self._track.run_chart_method(":setOption", "plotLook(0)")
-        self._track.run_chart_method("setOption", {"xAxis": axes[0], "yAxis": axes[1], "series": [line]})
+        self._track.run_chart_method(":setOption", "plotLook(1)")
+        self._track.run_chart_method(
+            "setOption", {"xAxis": axes[0], "yAxis": axes[1], "series": [CURVE | {"data": points.tolist()}]}
+        )
 
     async def _find(self) -> None:
         """Evaluate in a thread, which must not hold up the pictures of those who drive."""
@@ -150,34 +134,9 @@ class CalibrationCard:
             self._works = False
         self._changes = [f"{key}={json.dumps(value)}" for each in found for key, value in each.sets.items()]
         self._said.set_text(self._words("calibrate_found", count=sum(each.value.accepted for each in found)))
-        self._list(found)
+        list_found(self._found, found, self._words)
         self._show_buttons()
-
-    def _list(self, found: list[Found]) -> None:
-        self._found.clear()
-        with self._found:
-            for each in found:
-                ui.label(_line(each, self._words)).classes("good" if each.value.accepted else "flaw")
 
     def _save(self) -> None:
         if self._changes:
             self._keep_changes(self._changes)
-
-
-def _line(found: Found, words: Words) -> str:
-    value, name = found.value, words.message(found.name)
-    if not value.accepted:
-        return f"✖ {name}: {'; '.join(map(words.message, value.refusals))}"
-    numbers = f"{value.value:.4g} ± {value.deviation:.2g}"
-    return f"✓ {name}: {words.decimal(numbers)} {words.message(value.unit)}"
-
-
-def _options() -> dict[str, Any]:
-    axis = {"type": "value", "scale": True}
-    return {
-        "animation": False,
-        "grid": {"left": 8, "right": 16, "top": 16, "bottom": 16, "containLabel": True},
-        "xAxis": {**axis, "name": "m"},
-        "yAxis": {**axis, "name": "m"},
-        "series": [],
-    }

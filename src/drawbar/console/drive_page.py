@@ -38,7 +38,8 @@ class DrivePage:
             scene = standing | {"trail": list(link.trail), "lines": lines(self._offset)}
             texts = {key: words(key) for key in _TEXTS}
             self._instruments = Instruments(scene, texts, lambda seen: link.drawn(visitor, seen))
-            self._why = ui.element("section").classes("why").props(f'aria-label="{words("why_not")}" aria-live=polite')
+            self._why = ui.element("section").classes("why")  # a small screen shows all of it while it has the focus
+            self._why.props(f'tabindex=0 aria-label="{words("why_not")}" aria-live=polite')
             with ui.element("footer").classes("controls"):
                 self._build_controls()
         self.refresh()
@@ -144,7 +145,7 @@ class DrivePage:
         self._arm.set_enabled(shown.may_arm)
         self._engage.set_enabled(shown.may_engage)
         for button in (self._arm, self._engage):
-            button.set_visibility(not shown.may_acknowledge)
+            button.set_visibility(not shown.may_acknowledge and not shown.steers)
         self._acknowledge.set_visibility(shown.may_acknowledge)
         self._adjusting.show(shown)
         self._why.set_visibility(bool(shown.reasons))

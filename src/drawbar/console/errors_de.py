@@ -1,4 +1,4 @@
-"""Errors in German: what an operator may read of `DrawbarError`s and of refused calibrations.
+"""Errors in German: what an operator may read of `DrawbarError`s; of refused calibrations in refusals_de.py.
 
 Keys are the English texts as they stand in the code, `{}` for each value in them; `{0}`, `{1}` are these values in
 order. The English text stays where the error is raised; a test compares both.
@@ -6,7 +6,10 @@ order. The English text stays where the error is raised; a test compares both.
 
 from collections.abc import Mapping
 
+from drawbar.console.refusals_de import REFUSALS_DE
+
 ERRORS_DE: Mapping[str, str] = {
+    **REFUSALS_DE,
     # files of fields
     "{}: is of none of the types {}, .csv, .kmz and .zip; give one of these":
         "{0}: hat keinen der Typen {1}, .csv, .kmz und .zip; eine solche Datei wählen",
@@ -28,20 +31,20 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: partfield {}": "{0}: Schlag {1}",
     "field {} has no line {}; its lines are: {}": "Feld {0} hat keine Linie {1}; seine Linien: {2}",
     "field {} holds neither a line nor a boundary; record or import one":
-        "Feld {0} hat weder Linie noch Grenze; eine aufnehmen oder einlesen",
+        "Feld {0} hat weder Linie noch Grenze; eine Linie aufzeichnen oder eine Datei importieren",
     "{}: {} has {} cells; {} is needed": "{0}: {1} hat {2} Zellen; nötig ist {3}",
-    "{}: 'coordinates' is no list": "{0}: „coordinates“ ist keine Liste; Datei neu ausgeben",
+    "{}: 'coordinates' is no list": "{0}: „coordinates“ ist keine Liste; Datei neu exportieren",
     "{}: 'coordinates' is no list of positions":
-        "{0}: „coordinates“ ist keine Liste von Positionen; Datei neu ausgeben",
+        "{0}: „coordinates“ ist keine Liste von Positionen; Datei neu exportieren",
     "{}: {} is no longitude,latitude in degrees": "{0}: {1} ist nicht Länge,Breite in Grad",
     "{}: has no {}.prj beside it, so that nobody knows its projection; export it too":
-        "{0}: {1}.prj fehlt daneben, die Projektion ist unbekannt; mit ausgeben",
-    "{}: cannot be read as a shapefile: {}; export it again": "{0}: ist kein lesbares Shapefile ({1}); neu ausgeben",
-    "{}: is no projection that is known: {}; export in WGS84": "{0}: unbekannte Projektion ({1}); in WGS84 ausgeben",
+        "{0}: {1}.prj fehlt daneben, die Projektion ist unbekannt; mit exportieren",
+    "{}: cannot be read as a shapefile: {}; export it again": "{0}: ist kein lesbares Shapefile ({1}); neu exportieren",
+    "{}: is no projection that is known: {}; export in WGS84": "{0}: unbekannte Projektion ({1}); in WGS84 exportieren",
     "{}: declares a document type (DOCTYPE), which no such file needs; export it again without":
-        "{0}: hat einen Dokumenttyp (DOCTYPE), den keine solche Datei braucht; neu ausgeben, ohne ihn",
+        "{0}: hat einen Dokumenttyp (DOCTYPE), den keine solche Datei braucht; neu exportieren, ohne ihn",
     "{}: its root is <{}>; {} has <{}>": "{0}: beginnt mit <{1}>; {2} beginnt mit <{3}>",
-    "{}: is not XML: {}; export it again": "{0}: ist kein XML ({1}); neu ausgeben",
+    "{}: is not XML: {}; export it again": "{0}: ist kein XML ({1}); neu exportieren",
     "{}: {} of <{}> is {}; a number in degrees is needed": "{0}: {1} von <{2}> ist {3}; eine Zahl in Grad ist nötig",
     "{}: is a binary file; give a text file": "{0}: ist keine Textdatei; die richtige Datei wählen",
     "{}: is empty; a line needs at least two points": "{0}: ist leer; eine Linie hat mindestens zwei Punkte",
@@ -55,7 +58,7 @@ ERRORS_DE: Mapping[str, str] = {
     "the mode": "die Art",
     "{}: is {}; {} numbers separated by commas are needed, with decimal points, or all with decimal commas":
         "{0}: ist {1}; nötig sind {2} Zahlen, durch Kommas getrennt, alle mit Punkt oder alle mit Komma",
-    "{}: is not valid JSON: {}": "{0}: ist kein gültiges JSON ({1}); neu ausgeben",
+    "{}: is not valid JSON: {}": "{0}: ist kein gültiges JSON ({1}); neu exportieren",
     "{}: is {}; [longitude, latitude] in degrees is needed": "{0}: ist {1}; nötig ist [Länge, Breite] in Grad",
     "{}: longitude {}, latitude {}; they must lie within ±180° and ±90°: GeoJSON is WGS84 in degrees, longitude first":
         "{0}: Länge {1}, Breite {2}; erlaubt sind ±180° und ±90°: GeoJSON ist WGS84 in Grad, Länge zuerst",
@@ -63,9 +66,9 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}: sein crs ist {1}; gelesen wird nur WGS84: nach EPSG:4326 umwandeln",
     "{}: {} is {}; a list is needed": "{0}: {1} ist {2}; eine Liste ist nötig",
     "{}: holds no LineString but {}; give each line as a LineString: alone, as a Feature or in a FeatureCollection":
-        "{0}: enthält keinen LineString, sondern {1}; jede Linie als LineString ausgeben",
+        "{0}: enthält keinen LineString, sondern {1}; jede Linie als LineString exportieren",
     "no feature": "kein Objekt",
-    "{}: holds no line: {}; record one in AgOpenGPS": "{0}: enthält keine Linie ({1}); in AgOpenGPS eine aufnehmen",
+    "{}: holds no line: {}; record one in AgOpenGPS": "{0}: enthält keine Linie ({1}); in AgOpenGPS eine aufzeichnen",
     "{}: has no {}; give the folder of one AgOpenGPS field, which holds {} and {}":
         "{0}: {1} fehlt; der Ordner eines AgOpenGPS-Feldes enthält {2} und {3}",
     "{}: has no row 'StartFix' with the field's origin 'latitude,longitude' below; give a field folder as AgOpenGPS "
@@ -80,15 +83,15 @@ ERRORS_DE: Mapping[str, str] = {
     "{}:{}: line {} has a nudge of {} m; only 0 can be driven: move the reference line itself in AgOpenGPS":
         "{0}:{1}: Linie {2} ist um {3} m verschoben; nur 0 ist fahrbar: in AgOpenGPS die Linie selbst verschieben",
     "{}:{}: the file ends inside line {}; export the field from AgOpenGPS again":
-        "{0}:{1}: die Datei endet mitten in Linie {2}; das Feld neu aus AgOpenGPS ausgeben",
+        "{0}:{1}: die Datei endet mitten in Linie {2}; das Feld neu aus AgOpenGPS exportieren",
     "{}:{}: line {} announces {} points, but {} rows follow; export the field from AgOpenGPS again":
-        "{0}:{1}: Linie {2} kündigt {3} Punkte an, {4} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
+        "{0}:{1}: Linie {2} kündigt {3} Punkte an, {4} Zeilen folgen; das Feld neu aus AgOpenGPS exportieren",
     "{}:{}: announces {} points; a whole number is allowed: export the field from AgOpenGPS again":
-        "{0}:{1}: kündigt {2} Punkte an; erlaubt ist eine ganze Zahl: das Feld neu aus AgOpenGPS ausgeben",
+        "{0}:{1}: kündigt {2} Punkte an; erlaubt ist eine ganze Zahl: das Feld neu aus AgOpenGPS exportieren",
     "{}:{}: announces {} points, but {} rows follow; export the field from AgOpenGPS again":
-        "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS ausgeben",
+        "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS exportieren",
     "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these":
-        "{0}: ist weder Ordner eines AgOpenGPS-Feldes noch Datei des Typs {1}; so etwas wählen",
+        "{0}: ist weder Ordner eines AgOpenGPS-Feldes noch Datei des Typs {1}; eines davon wählen",
     # lines
     "A and B are {} m apart; {} m are needed: drive on, then set B":
         "A und B liegen {0} m auseinander; {1} m sind nötig: weiterfahren, dann B setzen",
@@ -169,7 +172,7 @@ ERRORS_DE: Mapping[str, str] = {
     "a step lacks what every step of drawbar has ({})": "einem Schritt fehlt, was jeder Schritt von drawbar hat ({0})",
     "the path of this log has no place on Earth: figure-eights and CSV files have none. Export --csv instead, or "
     "drive a line that was recorded with its place":
-        "Die Linie dieser Fahrt hat keinen Ort auf der Erde: Achten und CSV-Dateien haben keinen. Als CSV ausgeben",
+        "Die Linie dieser Fahrt hat keinen Ort auf der Erde: Achten und CSV-Dateien haben keinen. Als CSV exportieren",
     "No space left on device": "kein Platz mehr auf dem Speicher",
     "Permission denied": "keine Erlaubnis",
     "Read-only file system": "der Speicher ist schreibgeschützt",
@@ -203,7 +206,7 @@ ERRORS_DE: Mapping[str, str] = {
     "{} m":
         "Kupplung bis Lenkgelenk, {0} m, legt die Kupplung vor die Vorderachse; es muss kürzer als {1} m sein",
     "speed = {} m/s is above machine.hydrostat.full_speed = {} m/s; lower it":
-        "Fahrtempo {0} m/s ist schneller, als das Stellvertreterfahrzeug fährt, {1} m/s; senken",
+        "Fahrtempo {0} m/s ist schneller, als das simulierte Fahrzeug fahren kann, {1} m/s; senken",
     "vehicle.{}_steering_limit = {} rad is beyond the machine's mechanical stop, machine.actuators.{}_stop = {} rad; "
     "lower it":
         "der Lenkwinkel {1} rad liegt hinter dem Anschlag, {3} rad; senken",
@@ -214,74 +217,4 @@ ERRORS_DE: Mapping[str, str] = {
     "sample_time":
         "{0} ist zu groß gegenüber den Gewichten der Fehler: eine Korrektur würde {1} s dauern, höchstens {2} s sind "
         "mit controller.horizon = {3} und sample_time = {4} s erlaubt; anderes Tempo wählen, oder das Gewicht ändern",
-    # calibration: names and units
-    "front wheels": "Vorderräder",
-    "joint": "Lenkgelenk",
-    "front wheels: zero": "Vorderräder: Nullpunkt",
-    "front wheels: scale": "Vorderräder: Maßstab",
-    "{}: dead band": "{0}: Totbereich",
-    "{} motions from rest, {} are needed; let drawbar steer slow curves for two minutes (a steering that never rests "
-    "has no dead band)":
-        "{0} Bewegungen aus der Ruhe, {1} sind nötig; drawbar zwei Minuten sanfte Kurven lenken lassen (eine Lenkung, "
-        "die nie ruht, hat keinen Totbereich)",
-    "joint: zero": "Lenkgelenk: Nullpunkt",
-    "hitch angle: zero": "Knickwinkel: Nullpunkt",
-    "wheel speed": "Radsensor",
-    "tractor: mounting roll": "Traktor: Rollwinkel des Einbaus",
-    "counts": "Stufen",
-    "counts per degree": "Stufen je Grad",
-    "reported by true": "gemeldet zu wahr",
-    "left": "links",
-    "right": "rechts",
-    # calibration: why not
-    "{} s of straight driving; drive 30 m straight at 1 to 2 m/s":
-        "{0} s geradeaus; 30 m geradeaus fahren, mit 1 bis 2 m/s",
-    "{} s at {} to {} m/s; drive {} m straight at 1 to 2 m/s":
-        "{0} s mit {1} bis {2} m/s; {3} m geradeaus fahren, mit 1 bis 2 m/s",
-    "{} m were driven; drive {} m at least": "{0} m gefahren; mindestens {1} m fahren",
-    "the mean curvature is {} 1/m; drive straighter, {} at most":
-        "die mittlere Krümmung ist {0} 1/m; gerader fahren, höchstens {1}",
-    "no polynomial of degree 3 leaves less than {}° of these circles and has an inverse; hold the steering in each "
-    "circle, and check the sensor's lever for play":
-        "keine Kurve passt auf weniger als {0}° zu diesen Kreisen; die Lenkung in jedem Kreis halten, Hebel des "
-        "Sensors auf Spiel prüfen",
-    "the zero is not to be used: {}": "der Nullpunkt taugt nicht: {0}",
-    "a circle has less than 3 s at {} m/s and above; drive it longer":
-        "ein Kreis hat weniger als 3 s mit {0} m/s und mehr; länger fahren",
-    "{} circles to the {} above 3°; drive {} of different angles":
-        "{0} Kreise nach {1} über 3°; {2} mit verschiedenen Winkeln fahren",
-    "a board cannot store {}; check the sensor's lever and its way":
-        "eine Platine kann {0} nicht speichern; Hebel und Weg des Sensors prüfen",
-    "the counts do not follow the angle; check the sensor": "die Stufen folgen dem Winkel nicht; Sensor prüfen",
-    "the antenna's height {} m is below 0.5 m; measure it above the ground":
-        "die Höhe der Antenne, {0} m, ist unter 0,5 m; über dem Boden messen",
-    "{} times {} s one way; drive {} s each way": "{0}-mal {1} s in einer Richtung; je Richtung {2} s fahren",
-    "the ways lie {} m apart, more than {}° of mounting roll; was it the same track, and is the antenna's offset to "
-    "the side taken out?":
-        "die Wege liegen {0} m auseinander, mehr als {1}° Rollwinkel; war es dieselbe Spur, und ist „Traktor, links“ "
-        "der Antenne eingetragen?",
-    "{} samples of the sweep and {} at rest; record 20 of each at least":
-        "{0} Werte vom Durchdrehen und {1} in Ruhe; je mindestens 20 aufnehmen",
-    "the sensor moved by {} counts only, in steps of {}; check its lever":
-        "der Sensor bewegte sich nur um {0} Stufen, in Schritten von {1}; Hebel prüfen",
-    "the sensor's noise at rest, {} counts, is above 1 % of its range; check its cable":
-        "der Sensor rauscht in Ruhe um {0} Stufen, mehr als 1 % seines Bereichs; Kabel prüfen",
-    "the same locks were not reached twice to {} of the range; turn from the middle to the left lock, to the right, "
-    "and both once more, each until it stops":
-        "dieselben Anschläge wurden nicht zweimal auf {0} des Bereichs erreicht; von der Mitte nach links bis zum "
-        "Anschlag drehen, nach rechts, und beides noch einmal",
-    "left by right": "links zu rechts",
-    "{} s of driving; drive two minutes of S-curves": "{0} s gefahren; zwei Minuten Schlangenlinien fahren",
-    "the wheels explain the track to {} m only, {} m at most; calibrate the front wheels first, and drive where they "
-    "do not slip":
-        "Räder und Spur passen nur auf {0} m zusammen, höchstens {1} m sind erlaubt; zuerst die Vorderräder "
-        "kalibrieren, und fahren, wo sie nicht rutschen",
-    "a roll sensor's zero looks like an antenna's place to the side; measure that place":
-        "der Nullpunkt eines Rollsensors sieht aus wie ein Platz der Antenne zur Seite; diesen Platz messen",
-    "tractor: antenna {}": "Traktor: Antenne {0}",
-    "forward": "nach vorn",
-    "{} s of turning {} faster than {} rad/s; drive 10 s at least":
-        "{0} s Kurve nach {1}, schneller als {2} rad/s; mindestens 10 s fahren",
-    "its deviation of {} m is above {} m; drive longer, in tighter and quicker S-curves":
-        "die Unsicherheit von {0} m ist über {1} m; länger fahren, in engeren und schnelleren Schlangenlinien",
 }  # fmt: skip

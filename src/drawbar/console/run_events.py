@@ -12,7 +12,7 @@ from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, SupervisorState
 from drawbar.recording.stream import DamagedLogError, LoggedMessage, read_records
-from drawbar.safety.causes import BY_CODE
+from drawbar.safety.causes import BY_CODE, Cause
 
 _ASKED = {
     Action.ARM: "arm",
@@ -30,6 +30,13 @@ _ASKED = {
 class _Gate(msgspec.Struct):
     state: int
     cause: int
+    steers: int
+    refusals: list[int]
+
+    @property
+    def is_unrecorded(self) -> bool:
+        """Whether it steers while the recorder does not answer; what waited for it may be recorded after all."""
+        return bool(self.steers) and Cause.NOT_RECORDING.value in self.refusals
 
 
 class _Asked(msgspec.Struct):
@@ -47,35 +54,45 @@ class RunEvent:
     text: str
 
 
-def run_events(log: Path, words: Words) -> list[RunEvent]:
+def run_events(log: Path, words: Words, *, is_on: bool = False) -> list[RunEvent]:
     """Return what happened, in order; empty for a run in simulation, which has no supervisor.
+
+    Args:
+        log: of the run.
+        words: texts.
+        is_on: the run is being recorded now, so that the log's end is no event.
 
     Raises:
         DrawbarError: the log cannot be read.
     """
     try:
         with log.open("rb") as stream:
-            return list(_events((each for each in read_records(stream) if isinstance(each, LoggedMessage)), words))
+            messages = (each for each in read_records(stream) if isinstance(each, LoggedMessage))
+            return list(_events(messages, words, is_on=is_on))
     except (OSError, DamagedLogError, zstandard.ZstdError, msgspec.MsgspecError) as error:
         raise DrawbarError(f"{log}: cannot be read ({error})") from error
 
 
-def _events(messages: Iterator[LoggedMessage], words: Words) -> Iterator[RunEvent]:
-    state, heard = None, set()
+def _events(messages: Iterator[LoggedMessage], words: Words, *, is_on: bool) -> Iterator[RunEvent]:
+    time, last, heard = 0.0, None, set()
     gate, asked = msgspec.json.Decoder(_Gate), msgspec.json.Decoder(_Asked)
     for message in messages:
         time = message.publish_time * 1e-9
         if message.topic == "/gate":
             now = gate.decode(message.data)
-            if now.state != state:
-                state = now.state
+            if last is None or now.state != last.state:
                 yield RunEvent(time=time, text=_became(now, words))
+            if now.is_unrecorded and not (last is not None and last.is_unrecorded):
+                yield RunEvent(time=time, text=words.cause(Cause.NOT_RECORDING)[0])
+            last = now
         elif message.topic == "/operator":
             wish = asked.decode(message.data)
             action = Action(wish.action)
             if action in _ASKED and wish.nonce not in heard:
                 heard.add(wish.nonce)
                 yield RunEvent(time=time, text=_wished(action, wish.value, words))
+    if last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, and that is recorded
+        yield RunEvent(time=time, text=words("record_ends"))
 
 
 def _became(now: _Gate, words: Words) -> str:

@@ -65,7 +65,7 @@ class RunsPage:
         """Build the page; current: folder of the run that is being recorded now."""
         self._folder, self._current, self._visitor, self._words, self._audit = folder, current, visitor, words, audit
         self._head = PageHead(link, visitor, words, words("runs"), login=login)
-        with ui.element("div").classes("page"):
+        with ui.element("div").classes("page wide"):
             self._build_comparison()
             self._shown = ui.element("section").classes("card")
             self._shown.set_visibility(False)
@@ -76,8 +76,12 @@ class RunsPage:
         """Show how the drive is."""
         self._head.refresh()
 
-    def _button(self, key: str, act: Callable[[], object]) -> ui.button:
-        return ui.button(self._words(key), on_click=act, color=None).props("no-caps unelevated").classes("action")
+    def _button(self, key: str, act: Callable[[], object], **values: str) -> ui.button:
+        return (
+            ui.button(self._words(key, **values), on_click=act, color=None)
+            .props("no-caps unelevated")
+            .classes("action")
+        )
 
     def _build_comparison(self) -> None:
         names = [run.name for run in list_runs(self._folder) if read_metrics(self._folder / run.name) is not None]
@@ -87,8 +91,12 @@ class RunsPage:
             with ui.element("h2"):
                 ui.label(self._words("compare_two"))
             with ui.element("div").classes("line-up"):
-                self._one = ui.select(names, value=names[1], label=self._words("run_a")).props("outlined")
-                self._other = ui.select(names, value=names[0], label=self._words("run_b")).props("outlined")
+                self._one = (
+                    ui.select(names, value=names[1], label=self._words("run_a")).props("outlined").classes("whole")
+                )
+                self._other = (
+                    ui.select(names, value=names[0], label=self._words("run_b")).props("outlined").classes("whole")
+                )
                 self._button("compare", self._compare)
 
     def _show_list(self) -> None:
@@ -109,8 +117,7 @@ class RunsPage:
                         ui.label(words("recorded_now" if self._is_current(run) else "no_report"))
                     self._button("events", partial(self._show_events, run))
                     for kind in _KINDS:
-                        button = self._button("export", partial(self._export, run, kind))
-                        button.set_text(f"{words('export')} {kind}")
+                        self._button("export_as", partial(self._export, run, kind), kind=kind)
                     if self._visitor.rank >= Rank.MAINTAINER and not self._is_current(run):
                         self._button("delete", partial(self._ask_deletion, run))
 
@@ -149,7 +156,8 @@ class RunsPage:
 
     async def _show_events(self, run: Run) -> None:
         try:
-            events = await asyncio.to_thread(run_events, self._folder / run.name / LOG, self._words)
+            log, is_on = self._folder / run.name / LOG, self._is_current(run)
+            events = await asyncio.to_thread(run_events, log, self._words, is_on=is_on)
         except DrawbarError as error:
             tell(self._words.message(error))
             return

@@ -13,6 +13,7 @@ from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.set_up_values import GROUPS, SetUpValue
 from drawbar.console.set_up_words import changes, flaws, shown_name
+from drawbar.console.valve_card import ValveCard
 from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
 from drawbar.console.versions import Version, read_version
 from drawbar.console.visitors import Rank, Visitor
@@ -49,6 +50,7 @@ class SetUpPage:
                 self._build_devices()
                 if self._may_change:
                     self._calibration = CalibrationCard(workshop, link, words, self._take_found)
+                    ValveCard(words)
             with ui.element("div"):
                 for title, values in GROUPS:
                     self._build_group(title, values)
@@ -177,11 +179,13 @@ class SetUpPage:
 
     def _list_versions(self) -> None:
         words = self._words
+        versions = self._workshop.versions.all()[:_VERSIONS]
         self._versions.clear()
+        self._versions.set_visibility(bool(versions))
         with self._versions:
             with ui.element("h2"):
                 ui.label(words("versions"))
-            for version in self._workshop.versions.all()[:_VERSIONS]:
+            for version in versions:
                 with ui.element("div").classes("line-up"):
                     ui.label(f"{version.file.name} · {version.written}").classes("grow")
                     if self._may_change:

@@ -51,6 +51,8 @@ class Board:
     """what led to the state, and for how long it lasts"""
     brake: bool
     """the driver is to stop the vehicle"""
+    steers: bool
+    """drawbar steers, or begins to"""
     heading: str
     """over the reasons"""
     reasons: tuple[tuple[str, str], ...]
@@ -101,6 +103,7 @@ def board(
         tone="good" if state in _GOOD else "warn" if state in _WARN else "bad" if state in _BAD else "idle",
         detail=_detail(gate, words),
         brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= _STANDS,
+        steers=driving,
         heading=words("next" if ready else "worries" if driving else "why_not") + _count(reasons),
         reasons=reasons,
         lease=_lease(words, mine=mine, holder=holder, drives=drives),
@@ -121,6 +124,7 @@ def _no_contact(words: Words) -> Board:
         tone="bad",
         detail=words("no_contact_why"),
         brake=False,
+        steers=False,
         heading="",
         reasons=(),
         lease="",

@@ -4,6 +4,7 @@ import io
 import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path, PurePosixPath
 
@@ -86,7 +87,8 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
         ring = [(p[0], p[1]) for p in boundary.tolist()] if boundary is not None else None
         left_out = [each for field in fields for each in field.left_out]
         return (make_field(name, Path(name).stem, lines, ring, left_out),)
-    return tuple(fields)
+    unnamed = Path(folder).name  # of an AgOpenGPS field whose files lie in an archive without their folder
+    return tuple(replace(field, name=Path(name).stem) if field.name == unnamed else field for field in fields)
 
 
 def unpack(name: str, data: bytes, folder: Path) -> list[Path]:

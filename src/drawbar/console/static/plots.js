@@ -5,7 +5,7 @@ function plotLook(names) {
   const number = (value) => value.toLocaleString(document.documentElement.lang, { maximumFractionDigits: 6, useGrouping: false });
   const axis = { nameTextStyle: { color: colour("--ink"), fontSize: 14 }, axisLabel: { color: colour("--ink"), formatter: number }, splitLine: { lineStyle: { color: colour("--edge"), opacity: 0.4 } } };
   const top = window.innerWidth < 600 ? 16 + 24 * names : 48;
-  return { grid: { top }, xAxis: axis, yAxis: axis, legend: { textStyle: { color: colour("--ink") }, pageTextStyle: { color: colour("--ink") }, pageIconColor: colour("--ink") } };
+  return { color: COLOURS[document.body.classList.contains("body--dark") ? "dark" : "light"], grid: { top }, xAxis: axis, yAxis: axis, legend: { textStyle: { color: colour("--ink") }, pageTextStyle: { color: colour("--ink") }, pageIconColor: colour("--ink") } };
 }
 
 const SPAN = 60; // s
@@ -13,6 +13,13 @@ const COLOURS = { // of curves, on the ground of each look
   light: ["#0072b2", "#c04a00", "#00795a", "#a8437f", "#8a6500", "#6a4a96"],
   dark: ["#56b4e9", "#ff9d5c", "#57d9a3", "#f0a6cf", "#ffc857", "#bfa3e6"],
 };
+
+// Gives a plot that is drawn once the look of the page, now and whenever that changes.
+function keepLook(number) {
+  const look = () => getElement(number)?.chart?.setOption(plotLook(1));
+  new MutationObserver(look).observe(document.body, { attributes: true, attributeFilter: ["class"] });
+}
+
 const plots = new Map(); // lines and steps of each live plot, by its element's number
 
 // Adds new steps to a live plot, slides it to `age` s after the newest one, and says when that is drawn (live_plot.py).
@@ -31,12 +38,12 @@ function plotSteps(number, { lines, rows, age }) {
   if (kept.look === look) plot.chart.setOption({ series });
   else {
     const names = new Set(kept.lines.map(({ name }) => name)).size;
-    const colours = COLOURS[document.body.classList.contains("body--dark") ? "dark" : "light"];
+    const looks = plotLook(names), colours = looks.color;
     const whole = kept.lines.map(({ colour, lineStyle, ...line }, i) => {
       const color = colours[colour % colours.length];
       return { ...line, ...series[i], itemStyle: { color }, lineStyle: { ...lineStyle, color } };
     });
-    plot.chart.setOption({ ...plotLook(names), series: whole }, { replaceMerge: ["series"] });
+    plot.chart.setOption({ ...looks, series: whole }, { replaceMerge: ["series"] });
     kept.look = look;
   }
   drawn();

@@ -1,0 +1,123 @@
+"""Catalogue of the set-up page: its texts in English and German, those of calibrations included."""
+
+from collections.abc import Mapping
+
+SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
+    "lengths": ("Lengths", "Längen"),
+    "masts": ("Antennas", "Antennen"),
+    "limits": ("Speed and limits", "Tempo und Grenzen"),
+    "wheelbase": ("Wheelbase", "Radstand"),
+    "hitch_length": ("Rear axle to steered joint", "Hinterachse bis Lenkgelenk"),
+    "drawbar_length": ("Hitch to steered joint", "Kupplung bis Lenkgelenk"),
+    "trailer_length": ("Steered joint to axle", "Lenkgelenk bis Achse"),
+    "tracked_point": ("Tracked point before axle", "Geführter Punkt vor Achse"),
+    "tractor_mast_forward": ("Tractor, before rear axle", "Traktor, vor Hinterachse"),
+    "tractor_mast_left": ("Tractor, left", "Traktor, links"),
+    "tractor_mast_up": ("Tractor, up (0: unknown)", "Traktor, hoch (0: offen)"),
+    "trailer_mast_forward": ("Trailer, before point", "Anhänger, vor Punkt"),
+    "trailer_mast_left": ("Trailer, left", "Anhänger, links"),
+    "trailer_mast_up": ("Trailer, up (0: unknown)", "Anhänger, hoch (0: offen)"),
+    "driving_speed": ("Driving speed", "Fahrtempo"),
+    "smallest_radius": ("Smallest radius of lines", "Kleinster Radius der Linien"),
+    "wheels_limit": ("Front wheels, at most", "Vorderräder, höchstens"),
+    "joint_limit": ("Steered joint, at most", "Lenkgelenk, höchstens"),
+    "wheels_rate": ("Front wheels, fastest", "Vorderräder, Lenktempo"),
+    "joint_rate": ("Steered joint, fastest", "Lenkgelenk, Lenktempo"),
+    "steering_lag": ("Lag of the steerings", "Verzögerung der Lenkungen"),
+    "dead_time": ("Dead time", "Totzeit"),
+    "smoothing_limit": ("Lines smoothed by at most", "Linien glätten um höchstens"),
+    "drawing_help": (
+        "From the side and from above, to scale, front on the right. Touch a letter to change its number.",
+        "Von der Seite und von oben, im Maßstab, vorn ist rechts. Buchstaben berühren, um die Zahl zu ändern.",
+    ),
+    "flaw_greater": ("{name}: must be more than {bound}", "{name}: muss mehr als {bound} sein"),
+    "flaw_least": ("{name}: must be at least {bound}", "{name}: muss mindestens {bound} sein"),
+    "flaw_less": ("{name}: must be less than {bound}", "{name}: muss weniger als {bound} sein"),
+    "flaw_most": ("{name}: must be at most {bound}", "{name}: darf höchstens {bound} sein"),
+    "flaw_number": ("{name}: must be a number", "{name}: muss eine Zahl sein"),
+    "changes": ("Changes", "Änderungen"),
+    "no_changes": ("Nothing is changed.", "Es ist nichts geändert."),
+    "save_version": ("Save as a new version", "Als neue Version speichern"),
+    "undo": ("Undo", "Rückgängig"),
+    "saving_help": (
+        "Counts from the next drive on that is started with the new version, not in this one.",
+        "Gilt ab der nächsten Fahrt, die mit der neuen Version gestartet wird, noch nicht in dieser.",
+    ),
+    "only_maintainer": ("Only a maintainer may change this.", "Das darf nur ändern, wer als Wartung angemeldet ist."),
+    "versions": ("Versions", "Versionen"),
+    "go_on_from": ("Go on from this", "Hiermit weiterarbeiten"),
+    "devices": ("Devices: how often heard, how long ago", "Geräte: wie oft gehört, wann zuletzt"),
+    "tractor_receiver": ("Tractor's receiver", "Empfänger auf dem Traktor"),
+    "trailer_receiver": ("Trailer's receiver", "Empfänger auf dem Anhänger"),
+    "hitch_sensor": ("Hitch angle", "Knickwinkel"),
+    "wheel_sensor": ("Wheel speed", "Radsensor"),
+    "tractor_steering_sensor": ("Angle of front wheels", "Winkel der Vorderräder"),
+    "trailer_steering_sensor": ("Angle of steered joint", "Winkel des Lenkgelenks"),
+    "controller": ("Controller", "Regler"),
+    "gate": ("Gate", "Wächter"),
+    # calibration
+    "calibrate": ("Calibrate by driving", "Durch Fahren kalibrieren"),
+    "calibrate_help": (
+        "On a level field, RTK fixed, at walking pace; all by hand, only the last is steered by drawbar. "
+        "What is not driven is not found.",
+        "Auf ebenem Feld, mit RTK-Fix, im Schritttempo; alles von Hand, nur beim Letzten lenkt drawbar. "
+        "Was nicht gefahren wird, wird nicht ermittelt.",
+    ),
+    "calibrate_straight": ("Straight on for 30 m", "30 m geradeaus"),
+    "calibrate_left": (
+        "Three circles of different sizes to the left; in each hold the steering wheel still for 6 s",
+        "Drei verschieden große Kreise nach links; in jedem das Lenkrad 6 s lang festhalten",
+    ),
+    "calibrate_right": ("Three circles to the right, likewise", "Drei Kreise nach rechts, ebenso"),
+    "calibrate_back": (
+        "Back along the same straight, in the same tracks",
+        "Auf derselben Geraden zurück, genau in der eigenen Spur",
+    ),
+    "calibrate_curves": (
+        "Two minutes of S-curves, 4 s to each side: where the antenna stands",
+        "Zwei Minuten Schlangenlinien, 4 s zu jeder Seite: wo die Antenne sitzt",
+    ),
+    "calibrate_steered": (
+        "Two minutes steered by drawbar along a line with slow curves: for the dead bands",
+        "Zwei Minuten drawbar lenken lassen, auf einer Linie mit sanften Kurven: für das Lenkspiel (Totbereich)",
+    ),
+    "calibrate_begin": ("● Begin", "● Beginnen"),
+    "calibrate_evaluate": ("■ End and evaluate", "■ Beenden und auswerten"),
+    "calibrate_keep": ("Save the result", "Ergebnis speichern"),
+    "calibrate_drive": ("Drive now.", "Jetzt fahren."),
+    "calibrate_found": ("Found: {count}", "Ermittelt: {count}"),
+    "calibrate_nothing": (
+        "Nothing can be evaluated: driven too briefly, or no devices.",
+        "Nichts auszuwerten: zu kurz gefahren, oder keine Geräte.",
+    ),
+    "valve": ("Valve or motor without a loop of its own", "Ventil oder Motor ohne eigene Regelung"),
+    "valve_help": (
+        "For one that drawbar_actuate drives. Your own computer pushes it and writes down what it does; nothing is "
+        "moved from here. Roll slowly, with the switch that permits motion in your hand.",
+        "Für Antriebe, die drawbar_actuate regelt. Ihr eigener Rechner bewegt den Antrieb und schreibt mit; von hier "
+        "aus bewegt sich nichts. Langsam rollen, den Freigabeschalter in der Hand.",
+    ),
+    "valve_band": (
+        "At 2 km/h: push for 0.5 s, from rest, each time 1 % harder, until it has moved four times; to the left, to "
+        "the right, three times each",
+        "Bei 2 km/h: 0,5 s ansteuern, aus der Ruhe, jedes Mal 1 % stärker, bis er sich viermal bewegt hat; nach links, "
+        "nach rechts, je dreimal",
+    ),
+    "valve_rate": (
+        "At 3.5 km/h: push with 45 % until it has turned 4°; to the left and to the right by turns, five times each",
+        "Bei 3,5 km/h: mit 45 % ansteuern, bis er 4° weit ist; abwechselnd nach links und rechts, je fünfmal",
+    ),
+    "valve_write": (
+        "Write it into one file, 20 rows a second or more: time in s, drive from −1 to 1, angle in degrees, left "
+        "positive",
+        "Alles in eine Datei schreiben, mindestens 20 Zeilen je Sekunde: Zeit in s, Ansteuerung von −1 bis 1, Winkel "
+        "in Grad, links positiv",
+    ),
+    "valve_file": ("Choose the file (.csv)", "Datei wählen (.csv)"),
+    "valve_angle": ("angle, °", "Winkel, °"),
+    "valve_drive": ("drive, %", "Ansteuerung, %"),
+    "valve_enter": (
+        "Enter these numbers in the settings of drawbar_actuate. Nothing is changed here.",
+        "Diese Zahlen in die Einstellungen von drawbar_actuate eintragen. Hier wird nichts geändert.",
+    ),
+}

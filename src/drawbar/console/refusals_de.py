@@ -1,0 +1,107 @@
+"""Refusals in German: what calibrations call what they find, and why they refuse it (as errors_de.py)."""
+
+from collections.abc import Mapping
+
+REFUSALS_DE: Mapping[str, str] = {
+    # calibration: names and units
+    "front wheels": "Vorderräder",
+    "joint": "Lenkgelenk",
+    "front wheels: zero": "Vorderräder: Nullpunkt",
+    "front wheels: scale": "Vorderräder: Maßstab",
+    "{}: dead band": "{0}: Totbereich",
+    "{} motions from rest, {} are needed; let drawbar steer slow curves for two minutes (a steering that never rests "
+    "has no dead band)":
+        "{0} Bewegungen aus der Ruhe, {1} sind nötig; drawbar zwei Minuten sanfte Kurven lenken lassen (eine Lenkung, "
+        "die nie ruht, hat keinen Totbereich)",
+    "joint: zero": "Lenkgelenk: Nullpunkt",
+    "hitch angle: zero": "Knickwinkel: Nullpunkt",
+    "wheel speed": "Radsensor",
+    "tractor: mounting roll": "Traktor: Rollwinkel des Einbaus",
+    "counts": "Zählschritte",
+    "counts per degree": "Zählschritte je Grad",
+    "reported by true": "gemeldet / wahr",
+    "left": "links",
+    "right": "rechts",
+    # calibration: why not
+    "{} s of straight driving; drive 30 m straight at 1 to 2 m/s":
+        "{0} s geradeaus; 30 m geradeaus fahren, mit 1 bis 2 m/s",
+    "{} s at {} to {} m/s; drive {} m straight at 1 to 2 m/s":
+        "{0} s mit {1} bis {2} m/s; {3} m geradeaus fahren, mit 1 bis 2 m/s",
+    "{} m were driven; drive {} m at least": "{0} m gefahren; mindestens {1} m fahren",
+    "the mean curvature is {} 1/m; drive straighter, {} at most":
+        "die mittlere Krümmung ist {0} 1/m; gerader fahren, höchstens {1}",
+    "no polynomial of degree 3 leaves less than {}° of these circles and has an inverse; hold the steering in each "
+    "circle, and check the sensor's lever for play":
+        "keine Kurve passt auf weniger als {0}° zu diesen Kreisen; die Lenkung in jedem Kreis halten, Hebel des "
+        "Sensors auf Spiel prüfen",
+    "the zero is not to be used: {}": "der Nullpunkt taugt nicht: {0}",
+    "a circle has less than 3 s at {} m/s and above; drive it longer":
+        "ein Kreis hat weniger als 3 s mit {0} m/s und mehr; länger fahren",
+    "{} circles to the {} above 3°; drive {} of different angles":
+        "{0} Kreise nach {1} über 3°; {2} mit verschiedenen Winkeln fahren",
+    "a board cannot store {}; check the sensor's lever and its way":
+        "eine Platine kann {0} nicht speichern; Hebel und Weg des Sensors prüfen",
+    "the counts do not follow the angle; check the sensor": "die Zählschritte folgen dem Winkel nicht; Sensor prüfen",
+    "the antenna's height {} m is below 0.5 m; measure it above the ground":
+        "die Höhe der Antenne, {0} m, ist unter 0,5 m; über dem Boden messen",
+    "{} times {} s one way; drive {} s each way": "{0}-mal {1} s in einer Richtung; je Richtung {2} s fahren",
+    "the ways lie {} m apart, more than {}° of mounting roll; was it the same track, and is the antenna's offset to "
+    "the side taken out?":
+        "die Wege liegen {0} m auseinander, mehr als {1}° Rollwinkel; war es dieselbe Spur, und ist „Traktor, links“ "
+        "der Antenne eingetragen?",
+    "{} samples of the sweep and {} at rest; record 20 of each at least":
+        "{0} Werte vom Durchdrehen und {1} in Ruhe; je mindestens 20 aufnehmen",
+    "the sensor moved by {} counts only, in steps of {}; check its lever":
+        "der Sensor bewegte sich nur um {0} Zählschritte, in Schritten von {1}; Hebel prüfen",
+    "the sensor's noise at rest, {} counts, is above 1 % of its range; check its cable":
+        "der Sensor rauscht in Ruhe um {0} Zählschritte, mehr als 1 % seines Bereichs; Kabel prüfen",
+    "the same locks were not reached twice to {} of the range; turn from the middle to the left lock, to the right, "
+    "and both once more, each until it stops":
+        "dieselben Anschläge wurden nicht zweimal auf {0} des Bereichs erreicht; von der Mitte nach links bis zum "
+        "Anschlag drehen, nach rechts, und beides noch einmal",
+    "left by right": "links / rechts",
+    "{} s of driving; drive two minutes of S-curves": "{0} s gefahren; zwei Minuten Schlangenlinien fahren",
+    "the wheels explain the track to {} m only, {} m at most; calibrate the front wheels first, and drive where they "
+    "do not slip":
+        "Räder und Spur passen nur auf {0} m zusammen, höchstens {1} m sind erlaubt; zuerst die Vorderräder "
+        "kalibrieren, und fahren, wo sie nicht rutschen",
+    "a roll sensor's zero looks like an antenna's place to the side; measure that place":
+        "der Nullpunkt eines Rollsensors sieht aus wie ein Platz der Antenne zur Seite; diesen Platz messen",
+    "tractor: antenna {}": "Traktor: Antenne {0}",
+    "forward": "nach vorn",
+    "{} s of turning {} faster than {} rad/s; drive 10 s at least":
+        "{0} s Kurve nach {1}, schneller als {2} rad/s; mindestens 10 s fahren",
+    "its deviation of {} m is above {} m; drive longer, in tighter and quicker S-curves":
+        "die Unsicherheit von {0} m ist über {1} m; länger fahren, in engeren und schnelleren Schlangenlinien",
+    # valves and motors without a loop of their own
+    "{}: full rate": "{0}: größte Geschwindigkeit",
+    "{}: lag": "{0}: Verzögerung",
+    "{}: dead time": "{0}: Totzeit",
+    "of the full drive": "der vollen Ansteuerung",
+    "a number": "eine Zahl",
+    "{}: has {} rows; 10 to {} are allowed": "{0}: hat {1} Zeilen; erlaubt sind 10 bis {2}",
+    "{}: holds a number that is not finite; leave its row out":
+        "{0}: enthält eine Zahl, die keine ist (nan, inf); die Zeile weglassen",
+    "{}: its times do not rise from row to row; write seconds of one clock":
+        "{0}: die Zeit steigt nicht von Zeile zu Zeile; Sekunden einer einzigen Uhr schreiben",
+    "{}: holds a drive beyond ±1; write shares of the full drive":
+        "{0}: enthält eine Ansteuerung über ±1; Anteile der vollen Ansteuerung schreiben",
+    "{}: holds an angle beyond ±180°; write degrees": "{0}: enthält einen Winkel über ±180°; Grad schreiben",
+    "{}: holds no push that moved; write time, drive, angle, without gaps of more than {} s":
+        "{0}: nichts hat sich bewegt; Zeit, Ansteuerung, Winkel schreiben, ohne Lücken von mehr als {1} s",
+    "in no run did three pushes move more than {}°; push further":
+        "in keiner Reihe bewegte sich dreimal etwas um mehr als {0}°; weiter steigern",
+    "{} runs moved; make {}": "in {0} Reihen hat sich etwas bewegt; {1} sind nötig",
+    "a dead band of {} cannot be; check the valve's supply and the sensor":
+        "ein Totbereich von {0} kann nicht sein; Druck oder Strom und den Sensor prüfen",
+    "the runs differ by {} of the drive; warm the oil up, and repeat":
+        "die Reihen unterscheiden sich um {0} der Ansteuerung; Öl warm fahren, dann wiederholen",
+    "{} pushes with {} samples; make {} at 10 a second or more":
+        "{0} Stöße mit {1} Werten; nötig sind {2}, mit 10 Werten je Sekunde oder mehr",
+    "the angle moved by {}°; push longer, to 3° at least":
+        "der Winkel bewegte sich um {0}°; länger ansteuern, mindestens bis 3°",
+    "the fit leaves {}°; the pushes differ, or the wheels hit their stop":
+        "die Stöße unterscheiden sich um {0}°, oder die Räder stehen am Anschlag",
+    "the angle does not follow the drive; find the drive's direction first":
+        "der Winkel folgt der Ansteuerung nicht; zuerst deren Richtung klären",
+}  # fmt: skip
