@@ -9,6 +9,7 @@ from dataclasses import replace
 from datetime import timedelta
 
 from drawbar.driving.rehearsal import Part
+from drawbar.geometry import wrap
 from drawbar.machine.stand_in.faults import FAULTS, freeze, measure_the_same, moved, report_otherwise, steer_otherwise
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import Action
@@ -18,6 +19,8 @@ from drawbar.signals import FixQuality
 
 STRAIGHT, CURVE = 22.0, 27.0
 """arc lengths, m: on a straight of 60 m; in the first curve behind one of 15 m"""
+YAW_RATE_NOISE = math.radians(0.3)
+"""of a sensor that is right, standard deviation, rad/s"""
 
 
 # Where
@@ -405,6 +408,49 @@ def wheel_speed_tenfold(trial):
 
 def sensors_silent(trial):
     device(trial, "sensors-silent")
+
+
+def yaw_rate(trial, change):
+    """Give the tractor a yaw-rate sensor that from the fault on says change(true yaw rate, rad/s, chance).
+
+    It is put between sampler and controller: stand-ins have no such sensor, and no wire carries it.
+    """
+    controller, world = trial.rehearsal.loop._controller, trial.rehearsal.machine.world
+    chance, feedback, seen, begun = random.Random(trial.seed), controller.feedback, [], []
+
+    def measured(measurement, now):
+        seen.append((trial.rehearsal.time, world.truth.tractor.yaw))
+        (earlier, before), (later, yaw) = seen[0], seen[-1]
+        del seen[:-1]
+        true = wrap(yaw - before) / (later - earlier) if later > earlier else 0.0
+        told = change(true, chance) if begun else true
+        noisy = told + chance.gauss(0.0, YAW_RATE_NOISE)
+        return feedback(replace(measurement, tractor_yaw_rate=noisy), now)
+
+    controller.feedback = measured
+    trial.begin = lambda: begun.append(True)
+
+
+def yaw_rate_reversed(trial):
+    yaw_rate(trial, lambda true, chance: -true)
+
+
+def yaw_rate_stuck(trial):
+    kept = []
+
+    def change(true, chance):
+        kept.append(true)
+        return kept[0]
+
+    yaw_rate(trial, change)
+
+
+def yaw_rate_off_5(trial):
+    yaw_rate(trial, lambda true, chance: true + math.radians(5.0))
+
+
+def yaw_rate_noisy(trial):
+    yaw_rate(trial, lambda true, chance: true + chance.gauss(0.0, math.radians(5.0)))
 
 
 class SpoiltWheel:

@@ -1,6 +1,7 @@
 """Doubts: sensors that contradict the motion are left out until the vehicle has been let go of."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -23,11 +24,11 @@ SEEN = Measurement(
 )
 
 
-def step(hitch=0.1, joint=0.0, fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED), status=SolverStatus.SOLVED):
+def step(hitch=0.1, joint=0.0, fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED), status=SolverStatus.SOLVED, speed=1.0):
     estimate = SimpleNamespace(
         hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status
     )
-    return SimpleNamespace(measurement=SEEN, estimate=estimate)
+    return SimpleNamespace(measurement=replace(SEEN, speed=speed), estimate=estimate)
 
 
 def doubts(record, times=DOUBTED, *, engaged=True):
@@ -78,7 +79,7 @@ def test_a_hitch_angle_that_contradicts_leaves_out_the_trailer_and_what_it_did_t
 
 
 @pytest.mark.parametrize(
-    ("hitch", "joint", "doubted"), [(3.1, 0.0, True), (2.2, -2.2, True), (0.0, 3.1, True), (2.0, 2.0, False)]
+    ("hitch", "joint", "doubted"), [(2.9, 0.0, True), (2.0, -2.0, True), (0.0, 2.9, True), (1.9, 1.9, False)]
 )
 def test_angles_of_hitch_and_joint_that_differ_a_little_for_long_are_doubted(hitch, joint, doubted):
     differing = step(hitch=SEEN.hitch_angle + hitch * DEGREE, joint=joint * DEGREE)
@@ -95,18 +96,36 @@ def test_differences_that_change_sides_are_noise():
         assert not found.exist
 
 
-def test_on_rough_ground_more_is_usual():
-    def after(usual):
-        found = Doubts(SanitySettings(), 0.2)
-        for i in range(300):  # changes sides each second
-            found.look(step(joint=math.copysign(usual * DEGREE, i % 10 - 4.5)), engaged=True)
-            assert not found.exist
-        for _ in range(5):
-            found.look(step(joint=4.0 * DEGREE), engaged=True)
-        return found.exist
+def driven(usual, samples=300, speed=1.0):
+    """Return what is left of a drive in which the joint differs by so much to both sides in turn, a second each."""
+    found = Doubts(SanitySettings(), 0.2)
+    for i in range(samples):
+        found.look(step(joint=math.copysign(usual * DEGREE, i % 10 - 4.5), speed=speed), engaged=True)
+        assert not found.exist
+    return found
 
-    assert after(0.5)
-    assert not after(2.0)
+
+def is_doubted(found, difference=4.0):
+    for _ in range(5):
+        found.look(step(joint=difference * DEGREE), engaged=True)
+    return found.exist
+
+
+def test_on_rough_ground_more_is_usual():
+    assert is_doubted(driven(0.5))
+    assert not is_doubted(driven(2.0))
+
+
+def test_what_is_usual_is_learned_within_seconds_while_it_moves_only():
+    assert not is_doubted(driven(2.0, samples=25))
+    assert is_doubted(driven(2.0, speed=0.0))
+
+
+def test_a_difference_that_grows_is_not_usual():
+    found = driven(0.2)
+    for i in range(20):
+        found.look(step(joint=0.2 * i * DEGREE), engaged=True)
+    assert found.exist
 
 
 @pytest.mark.parametrize("sample_time", [0.05, 0.1])

@@ -6,24 +6,27 @@ import subprocess
 import sys
 import termios
 import time
+from pathlib import Path
 
 import pytest
-from patience import ENGAGE
+from patience import ENGAGE, PATIENT
+
+from drawbar.recording.log import read_log
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
-ARGUMENTS = ("drive", "--by-hand", "--set", "path.radii=[8.0]", "--out", "run")
+BY_HAND = ("--by-hand",)
 
 
 class Terminal:
     """A drive of stand-ins at a terminal of its own, and what it has shown."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, options):
         self.shown, self._ours = "", None
         self._ours, self.theirs = os.openpty()
         self.before = termios.tcgetattr(self.theirs)
         (folder / "tmp").mkdir()
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "drawbar", *ARGUMENTS],
+            [sys.executable, "-m", "drawbar", "drive", "--set", "path.radii=[8.0]", "--out", "run", *options],
             stdin=self.theirs,
             stdout=self.theirs,
             stderr=self.theirs,
@@ -55,6 +58,12 @@ class Terminal:
                 time.sleep(0.05)
         return self.process.returncode
 
+    def child(self, module):
+        """Return the process of the drive that runs a module."""
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
+        (found,) = (int(each) for each in children if module in Path(f"/proc/{each}/cmdline").read_text())
+        return found
+
     def hang_up(self):
         os.close(self.theirs)
         os.close(self._ours)
@@ -66,8 +75,8 @@ class Terminal:
 
 
 @pytest.fixture
-def terminal(tmp_path):
-    terminal = Terminal(tmp_path)
+def terminal(tmp_path, request):
+    terminal = Terminal(tmp_path, getattr(request, "param", BY_HAND))
     yield terminal
     terminal.close()
 
@@ -90,3 +99,22 @@ def test_a_terminal_that_is_closed_ends_a_drive_in_order(terminal, tmp_path):
     assert terminal.drain() == 0
     assert (tmp_path / "run" / "report.html").is_file()
     assert not list((tmp_path / "tmp").glob("drawbar-*"))
+
+
+@pytest.mark.parametrize(
+    "terminal", [[f"--set={change}" for change in (*PATIENT, "safety.timing.recorder=5.0")]], indirect=True
+)
+def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_told(terminal, tmp_path):
+    terminal.await_words("ACTIVE: steering")
+    os.kill(terminal.child("recorder_main"), signal.SIGKILL)
+    terminal.await_words("the recorder has ended: nothing is recorded any more")
+    terminal.shown = ""
+    terminal.await_words("- nothing is recorded: the disk is full, or the recorder has ended")
+    assert "ACTIVE: steering" in terminal.shown
+    assert "interrupted" not in terminal.shown
+    terminal.process.send_signal(signal.SIGTERM)
+    assert terminal.drain() == 0, terminal.shown
+    assert (tmp_path / "run" / "report.html").is_file()
+    log = read_log(tmp_path / "run" / "log.mcap")
+    assert log.records
+    assert not log.outcome.finished

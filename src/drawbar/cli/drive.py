@@ -147,14 +147,16 @@ def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, second
     """Show the drive until it is over; return whether it failed."""
     from rich.live import Live
 
+    from drawbar.driving.crew import LOSSES
     from drawbar.driving.display import headline, picture
     from drawbar.driving.front_end import FrontEnd, Keyboard
+    from drawbar.driving.orders import CONSOLE
     from drawbar.messages import SupervisorState
 
     front, end = FrontEnd(crew, demonstrates=demonstrates), time.monotonic() + (seconds or float("inf"))
     live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
     told: SupervisorState | None = None
-    lost_console = False
+    lost: list[str] = []
     try:
         with live or nullcontext(), Keyboard() as keyboard:
             while time.monotonic() < end and not (demonstrates and front.is_over):
@@ -170,12 +172,13 @@ def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, second
                     console.print(headline(front.state))
                 if live is not None:
                     live.update(picture(front.state, front.controller, front.refusal), refresh=True)
-                if crew.has_lost_console and not lost_console:
-                    lost_console = True
-                    console.print(f"the console has ended, and the drive goes on: {crew.words()}", style="bold red")
-                if crew.ended():
-                    console.print(f"ended: {', '.join(crew.ended())}: {crew.words()}", style="bold red")
+                lost, before = crew.ended(), lost
+                spared = LOSSES if front.drove else {CONSOLE: LOSSES[CONSOLE]}  # nothing engages without a recorder
+                if not spared.keys() >= set(lost):
+                    console.print(f"ended: {', '.join(lost)}: {crew.words()}", style="bold red")
                     return True
+                for name in set(lost).difference(before):
+                    console.print(f"{LOSSES[name]}: {crew.words()}", style="bold red", soft_wrap=True)
     except KeyboardInterrupt:
         console.print("interrupted: the gate lets go of the steering")
     finally:

@@ -14,11 +14,16 @@ from typing import IO, Self
 from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.ending import undisturbed
-from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, SOCKETS, GateOrders, Orders
+from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, RECORDER, SOCKETS, GateOrders, Orders
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
 CONFIGURATION_NAME = "config.toml"
+LOSSES = {
+    CONSOLE: "the console has ended, and the drive goes on",
+    RECORDER: "the recorder has ended: nothing is recorded any more, what was recorded is kept, and the drive goes on",
+}
+"""processes without which a drive goes on, and what is then said"""
 _ENDING = 5.0
 """within which a process must end that was told to, s"""
 _STARTING = 30.0
@@ -86,22 +91,16 @@ class Crew:
         self.close()
 
     def ended(self) -> list[str]:
-        """Return the names of processes that are not there any more, without the console, which may come and go."""
-        return [name for name, process in self.processes.items() if name != CONSOLE and process.poll() is not None]
-
-    @property
-    def has_lost_console(self) -> bool:
-        """Whether there was a console, and is none any more."""
-        process = self.processes.get(CONSOLE)
-        return process is not None and process.poll() is not None
+        """Return the names of processes that are not there any more."""
+        return [name for name, process in self.processes.items() if process.poll() is not None]
 
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
-        self._start("recorder", "driving.recorder_main", orders)  # the first, so that nothing happens unrecorded
+        self._start(RECORDER, "driving.recorder_main", orders)  # the first, so that nothing happens unrecorded
         if self._stand_ins:
             self._start("stand_in", "driving.stand_in_main", orders)
             self._await("stand_in", "driver")
-        self._await("recorder", "recorder")
+        self._await(RECORDER, RECORDER)
         ours, theirs = controller_pair()
         with ours, theirs:
             orders_of_gate = gate_orders(self.configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
@@ -159,7 +158,7 @@ class Crew:
             self._folder.cleanup()
 
     def _end_all(self) -> None:
-        for name in ("gate", "guard", "controller", "receivers", "stand_in", "recorder", CONSOLE):
+        for name in ("gate", "guard", "controller", "receivers", "stand_in", RECORDER, CONSOLE):
             process = self.processes.get(name)
             if process is not None and process.poll() is None:
                 process.send_signal(signal.SIGTERM)

@@ -21,10 +21,12 @@ DOUBTED = 3
 """samples in a row that contradict"""
 _MEMORY = 1.0
 """time over which differences of the trailer's angles are averaged, s"""
-_DIFFERENCE, _USUAL = math.radians(3.0), 4.0
+_DIFFERENCE, _USUAL = math.radians(2.8), 7.0
 """mean of both together that is a contradiction: rad, and times its lately usual one, as rough ground has more"""
 _LATELY = 30.0
-"""time over which that is averaged, s"""
+"""time over which that is averaged, up to the last mean but one, which a fault has not bent yet, s"""
+_MOVES = 0.1
+"""speed below which nothing is learned of the ground, m/s"""
 
 
 class Doubts:
@@ -33,8 +35,10 @@ class Doubts:
     def __init__(self, settings: SanitySettings, sample_time: float) -> None:
         """Begin without a doubt; `sample_time` in s."""
         self._hitch_limit = settings.hitch
-        self._differences = deque[tuple[float, float]](maxlen=max(round(_MEMORY / sample_time), DOUBTED))
-        self._share, self._usual = sample_time / _LATELY, 0.0  # mean square, rad²
+        count = max(round(_MEMORY / sample_time), DOUBTED)
+        self._differences = deque[tuple[float, float]](maxlen=count)
+        self._means = deque[float](maxlen=count)  # of them, rad
+        self._moved, self._share, self._usual = 0, sample_time / _LATELY, 0.0  # samples, 1, mean square in rad²
         self._positions = self._trailer = 0
 
     @property
@@ -51,7 +55,7 @@ class Doubts:
         """Take in a step, and whether both antennas drift; what is doubted while engaged stays so."""
         hitch, joint = _differences(record)
         self._differences.append((hitch, joint))
-        differ = self._differ()
+        differ = self._differ(moves=abs(record.measurement.speed) >= _MOVES)
         if not (engaged and self.trailer):
             self._trailer = DOUBTED if differ else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         if self.trailer:  # by them the estimator was led astray, and rejects right fixes
@@ -68,13 +72,17 @@ class Doubts:
             measurement = replace(measurement, hitch_angle=nan, trailer_steering=nan, trailer_x=nan, trailer_y=nan)
         return measurement
 
-    def _differ(self) -> bool:
+    def _differ(self, *, moves: bool) -> bool:
         """Return whether both angles together have differed for long, by more than they do on this ground."""
         if len(self._differences) < (self._differences.maxlen or 0):
             return False
         apart = math.hypot(*map(fmean, zip(*self._differences, strict=True)))
         limit = max(_DIFFERENCE, _USUAL * math.sqrt(self._usual))
-        self._usual += self._share * (min(apart, limit) ** 2 - self._usual)
+        if moves:
+            self._moved += 1
+            self._means.append(min(apart, limit))
+            if len(self._means) == self._means.maxlen:
+                self._usual += max(self._share, 1.0 / self._moved) * (self._means[0] ** 2 - self._usual)
         return apart > limit
 
 

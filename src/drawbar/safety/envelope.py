@@ -88,12 +88,12 @@ class Envelope:
         self._limits, self._timeout, self._bounds = settings.envelope, settings.timing.command, bounds
         self._sequence: int | None = None
         self._time = 0.0
-        self._tractor, self._trailer = Axis(), Axis()
+        self._axes = (Axis(), Axis())
 
     @property
     def angles(self) -> tuple[float, float]:
         """Set points now: of the last command, or where the steering was when `begin` was called, rad."""
-        return (self._tractor.angle, self._trailer.angle)
+        return (self._axes[0].angle, self._axes[1].angle)
 
     def admit(self, command: CommandMessage, now: float) -> bool:
         """Return whether a command may be obeyed at all; `now` is the monotonic time, s."""
@@ -111,8 +111,8 @@ class Envelope:
     def begin(self, time: float, measured: tuple[float, float]) -> None:
         """Begin without a jump: the set points before the first command are where the steering is, rad."""
         self._time = time
-        self._tractor.begin(measured[0])
-        self._trailer.begin(measured[1])
+        for axis, angle in zip(self._axes, measured, strict=True):
+            axis.begin(angle)
 
     def limit(
         self, command: CommandMessage, measured: tuple[float, float], speed: float, *, eased: bool = False
@@ -128,15 +128,11 @@ class Envelope:
         share = 0.5 if eased else 1.0
         elapsed = min(max(seconds(command.time) - self._time, 0.0), self._timeout)
         self._time = seconds(command.time)
-        reach, rates = (
-            share * self._limits.steering_reach,
-            (share * self.rate_cap(speed), share * self._limits.steering_rate),
-        )
-        caps, lead = (self.angle_cap(speed), self._bounds.trailer_limit), self._limits.steering_lead
+        reach, lead = share * self._limits.steering_reach, self._limits.steering_lead
+        rates = (share * self.rate_cap(speed), share * self._limits.steering_rate)
+        caps = (self.angle_cap(speed), self._bounds.trailer_limit)
         wanted = (command.tractor_angle, command.trailer_angle)
-        for axis, angle, at, cap, rate in zip(
-            (self._tractor, self._trailer), wanted, measured, caps, rates, strict=True
-        ):
+        for axis, angle, at, cap, rate in zip(self._axes, wanted, measured, caps, rates, strict=True):
             axis.limit(angle, at, cap=cap, move=rate * elapsed, lead=rate * lead, reach=reach)
         limited_speed = _clamped(command.speed, self._limits.speed)
         clipped = self.angles != wanted or limited_speed != command.speed

@@ -179,8 +179,7 @@ class Gate:
 
     def _situation(self, now: float, causes: tuple[Cause, ...], actuation: Actuation) -> Situation:
         reports = actuation.reports
-        asked = self._asked(actuation)
-        self._taken = {i for i, report in enumerate(asked) if report.engaged or i in self._taken}
+        self._taken = {i for i, each in enumerate(self._asked(actuation)) if each.engaged or i in self._taken}
         return Situation(
             causes=causes,
             actions=self._desk.take(),
