@@ -158,22 +158,31 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     frame = LocalFrame(latitude=50.0, longitude=4.0)
     header = run_header(configuration, path, None, seed=0, frame=frame)
     state = gate_state_of(sequence=7)
-    raw = RawBytes(time=5, device="sensors", direction=Direction.IN, data=b"\x00\xff", source="127.0.0.1:9999")
+    raw = [
+        RawBytes(time=5, device="sensors", direction=Direction.IN, data=b"\x00\xff", source="127.0.0.1:9999"),
+        RawBytes(time=7, device="tractor_receiver", direction=Direction.UNSENT, data=b""),
+    ]
     look = Happening(kind=Kind.LOOK, time=123456789)
     with DriveLog(tmp_path / "log.mcap", header, Scene(path=path, vehicle=configuration.vehicle, frame=frame)) as log:
-        log.add_raw(raw)
+        for each in raw:
+            log.add_raw(each)
         log.flush()
         with open_drive(tmp_path / "log.mcap") as records:  # as a kill at this moment would leave it
-            assert list(records) == [raw]
+            assert list(records) == raw
         log.add_order(Order((look,)))
+        log.add_order(Order((look,)))
+        log.flush()
         for _ in range(2):
             log.add_message(state)
     assert is_drive(tmp_path / "log.mcap")
     with open_drive(tmp_path / "log.mcap") as records:
         read = list(records)
-    assert read[:2] == [raw, look]
-    assert len(read) == 3
-    assert encode(read[2]) == encode(state)
+    assert read[:4] == [*raw, look, look]
+    assert len(read) == 5
+    assert encode(read[4]) == encode(state)
+    with (tmp_path / "log.mcap").open("rb") as stream:
+        topics = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
+    assert topics["/raw"] == topics["/order"] == 1  # each message has 16 bytes of the index
     assert read_log(tmp_path / "log.mcap").outcome.reason == "the drive was ended before the end of the path"
 
 

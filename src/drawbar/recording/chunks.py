@@ -34,7 +34,7 @@ from mcap.records import (
 MAGIC = b"\x89MCAP0\r\n"
 ENDLESS = 2**63 - 1
 """length of a chunk that is not complete"""
-CHUNK_BYTES = 1 << 20
+CHUNK_BYTES = 1 << 22
 """of messages, before they are compressed, after which a chunk ends"""
 COMPRESSION = "zstd"
 LEVEL = 1

@@ -3,7 +3,7 @@
 | topic | what |
 |---|---|
 | `/step` | every control step, as in any log |
-| `/raw/DEVICE` | `in`, `out` or `unsent` (0, 1, 2), length of the sender's address, that address, bytes as they went |
+| `/raw` | bytes as they went over the devices' wires, with their times: `drive_records.py` |
 | `/order` | in which order each process took in what it did: `drive_records.py` |
 | `/fixes`, `/command`, `/controller`, `/gate`, `/operator` | records of `messages.py`, as JSON |
 | `/events` | what happened, in words (foxglove.Log) |
@@ -24,6 +24,7 @@ from drawbar.recording.drive_records import (
     ORDER,
     RAW,
     TOPICS,
+    Happening,
     Order,
     RawBytes,
     pack_message,
@@ -47,8 +48,8 @@ _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel
 class DriveLog(Recorder):
     """The log of a drive as a context; all times are monotonic, ns, and come out as times of the computer's clock."""
 
-    LEVEL = 16
-    """a drive has time: a sixth less than at level 1, for 3 ms of each step in a process of its own"""
+    LEVEL = 19
+    """a drive has time: a fifth less than at level 1, for 10 ms of each step in a process of its own"""
 
     def __init__(self, file: Path, header: RunHeader, scene: Scene, live: Live | None = None) -> None:
         """Create the file, and draw what does not change.
@@ -65,6 +66,8 @@ class DriveLog(Recorder):
         super().__init__(file, header)
         self._scene, self._live, self._offset = scene, live, time.time_ns() - time.monotonic_ns()
         self._states: deque[int] = deque(maxlen=_STATES)
+        self._pieces: list[RawBytes] = []
+        self._happenings: list[Happening] = []
         self._channels = {STEP_TOPIC: self._channel}
         self._schemas: dict[str, int] = {}
         self._steps_shown, self._reached_end = 0, False
@@ -92,7 +95,12 @@ class DriveLog(Recorder):
 
     def flush(self) -> None:
         """Let all that was added reach the operating system; a step does so by itself."""
+        self._add_waiting()
         self._writer.flush()
+
+    def _finish(self, outcome: Outcome) -> None:
+        self._add_waiting()
+        super()._finish(outcome)
 
     def _show_again(self, wall: int) -> None:
         """Show from time to time what does not change: whoever came late has not seen it."""
@@ -104,12 +112,22 @@ class DriveLog(Recorder):
         self._steps_shown += 1
 
     def add_raw(self, raw: RawBytes) -> None:
-        """Add bytes of a device."""
-        self._add_plain(RAW + raw.device, pack_raw(raw), raw.time)
+        """Add bytes of a device; they wait for `flush`."""
+        self._pieces.append(raw)
 
     def add_order(self, order: Order) -> None:
-        """Add what one of the processes did."""
-        self._add_plain(ORDER, pack_order(order), order.time)
+        """Add what one of the processes did; it waits for `flush`."""
+        self._happenings += order.happenings
+
+    def _add_waiting(self) -> None:
+        """Add what waits as one message of each kind, since the index takes 16 bytes a message; bytes before looks."""
+        if self._pieces:
+            self._add_plain(RAW, pack_raw(self._pieces), self._pieces[-1].time)
+            self._pieces.clear()
+        if self._happenings:
+            order = Order(tuple(self._happenings))
+            self._add_plain(ORDER, pack_order(order), order.time)
+            self._happenings.clear()
 
     def add_message(self, message: Message) -> None:
         """Add a record of one of the processes; a kind that has no topic is left out.

@@ -1,7 +1,7 @@
 """Records of a drive that are not its steps, as they lie in its log: raw bytes, order of what happened, messages."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from enum import IntEnum
@@ -20,7 +20,7 @@ from drawbar.transports.tapped import Direction
 
 CLOCK = "clock"
 """metadata: `offset`, the computer's clock minus the monotonic one, ns"""
-RAW, ORDER = "/raw/", "/order"
+RAW, ORDER = "/raw", "/order"
 TOPICS: dict[type[Message], str] = {
     Fixes: "/fixes",
     CommandMessage: "/command",
@@ -30,6 +30,7 @@ TOPICS: dict[type[Message], str] = {
 }
 _KINDS = {topic: kind for kind, topic in TOPICS.items()}
 _ORDER = struct.Struct("<BIQ")
+_RAW = struct.Struct("<QBBBI")
 _DIRECTIONS = tuple(Direction)
 
 
@@ -60,7 +61,7 @@ class Happening:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What happened in one process, one after the other."""
+    """What happened: in each process one after the other."""
 
     happenings: tuple[Happening, ...]
 
@@ -86,10 +87,24 @@ class RawBytes:
 DriveRecord = StepRecord | Message | RawBytes | Happening
 
 
-def pack_raw(raw: RawBytes) -> bytes:
-    """Return the bytes with direction and sender in front; their time is the message's."""
-    source = raw.source.encode()
-    return bytes((_DIRECTIONS.index(raw.direction), len(source))) + source + raw.data
+def pack_raw(pieces: Iterable[RawBytes]) -> bytes:
+    """Return, of each: time, direction, three lengths, the device's name, the sender and the bytes."""
+    packed = []
+    for raw in pieces:
+        texts = raw.device.encode(), raw.source.encode(), raw.data
+        packed += [_RAW.pack(raw.time, _DIRECTIONS.index(raw.direction), *map(len, texts)), *texts]
+    return b"".join(packed)
+
+
+def unpack_raw(data: bytes) -> Iterator[RawBytes]:
+    """Yield what `pack_raw` packed; struct.error, IndexError or UnicodeError: it is none."""
+    at = 0
+    while at < len(data):
+        time, direction, *lengths = _RAW.unpack_from(data, at)
+        at += _RAW.size
+        texts = [data[at : (at := at + length)] for length in lengths]
+        device, source, content = texts[0].decode(), texts[1].decode(), texts[2]
+        yield RawBytes(device=device, time=time, direction=_DIRECTIONS[direction], source=source, data=content)
 
 
 def pack_order(order: Order) -> bytes:
@@ -137,18 +152,16 @@ def _drive_records(records: Iterator[Logged], file: Path) -> Iterator[DriveRecor
         elif isinstance(record, LoggedMessage):
             if offset is None:
                 raise DrawbarError(f"{file}: is no log of a drive; give the log.mcap that drawbar drive wrote")
-            yield from _decoded(record.topic, record.data, record.publish_time - offset)
+            yield from _decoded(record.topic, record.data)
 
 
-def _decoded(topic: str, data: bytes, time: int) -> Iterator[DriveRecord]:
+def _decoded(topic: str, data: bytes) -> Iterator[DriveRecord]:
     if topic == STEP_TOPIC:
         yield decode_step(data)
     elif topic == ORDER:
         yield from unpack_order(data).happenings
-    elif topic.startswith(RAW):
-        end = 2 + data[1]
-        source, direction = data[2:end].decode(), _DIRECTIONS[data[0]]
-        yield RawBytes(device=topic[len(RAW) :], time=time, direction=direction, source=source, data=data[end:])
+    elif topic == RAW:
+        yield from unpack_raw(data)
     elif topic in _KINDS:
         content: Any = missing_to_nan(msgspec.json.decode(data))
         yield msgspec.convert(content, _KINDS[topic])

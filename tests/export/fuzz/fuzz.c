@@ -7,7 +7,9 @@
 #include "solvers.h"
 #include "vehicle.h"
 
-#define VALUES (offsetof(struct drawbar_measurement, tractor_fix_quality) / sizeof(double))
+#define FIRST offsetof(struct drawbar_measurement, tractor_x)
+#define VALUE(name) (1 + (offsetof(struct drawbar_measurement, name) - FIRST) / sizeof(double))  /* time is the first */
+#define VALUES VALUE(tractor_fix_quality)
 #define USUAL 9                            /* values that every machine has */
 #define MOST_STEPS 4096                    /* of one input */
 #define MOST_STATUSES 512
@@ -70,18 +72,20 @@ static double noise(struct fuzz *f)
 static int measure(struct fuzz *f, struct drawbar_measurement *measurement)
 {
     static const double scale[VALUES] = {0.0, 0.03, 0.03, 0.03, 0.03, 0.02, 0.05, 0.02, 0.02};
-    double values[VALUES];
+    double values[VALUES] = {0.0};         /* the first: of the fault alone */
+    char *numbers = (char *)measurement + FIRST;
     int infinite = 0;
 
     *measurement = vehicle_measure(&f->vehicle);
-    memcpy(values, measurement, sizeof values);
+    memcpy(values + 1, numbers, sizeof values - sizeof *values);
     for (size_t i = 0; i < VALUES; ++i) {
         values[i] = f->is_replaced[i] ? f->replaced[i] : values[i] + f->added[i] + f->noise_level * scale[i] * noise(f);
         infinite |= i > 0 && isinf(values[i]);
     }
     for (int i = 1; i <= 4; ++i)
         values[i] += f->sway * sin(SWAY_RATE * f->vehicle.time);
-    memcpy(measurement, values, sizeof values);
+    measurement->time = f->is_replaced[0] ? values[0] : measurement->time + values[0];
+    memcpy(numbers, values + 1, sizeof values - sizeof *values);
     measurement->tractor_fix_quality = f->qualities[0];
     measurement->trailer_fix_quality = f->qualities[1];
     return infinite;
@@ -277,12 +281,11 @@ static void lose_fixes(struct fuzz *f)
 /* Both receivers fall back to float, and say so. */
 static void float_fixes(struct fuzz *f)
 {
-    static const size_t deviations[] = {offsetof(struct drawbar_measurement, tractor_fix_deviation),
-                                        offsetof(struct drawbar_measurement, trailer_fix_deviation)};
+    static const size_t deviations[] = {VALUE(tractor_fix_deviation), VALUE(trailer_fix_deviation)};
 
     for (int i = 0; i < 2; ++i) {
-        f->is_replaced[deviations[i] / sizeof(double)] = 1;
-        f->replaced[deviations[i] / sizeof(double)] = 0.3;
+        f->is_replaced[deviations[i]] = 1;
+        f->replaced[deviations[i]] = 0.3;
     }
 }
 

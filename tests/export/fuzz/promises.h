@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include "drawbar.h"
+#include "geometry.h"
 
 /* TRACTOR_LIMIT, TRAILER_LIMIT (rad), SPEED_LIMIT (m/s), TRACTOR_CHANGE, TRAILER_CHANGE (rad, from command to command),
- * ACCELERATION (m/s^2) are those of the configuration. */
-#define ROUNDING 1e-9
+ * ACCELERATION (m/s^2) are those of the configuration; LEEWAY is what rounding may add to any of them. */
 #define PATIENCE 1.0                       /* for how long a command is repeated, s */
 #define KEPT 0.5                           /* for how long the speed stays where solvers fail or samples come late, s */
 #define ENDURANCE 3.0                      /* after how long of that the vehicle stands, s */
@@ -33,8 +33,8 @@ struct run {
     int given;                             /* there is a last command, be it of the run before */
     struct drawbar_command last;           /* the newest command */
     int repeats;                           /* samples since a new command */
-    double renewed;                        /* time of the newest command that was new, s */
-    double taken;                          /* time of the newest sample that was taken, s */
+    time_stamp renewed;                    /* time of the newest command that was new, s */
+    time_stamp taken;                      /* time of the newest sample that was taken, s */
     double unsolved;                       /* since all solvers had solutions; a sample counts for its length, or more, s */
     double overdue;                        /* by which samples came late, less half of the time in order since, s */
     double wanted;                         /* set speed, m/s */
@@ -65,7 +65,7 @@ static void promise_rates(const struct run *run, const struct drawbar_command *c
     const double tractor = fabs(command->tractor_steering - run->last.tractor_steering);
     const double trailer = fabs(command->trailer_steering - run->last.trailer_steering);
 
-    PROMISED(tractor <= TRACTOR_CHANGE + ROUNDING && trailer <= TRAILER_CHANGE + ROUNDING);
+    PROMISED(tractor <= TRACTOR_CHANGE + LEEWAY && trailer <= TRAILER_CHANGE + LEEWAY);
 }
 
 static void promise_held(const struct run *run, const struct drawbar_command *command)
@@ -81,14 +81,14 @@ static void promise_pace(const struct run *run, const struct answer *answer)
     const double share = (ENDURANCE - doubt) / (ENDURANCE - KEPT);
     const double speed = answer->command.speed, change = ACCELERATION * DRAWBAR_SAMPLE_TIME;
 
-    PROMISED(speed <= fmax(run->wanted, run->speed - change) + ROUNDING);
-    PROMISED(speed <= run->speed + (run->repeats + 1) * change + ROUNDING);
-    PROMISED(doubt < ENDURANCE + ROUNDING);
-    PROMISED(speed <= fmax(share, 0.0) * SPEED_LIMIT + ROUNDING);
-    PROMISED(answer->status & DRAWBAR_SLOWED || doubt <= KEPT + ROUNDING);
+    PROMISED(speed <= fmax(run->wanted, run->speed - change) + LEEWAY);
+    PROMISED(speed <= run->speed + (run->repeats + 1) * change + LEEWAY);
+    PROMISED(doubt < ENDURANCE + LEEWAY);
+    PROMISED(speed <= fmax(share, 0.0) * SPEED_LIMIT + LEEWAY);
+    PROMISED(answer->status & DRAWBAR_SLOWED || doubt <= KEPT + LEEWAY);
     /* without such a doubt: coarse fixes or an oscillation, which leave at most this part of the speed */
-    PROMISED(!(answer->status & DRAWBAR_SLOWED) || doubt >= KEPT - ROUNDING
-             || speed <= fmax(SANITY_SHARE * SPEED_LIMIT, run->speed - change) + ROUNDING);
+    PROMISED(!(answer->status & DRAWBAR_SLOWED) || doubt >= KEPT - LEEWAY
+             || speed <= fmax(SANITY_SHARE * SPEED_LIMIT, run->speed - change) + LEEWAY);
 }
 
 static void promise_new(const struct run *run, const struct answer *answer)

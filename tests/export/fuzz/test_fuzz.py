@@ -2,8 +2,9 @@
 
 Whatever sensors, solvers, paths, clocks and callers do, no promise of drawbar.h is broken.
 
-The test is a short run from fixed seeds. DRAWBAR_FUZZ_SECONDS=3600 makes it a long one, from seeds of its own; what it
-finds is kept in the current folder.
+The test is a short run from fixed seeds, with doubles. DRAWBAR_FUZZ_SECONDS=3600 makes it a long one, from seeds of its
+own, and one with floats; what it finds is kept in the current folder. The fuzzer's own sources become floats as the
+library's do.
 """
 
 import os
@@ -18,6 +19,8 @@ from pathlib import Path
 import pytest
 
 from drawbar.config import load_configuration
+from drawbar.export.precision import single, single_text
+from drawbar.export.targets import Precision
 from drawbar.signals import Flag, Status
 
 HERE = Path(__file__).parent
@@ -33,12 +36,18 @@ COMPILERS = ("clang-14", "clang")
 SECONDS = os.environ.get("DRAWBAR_FUZZ_SECONDS", "")
 
 
-def limits() -> list[str]:
+LEEWAY = {Precision.DOUBLE: 1e-9, Precision.SINGLE: 1e-6}
+"""of the promises, for rounding"""
+PRECISIONS = [Precision.DOUBLE, *([Precision.SINGLE] if SECONDS else [])]
+
+
+def limits(precision: Precision) -> list[str]:
     """Return the configuration's limits as the promises know them."""
     configuration = load_configuration("articulated", ())
     vehicle = configuration.vehicle
     reach = 2.0 * vehicle.steering_lag + configuration.sample_time
     numbers = {
+        "LEEWAY": LEEWAY[precision],
         "TRACTOR_LIMIT": vehicle.tractor_steering_limit,
         "TRAILER_LIMIT": vehicle.trailer_steering_limit,
         "SPEED_LIMIT": configuration.speed,
@@ -47,26 +56,33 @@ def limits() -> list[str]:
         "TRACTOR_CHANGE": reach * vehicle.tractor_steering_rate,
         "TRAILER_CHANGE": reach * vehicle.trailer_steering_rate,
     }
-    return [f"-D{name}={value!r}" for name, value in numbers.items()]
+    written = single_text if precision is Precision.SINGLE else str
+    return [f"-D{name}={written(repr(value))}" for name, value in numbers.items()]
 
 
-@pytest.fixture(scope="module")
-def fuzzer(exported: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=PRECISIONS)
+def fuzzer(
+    request: pytest.FixtureRequest, exported: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     """Return the product's library and the fuzzer's target as a program."""
     compiler = next(filter(shutil.which, COMPILERS), None)
     if compiler is None:
         pytest.skip("clang is not installed")
-    library, folder = exported("articulated"), tmp_path_factory.mktemp("fuzz")
-    headers = [f"-I{library / 'include'}", f"-I{library / 'src'}", f"-I{HERE}"]
+    precision, folder = request.param, tmp_path_factory.mktemp("fuzz")
+    library = exported("articulated", precision=precision)
+    own = {file.name: file.read_text("utf-8") for file in HERE.glob("*.[ch]")}
+    for name, text in (single(own) if precision is Precision.SINGLE else own).items():
+        (folder / name).write_text(text, "utf-8")
+    headers = [f"-I{library / 'include'}", f"-I{library / 'src'}"]
 
     def compile_unit(source: Path) -> Path:
         built = folder / f"{source.stem}.o"
-        command = [compiler, *FLAGS, *SANITIZERS, *headers, *limits(), "-c", str(source), "-o", str(built)]
+        command = [compiler, *FLAGS, *SANITIZERS, *headers, *limits(precision), "-c", str(source), "-o", str(built)]
         subprocess.run(command, check=True)
         return built
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        objects = list(pool.map(compile_unit, [*(library / "src").glob("*.c"), HERE / "fuzz.c"]))
+        objects = list(pool.map(compile_unit, [*(library / "src").glob("*.c"), folder / "fuzz.c"]))
     program = folder / "fuzz"
     linking = [*(f"-Wl,--wrap=drawbar_{name}" for name in REPLACED), *map(str, objects), "-lm", "-o", str(program)]
     linked = subprocess.run([compiler, *SANITIZERS, *linking], capture_output=True)
