@@ -21,7 +21,7 @@ from drawbar.driving.front_end import Keyboard
 from drawbar.driving.letters import Step, Sureness, pack, unpack
 from drawbar.driving.mail import MOST_KEPT, Mailbox
 from drawbar.driving.operator import changed_speed
-from drawbar.errors import ConfigurationError
+from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.geometry import LocalFrame
 from drawbar.messages import GateState, SupervisorState, encode
 from drawbar.recording.drive_log import DriveLog
@@ -203,6 +203,15 @@ def test_a_drives_steps_and_what_is_drawn_of_them_fill_few_megabytes_an_hour(tmp
         "/path": 1,
         "/bodies": 1,
     }
+
+
+def test_a_drive_of_an_earlier_drawbar_is_refused_by_name(tmp_path, build):
+    simulation, frame = build("articulated"), LocalFrame(latitude=50.0, longitude=4.0)
+    scene = Scene(path=simulation.path, vehicle=simulation.configuration.vehicle, frame=frame)
+    with DriveLog(tmp_path / "log.mcap", simulation.header(), scene) as log:
+        log._add_plain("/raw/sensors", b"", 10**9)
+    with open_drive(tmp_path / "log.mcap") as records, pytest.raises(DrawbarError, match="an earlier drawbar wrote it"):
+        list(records)
 
 
 @pytest.mark.parametrize("status", [Status.OK, Status.FINISHED])

@@ -152,6 +152,8 @@ def _drive_records(records: Iterator[Logged], file: Path) -> Iterator[DriveRecor
         elif isinstance(record, LoggedMessage):
             if offset is None:
                 raise DrawbarError(f"{file}: is no log of a drive; give the log.mcap that drawbar drive wrote")
+            if record.topic.startswith(f"{RAW}/"):
+                raise DrawbarError(f"{file}: an earlier drawbar wrote it, in another layout; use that one")
             yield from _decoded(record.topic, record.data)
 
 
