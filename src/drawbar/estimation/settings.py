@@ -185,7 +185,7 @@ class SlideSettings(Settings):
     """of the slide to the east and to the north at first; 0: none is looked for, rad"""
     walk: NonNegativeAngle = 2e-4
     """by which they may change per sample, rad"""
-    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
+    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.2
     """of the side-slip per side acceleration of a curve at first, rad per g; 0: none is looked for"""
     constant_prior: PositiveAngle = 0.005
     """of what is the same in all headings, rad"""
