@@ -87,6 +87,54 @@ def test_values_of_any_age_are_brought_to_now() -> None:
         assert (aligned.tractor_steering, aligned.hitch_angle) == pytest.approx((0.0, 0.3), abs=1e-12)
 
 
+def weave(alignment: Alignment, samples: int, age: float = 0.0, **values: Any) -> list[float]:
+    """Return by how much believed yaw rates are beyond a weaving tractor's, rad/s; it tells them exactly, `age` old.
+
+    From the 60th sample on the measurement has these values.
+    """
+    lengths, found = VehicleParameters(), []
+    back = lengths.hitch_length + lengths.trailer_length - lengths.trailer_antenna
+
+    def rate(time: float) -> float:
+        return 0.15 * math.sin(0.8 * time)
+
+    def yaw(time: float) -> float:
+        return 0.15 / 0.8 * (1.0 - math.cos(0.8 * time))
+
+    def there(time: float) -> Estimate:
+        steering = math.atan(lengths.wheelbase * rate(time))
+        pose = Pose(x=0.01 * time, y=0.0, yaw=yaw(time))
+        return estimate(time, pose, pose, tractor_steering=steering)
+
+    for k in range(1, samples):
+        now = SAMPLE * k
+        east, north = back * math.cos(yaw(now)), back * math.sin(yaw(now))
+        told = {"tractor_yaw_rate": rate(now - age), "tractor_attitude_age": age}
+        given = measurement(now, (0.01 * now, 0.0, 0.01 * now - east, -north), **told)
+        given = replace(given, **values) if k >= 60 else given
+        found.append(alignment.apply(given, there(now - SAMPLE), there(now)).tractor_yaw_rate - rate(now))
+    return found
+
+
+@pytest.mark.parametrize("age", [0.0, 0.1, 0.2])
+def test_a_yaw_rate_of_any_age_is_brought_to_now(age: float) -> None:
+    beyond = weave(Alignment(VehicleParameters()), 150, age)
+    assert all(map(math.isnan, beyond[:10]))
+    assert np.abs(beyond[60:]).max() < math.radians(0.5)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"hitch_angle": math.nan},
+        {"trailer_x": math.nan},
+        {"tractor_fix_quality": FixQuality.FLOAT, "tractor_fix_deviation": 0.3, "hitch_angle": 0.3},
+    ],
+)
+def test_what_shows_no_yaw_says_nothing_against_a_yaw_rate(values: dict[str, Any]) -> None:
+    assert np.abs(weave(Alignment(VehicleParameters()), 150, **values)[60:]).max() < math.radians(0.5)
+
+
 @pytest.mark.parametrize("age", [-0.1, 1.1, math.inf])
 def test_values_too_old_or_of_the_future_are_missing(age: float) -> None:
     late = measurement(1.2, (1.0, 0.0, -1.0, 0.0), tractor_fix_age=age, hitch_angle_age=age)

@@ -18,6 +18,7 @@
 #include "yaws_at_rest.h"
 
 #define OLDEST 1.0                         /* what is older is missing, s */
+#define SHOWS_YAW 0.1                      /* deviation beyond which fixes show no yaw, m */
 
 enum { ALIGNED_TRACTOR, ALIGNED_TRAILER, ALIGNED };
 
@@ -174,17 +175,25 @@ static inline double wheels_yaw_rate(const struct component *alignment, const st
     return tractor_yaw_rate(estimate, estimate->longitudinal_slip * estimate->speed, alignment->chain.wheelbase);
 }
 
+/* The tractor's yaw as fixes and angles show it, rad; NaN where one of them is missing or coarse. */
+static inline double shown_yaw(const struct component *alignment, const struct drawbar_measurement *m)
+{
+    const int coarse = fmax(m->tractor_fix_deviation, m->trailer_fix_deviation) > SHOWS_YAW;
+    double tractor, trailer;
+
+    if (coarse || !isfinite(m->hitch_angle + m->trailer_steering)
+        || !yaws_at_rest(&alignment->chain, m, &tractor, &trailer))
+        return NAN;
+    return tractor;
+}
+
 /* Bring the tractor's yaw rate up to now, without the sensor's bias, in place; NaN where it is not to be believed. */
 static inline void align_yaw_rate(struct component *alignment, const struct since *since, struct drawbar_measurement *m)
 {
     const double last = wheels_yaw_rate(alignment, since->last), now = wheels_yaw_rate(alignment, since->expected);
     const double told = brought_up(since, m->tractor_yaw_rate, m->tractor_attitude_age, last, now);
-    double tractor, trailer;
 
-    if (isnan(m->tractor_yaw_rate) && !alignment->yaw_rate.begun)
-        return;
-    const double yaw = yaws_at_rest(&alignment->chain, m, &tractor, &trailer) ? tractor : NAN;
-    m->tractor_yaw_rate = yaw_rate_believed(&alignment->yaw_rate, told, now, yaw, since->elapsed);
+    m->tractor_yaw_rate = yaw_rate_believed(&alignment->yaw_rate, told, now, shown_yaw(alignment, m), since->elapsed);
 }
 
 /* Let each fix, already on the ground, have the deviation that it is to be reckoned with; take away what is none. */
