@@ -4,6 +4,7 @@
 #define DRAWBAR_SIDE_SLIP_H
 
 #include <math.h>
+#include "geometry.h"
 #include "signals.h"
 
 #define GRAVITY 9.81                       /* m/s^2 */
