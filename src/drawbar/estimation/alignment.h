@@ -1,9 +1,9 @@
 /* From what the sensors reported to what they would report of the points on the ground, now.
  *
  * Each position goes from its antenna to the ground with the yaw and the attitude of its own time, and from there as far as
- * the body has moved since; the other sensors' values by what they have changed since. Between two samples everything is
- * taken to move evenly, as the estimator predicts it. A fix that its receiver repeats is corrected as before, so that it
- * stays recognisable as a repetition.
+ * the body has moved since; the other sensors' values by what they have changed since, the tractor's yaw rate without its
+ * sensor's bias. Between two samples everything is taken to move evenly, as the estimator predicts it. A fix that its
+ * receiver repeats is corrected as before, so that it stays recognisable as a repetition.
  */
 #ifndef DRAWBAR_ALIGNMENT_H
 #define DRAWBAR_ALIGNMENT_H

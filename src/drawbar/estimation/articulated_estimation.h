@@ -25,7 +25,7 @@ struct estimation_model {
 #define MODEL_FIELDS(type, prefix)                                                                           \
     SETTING(type, prefix chain.hitch, 0, 1, 0, 0) SETTING(type, prefix chain.drawbar, 0, 1, 0, 0)            \
     SETTING(type, prefix chain.back, 0, 1, 0, 0) SETTING(type, prefix chain.wheelbase, 0, 1, 0, 0)           \
-    SETTING(type, prefix trailer_length, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
+    SETTING(type, prefix trailer_length, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)            \
     SETTING(type, prefix first_yaw_error, 0, 1, 0, 0) SETTING(type, prefix sample_time, 0, 1, 0, 0)          \
     SETTING(type, prefix tractor_lag, 0, 1, 0, 0) SETTING(type, prefix trailer_lag, 0, 1, 0, 0)              \
     SETTING(type, prefix tractor_rate, 0, 1, 0, 0)            \
@@ -54,7 +54,8 @@ static inline int model_at_rest(const struct estimation_model *model, const stru
 
 #include "first_guess.h"
 
-/* The measurement, the tractor's yaw rate among it; zero for both crab angles while a fix is missing; zero for both steering rates.
+/* The measurement, with the tractor's yaw rate; zero for both crab angles while a fix is missing; zero for both steering
+ * rates.
  *
  * With both fixes the crab angles show, and to pull them to zero would hide a side slope; without, nothing holds them
  * but the belief that they fade. Commands take the place of the rates' zeros as soon as they are known. */

@@ -1,9 +1,10 @@
-/* What a yaw-rate sensor tells of the tractor: its bias is found and taken off, and what contradicts the antennas or is noisy
- * is not believed.
+/* What a yaw-rate sensor tells of the tractor: its bias is found and taken off, and a sensor that contradicts the
+ * antennas or the wheels is not believed.
  *
  * A body turns as far as its antennas and angles show, whatever the sensor says: how far the sensor's integral runs ahead
- * of that yaw grows with the bias. A Kalman filter tells both from each other. Until the bias is known, and while the
- * integral leaves the yaw or the single values leave the wheels' yaw rate, the sensor is not used.
+ * of that yaw grows with the bias. A Kalman filter tells both from each other. The sensor is not used until
+ * the bias is known and the sensor has told for a while what the wheels tell; where the integral leaves the yaw it is
+ * dropped, and begun with anew.
  */
 #ifndef DRAWBAR_YAW_RATE_SENSOR_H
 #define DRAWBAR_YAW_RATE_SENSOR_H
@@ -19,7 +20,7 @@
 #define BIAS_WALK (0.005 * DEGREE)         /* by which it changes, rad/s per square root of a second */
 #define YAW_NOISE (1.5 * DEGREE)           /* of one yaw that antennas and angles show, rad */
 #define FIRST_LEAD (2.0 * DEGREE)          /* deviation of the integral's first lead, rad */
-#define LEAD_WALK (0.3 * DEGREE)           /* of the integral, and of what the angles' sensors change, rad per square root of a second */
+#define LEAD_WALK (0.3 * DEGREE)           /* by which the lead changes beside the bias, rad per square root of a second */
 #define MOST_LEAD (3.0 * DEGREE)           /* a root mean square of unexpected lead that contradicts, rad */
 #define LEAP (6.0 * DEGREE)                /* a single unexpected lead that does, rad */
 #define OBSERVED 1.0                       /* time constant of that mean, s */
