@@ -1,4 +1,4 @@
-"""Angles, and the local frame on the WGS84 ellipsoid. Radians, metres, ENU, counter-clockwise from east."""
+"""Angles, gravity, and the local frame on the WGS84 ellipsoid. Radians, metres, ENU, counter-clockwise from east."""
 
 import math
 from dataclasses import dataclass
@@ -7,6 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+GRAVITY = 9.81
+"""m/s²; vehicle/side_slip.h has it in C"""
 
 _AXIS, _FLATTENING = 6378137.0, 1.0 / 298.257223563
 """of the ellipsoid of WGS84: equatorial radius, m, and flattening"""

@@ -11,11 +11,15 @@ from c_signals import Real
 
 from drawbar.codegen import Unit
 from drawbar.estimation.articulated import ArticulatedEstimation
+from drawbar.estimation.description import EstimationModel
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlideSettings
 from drawbar.geometry import Floats
+from drawbar.optimal.transcription import transcribe
+from drawbar.signals import Measurement
 from drawbar.vehicle.articulated import articulated
+from drawbar.vehicle.model import integrate
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import SensorNoise
+from drawbar.vehicle.sensors import MEASURED, SensorNoise
 
 UNIT = """
 #include "slide.h"
@@ -75,31 +79,58 @@ def test_side_slips_that_are_no_numbers_are_left_out() -> None:
     assert np.isfinite(found(yaws, np.zeros(40), crabs)).all()
 
 
-def test_a_model_on_a_slide_moves_as_one_whose_side_slips_are_told() -> None:
-    vehicle, settings = VehicleParameters(), ArticulatedEstimatorSettings(model="articulated")
-    on_slide = ArticulatedEstimation(vehicle, SensorNoise(), settings, 0.2).problem.model
-    plain, (east, north, creep) = articulated(vehicle).numeric(), (0.02, -0.03, 0.4)
-    assert [each.name for each in on_slide.constants[-3:]] == ["slide_east", "slide_north", "creep"]
-    lengths = [each.value for each in on_slide.constants[:-3]]
-    symbols = [on_slide.x, on_slide.u, on_slide.p]
-    one = ca.Function("one", [*symbols, on_slide.c], [on_slide.derivative])
-    other = ca.Function("other", [plain.x, plain.u, plain.p], [plain.derivative])
+def on_slide(**settings: float) -> EstimationModel:
+    chosen = ArticulatedEstimatorSettings(model="articulated", **settings)
+    return ArticulatedEstimation(VehicleParameters(), SensorNoise(), chosen, 0.2)
+
+
+def random_states(count: int) -> Floats:
+    """Return (count, 12) states of the chain, its parameters behind them."""
     rng = np.random.default_rng(2)
-    for _ in range(20):
-        x = rng.normal(0.0, 1.0, 6) * [1, 1, 3, 1, 0.2, 0.2]
-        u = rng.normal(0.0, 0.2, 2)
-        x[3] = x[2] + 0.2 * x[3]
-        p = np.array([0.9, 0.95, 0.01, 0.02, 1.3, 0.01])  # b = alpha_r: the tractor turns as if neither were
-        still = np.array(other(x, [0.0, 0.0], p * [1, 1, 0, 0, 1, 0])).ravel()
-        turned = math.tan(0.95 * x[4]) / vehicle.wheelbase * 0.9 * 1.3
-        assert turned == pytest.approx(still[2])
-        pushes = 0.9 * 1.3 * still[2:4] / 9.81
-        drawn = [
-            north * math.cos(yaw) - east * math.sin(yaw) - creep * push
-            for yaw, push in zip(x[2:4], pushes, strict=True)
-        ]
-        whole = p + np.array([0.0, 0.0, drawn[0], drawn[1], 0.0, drawn[0]])
-        np.testing.assert_allclose(one(x, u, p, [*lengths, east, north, creep]), other(x, u, whole), atol=1e-12)
+    x = rng.normal(0.0, 1.0, (count, 12)) * [1, 1, 3, 1, 0.2, 0.2, 0, 0.1, 0.02, 0.02, 0.5, 0.02]
+    x[:, 3] = x[:, 2] + 0.2 * x[:, 3]
+    return x + np.array([0, 0, 0, 0, 0, 0, 0.9, 0.95, 0, 0, 1.3, 0])
+
+
+def side_slips(x: Floats, slide: tuple[float, float, float], vehicle: VehicleParameters) -> tuple[float, float]:
+    """Return at which angles slope and curve draw tractor and trailer, rad: docs/theory/lever-arm.md, by the chain."""
+    (east, north, creep), plain = slide, articulated(vehicle).numeric()
+    rates = ca.Function("rates", [plain.x, plain.u, plain.p], [plain.derivative])
+    held = x[6:] * [1, 1, 0, 0, 1, 0]
+    steered = np.array([*x[:4], (x[7] * x[4] + x[8] - x[11]) / x[7], x[5]])  # kappa delta + b - alpha_r
+    turns = np.array(rates(steered, [0.0, 0.0], held)).ravel()[2:4]
+    across = [
+        north * math.cos(yaw) - east * math.sin(yaw) - creep * x[6] * x[10] * turn / 9.81
+        for yaw, turn in zip(x[2:4], turns, strict=True)
+    ]
+    return across[0], across[1]
+
+
+def test_a_model_on_a_slide_moves_as_one_whose_side_slips_are_told() -> None:
+    vehicle, slide = VehicleParameters(), (0.02, -0.03, 0.4)
+    problem = on_slide().problem
+    discrete, plain = transcribe(problem), articulated(vehicle).numeric()
+    assert [each.name for each in discrete.constants[-4:]] == ["slide_east", "slide_north", "creep", "sample_time"]
+    lengths = [each.value for each in discrete.constants[:-4]]
+    constants = ca.vertcat(*(each.symbol for each in discrete.constants))
+    one = ca.Function("one", [discrete.x, discrete.u, constants], [discrete.next_state])
+    other = ca.Function("other", [plain.x, plain.u, plain.p], [integrate(plain, 0.2)])
+    for x in random_states(20):
+        u, (tractor, trailer) = x[:2] / 5.0, side_slips(x, slide, vehicle)
+        whole = x[6:] + np.array([0.0, 0.0, tractor, trailer, 0.0, tractor])
+        expected = np.concatenate([np.array(other(x[:6], u, whole)).ravel(), x[6:]])
+        np.testing.assert_allclose(np.array(one(x, u, [*lengths, *slide, 0.2])).ravel(), expected, atol=1e-12)
+
+
+def test_the_estimate_tells_the_side_slips_with_which_the_model_moves(compiled: Callable) -> None:
+    slide, model = (0.02, -0.03, 0.4), compiled(on_slide())
+    nothing = Measurement(time=0.0, **dict.fromkeys((each.name for each in MEASURED), math.nan))
+    model.live.array("model.slide.value")[:3] = slide
+    for x in random_states(20):
+        model.state[:] = x
+        told, (tractor, trailer) = model.estimate(nothing), side_slips(x, slide, VehicleParameters())
+        found = [told.steering_offset, told.tractor_crab, told.trailer_crab]
+        np.testing.assert_allclose(found, x[[8, 11, 9]] + np.array([tractor, tractor, trailer]), atol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["articulated", "articulated-ekf"])

@@ -86,8 +86,7 @@ def test_the_product_fits_a_microcontroller(manifest, target) -> None:
     assert 50_000 < sections[".text"] + sections[".rodata"] < MOST_CODE.get(target.name, 384) * 1024
     assert 50_000 < manifest["state_bytes"] + sections[".data"] + sections[".bss"] < 128 * 1024
     if target.stack_known:
-        most = 16 if target.name.startswith("cortex") else 20
-        assert 1000 < max(stated["stack_bytes"].values()) < most * 1024
+        assert 1000 < max(stated["stack_bytes"].values()) < 16 * 1024
 
 
 def test_windows_finds_every_function_under_its_own_name(for_targets: Path) -> None:

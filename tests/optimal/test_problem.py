@@ -4,6 +4,7 @@ import math
 import re
 from typing import Any
 
+import casadi as ca
 import pytest
 
 from drawbar.codegen.cache import runtime_sources
@@ -114,6 +115,12 @@ def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
         ({"process_deviation": TERMINAL}, "process_deviation: there is no 'x', 'y'; the names are tractor_x"),
         ({"common_deviation": {"slip": 1.0}}, "common_deviation: there is no 'slip'"),
         ({"common_deviation": {"tractor_slip": -1.0}}, "common_deviation must be finite and not negative"),
+        (
+            {"acting": {"tractor_yaw": ca.SX(0.0)}},
+            "acting: 'tractor_yaw' is no parameter of 'tricycle'; there are",
+        ),
+        ({"acting": {"speed": 1.0}}, "acting: 'speed' must be a scalar SX of the model's symbols"),
+        ({"acting": {"speed": ca.SX.sym("wind")}}, "neither state, parameter nor constant of 'tricycle': ['wind']"),
     ],
 )
 def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:

@@ -7,6 +7,7 @@ import casadi as ca
 
 from drawbar.estimation.description import EstimationModel, by_variable, chain, sensor_deviations
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
+from drawbar.geometry import GRAVITY
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.model import Model, by_name, constant, variables
@@ -24,8 +25,6 @@ _KEYS = (
     | dict.fromkeys(_CRAB, "crab")
 )
 """which value of a prior or drift section each state and parameter has"""
-_GRAVITY = 9.81
-"""m/s^2"""
 _ON_A_SLOPE = ("steering_offset", *_CRAB)
 """what a side slope moves, all by the same angle"""
 
@@ -63,7 +62,8 @@ class ArticulatedEstimation(EstimationModel):
             | dict.fromkeys(_CRAB, settings.crab)
             | dict.fromkeys(_RATES, settings.steering_rate)
         )
-        model = _with_turn_and_crab(_on_slide(articulated(vehicle)))
+        model, acting = _on_slide(articulated(vehicle))
+        model = _with_turn_and_crab(model, acting)
         angle = Bound(lower=-settings.angle_bound, upper=settings.angle_bound)
         self.problem = EstimationProblem(
             model=model,
@@ -73,6 +73,7 @@ class ArticulatedEstimation(EstimationModel):
             prior_deviation=by_variable(settings.prior, _KEYS),
             process_deviation=by_variable(settings.drift, _KEYS),
             common_deviation=dict.fromkeys(_ON_A_SLOPE, settings.drift.slope),
+            acting=acting,
             bounds={
                 "longitudinal_slip": _bound(settings.longitudinal_slip_bounds),
                 "tractor_slip": _bound(settings.tractor_slip_bounds),
@@ -81,10 +82,11 @@ class ArticulatedEstimation(EstimationModel):
         )
 
 
-def _on_slide(model: Model) -> Model:
-    """Return the model on ground that draws every axle in one direction of the world, and out of its curve (slide.h).
+def _on_slide(model: Model) -> tuple[Model, dict[str, Any]]:
+    """Return the model with three more constants, and what then acts in the place of side-slips and steering offset.
 
-    It has three more constants. Crab angles and steering offset are then what is left beside it.
+    The ground draws every axle in one direction of the world, and out of its curve (slide.h). Side-slips and steering
+    offset are then what is left beside it.
     """
     slide = [constant(f"slide_{direction}", "rad", 0.0) for direction in ("east", "north")]
     creep = constant("creep", "rad", 0.0)
@@ -95,12 +97,11 @@ def _on_slide(model: Model) -> Model:
 
     def across(body: str) -> Any:
         yaw = states[f"{body}_yaw"]
-        return north * ca.cos(yaw) - east * ca.sin(yaw) - creep.symbol * speed * turns[body] / _GRAVITY
+        return north * ca.cos(yaw) - east * ca.sin(yaw) - creep.symbol * speed * turns[body] / GRAVITY
 
     drawn = {"steering_offset": "tractor", "tractor_crab": "tractor", "trailer_crab": "trailer"}
-    whole = [known[name] + across(body) for name, body in drawn.items()]
-    derivative, output = ca.substitute([model.derivative, model.output], [known[name] for name in drawn], whole)
-    return replace(model, derivative=derivative, output=output, constants=(*model.constants, *slide, creep))
+    acting = {name: known[name] + across(body) for name, body in drawn.items()}
+    return replace(model, constants=(*model.constants, *slide, creep)), acting
 
 
 def _turns(model: Model, states: dict[str, Any], known: dict[str, Any]) -> dict[str, Any]:
@@ -115,13 +116,14 @@ def _turns(model: Model, states: dict[str, Any], known: dict[str, Any]) -> dict[
     return {"tractor": tractor, "trailer": trailer}
 
 
-def _with_turn_and_crab(model: Model) -> Model:
+def _with_turn_and_crab(model: Model, acting: dict[str, Any]) -> Model:
     """Return the model with the tractor's yaw rate and both crab angles as outputs too, before the rates.
 
     On the whole, axles do not slip sideways.
     """
     known, split = by_name(model.parameters, model.p), len(MEASURED)
     turn = by_name(model.states, model.derivative)["tractor_yaw"]
+    turn = ca.substitute(turn, ca.vertcat(*(known[name] for name in acting)), ca.vertcat(*acting.values()))
     return replace(
         model,
         outputs=(*model.outputs[:split], *variables(**_TURN, **_CRAB), *model.outputs[split:]),

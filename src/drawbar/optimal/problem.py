@@ -164,6 +164,9 @@ class EstimationProblem:
     """the same of one more noise that moves all states and parameters named here at once"""
     bounds: Mapping[str, Bound] = field(default_factory=dict)
     """by name of a state, parameter or input"""
+    acting: Mapping[str, Any] = field(default_factory=dict)
+    """by name of a parameter: what acts in its place through a sample, a scalar SX of states, parameters and constants
+    where the sample begins; outputs take the parameter itself"""
     integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
     """of the integrator, per sample"""
@@ -179,6 +182,7 @@ class EstimationProblem:
             raise SolverError(f"prior_deviation must be positive, got {dict(self.prior_deviation)}.")
         kinds = {"state": model.states, "parameter": model.parameters, "input": model.inputs}
         _check_bounds(model, self.bounds, kinds)
+        _check_acting(model, self.acting)
 
     @property
     def estimated(self) -> tuple[Variable, ...]:
@@ -249,3 +253,19 @@ def _check_bounds(model: Model, bounds: Any, kinds: Mapping[str, Iterable[Variab
                 f"{what}: {name!r} is no {', '.join(kinds)} of {model.name!r}; there are "
                 f"{', '.join(dict.fromkeys(names))}."
             )
+
+
+def _check_acting(model: Model, acting: Mapping[str, Any]) -> None:
+    names = [variable.name for variable in model.parameters]
+    if unknown := [name for name in acting if name not in names]:
+        raise SolverError(
+            f"acting: {', '.join(map(repr, unknown))} is no parameter of {model.name!r}; there are {', '.join(names)}."
+        )
+    if wrong := [name for name, value in acting.items() if not isinstance(value, ca.SX) or not value.is_scalar()]:
+        raise SolverError(f"acting: {', '.join(map(repr, wrong))} must be a scalar SX of the model's symbols.")
+    known = {symbol.element_hash() for symbol in ca.symvar(ca.vertcat(model.x, model.p, model.c))}
+    free = {str(s) for value in acting.values() for s in ca.symvar(value) if s.element_hash() not in known}
+    if free:
+        raise SolverError(
+            f"acting uses symbols that are neither state, parameter nor constant of {model.name!r}: {sorted(free)}."
+        )

@@ -12,7 +12,7 @@ from drawbar.optimal.augmentation import Augmentation, augment
 from drawbar.optimal.frame import BARE, BARE_WINDOW, PHASES, ROWS, SOLVER_FIELDS, TABLE, UNIT, WINDOW_PHASES, WORK
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.vehicle.integrators import discretise
-from drawbar.vehicle.model import Constant, column, constant, with_values
+from drawbar.vehicle.model import Constant, by_name, column, constant, with_values
 
 LEVENBERG = 1e-9
 """Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
@@ -207,8 +207,10 @@ def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
 
 def _estimation(problem: EstimationProblem, step: Any, constants: tuple[Constant, ...]) -> Transcription:
     """Let the parameters be states that do not change."""
-    model, horizon = problem.model, problem.horizon
+    model, horizon, known = problem.model, problem.horizon, by_name(problem.model.parameters, problem.model.p)
     x = ca.vertcat(model.x, model.p)
+    replaced = ca.vertcat(*(known[name] for name in problem.acting))
+    step = ca.substitute(step, replaced, ca.vertcat(*problem.acting.values())) if problem.acting else step
     names = model.names | {"X": (*model.names["X"], *model.names["P"]), "P": ()}
     nx, moving = x.numel(), model.x.numel()
     states = [

@@ -14,6 +14,11 @@
 #define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side; or du, d = x_1 - F, right-hand side */
 #define OLD_PACKS ((OLD + PACK - 1) / PACK)
 #define OLD_WIDTH (OLD_PACKS * PACK)
+#if defined(__GNUC__)
+#define APART __attribute__((noinline))    /* its matrices shall not lie on the stack beside those of the caller */
+#else
+#define APART
+#endif
 
 /* Generated: the Jacobian of the first stage's outputs, and h in the last column; what never changes by itself. */
 static void output_constants(const struct rti *work, double (*rows)[OLD_WIDTH]);
@@ -219,14 +224,11 @@ static inline void arrival_substitute(const double (*restrict B)[NU], const doub
     }
 }
 
-/* Absorb the oldest stage into the arrival cost, which stays as it is on failure; call after feedback, before rti_shift and
- * the next rti_prepare, for which this linearises: the lanes of its last stages have room for one more. */
-static int arrival_update(struct rti *s)
+/* Absorb the oldest stage, linearised behind the last one, into the arrival cost, which stays as it is on failure. */
+static APART int arrival_absorb(struct rti *s)
 {
     double T[NX + NY][OLD_WIDTH] = {{0.0}}, M[NX + NU][OLD_WIDTH] = {{0.0}}, Z[NX][WIDTH], d[NX];
 
-    s->linearised = 1;
-    dynamics(s, 0, N + 1);
     arrival_measure(s, T);
     if (!arrival_transition((const double (*)[WIDTH])s->qp.A[N], (const double (*)[OLD_WIDTH])T, Z))
         return NOT_FINITE;
@@ -249,6 +251,15 @@ static int arrival_update(struct rti *s)
         memcpy(s->root[i] + i, M[i] + NU + i, (size_t)(NX - i) * sizeof(double));
     }
     return SOLVED;
+}
+
+/* Absorb the oldest stage; call after feedback, before rti_shift and the next rti_prepare, for which this linearises: the
+ * lanes of its last stages have room for one more. */
+static inline int arrival_update(struct rti *s)
+{
+    s->linearised = 1;
+    dynamics(s, 0, N + 1);
+    return arrival_absorb(s);
 }
 
 #endif

@@ -7,11 +7,11 @@ import casadi as ca
 import numpy as np
 
 from drawbar.codegen import CompiledRecurrence
-from drawbar.geometry import Floats
+from drawbar.geometry import GRAVITY, Floats
 from drawbar.machine.actuators import hydrostat_rates, steering_rate
 from drawbar.machine.physics.model import CONTROLS, DRIVE_DAMPING, WHEELS
 from drawbar.machine.physics.settings import PhysicsMachineSettings
-from drawbar.machine.physics.statics import GRAVITY, static_loads
+from drawbar.machine.physics.statics import static_loads
 from drawbar.machine.physics.tyres import Tyre, Wheel, contact
 from drawbar.machine.symbols import numbers, symbolic
 from drawbar.vehicle.parameters import VehicleParameters

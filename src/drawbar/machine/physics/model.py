@@ -8,8 +8,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from drawbar.geometry import GRAVITY
 from drawbar.machine.physics.settings import FRONT_AXLE, PhysicsMachineSettings
-from drawbar.machine.physics.statics import GRAVITY
 from drawbar.vehicle.parameters import VehicleParameters
 
 WHEELS = ("rear_left", "rear_right", "front_left", "front_right", "trailer_left", "trailer_right")

@@ -1,10 +1,8 @@
 """What each wheel carries while the machine stands on level ground: moments about RJ1 and the rear axle."""
 
+from drawbar.geometry import GRAVITY
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.vehicle.parameters import VehicleParameters
-
-GRAVITY = 9.81
-"""m/s²"""
 
 
 def static_loads(vehicle: VehicleParameters, settings: PhysicsMachineSettings) -> tuple[float, float, float]:
