@@ -35,14 +35,16 @@ def figures(result: Result) -> dict[str, float]:
     found: dict[str, float] = {}
     for body in BODIES:
         error, progress = 100.0 * result.columns[f"error.{body}"], result.columns[f"progress.{body}"]
-        error = error[progress - np.nanmin(progress) > BEGINS]
+        begun = progress - np.nanmin(progress) > BEGINS
+        straight = begun & (result.columns[f"reference.{body}.closest.3"] == 0.0)
+        on_straights, error = error[straight], error[begun]
         size = np.abs(error)
         found |= {
             f"{body} mean": float(size.mean()),
             f"{body} SD": float(error.std()),
             f"{body} 95 %": float(np.percentile(size, 95.0)),
             f"{body} largest": float(size.max()),
-            f"{body} straight SD": 100.0 * float(getattr(result.metrics.error_m, body)["straight"].rms),
+            f"{body} straight SD": float(on_straights.std()),
         }
     found["masked"] = 100.0 * result.metrics.rejected_fixes / (2 * len(result.columns["measurement.time"]))
     found["roll"] = float(np.degrees(np.sqrt(np.mean(result.columns["truth.tractor_roll"] ** 2))))
