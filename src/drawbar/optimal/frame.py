@@ -17,7 +17,7 @@ UNIT = """
 #define LEAVING {leaving}
 #define LEAST_STEP {added}
 #define IP_ITERATIONS {iterations}
-#include "{header}"
+{held}#include "{header}"
 {functions}
 {names}{component}
 """

@@ -52,6 +52,9 @@ class Bound:
 class ControlProblem:
     """min over u of the sum over stages of ||h(x,u,p) - y||²_W from a given state, by multiple shooting.
 
+    The stages 0..M are the shooting nodes, M = N intervals_per_sample. Inputs are held over a sample, however
+    many nodes it has.
+
     Any function of states, inputs and parameters can be bounded: make it an output of the model, with a weight of 0.0
     if it shall not count otherwise.
 
@@ -61,23 +64,25 @@ class ControlProblem:
 
     model: Model
     horizon: int
-    """N, shooting intervals"""
+    """N, samples"""
     sample_time: float
     """s"""
     weights: Mapping[str, float]
-    """by name of an output, all of them; on stages 0..N-1"""
+    """by name of an output, all of them; on stages 0..M-1, divided by intervals_per_sample on each"""
     terminal_weights: Mapping[str, float]
-    """by name of an output, on stage N; outputs that depend on an input have no value there and are left out, or 0.0"""
+    """by name of an output, on stage M; outputs that depend on an input have no value there and are left out, or 0.0"""
     bounds: Mapping[str, Bound] = field(default_factory=dict)
-    """by name of a state (stages 1..N), of an input (0..N-1), or of an output (0..N-1 where it depends on an input,
-    else 1..N)"""
+    """by name of a state (stages 1..M), of an input (samples 0..N-1), or of an output (stages 0..M-1 where it depends
+    on an input, else 1..M)"""
     change_weights: Mapping[str, float] = field(default_factory=dict)
-    """by name of an input: on u_k - u_{k-1}, k = 0..N-1"""
+    """by name of an input: on u_n - u_{n-1}, samples n = 0..N-1"""
     change_bounds: Mapping[str, Bound] = field(default_factory=dict)
-    """by name of an input: of u_k - u_{k-1}, per sample, likewise"""
+    """by name of an input: of u_n - u_{n-1}, per sample, likewise"""
+    intervals_per_sample: int = 1
+    """shooting intervals of equal length in a sample"""
     integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
-    """of the integrator, per sample"""
+    """of the integrator, per shooting interval"""
     initial_weights: Mapping[str, float] = field(default_factory=dict)
     """empty: the first state is given; else by name of a state, all of them: on the distance of a free first state from
     what it should be"""
@@ -102,12 +107,24 @@ class ControlProblem:
         _check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs, "output": model.outputs})
         _check_bounds(model, self.change_bounds, {"input": model.inputs}, "change_bounds")
         self._refuse_ambiguous_outputs()
+        _check_intervals(self.intervals_per_sample)
         if self.initial_weights and (self.changing or self.bounded_outputs):
             raise SolverError(
                 f"A free first state (initial_weights) goes with bounds on states and inputs only; take "
                 f"{', '.join(map(repr, (*self.bounded_outputs, *self.changing)))} out of bounds, change_weights and "
                 f"change_bounds."
             )
+        if self.initial_weights and self.intervals_per_sample > 1:
+            raise SolverError(
+                f"A free first state (initial_weights) goes with intervals_per_sample = 1 only, got "
+                f"{self.intervals_per_sample}; take integration_steps for accuracy."
+            )
+
+    @property
+    def remembered(self) -> tuple[str, ...]:
+        """The inputs of which the value before is a state: those that change, and all where a sample holds them."""
+        held = [each.name for each in self.model.inputs if self.intervals_per_sample > 1]
+        return tuple(dict.fromkeys((*self.changing, *held)))
 
     @property
     def changing(self) -> tuple[str, ...]:
@@ -210,6 +227,11 @@ def _check_time(horizon: Any, sample_time: float, steps: Any, integrator: Integr
         raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
     if not 0.0 < sample_time < math.inf:
         raise SolverError(f"sample_time must be positive and finite, got {sample_time} s.")
+
+
+def _check_intervals(intervals: Any) -> None:
+    if not (isinstance(intervals, Integral) and int(intervals) >= 1):
+        raise SolverError(f"intervals_per_sample must be a whole number of at least 1, got {intervals!r}.")
 
 
 def _check_values(

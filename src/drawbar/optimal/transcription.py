@@ -8,7 +8,7 @@ from typing import Any, Self
 import casadi as ca
 
 from drawbar.codegen.emit import Input, Output, emit, emit_constants, emit_indices
-from drawbar.optimal.augmentation import Augmentation, augment
+from drawbar.optimal.augmentation import Augmentation, augment, change_name
 from drawbar.optimal.frame import BARE, BARE_WINDOW, PHASES, ROWS, SOLVER_FIELDS, TABLE, UNIT, WINDOW_PHASES, WORK
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.vehicle.integrators import discretise
@@ -27,14 +27,19 @@ class Transcription:
     """A discretised problem: F(x, u, p) and h(x, u, p), its constants, its sizes and its bounded variables."""
 
     name: str
-    horizon: int
+    intervals: int
+    """M, shooting intervals in the horizon"""
+    held: int
+    """shooting intervals over which an input is held: those of a sample"""
+    begins: Any
+    """(1, 1) SX symbol where held > 1: 1 in a sample's first interval, else 0; (0, 1) elsewhere"""
     x: Any
     u: Any
     p: Any
     p_next: Any
     """the parameters of the next stage"""
     next_state: Any
-    """(nx, 1) SX: F(x, u, p); bounded outputs behind it depend on p_next as well"""
+    """(nx, 1) SX: F(x, u, p) over one shooting interval; bounded outputs behind it depend on p_next as well"""
     output: Any
     """(ny, 1) SX: h(x, u, p)"""
     constants: tuple[Constant, ...]
@@ -48,14 +53,14 @@ class Transcription:
     arrival: bool
     """its cost sums up what the window has left behind"""
     bounded: tuple[tuple[str, range, Bound], ...]
-    """(name, indices into x_0 .. x_N, u_0 .. u_{N-1}; bound), in the order of the solver's `lower` and `upper`; a free
+    """(name, indices into x_0 .. x_M, u_0 .. u_{M-1}; bound), in the order of the solver's `lower` and `upper`; a free
     first state has no name"""
     names: Mapping[str, tuple[str, ...]]
     """what the elements of x, u, p and output are called, by the letters X, U, P and Y"""
 
     @property
     def bounds(self) -> tuple[tuple[int, Bound], ...]:
-        """(index into x_0 .. x_N, u_0 .. u_{N-1}; bound) of every bounded variable."""
+        """(index into x_0 .. x_M, u_0 .. u_{M-1}; bound) of every bounded variable."""
         return tuple((index, bound) for _, indices, bound in self.bounded for index in indices)
 
     @property
@@ -77,7 +82,7 @@ class Transcription:
 
     @property
     def input_outputs(self) -> tuple[bool, ...]:
-        """Which outputs depend on an input, and so have no value at stage N."""
+        """Which outputs depend on an input, and so have no value at stage M."""
         return tuple(ca.which_depends(self.output, self.u, 1, True))
 
     @property
@@ -107,7 +112,8 @@ class Transcription:
         """
         nx, nu = self.x.numel(), self.u.numel()
         return UNIT.format(
-            horizon=self.horizon,
+            horizon=self.intervals,
+            held="" if self.held == 1 else f"#define INTERVALS {self.held}\n",
             states=nx,
             inputs=nu,
             parameters=self.p.numel(),
@@ -152,6 +158,7 @@ class Transcription:
             Input(place="rti_weight(work, {k}, {i})", rows="(N + 1)", symbol=w),
             Input(place="rti_target(work, {k}, {i})", rows="(N + 1)", symbol=y),
             Input(place="work->constants[{i}]", rows="", symbol=column(self.constants)),
+            Input(place="({k}) % INTERVALS == 0", rows="N", symbol=self.begins),
         ]
         damping = LEVENBERG * ca.SX.eye(self.u.numel())
         step, slope = ca.cse([self.next_state, slope])
@@ -196,10 +203,11 @@ class Transcription:
 
 
 def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
-    """Return the problem discretised by its integrator over each sample."""
+    """Return the problem discretised by its integrator over each shooting interval."""
     model = problem.model
     sample_time = constant("sample_time", "s", problem.sample_time)
-    step = discretise(model, sample_time.symbol, problem.integration_steps, problem.integrator)
+    held = 1 if isinstance(problem, EstimationProblem) else problem.intervals_per_sample
+    step = discretise(model, sample_time.symbol / held, problem.integration_steps, problem.integrator)
     if isinstance(problem, EstimationProblem):
         return _estimation(problem, step, (*model.constants, sample_time))
     return _control(problem, step, (*model.constants, sample_time))
@@ -218,7 +226,9 @@ def _estimation(problem: EstimationProblem, step: Any, constants: tuple[Constant
     ]
     return Transcription(
         name=model.name,
-        horizon=horizon,
+        intervals=horizon,
+        held=1,
+        begins=ca.SX(0, 1),
         x=x,
         u=model.u,
         p=ca.SX(0, 1),
@@ -230,14 +240,15 @@ def _estimation(problem: EstimationProblem, step: Any, constants: tuple[Constant
         free_initial=True,
         added=False,
         arrival=True,
-        bounded=(*states, *_bounded_inputs(problem, nx)),
+        bounded=(*states, *_bounded_inputs(problem, (horizon + 1) * nx)),
         names=names,
     )
 
 
 def _control(problem: ControlProblem, step: Any, constants: tuple[Constant, ...]) -> Transcription:
     """Add the states of output bounds and of changes; a free first state is bounded before all others."""
-    model, horizon = problem.model, problem.horizon
+    model, held = problem.model, problem.intervals_per_sample
+    intervals, changes = problem.horizon * held, {change_name(name) for name in problem.change_bounds}
     p_next = ca.SX.sym("p_next", model.p.numel())
     added = augment(problem, step, p_next)
     x = ca.vertcat(model.x, added.x)
@@ -245,22 +256,31 @@ def _control(problem: ControlProblem, step: Any, constants: tuple[Constant, ...]
     first = [("", range(free), Bound(lower=-math.inf, upper=math.inf))] if free else []
     columns = [(j, each.name, problem.bounds.get(each.name)) for j, each in enumerate(model.states)]
     columns += [(len(model.states) + j, name, bound) for j, name, bound in added.bounds]
-    states = [(name, range(nx + j, (horizon + 1) * nx, nx), bound) for j, name, bound in columns if bound]
+    states = [
+        (name, range(nx + j, (intervals + 1) * nx, nx * (held if name in changes else 1)), bound)
+        for j, name, bound in columns
+        if bound
+    ]
+    next_state, output = ca.vertcat(step, added.next_state), ca.vertcat(model.output, added.output)
+    if held > 1:
+        next_state, output = ca.substitute([next_state, output], [model.u], [added.applied])
     return Transcription(
         name=model.name,
-        horizon=horizon,
+        intervals=intervals,
+        held=held,
+        begins=added.begins,
         x=x,
         u=model.u,
         p=model.p,
         p_next=p_next,
-        next_state=ca.vertcat(step, added.next_state),
-        output=ca.vertcat(model.output, added.output),
+        next_state=next_state,
+        output=output,
         constants=constants,
         constant_states=0,
         free_initial=bool(free),
         added=bool(added.states),
         arrival=False,
-        bounded=(*first, *states, *_bounded_inputs(problem, nx)),
+        bounded=(*first, *states, *_bounded_inputs(problem, (intervals + 1) * nx, held)),
         names=_extended(model.names, added),
     )
 
@@ -269,11 +289,13 @@ def _extended(names: Mapping[str, tuple[str, ...]], added: Augmentation) -> dict
     return {**names, "X": (*names["X"], *added.states), "Y": (*names["Y"], *added.outputs)}
 
 
-def _bounded_inputs(problem: ControlProblem | EstimationProblem, nx: int) -> list[tuple[str, range, Bound]]:
-    """Return the bounded inputs, which stand behind all states."""
-    start, nu = (problem.horizon + 1) * nx, len(problem.model.inputs)
+def _bounded_inputs(
+    problem: ControlProblem | EstimationProblem, start: int, held: int = 1
+) -> list[tuple[str, range, Bound]]:
+    """Return the bounded inputs, which stand behind all states; those of a sample's first interval are applied."""
+    nu = len(problem.model.inputs)
     return [
-        (each.name, range(start + a, start + problem.horizon * nu, nu), problem.bounds[each.name])
+        (each.name, range(start + a, start + problem.horizon * held * nu, held * nu), problem.bounds[each.name])
         for a, each in enumerate(problem.model.inputs)
         if each.name in problem.bounds
     ]
