@@ -11,6 +11,7 @@ from drawbar.errors import SolverError
 from drawbar.optimal import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import transcribe
+from drawbar.vehicle.integrators import Integrator
 from drawbar.vehicle.model import declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
@@ -65,6 +66,10 @@ WRONG = (
     ({"horizon": 2.5}, "must be whole numbers, got 2.5 and 1"),
     ({"integration_steps": 1.5}, "must be whole numbers, got 5 and 1.5"),
     ({"integrator": "rk4"}, "integrator = 'rk4' is none of Integrator.RUNGE_KUTTA, Integrator.ROSENBROCK"),
+    ({"integrator": Integrator.ADAPTIVE}, "integration_steps, the most that it may try, of at least 2, got 1"),
+    ({"integration_tolerance": 0.0}, "integration_tolerance must lie between 0 and 1, got 0.0"),
+    ({"integration_tolerance": math.nan}, "integration_tolerance must lie between 0 and 1, got nan"),
+    ({"integration_tolerance": "fine"}, "A problem: numbers are allowed, got integration_tolerance = 'fine'"),
     ({"sample_time": "0.2"}, "A problem: numbers are allowed, got sample_time = '0.2'"),
     ({"sample_time": 0.0}, "sample_time must be positive"),
     ({"sample_time": math.nan}, "sample_time must be positive"),

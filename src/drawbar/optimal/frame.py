@@ -21,6 +21,13 @@ UNIT = """
 {functions}
 {names}{component}
 """
+CARRIED = "double (*carried)[CARRIED]"
+ADAPTIVE = """
+#define ATTEMPTS {attempts}
+#define MODEL_STATES {states}
+#define COLUMNS {columns}
+#include "adaptive.h"
+"""
 SOLVER_FIELDS = """
     {"rti.x", offsetof(struct component, rti.z), 0, {N + 1, NX, 0}, 0, 0},
     {"rti.u", offsetof(struct component, rti.z) + sizeof(double) * (N + 1) * NX, 0, {N, NU, 0}, 0, 0},

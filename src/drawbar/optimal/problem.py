@@ -82,13 +82,15 @@ class ControlProblem:
     """shooting intervals of equal length in a sample"""
     integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
-    """of the integrator, per shooting interval"""
+    """of the integrator, per shooting interval; the most that an adaptive one may try"""
+    integration_tolerance: float = 1e-4
+    """of an adaptive integrator: estimated error that a step may have, relative to one unit of a state plus its size"""
     initial_weights: Mapping[str, float] = field(default_factory=dict)
     """empty: the first state is given; else by name of a state, all of them: on the distance of a free first state from
     what it should be"""
 
     def __post_init__(self) -> None:
-        _check_time(self.horizon, self.sample_time, self.integration_steps, self.integrator)
+        _check_time(self)
         model = self.model
         _check_values("weights", self.weights, model.outputs)
         depends = ca.which_depends(model.output, model.u, 1, True)
@@ -183,10 +185,12 @@ class EstimationProblem:
     """by name of a state, parameter or input"""
     integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
-    """of the integrator, per sample"""
+    """of the integrator, per sample; the most that an adaptive one may try"""
+    integration_tolerance: float = 1e-4
+    """of an adaptive integrator: estimated error that a step may have, relative to one unit of a state plus its size"""
 
     def __post_init__(self) -> None:
-        _check_time(self.horizon, self.sample_time, self.integration_steps, self.integrator)
+        _check_time(self)
         model, estimated = self.model, self.estimated
         _check_values("weights", self.weights, model.outputs)
         _check_values("prior_deviation", self.prior_deviation, estimated)
@@ -214,19 +218,28 @@ def _check_numbers(what: str, **given: Any) -> None:
         raise SolverError(f"{what}: numbers are allowed, got {', '.join(wrong)}; give numbers.")
 
 
-def _check_time(horizon: Any, sample_time: float, steps: Any, integrator: Integrator) -> None:
+def _check_time(problem: ControlProblem | EstimationProblem) -> None:
+    horizon, sample_time, steps = problem.horizon, problem.sample_time, problem.integration_steps
     if not (isinstance(horizon, Integral) and isinstance(steps, Integral)):
         raise SolverError(
             f"horizon and integration_steps must be whole numbers, got {horizon!r} and {steps!r}; give an int."
         )
-    _check_numbers("A problem", sample_time=sample_time)
-    if integrator not in tuple(Integrator):
+    tolerance = problem.integration_tolerance
+    _check_numbers("A problem", sample_time=sample_time, integration_tolerance=tolerance)
+    if problem.integrator not in tuple(Integrator):
         allowed = ", ".join(f"Integrator.{each.name}" for each in Integrator)
-        raise SolverError(f"integrator = {integrator!r} is none of {allowed}; give one of these.")
+        raise SolverError(f"integrator = {problem.integrator!r} is none of {allowed}; give one of these.")
     if horizon < 2 or steps < 1:
         raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
+    if problem.integrator == Integrator.ADAPTIVE and steps < 2:
+        raise SolverError(
+            f"An adaptive integrator needs integration_steps, the most that it may try, of at least 2, got {steps}; "
+            f"give 100, for one."
+        )
     if not 0.0 < sample_time < math.inf:
         raise SolverError(f"sample_time must be positive and finite, got {sample_time} s.")
+    if not 0.0 < tolerance < 1.0:
+        raise SolverError(f"integration_tolerance must lie between 0 and 1, got {tolerance}; give 1e-4, for one.")
 
 
 def _check_intervals(intervals: Any) -> None:
