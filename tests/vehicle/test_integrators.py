@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem, ControlSolver
-from drawbar.vehicle.integrators import Integrator, attempt, discretise, exact, rosenbrock
+from drawbar.vehicle.integrators import FIRST_SHARE, Integrator, attempt, discretise, exact, rosenbrock
 from drawbar.vehicle.model import Model, declare, variables
 
 FAST = 1e-4
@@ -34,14 +34,14 @@ def pendulum() -> Model:
     )
 
 
-def van_der_pol() -> Model:
+def van_der_pol(stiffness: float = 1.0) -> Model:
     return declare(
         "oscillator",
         states=variables(x="m", v="m/s"),
         inputs=variables(u="m/s²"),
         parameters=(),
         outputs=variables(x="m"),
-        equations=lambda x, u, p: (ca.vertcat(x[1], (1.0 - x[0] ** 2) * x[1] - x[0] + u), x[0]),
+        equations=lambda x, u, p: (ca.vertcat(x[1], stiffness * (1.0 - x[0] ** 2) * x[1] - x[0] + u), x[0]),
     )
 
 
@@ -77,7 +77,7 @@ def in_steps(model: Model, seconds: float, tolerance: float) -> Any:
     )
 
     def carry(x: Any, u: Any) -> tuple[Floats, int]:
-        left, length, attempts = 1.0, 0.25, 0
+        left, length, attempts = 1.0, FIRST_SHARE, 0
         while left > 0.0:
             x, left, length = once(x, left, length, u)
             attempts += 1
@@ -88,10 +88,10 @@ def in_steps(model: Model, seconds: float, tolerance: float) -> Any:
     return carry
 
 
-def ignitions() -> list[tuple[Floats, float, Floats]]:
-    """Return (x, u, true x after 0.5 s) along a minute of the reactor, which ignites again and again."""
-    step, x, found = exact(reactor(), 0.5), np.array([1.0, 0.0]), []
-    for u in np.random.default_rng(1).uniform(-0.1, 0.3, 120):
+def driven(model: Model, x: Floats, samples: int) -> list[tuple[Floats, float, Floats]]:
+    """Return (x, u, true x after 0.5 s) along a run with random inputs."""
+    step, found = exact(model, 0.5), []
+    for u in np.random.default_rng(1).uniform(-0.1, 0.3, samples):
         after = np.array(step(x, u, [])).ravel()
         found.append((x, float(u), after))
         x = after
@@ -127,7 +127,7 @@ def test_cvodes_and_scipy_agree() -> None:
 
 
 def test_an_adaptive_step_goes_where_steps_of_equal_length_fail() -> None:
-    model, points = reactor(), ignitions()
+    model, points = reactor(), driven(reactor(), np.array([1.0, 0.0]), 120)
     assert max(after[1] for *_, after in points) > 1.2, "it ignites"
     carry = in_steps(model, 0.5, 1e-4)
     found = [(carry(x, u), after) for x, u, after in points]
@@ -142,10 +142,10 @@ def test_an_adaptive_step_goes_where_steps_of_equal_length_fail() -> None:
 
 
 def test_the_error_follows_the_tolerance() -> None:
-    points, tolerances = ignitions()[:40], 10.0 ** np.arange(-6, -1)
-    worst = []
+    model, tolerances, worst = van_der_pol(5.0), 10.0 ** np.arange(-6, -1), []
+    points = driven(model, np.array([2.0, 0.0]), 40)
     for tolerance in tolerances:
-        carry = in_steps(reactor(), 0.5, float(tolerance))
+        carry = in_steps(model, 0.5, float(tolerance))
         worst.append(max(np.abs((carry(x, u)[0] - after) / (1.0 + np.abs(after))).max() for x, u, after in points))
     assert (np.array(worst) < tolerances).all()
     order = np.polyfit(np.log(tolerances), np.log(worst), 1)[0]

@@ -7,7 +7,7 @@ import casadi as ca
 
 from drawbar.codegen.emit import Input, Output, emit
 from drawbar.optimal.frame import ADAPTIVE, CARRIED, WORK
-from drawbar.vehicle.integrators import Attempt
+from drawbar.vehicle.integrators import FIRST_SHARE, Attempt
 
 _STAGES = "(N + LEAVING)"
 
@@ -39,8 +39,9 @@ class Way:
             dynamics: what is made of the state at the interval's end, and of its derivative.
         """
         tried = [Output(place="carried[k - first]", rows=_STAGES, value=self.after)]
+        sizes = {"attempts": self.attempt.most, "states": self.attempt.x.numel(), "columns": self.columns}
         return (
-            ADAPTIVE.format(attempts=self.attempt.most, states=self.attempt.x.numel(), columns=self.columns)
+            ADAPTIVE.format(**sizes, first=FIRST_SHARE)
             + emit("attempt", inputs, tried, f"const {WORK}, {CARRIED}")
             + emit("arrive", inputs, dynamics, f"{WORK}, const {CARRIED}")
         )

@@ -24,8 +24,9 @@ UNIT = """
 CARRIED = "double (*carried)[CARRIED]"
 ADAPTIVE = """
 #define ATTEMPTS {attempts}
-#define MODEL_STATES {states}
-#define COLUMNS {columns}
+#define FIRST_SHARE {first}
+#define CARRIED_STATES {states}
+#define CARRIED_COLUMNS {columns}
 #include "adaptive.h"
 """
 SOLVER_FIELDS = """

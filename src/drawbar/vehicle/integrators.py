@@ -8,8 +8,10 @@ import casadi as ca
 
 from drawbar.vehicle.model import Model, runge_kutta
 
-_LENGTHEN = range(-3, 3)
-"""doublings of a step's length"""
+FIRST_SHARE = 0.25
+"""of an interval, tried first by an adaptive integrator: the estimate of a step over all of it may be nil by chance"""
+_DOUBLINGS = range(-3, 3)
+"""of the length tried next, as the error allows; one less than the least where it is larger still"""
 
 
 class Integrator(StrEnum):
@@ -34,7 +36,7 @@ class Attempt:
     left: Any
     """(1, 1) symbol: share of the interval that is left"""
     length: Any
-    """(1, 1) symbol: share of the interval that is tried, a power of two"""
+    """(1, 1) symbol: share of the interval that is tried"""
     after: Any
     """(nx, 1) the state after the step"""
     taken: Any
@@ -81,9 +83,9 @@ def rosenbrock(model: Model, interval: Any, steps: int = 1) -> Any:
 def attempt(model: Model, interval: Any, tolerance: Any, most: int) -> Attempt:
     """Return one attempt at a step of Rodas3, and how long the next one is to be.
 
-    Lengths are powers of two of the interval, so that they add up to it exactly. The error is proportional to the third
-    power of the length; the next one is to have half of the tolerance. Lengths follow from comparisons alone: their
-    derivatives are zero, and those of the state are those of the steps that are taken.
+    The error is proportional to the third power of the length; that of the next step is to be half of the tolerance.
+    Lengths are halved and doubled, so that they add up to the interval without rounding. They follow from comparisons
+    alone: their derivatives are zero.
 
     Args:
         model: the model.
@@ -97,7 +99,7 @@ def attempt(model: Model, interval: Any, tolerance: Any, most: int) -> Attempt:
     after, error = _rodas3(model)(x, model.u, model.p, model.c, share * interval)
     excess = ca.sumsqr(error / (tolerance * (1.0 + ca.fabs(x))))
     taken = excess <= 1.0
-    doublings = (2.0 ** (m - 1) * (excess <= 2.0 ** (-2 - 6 * m)) for m in _LENGTHEN)
+    longer = (2.0 ** (m - 1) * (excess <= 2.0 ** (-2 - 6 * m)) for m in _DOUBLINGS)
     return Attempt(
         x=x,
         left=left,
@@ -105,7 +107,7 @@ def attempt(model: Model, interval: Any, tolerance: Any, most: int) -> Attempt:
         after=after,
         taken=taken,
         remaining=left - ca.if_else(taken, share, 0.0),
-        following=share * sum(doublings, 2.0 ** (_LENGTHEN[0] - 1)),
+        following=share * sum(longer, 2.0 ** (_DOUBLINGS[0] - 1)),
         most=most,
     )
 

@@ -140,6 +140,7 @@ def test_an_interval_whose_end_is_not_reached_has_no_values(controller: ControlS
     tolerance[:] = 1e-9
     assert controller.prepare() == SolverStatus.NOT_FINITE
     assert np.isnan(controller.defects).any()
+    assert controller.feedback() == SolverStatus.NOT_FINITE
     tolerance[:] = TOLERANCE
     assert controller.prepare() == SolverStatus.SOLVED
 
