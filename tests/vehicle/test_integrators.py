@@ -141,6 +141,13 @@ def test_an_adaptive_step_goes_where_steps_of_equal_length_fail() -> None:
     assert not max(np.abs(x - after).max() for x, (_, _, after) in zip(equal, points, strict=True)) < 100.0
 
 
+def test_what_merely_follows_is_better_carried_in_steps_of_equal_length() -> None:
+    model, x, u = pendulum(), [0.3, 0.0, 2.0], -1.0
+    truth, (found, attempts) = true(model, x, u, 0.1), in_steps(model, 0.1, 1e-4)(x, u)
+    assert attempts > 20
+    assert np.abs(after(model, x, u, 20, Integrator.ROSENBROCK, 0.1) - truth).max() < np.abs(found - truth).max() < 1e-4
+
+
 def test_the_error_follows_the_tolerance() -> None:
     model, tolerances, worst = van_der_pol(5.0), 10.0 ** np.arange(-6, -1), []
     points = driven(model, np.array([2.0, 0.0]), 40)

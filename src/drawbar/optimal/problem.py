@@ -91,6 +91,7 @@ class ControlProblem:
 
     def __post_init__(self) -> None:
         _check_time(self)
+        _check_intervals(self.intervals_per_sample)
         model = self.model
         _check_values("weights", self.weights, model.outputs)
         depends = ca.which_depends(model.output, model.u, 1, True)
@@ -100,8 +101,8 @@ class ControlProblem:
         weighed = [output.name for output in of_inputs if self.terminal_weights.get(output.name)]
         if weighed:
             raise SolverError(
-                f"terminal_weights: {', '.join(map(repr, weighed))} of {model.name!r} depends on an input, which stage "
-                f"{self.horizon} does not have; leave it out, or give 0.0."
+                f"terminal_weights: {', '.join(map(repr, weighed))} of {model.name!r} depends on an input, which "
+                f"the last stage does not have; leave it out, or give 0.0."
             )
         if self.initial_weights:
             _check_values("initial_weights", self.initial_weights, model.states)
@@ -109,7 +110,6 @@ class ControlProblem:
         _check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs, "output": model.outputs})
         _check_bounds(model, self.change_bounds, {"input": model.inputs}, "change_bounds")
         self._refuse_ambiguous_outputs()
-        _check_intervals(self.intervals_per_sample)
         if self.initial_weights and (self.changing or self.bounded_outputs):
             raise SolverError(
                 f"A free first state (initial_weights) goes with bounds on states and inputs only; take "
