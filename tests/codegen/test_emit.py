@@ -21,6 +21,7 @@ BINARY = (
     lambda a, b: (1 + a * a) ** ca.tanh(b),
     ca.fmin,
     ca.fmax,
+    lambda a, b: ca.if_else(a < b, a, ca.sin(b)),
 )
 UNARY = (
     lambda a: -a,

@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from drawbar.geometry import Floats
+from drawbar.optimal.functions import LEVENBERG
 from drawbar.optimal.solver import ControlSolver, EstimationSolver
-from drawbar.optimal.transcription import LEVENBERG, Transcription, transcribe
+from drawbar.optimal.transcription import Transcription, transcribe
 
 _UNBOUNDED = 1e30
 """DAQP's infinity."""
@@ -35,10 +36,10 @@ class CondensingRoute:
         z = ca.vertcat(t.x, t.u)
         dynamics = ca.Function("dynamics", [t.x, t.u, t.p], [t.next_state, ca.jacobian(t.next_state, z)])
         output = ca.Function("output", [t.x, t.u, t.p], [t.output, ca.jacobian(t.output, z)])
-        self._dynamics, self._output = dynamics.map(t.horizon), output.map(t.horizon + 1)
+        self._dynamics, self._output = dynamics.map(t.intervals), output.map(t.intervals + 1)
         self._nx, self._nu = t.x.numel(), t.u.numel()
         self._first = self._nx if t.free_initial else 0
-        self._size = self._first + t.horizon * self._nu
+        self._size = self._first + t.intervals * self._nu
 
     def prepare(self) -> None:
         """Linearise along the trajectory and condense the Hessian."""
@@ -55,7 +56,7 @@ class CondensingRoute:
         """Solve with the newest data and return the step xi (size,)."""
         import daqp  # the test extra has it
 
-        solver, horizon = self._solver, self._transcription.horizon
+        solver, horizon = self._solver, self._transcription.intervals
         offset = self._drift.copy()
         if not self._first:
             offset += self._transfer @ (self._array("initial") - solver.x[0])
@@ -93,7 +94,7 @@ class CondensingRoute:
         return slice(self._first + stage * self._nu, self._first + (stage + 1) * self._nu)
 
     def _condense_dynamics(self, slope: Floats, defect: Floats) -> None:
-        horizon, nx = self._transcription.horizon, self._nx
+        horizon, nx = self._transcription.intervals, self._nx
         self._drift, self._transfer = np.zeros((horizon + 1, nx)), np.zeros((horizon + 1, nx, nx))
         self._response = np.zeros((horizon + 1, nx, self._size))
         self._transfer[0], self._response[0, :, : self._first] = np.eye(nx), np.eye(nx)[:, : self._first]
@@ -107,7 +108,7 @@ class CondensingRoute:
     def _condense_outputs(self, jacobian: Floats) -> None:
         self._C = jacobian[:, :, : self._nx]
         response = self._C @ self._response
-        for k in range(self._transcription.horizon):
+        for k in range(self._transcription.intervals):
             response[k, :, self._columns(k)] += jacobian[k, :, self._nx :]
         self._G = response.reshape(-1, self._size)
 

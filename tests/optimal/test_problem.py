@@ -12,6 +12,7 @@ from drawbar.errors import SolverError
 from drawbar.optimal import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import transcribe
+from drawbar.vehicle.integrators import Integrator
 from drawbar.vehicle.model import declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import MEASURED
@@ -66,6 +67,10 @@ WRONG = (
     ({"horizon": 2.5}, "must be whole numbers, got 2.5 and 1"),
     ({"integration_steps": 1.5}, "must be whole numbers, got 5 and 1.5"),
     ({"integrator": "rk4"}, "integrator = 'rk4' is none of Integrator.RUNGE_KUTTA, Integrator.ROSENBROCK"),
+    ({"integrator": Integrator.ADAPTIVE}, "integration_steps, the most that it may try, of at least 2, got 1"),
+    ({"integration_tolerance": 0.0}, "integration_tolerance must lie between 0 and 1, got 0.0"),
+    ({"integration_tolerance": math.nan}, "integration_tolerance must lie between 0 and 1, got nan"),
+    ({"integration_tolerance": "fine"}, "A problem: numbers are allowed, got integration_tolerance = 'fine'"),
     ({"sample_time": "0.2"}, "A problem: numbers are allowed, got sample_time = '0.2'"),
     ({"sample_time": 0.0}, "sample_time must be positive"),
     ({"sample_time": math.nan}, "sample_time must be positive"),
@@ -118,6 +123,10 @@ def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
         (
             {"acting": {"tractor_yaw": ca.SX(0.0)}},
             "acting: 'tractor_yaw' is no parameter of 'tricycle'; there are",
+        ),
+        (
+            {"acting": {"speed": ca.SX(1.0)}, "integrator": Integrator.ADAPTIVE, "integration_steps": 9},
+            "acting goes with integrators of equal steps only",
         ),
         ({"acting": {"speed": 1.0}}, "acting: 'speed' must be a scalar SX of the model's symbols"),
         ({"acting": {"speed": ca.SX.sym("wind")}}, "neither state, parameter nor constant of 'tricycle': ['wind']"),

@@ -53,7 +53,7 @@ def build_floor(transcription: Transcription) -> Path:
     source = _UNIT.format(
         casadi=generator.dump(),
         name=name,
-        stages=t.horizon,
+        stages=t.intervals,
         nx=t.x.numel(),
         nu=t.u.numel(),
         np=t.p.numel(),

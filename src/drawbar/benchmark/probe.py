@@ -40,7 +40,7 @@ class Probe:
         assert isinstance(component.unit, SolverUnit)
         problem = component.unit.problem
         transcription = transcribe(problem)
-        self.name, self.stages = name, transcription.horizon
+        self.name, self.stages = name, transcription.intervals
         self.solver = _copy_of(problem)
         """a solver of the same problem that is given the watched one's state before each phase"""
         self.prepare: list[float] = []

@@ -15,7 +15,7 @@ import casadi as ca
 from drawbar.errors import ModelError
 
 _BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/", ca.OP_LT: "<", ca.OP_LE: "<="}
-_UNARY = {
+_TEMPLATES = {
     ca.OP_ASSIGN: "{0}",
     ca.OP_NEG: "-{0}",
     ca.OP_SQ: "{0} * {0}",
@@ -33,6 +33,8 @@ _UNARY = {
     ca.OP_ASIN: "asin({0})",
     ca.OP_ACOS: "acos({0})",
     ca.OP_TANH: "tanh({0})",
+    ca.OP_NOT: "{0} == 0.0",
+    ca.OP_IF_ELSE_ZERO: "{0} != 0.0 ? {1} : 0.0",
 }
 _CALLS = {
     ca.OP_ATAN2: "atan2",
@@ -262,11 +264,11 @@ def _literal(value: float) -> str:
 def _expression(operation: int, arguments: list[str]) -> str:
     if operation in _BINARY:
         return f"{arguments[0]} {_BINARY[operation]} {arguments[1]}"
-    if operation in _UNARY:
-        return _UNARY[operation].format(*arguments)
+    if operation in _TEMPLATES:
+        return _TEMPLATES[operation].format(*arguments)
     if operation in _CALLS:
         return f"{_CALLS[operation]}({', '.join(arguments)})"
     raise ModelError(
         f"The model uses CasADi operation {operation}, which the C runtime does not have; allowed are + - * /, powers, "
-        "sqrt, fabs, fmin, fmax, exp, log, tanh and the trigonometric functions."
+        "sqrt, fabs, fmin, fmax, if_else with < and <=, exp, log, tanh and the trigonometric functions."
     )

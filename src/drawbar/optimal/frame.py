@@ -17,9 +17,17 @@ UNIT = """
 #define LEAVING {leaving}
 #define LEAST_STEP {added}
 #define IP_ITERATIONS {iterations}
-#include "{header}"
+{held}#include "{header}"
 {functions}
 {names}{component}
+"""
+CARRIED = "double (*carried)[CARRIED]"
+ADAPTIVE = """
+#define ATTEMPTS {attempts}
+#define FIRST_SHARE {first}
+#define CARRIED_STATES {states}
+#define CARRIED_COLUMNS {columns}
+#include "adaptive.h"
 """
 SOLVER_FIELDS = """
     {"rti.x", offsetof(struct component, rti.z), 0, {N + 1, NX, 0}, 0, 0},

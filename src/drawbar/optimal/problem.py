@@ -52,6 +52,9 @@ class Bound:
 class ControlProblem:
     """min over u of the sum over stages of ||h(x,u,p) - y||²_W from a given state, by multiple shooting.
 
+    The stages 0..M are the shooting nodes, M = N intervals_per_sample. Inputs are held over a sample, however
+    many nodes it has.
+
     Any function of states, inputs and parameters can be bounded: make it an output of the model, with a weight of 0.0
     if it shall not count otherwise.
 
@@ -61,29 +64,34 @@ class ControlProblem:
 
     model: Model
     horizon: int
-    """N, shooting intervals"""
+    """N, samples"""
     sample_time: float
     """s"""
     weights: Mapping[str, float]
-    """by name of an output, all of them; on stages 0..N-1"""
+    """by name of an output, all of them; on stages 0..M-1, divided by intervals_per_sample on each"""
     terminal_weights: Mapping[str, float]
-    """by name of an output, on stage N; outputs that depend on an input have no value there and are left out, or 0.0"""
+    """by name of an output, on stage M; outputs that depend on an input have no value there and are left out, or 0.0"""
     bounds: Mapping[str, Bound] = field(default_factory=dict)
-    """by name of a state (stages 1..N), of an input (0..N-1), or of an output (0..N-1 where it depends on an input,
-    else 1..N)"""
+    """by name of a state (stages 1..M), of an input (samples 0..N-1), or of an output (stages 0..M-1 where it depends
+    on an input, else 1..M)"""
     change_weights: Mapping[str, float] = field(default_factory=dict)
-    """by name of an input: on u_k - u_{k-1}, k = 0..N-1"""
+    """by name of an input: on u_n - u_{n-1}, samples n = 0..N-1"""
     change_bounds: Mapping[str, Bound] = field(default_factory=dict)
-    """by name of an input: of u_k - u_{k-1}, per sample, likewise"""
+    """by name of an input: of u_n - u_{n-1}, per sample, likewise"""
+    intervals_per_sample: int = 1
+    """shooting intervals of equal length in a sample"""
     integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
-    """of the integrator, per sample"""
+    """of the integrator, per shooting interval; the most that an adaptive one may try"""
+    integration_tolerance: float = 1e-4
+    """of an adaptive integrator: estimated error that a step may have, relative to one unit of a state plus its size"""
     initial_weights: Mapping[str, float] = field(default_factory=dict)
     """empty: the first state is given; else by name of a state, all of them: on the distance of a free first state from
     what it should be"""
 
     def __post_init__(self) -> None:
-        _check_time(self.horizon, self.sample_time, self.integration_steps, self.integrator)
+        _check_time(self)
+        _check_intervals(self.intervals_per_sample)
         model = self.model
         _check_values("weights", self.weights, model.outputs)
         depends = ca.which_depends(model.output, model.u, 1, True)
@@ -93,8 +101,8 @@ class ControlProblem:
         weighed = [output.name for output in of_inputs if self.terminal_weights.get(output.name)]
         if weighed:
             raise SolverError(
-                f"terminal_weights: {', '.join(map(repr, weighed))} of {model.name!r} depends on an input, which stage "
-                f"{self.horizon} does not have; leave it out, or give 0.0."
+                f"terminal_weights: {', '.join(map(repr, weighed))} of {model.name!r} depends on an input, which "
+                f"the last stage does not have; leave it out, or give 0.0."
             )
         if self.initial_weights:
             _check_values("initial_weights", self.initial_weights, model.states)
@@ -108,6 +116,17 @@ class ControlProblem:
                 f"{', '.join(map(repr, (*self.bounded_outputs, *self.changing)))} out of bounds, change_weights and "
                 f"change_bounds."
             )
+        if self.initial_weights and self.intervals_per_sample > 1:
+            raise SolverError(
+                f"A free first state (initial_weights) goes with intervals_per_sample = 1 only, got "
+                f"{self.intervals_per_sample}; take integration_steps for accuracy."
+            )
+
+    @property
+    def remembered(self) -> tuple[str, ...]:
+        """The inputs of which the value before is a state: those that change, and all where a sample holds them."""
+        held = [each.name for each in self.model.inputs if self.intervals_per_sample > 1]
+        return tuple(dict.fromkeys((*self.changing, *held)))
 
     @property
     def changing(self) -> tuple[str, ...]:
@@ -169,10 +188,12 @@ class EstimationProblem:
     where the sample begins; outputs take the parameter itself"""
     integrator: Integrator = Integrator.RUNGE_KUTTA
     integration_steps: int = 1
-    """of the integrator, per sample"""
+    """of the integrator, per sample; the most that an adaptive one may try"""
+    integration_tolerance: float = 1e-4
+    """of an adaptive integrator: estimated error that a step may have, relative to one unit of a state plus its size"""
 
     def __post_init__(self) -> None:
-        _check_time(self.horizon, self.sample_time, self.integration_steps, self.integrator)
+        _check_time(self)
         model, estimated = self.model, self.estimated
         _check_values("weights", self.weights, model.outputs)
         _check_values("prior_deviation", self.prior_deviation, estimated)
@@ -183,6 +204,10 @@ class EstimationProblem:
         kinds = {"state": model.states, "parameter": model.parameters, "input": model.inputs}
         _check_bounds(model, self.bounds, kinds)
         _check_acting(model, self.acting)
+        if self.acting and self.integrator == Integrator.ADAPTIVE:
+            raise SolverError(
+                "acting goes with integrators of equal steps only, got Integrator.ADAPTIVE; take another."
+            )
 
     @property
     def estimated(self) -> tuple[Variable, ...]:
@@ -201,19 +226,33 @@ def _check_numbers(what: str, **given: Any) -> None:
         raise SolverError(f"{what}: numbers are allowed, got {', '.join(wrong)}; give numbers.")
 
 
-def _check_time(horizon: Any, sample_time: float, steps: Any, integrator: Integrator) -> None:
+def _check_time(problem: ControlProblem | EstimationProblem) -> None:
+    horizon, sample_time, steps = problem.horizon, problem.sample_time, problem.integration_steps
     if not (isinstance(horizon, Integral) and isinstance(steps, Integral)):
         raise SolverError(
             f"horizon and integration_steps must be whole numbers, got {horizon!r} and {steps!r}; give an int."
         )
-    _check_numbers("A problem", sample_time=sample_time)
-    if integrator not in tuple(Integrator):
+    tolerance = problem.integration_tolerance
+    _check_numbers("A problem", sample_time=sample_time, integration_tolerance=tolerance)
+    if problem.integrator not in tuple(Integrator):
         allowed = ", ".join(f"Integrator.{each.name}" for each in Integrator)
-        raise SolverError(f"integrator = {integrator!r} is none of {allowed}; give one of these.")
+        raise SolverError(f"integrator = {problem.integrator!r} is none of {allowed}; give one of these.")
     if horizon < 2 or steps < 1:
         raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
+    if problem.integrator == Integrator.ADAPTIVE and steps < 2:
+        raise SolverError(
+            f"An adaptive integrator needs integration_steps, the most that it may try, of at least 2, got {steps}; "
+            f"give 100, for one."
+        )
     if not 0.0 < sample_time < math.inf:
         raise SolverError(f"sample_time must be positive and finite, got {sample_time} s.")
+    if not 0.0 < tolerance < 1.0:
+        raise SolverError(f"integration_tolerance must lie between 0 and 1, got {tolerance}; give 1e-4, for one.")
+
+
+def _check_intervals(intervals: Any) -> None:
+    if not (isinstance(intervals, Integral) and int(intervals) >= 1):
+        raise SolverError(f"intervals_per_sample must be a whole number of at least 1, got {intervals!r}.")
 
 
 def _check_values(

@@ -40,7 +40,7 @@ class Solution:
     steps: int
     """Gauss-Newton steps taken"""
     x: Floats
-    """(N+1, nx) states"""
+    """(M+1, nx) states"""
     u: Floats
     """(N, nu) inputs"""
     residuals: Residuals

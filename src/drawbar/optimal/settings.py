@@ -25,6 +25,7 @@ def write_settings(
         array("window.deviation")[:] = row(problem.prior_deviation, estimated)
         array("common")[:] = row(problem.common_deviation, estimated)
         return
+    weights /= transcription.held
     weights[:, len(problem.model.outputs) :] = [
         problem.change_weights[name] for name in problem.changing if name in problem.change_weights
     ]

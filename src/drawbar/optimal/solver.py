@@ -22,7 +22,8 @@ class RealTimeIteration(Guarded):
     """What control and estimation share: the workspace and the phases prepare, feedback and shift.
 
     The arrays are views of the compiled solver's own memory: write into them (`solver.y[...] = values`), read from
-    them. Binding another array to their names raises SolverError.
+    them. Binding another array to their names raises SolverError. N samples have M shooting intervals: M = N, unless a
+    ControlProblem has several in each.
     """
 
     def __init__(self, problem: ControlProblem | EstimationProblem) -> None:
@@ -36,13 +37,13 @@ class RealTimeIteration(Guarded):
         states = len(problem.estimated if isinstance(problem, EstimationProblem) else problem.model.states)
         outputs = len(problem.model.outputs)
         self.x: Floats = array("x")[:, :states]
-        """(N+1, nx) state trajectory"""
-        self.u: Floats = array("u")
+        """(M+1, nx) state trajectory"""
+        self.u: Floats = array("u")[:: transcription.held]
         """(N, nu) input trajectory"""
         self.y: Floats = array("y")[:, :outputs]
-        """(N+1, ny) references or measurements"""
+        """(M+1, ny) references or measurements"""
         self.w: Floats = array("w")[:, :outputs]
-        """(N+1, ny) weights; new ones count from the next prepare() or advance()"""
+        """(M+1, ny) weights; new ones count from the next prepare() or advance()"""
         places = transcription.places
         self._free_initial = transcription.free_initial
         self.lower = StageBounds({name: array("lower")[place] for name, place in places.items()})
@@ -109,9 +110,8 @@ class ControlSolver(RealTimeIteration):
     """Real-time iteration for a ControlProblem.
 
     Before the first sample: write `initial` and `p`, then start(). Each sample: write `initial`, `p`, `y`; feedback();
-    apply u[0]; then advance(). `lower` and `upper` hold (N,) bounds of each bounded variable: of a state on stages
-    1..N, of an input on stages 0..N-1, of an output on whichever of the two ControlProblem says; the change of an input
-    goes by its name with `_change` behind it.
+    apply u[0]; then advance(). `lower` and `upper` hold the bounds of each bounded variable: (M,) of a state or output,
+    on the stages that ControlProblem says, (N,) of an input or its change: the input's name with `_change` behind it.
     """
 
     def __init__(self, problem: ControlProblem) -> None:
@@ -123,7 +123,7 @@ class ControlSolver(RealTimeIteration):
         self.problem = problem
         super().__init__(problem)
         self.p: Floats = self.workspace.array("p")
-        """(N+1, np) known parameters"""
+        """(M+1, np) known parameters"""
         free = bool(problem.initial_weights)
         states = len(problem.model.states)
         initial = self.workspace.array("prior" if free else "initial")
@@ -138,15 +138,18 @@ class ControlSolver(RealTimeIteration):
         self.initial_upper: Floats = self.workspace.array("upper")[:size]
         """(nx,) largest first state where it is free; infinite at first"""
         self.defects: Floats = self.workspace.array("qp.c")[:, :states]
-        """(N, nx) by how much the trajectory's intervals do not meet, after prepare()"""
-        self._changing = [i for i, each in enumerate(problem.model.inputs) if each.name in problem.changing]
+        """(M, nx) by how much the trajectory's intervals do not meet, after prepare()"""
+        places = [each.name for each in problem.model.inputs]
+        self._changing = [places.index(name) for name in problem.changing]
+        self._remembered = [places.index(name) for name in problem.remembered]
+        self._applied: Floats = self.workspace.array("x")[1:, states : states + len(self._remembered)]
         self.prepare, self.feedback, self.shift = self._first_preparation, self._not_started, self._not_started
 
     def start(self, x: Floats | None = None, u: Floats | None = None) -> None:
         """Linearise along a first trajectory.
 
         Args:
-            x: (N+1, nx) states, such as those of an earlier Solution; None: at rest at `initial`.
+            x: (M+1, nx) states, such as those of an earlier Solution; None: at rest at `initial`.
             u: (N, nu) inputs, likewise; None: zero.
 
         Raises:
@@ -163,6 +166,7 @@ class ControlSolver(RealTimeIteration):
             if first[name].shape != own.shape:
                 raise SolverError(f"start() needs {name} of {own.shape}, got {first[name].shape}.")
             own[:] = first[name]
+        self._applied[:] = np.repeat(self.u[:, self._remembered], self.problem.intervals_per_sample, axis=0)
         self.prepare()
 
     def advance(self) -> None:

@@ -7,15 +7,14 @@ from typing import Any, Self
 
 import casadi as ca
 
-from drawbar.codegen.emit import Input, Output, emit, emit_constants, emit_indices
-from drawbar.optimal.augmentation import Augmentation, augment
-from drawbar.optimal.frame import BARE, BARE_WINDOW, PHASES, ROWS, SOLVER_FIELDS, TABLE, UNIT, WINDOW_PHASES, WORK
+from drawbar.codegen.emit import emit_indices
+from drawbar.optimal.augmentation import Augmentation, augment, change_name
+from drawbar.optimal.frame import BARE, BARE_WINDOW, PHASES, SOLVER_FIELDS, TABLE, UNIT, WINDOW_PHASES
+from drawbar.optimal.functions import functions
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
-from drawbar.vehicle.integrators import discretise
-from drawbar.vehicle.model import Constant, by_name, column, constant, with_values
+from drawbar.vehicle.integrators import Attempt, Integrator, attempt, discretise
+from drawbar.vehicle.model import Constant, by_name, constant, with_values
 
-LEVENBERG = 1e-9
-"""Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
 CONTROL_ITERATIONS, ESTIMATION_ITERATIONS, CONSTRAINED_ITERATIONS = 25, 8, 60
 """Most iterations of the interior point in one feedback. In the robustness experiment's runs of the product (seeds 0 to
 2) an answer passed the check after 23 at most in a controller, and after 2 in the estimator. Bounds on outputs and
@@ -27,18 +26,26 @@ class Transcription:
     """A discretised problem: F(x, u, p) and h(x, u, p), its constants, its sizes and its bounded variables."""
 
     name: str
-    horizon: int
+    intervals: int
+    """M, shooting intervals in the horizon"""
+    held: int
+    """shooting intervals over which an input is held: those of a sample"""
+    begins: Any
+    """(1, 1) SX symbol where held > 1: 1 in a sample's first interval, else 0; (0, 1) elsewhere"""
     x: Any
     u: Any
     p: Any
     p_next: Any
     """the parameters of the next stage"""
     next_state: Any
-    """(nx, 1) SX: F(x, u, p); bounded outputs behind it depend on p_next as well"""
+    """(nx, 1) SX: F(x, u, p) over one shooting interval; bounded outputs behind it depend on p_next as well; where the
+    integrator is adaptive, the model's rows are the state that its attempts carry on"""
     output: Any
     """(ny, 1) SX: h(x, u, p)"""
     constants: tuple[Constant, ...]
     """of the model, and the sample time: data of F and h"""
+    attempt: Attempt | None
+    """of an adaptive integrator, in x, u, p and symbols of its own"""
     constant_states: int
     """trailing states that do not change"""
     free_initial: bool
@@ -48,14 +55,14 @@ class Transcription:
     arrival: bool
     """its cost sums up what the window has left behind"""
     bounded: tuple[tuple[str, range, Bound], ...]
-    """(name, indices into x_0 .. x_N, u_0 .. u_{N-1}; bound), in the order of the solver's `lower` and `upper`; a free
+    """(name, indices into x_0 .. x_M, u_0 .. u_{M-1}; bound), in the order of the solver's `lower` and `upper`; a free
     first state has no name"""
     names: Mapping[str, tuple[str, ...]]
     """what the elements of x, u, p and output are called, by the letters X, U, P and Y"""
 
     @property
     def bounds(self) -> tuple[tuple[int, Bound], ...]:
-        """(index into x_0 .. x_N, u_0 .. u_{N-1}; bound) of every bounded variable."""
+        """(index into x_0 .. x_M, u_0 .. u_{M-1}; bound) of every bounded variable."""
         return tuple((index, bound) for _, indices, bound in self.bounded for index in indices)
 
     @property
@@ -77,7 +84,7 @@ class Transcription:
 
     @property
     def input_outputs(self) -> tuple[bool, ...]:
-        """Which outputs depend on an input, and so have no value at stage N."""
+        """Which outputs depend on an input, and so have no value at stage M."""
         return tuple(ca.which_depends(self.output, self.u, 1, True))
 
     @property
@@ -107,7 +114,8 @@ class Transcription:
         """
         nx, nu = self.x.numel(), self.u.numel()
         return UNIT.format(
-            horizon=self.horizon,
+            horizon=self.intervals,
+            held="" if self.held == 1 else f"#define INTERVALS {self.held}\n",
             states=nx,
             inputs=nu,
             parameters=self.p.numel(),
@@ -122,7 +130,7 @@ class Transcription:
             added=int(self.added),
             iterations=self.iterations,
             header="window.h" if self.arrival else "rti.h",
-            functions=self._functions(),
+            functions=functions(self),
             names=self.indices() if component else "",
             component=f'#include "{component}"' if component else BARE_WINDOW if self.arrival else BARE,
         )
@@ -135,77 +143,26 @@ class Transcription:
         """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
         return TABLE % SOLVER_FIELDS + PHASES + (WINDOW_PHASES if self.arrival else "")
 
-    def _functions(self) -> str:
-        nx = self.x.numel()
-        moving = nx - self.constant_states
-        w, y = (ca.SX.sym(name, self.output.numel()) for name in ("w", "y"))
-        z = ca.vertcat(self.x, self.u)
-        slope = ca.jacobian(self.next_state, z)
-        jacobian = ca.jacobian(self.output, z)
-        curvature = ca.mtimes([jacobian.T, ca.diag(w), jacobian])
-        residual = ca.mtimes(jacobian.T, w * (self.output - y))
-        inputs = [
-            Input(place="STATE(work->z, {k})[{i}]", rows="(N + 1)", symbol=self.x),
-            Input(place="INPUT(work->z, {k})[{i}]", rows="N", symbol=self.u),
-            Input(place="work->p[{k}][{i}]", rows="(N + 1)", symbol=self.p),
-            Input(place="work->p[{k} + 1][{i}]", rows="N", symbol=self.p_next),
-            Input(place="rti_weight(work, {k}, {i})", rows="(N + 1)", symbol=w),
-            Input(place="rti_target(work, {k}, {i})", rows="(N + 1)", symbol=y),
-            Input(place="work->constants[{i}]", rows="", symbol=column(self.constants)),
-        ]
-        damping = LEVENBERG * ca.SX.eye(self.u.numel())
-        step, slope = ca.cse([self.next_state, slope])
-        functions = {
-            "dynamics": [
-                Output(place="work->qp.c[PLACE(work, k)]", rows="(N + LEAVING)", value=step),
-                Output(
-                    place="((double *)work->qp.A[PLACE(work, k)])",
-                    rows="(N + LEAVING)",
-                    value=slope[:moving, :nx],
-                    stride="WIDTH",
-                ),
-                Output(place="((double *)work->qp.B[PLACE(work, k)])", rows="(N + LEAVING)", value=slope[:moving, nx:]),
-            ],
-            "hessian": [
-                Output(
-                    place="((double *)work->qp.Q[k])",
-                    rows="(N + 1)",
-                    value=curvature[:nx, :nx],
-                    stride="WIDTH",
-                ),
-                Output(place="((double *)work->qp.S[k])", rows="N", value=curvature[nx:, :nx], stride="WIDTH"),
-                Output(place="((double *)work->qp.R[k])", rows="N", value=curvature[nx:, nx:] + damping),
-            ],
-            "gradient": [
-                Output(place="STATE(work->qp.g, k)", rows="(N + 1)", value=residual[:nx]),
-                Output(place="INPUT(work->qp.g, k)", rows="N", value=residual[nx:]),
-            ],
-        }
-        every = [output for outputs in functions.values() for output in outputs]
-        text = emit_constants("rti_constants", inputs, every, WORK) + "".join(
-            emit(name, inputs, outputs, WORK) for name, outputs in functions.items()
-        )
-        if self.arrival:
-            measured = [
-                Output(place="((double *)rows)", rows="1", value=jacobian, stride="OLD_WIDTH"),
-                Output(place="((double *)rows + OLD - 1)", rows="1", value=self.output, stride="OLD_WIDTH"),
-            ]
-            text += emit_constants("output_constants", inputs, measured, ROWS)
-            text += emit("outputs", inputs, measured, ROWS)
-        return text
-
 
 def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:
-    """Return the problem discretised by its integrator over each sample."""
+    """Return the problem discretised by its integrator over each shooting interval."""
     model = problem.model
     sample_time = constant("sample_time", "s", problem.sample_time)
-    step = discretise(model, sample_time.symbol, problem.integration_steps, problem.integrator)
+    tolerance = constant("integration_tolerance", "1", problem.integration_tolerance)
+    held = 1 if isinstance(problem, EstimationProblem) else problem.intervals_per_sample
+    adaptive = problem.integrator == Integrator.ADAPTIVE
+    interval, steps = sample_time.symbol / held, problem.integration_steps
+    tried = attempt(model, interval, tolerance.symbol, steps) if adaptive else None
+    step = tried.x if tried else discretise(model, interval, steps, problem.integrator)
+    constants = (*model.constants, sample_time, *([tolerance] if adaptive else []))
     if isinstance(problem, EstimationProblem):
-        return _estimation(problem, step, (*model.constants, sample_time))
-    return _control(problem, step, (*model.constants, sample_time))
+        return _estimation(problem, step, tried, constants)
+    return _control(problem, step, tried, constants)
 
 
-def _estimation(problem: EstimationProblem, step: Any, constants: tuple[Constant, ...]) -> Transcription:
+def _estimation(
+    problem: EstimationProblem, step: Any, tried: Attempt | None, constants: tuple[Constant, ...]
+) -> Transcription:
     """Let the parameters be states that do not change."""
     model, horizon, known = problem.model, problem.horizon, by_name(problem.model.parameters, problem.model.p)
     x = ca.vertcat(model.x, model.p)
@@ -220,7 +177,9 @@ def _estimation(problem: EstimationProblem, step: Any, constants: tuple[Constant
     ]
     return Transcription(
         name=model.name,
-        horizon=horizon,
+        intervals=horizon,
+        held=1,
+        begins=ca.SX(0, 1),
         x=x,
         u=model.u,
         p=ca.SX(0, 1),
@@ -228,18 +187,22 @@ def _estimation(problem: EstimationProblem, step: Any, constants: tuple[Constant
         next_state=ca.vertcat(step, model.p),
         output=model.output,
         constants=constants,
+        attempt=tried,
         constant_states=nx - moving,
         free_initial=True,
         added=False,
         arrival=True,
-        bounded=(*states, *_bounded_inputs(problem, nx)),
+        bounded=(*states, *_bounded_inputs(problem, (horizon + 1) * nx)),
         names=names,
     )
 
 
-def _control(problem: ControlProblem, step: Any, constants: tuple[Constant, ...]) -> Transcription:
+def _control(
+    problem: ControlProblem, step: Any, tried: Attempt | None, constants: tuple[Constant, ...]
+) -> Transcription:
     """Add the states of output bounds and of changes; a free first state is bounded before all others."""
-    model, horizon = problem.model, problem.horizon
+    model, held = problem.model, problem.intervals_per_sample
+    intervals, changes = problem.horizon * held, {change_name(name) for name in problem.change_bounds}
     p_next = ca.SX.sym("p_next", model.p.numel())
     added = augment(problem, step, p_next)
     x = ca.vertcat(model.x, added.x)
@@ -247,22 +210,33 @@ def _control(problem: ControlProblem, step: Any, constants: tuple[Constant, ...]
     first = [("", range(free), Bound(lower=-math.inf, upper=math.inf))] if free else []
     columns = [(j, each.name, problem.bounds.get(each.name)) for j, each in enumerate(model.states)]
     columns += [(len(model.states) + j, name, bound) for j, name, bound in added.bounds]
-    states = [(name, range(nx + j, (horizon + 1) * nx, nx), bound) for j, name, bound in columns if bound]
+    states = [
+        (name, range(nx + j, (intervals + 1) * nx, nx * (held if name in changes else 1)), bound)
+        for j, name, bound in columns
+        if bound
+    ]
+    next_state, output = ca.vertcat(step, added.next_state), ca.vertcat(model.output, added.output)
+    if held > 1:
+        next_state, output = ca.substitute([next_state, output], [model.u], [added.applied])
+        tried = tried.with_input(model.u, added.applied) if tried else None
     return Transcription(
         name=model.name,
-        horizon=horizon,
+        intervals=intervals,
+        held=held,
+        begins=added.begins,
         x=x,
         u=model.u,
         p=model.p,
         p_next=p_next,
-        next_state=ca.vertcat(step, added.next_state),
-        output=ca.vertcat(model.output, added.output),
+        next_state=next_state,
+        output=output,
         constants=constants,
+        attempt=tried,
         constant_states=0,
         free_initial=bool(free),
         added=bool(added.states),
         arrival=False,
-        bounded=(*first, *states, *_bounded_inputs(problem, nx)),
+        bounded=(*first, *states, *_bounded_inputs(problem, (intervals + 1) * nx, held)),
         names=_extended(model.names, added),
     )
 
@@ -271,11 +245,13 @@ def _extended(names: Mapping[str, tuple[str, ...]], added: Augmentation) -> dict
     return {**names, "X": (*names["X"], *added.states), "Y": (*names["Y"], *added.outputs)}
 
 
-def _bounded_inputs(problem: ControlProblem | EstimationProblem, nx: int) -> list[tuple[str, range, Bound]]:
-    """Return the bounded inputs, which stand behind all states."""
-    start, nu = (problem.horizon + 1) * nx, len(problem.model.inputs)
+def _bounded_inputs(
+    problem: ControlProblem | EstimationProblem, start: int, held: int = 1
+) -> list[tuple[str, range, Bound]]:
+    """Return the bounded inputs, which stand behind all states; those of a sample's first interval are applied."""
+    nu = len(problem.model.inputs)
     return [
-        (each.name, range(start + a, start + problem.horizon * nu, nu), problem.bounds[each.name])
+        (each.name, range(start + a, start + problem.horizon * held * nu, held * nu), problem.bounds[each.name])
         for a, each in enumerate(problem.model.inputs)
         if each.name in problem.bounds
     ]

@@ -30,6 +30,9 @@ struct rti {
     double constants[CONSTANTS];           /* of the model, and the sample time, s */
 };
 
+#ifndef INTERVALS
+#define INTERVALS 1                        /* shooting intervals in a sample; the inputs of its first are applied */
+#endif
 #define SMALL_STEP 1e-3                    /* of the largest in the trajectory */
 #define WORK union bounds_work             /* what a feedback borrows, see workspace.h */
 
@@ -183,14 +186,18 @@ static int rti_feedback(struct rti *s, union bounds_work *work)
     return s->status = s->qp.status;
 }
 
-/* Move the trajectory and the data on by one sample; the last stage is repeated and x_N predicted by prepare. The
- * weights belong to the place in the window, not to the sample, and stay. */
+/* Move the trajectory and the data on by one sample; the last sample's stages are repeated, its states predicted, x_N by
+ * prepare. The weights belong to the place in the window, not to the sample, and stay. */
 static void rti_shift(struct rti *s)
 {
-    memmove(STATE(s->z, 0), STATE(s->z, 1), N * NX * sizeof(double));
-    memmove(INPUT(s->z, 0), INPUT(s->z, 1), (N - 1) * NU * sizeof(double));
-    memmove(s->p[0], s->p[1], N * sizeof s->p[0]);
-    memmove(s->y[0], s->y[1], N * sizeof s->y[0]);
+    memmove(STATE(s->z, 0), STATE(s->z, INTERVALS), (N + 1 - INTERVALS) * NX * sizeof(double));
+    memmove(INPUT(s->z, 0), INPUT(s->z, INTERVALS), (N - INTERVALS) * NU * sizeof(double));
+    memmove(s->p[0], s->p[INTERVALS], (N + 1 - INTERVALS) * sizeof s->p[0]);
+    memmove(s->y[0], s->y[INTERVALS], (N + 1 - INTERVALS) * sizeof s->y[0]);
+    for (int k = N - INTERVALS; k < N - 1; ++k) {
+        dynamics(s, k, k + 1);
+        memcpy(STATE(s->z, k + 1), s->qp.c[k], sizeof s->qp.c[k]);
+    }
     s->open_end = 1;
 }
 

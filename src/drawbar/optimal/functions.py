@@ -1,0 +1,76 @@
+"""What a problem computes at every stage, as C: dynamics, Hessian and gradient, and an estimator's outputs."""
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.optimal.adaptive import way_of
+from drawbar.optimal.frame import ROWS, WORK
+from drawbar.vehicle.model import column
+
+if TYPE_CHECKING:
+    from drawbar.optimal.transcription import Transcription
+
+LEVENBERG = 1e-9
+"""Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
+
+
+def functions(t: "Transcription") -> str:
+    """Return C: rti_constants, dynamics, hessian, gradient, and what an estimator has besides."""
+    nx = t.x.numel()
+    w, y = (ca.SX.sym(name, t.output.numel()) for name in ("w", "y"))
+    z = ca.vertcat(t.x, t.u)
+    jacobian = ca.jacobian(t.output, z)
+    curvature = ca.mtimes([jacobian.T, ca.diag(w), jacobian])
+    residual = ca.mtimes(jacobian.T, w * (t.output - y))
+    inputs = [
+        Input(place="STATE(work->z, {k})[{i}]", rows="(N + 1)", symbol=t.x),
+        Input(place="INPUT(work->z, {k})[{i}]", rows="N", symbol=t.u),
+        Input(place="work->p[{k}][{i}]", rows="(N + 1)", symbol=t.p),
+        Input(place="work->p[{k} + 1][{i}]", rows="N", symbol=t.p_next),
+        Input(place="rti_weight(work, {k}, {i})", rows="(N + 1)", symbol=w),
+        Input(place="rti_target(work, {k}, {i})", rows="(N + 1)", symbol=y),
+        Input(place="work->constants[{i}]", rows="", symbol=column(t.constants)),
+        Input(place="({k}) % INTERVALS == 0", rows="N", symbol=t.begins),
+    ]
+    slope, way = ca.jacobian(t.next_state, z), way_of(t.attempt, z) if t.attempt else None
+    if way:
+        slope += ca.mtimes(ca.jacobian(t.next_state, way.attempt.x), way.slope)
+        inputs.append(way.read)
+    damping = LEVENBERG * ca.SX.eye(t.u.numel())
+    dynamics = _dynamics(t, *ca.cse([t.next_state, slope]))
+    costs = {
+        "hessian": [
+            Output(place="((double *)work->qp.Q[k])", rows="(N + 1)", value=curvature[:nx, :nx], stride="WIDTH"),
+            Output(place="((double *)work->qp.S[k])", rows="N", value=curvature[nx:, :nx], stride="WIDTH"),
+            Output(place="((double *)work->qp.R[k])", rows="N", value=curvature[nx:, nx:] + damping),
+        ],
+        "gradient": [
+            Output(place="STATE(work->qp.g, k)", rows="(N + 1)", value=residual[:nx]),
+            Output(place="INPUT(work->qp.g, k)", rows="N", value=residual[nx:]),
+        ],
+    }
+    every = [*dynamics, *(output for outputs in costs.values() for output in outputs)]
+    text = emit_constants("rti_constants", inputs, every, WORK)
+    text += way.text(inputs, dynamics) if way else emit("dynamics", inputs, dynamics, WORK)
+    text += "".join(emit(name, inputs, outputs, WORK) for name, outputs in costs.items())
+    if t.arrival:
+        measured = [
+            Output(place="((double *)rows)", rows="1", value=jacobian, stride="OLD_WIDTH"),
+            Output(place="((double *)rows + OLD - 1)", rows="1", value=t.output, stride="OLD_WIDTH"),
+        ]
+        text += emit_constants("output_constants", inputs, measured, ROWS)
+        text += emit("outputs", inputs, measured, ROWS)
+    return text
+
+
+def _dynamics(t: "Transcription", step: ca.SX, slope: ca.SX) -> list[Output]:
+    """Return F, A and B of every stage; constant states have no rows in A and B."""
+    nx, moving, rows = t.x.numel(), t.x.numel() - t.constant_states, "(N + LEAVING)"
+    A, B = (f"((double *)work->qp.{name}[PLACE(work, k)])" for name in "AB")
+    return [
+        Output(place="work->qp.c[PLACE(work, k)]", rows=rows, value=step),
+        Output(place=A, rows=rows, value=slope[:moving, :nx], stride="WIDTH"),
+        Output(place=B, rows=rows, value=slope[:moving, nx:]),
+    ]
