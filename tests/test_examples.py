@@ -7,10 +7,14 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from drawbar.geometry import Floats
+from drawbar.optimal import ControlSolver
+from drawbar.signals import SolverStatus
+from drawbar.vehicle.model import integrate
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "own_vehicle.py"
@@ -116,6 +120,20 @@ def test_the_crane_sets_its_load_down_at_rest_and_within_its_bounds(seed: int) -
     assert np.abs(sway_error[50:]).max() < np.radians(0.3)
     assert np.abs(rope_error[50:]).max() < 0.25
     assert np.abs(np.diff(push)).max() <= 0.1 + 1e-7
+
+
+def test_the_cranes_controller_is_never_without_a_solution() -> None:
+    crane = _imported(ROOT / "examples" / "crane.py")
+    controller, model = ControlSolver(crane.CONTROL), crane.CONTROL.model
+    world = ca.Function("world", [model.x, model.u, model.p], [integrate(model, crane.CONTROL.sample_time, 4)])
+    controller.y[:, [0, 3]], controller.p[:], state = crane.TARGET, [4.0, 0.0], np.zeros(len(model.states))
+    controller.initial[:] = state
+    controller.start()
+    for _ in range(100):  # hard bounds on the load and soft ones on the sway, which are states without a cost
+        controller.initial[:] = state
+        assert controller.feedback() == SolverStatus.SOLVED
+        state = np.array(world(state, controller.u[0].copy(), controller.p[0])).ravel()
+        controller.advance()
 
 
 def test_the_road_train_reverses_to_the_line_without_folding_up() -> None:

@@ -9,12 +9,22 @@
 #define FAR_OUT 1e6                        /* times the largest bound: no start lies further out than that */
 #define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
 
-/* Curvature of the cost to go along bounded variable i, as factorised. */
-static inline double ip_curvature(const struct qp *s, int i)
+/* Curvature of the cost to go along bounded variable i, as factorised. A state without any, such as a bounded output, has that
+ * of the state and inputs before it, of which it is made. */
+static double ip_curvature(const struct qp *s, int i)
 {
-    const int at = s->bound[i], u = at - (N + 1) * NX;
+    const int at = s->bound[i], u = at - (N + 1) * NX, k = at / NX, j = at % NX;
+    double give = 0.0;
 
-    return u < 0 ? s->P[at / NX][at % NX][at % NX] : 1.0 / s->D[u / NU][u % NU];
+    if (u >= 0)
+        return 1.0 / s->D[u / NU][u % NU];
+    if (s->P[k][j][j] > 0.0 || k == 0 || j >= ND)
+        return s->P[k][j][j];
+    for (int m = 0; m < NX; ++m)
+        give += s->P[k - 1][m][m] > 0.0 ? s->A[k - 1][j][m] * s->A[k - 1][j][m] / s->P[k - 1][m][m] : 0.0;
+    for (int a = 0; a < NU; ++a)
+        give += s->B[k - 1][j][a] * s->B[k - 1][j][a] * s->D[k - 1][a];
+    return give > 0.0 ? 1.0 / give : 0.0;
 }
 
 /* Bound m of variable m / 2: lower sides are even, upper ones odd. */

@@ -7,7 +7,7 @@ import numpy as np
 
 from drawbar.benchmark.hostile.construct import HostileProblem, optimal_problem
 from drawbar.benchmark.hostile.edge import hidden_conflict, just_feasible, just_infeasible
-from drawbar.benchmark.hostile.recipe import RECIPES, Recipe
+from drawbar.benchmark.hostile.recipe import OUTPUTS, RECIPES, Recipe
 
 
 def _maker(name: str, recipe: Recipe) -> Callable[[np.random.Generator], HostileProblem]:
@@ -28,6 +28,7 @@ CLASSES: dict[str, Callable[[np.random.Generator], HostileProblem]] = {
     "just feasible": just_feasible,
     "just infeasible": just_infeasible,
     "hidden conflict": hidden_conflict,
+    "bounded outputs": _maker("bounded outputs", OUTPUTS),
 }
 
 

@@ -68,6 +68,9 @@ def _costs(rng: np.random.Generator, sizes: Sizes, recipe: Recipe) -> tuple[Floa
         H[:, nx:, :nx] = 0.0
         H[:, :nx, nx:] = 0.0
         H[:, nx:, nx:] = decades(rng, (-2.0, 0.0), (N + 1, 1, 1))
+    if recipe.outputs:
+        H[:, (nx + 1) // 2 : nx] = 0.0
+        H[:, :, (nx + 1) // 2 : nx] = 0.0
     return H[:, :nx, :nx].copy(), H[:-1, nx:, :nx].copy(), H[:-1, nx:, nx:].copy()
 
 
@@ -79,6 +82,8 @@ def _dynamics(rng: np.random.Generator, sizes: Sizes, recipe: Recipe) -> tuple[F
     B = rng.normal(size=(N, nx, nu)) * decades(rng, recipe.steering_decades, (N, 1, 1))
     if recipe.redundant:
         B[:] = B[:, :, :1]
+    if recipe.outputs:
+        base[:, (nx + 1) // 2 :] = 0.0
     return base * (1.0 + 0.05 * rng.normal(size=(N, nx, nx))), B
 
 

@@ -56,6 +56,8 @@ class Recipe:
     """share of state bounds that are soft"""
     duplicates: bool = False
     """SPARE variables are bounded twice, the same or looser"""
+    outputs: bool = False
+    """the last half of the states are bounded outputs: they cost nothing, and nothing follows from them"""
     reach_decades: tuple[float, float] = (0.0, 0.0)
     """size of the optimum's inputs"""
     multiplier_decades: tuple[float, float] = (-3.0, 2.0)
@@ -100,3 +102,4 @@ RECIPES = {
     "long": replace(_PLAIN, sizes=LONGEST),
     "long, unstable, unbounded": replace(_PLAIN, sizes=LONGEST, growth=(0.9, 3.0), inputs_bounded=0.0),
 }
+OUTPUTS = replace(_PLAIN, sizes=(GIVEN[3], GIVEN[4], GIVEN[5]), outputs=True, states_bounded=(0.5, 1.0))
