@@ -101,21 +101,26 @@ class Senses:
 
     def _find(self, sample: int, errors: list[float], history: History) -> dict[str, Any]:
         """Return what both receivers report: position, age, deviation, quality."""
-        delays, sensors = self._settings.delays, self._settings.sensors
-        seen = [history.seen(delays.fix) for _ in range(2)]
-        true = [*self._antenna("tractor", seen[0].tractor), *self._antenna("trailer", seen[1].trailer)]
+        delays, sensors, fix = self._settings.delays, self._settings.sensors, self._fix
+        tractor, trailer = history.seen(delays.fix), history.seen(delays.fix)
+        true = (*self._antenna("tractor", tractor.tractor), *self._antenna("trailer", trailer.trailer))
         floating, deviations = self._floating.sample(sample * self._sample_time)
         for i, held in enumerate(self._held[sample % len(self._held)]):
-            error = errors[i] if math.isnan(floating[i] + errors[i]) else floating[i]
-            self._fix[i] = self._fix[i] if held else true[i] + error
-        report: dict[str, Any] = {}
-        for i, body in enumerate(("tractor", "trailer")):
-            report[f"{body}_x"], report[f"{body}_y"] = self._fix[2 * i : 2 * i + 2]
-            report[f"{body}_fix_age"] = delays.told * seen[i].age
-            in_float = not math.isnan(deviations[2 * i])
+            if not held:
+                fix[i] = true[i] + (errors[i] if math.isnan(floating[i] + errors[i]) else floating[i])
+        report: dict[str, Any] = {
+            "tractor_x": fix[0],
+            "tractor_y": fix[1],
+            "trailer_x": fix[2],
+            "trailer_y": fix[3],
+            "tractor_fix_age": delays.told * tractor.age,
+            "trailer_fix_age": delays.told * trailer.age,
+        }
+        for body, deviation in zip(("tractor", "trailer"), deviations[::2], strict=True):
+            in_float = not math.isnan(deviation)
             if in_float or sensors.quality:
                 report[f"{body}_fix_quality"] = FixQuality.FLOAT if in_float else FixQuality.FIXED
-                report[f"{body}_fix_deviation"] = deviations[2 * i] if in_float else sensors.position
+                report[f"{body}_fix_deviation"] = deviation if in_float else sensors.position
         return report
 
     def _antenna(self, body: str, seen: BodyMoment) -> tuple[float, float]:

@@ -49,7 +49,7 @@ class SimulatedMachine(SampledMachine):
                 tells.
         """
         super().__init__(vehicle, settings, sample_time, start)
-        self._settings = settings
+        self._settings, self._flat = settings, settings.terrain.is_flat
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         history_rng, attitude_rng, floating_rng = (np.random.default_rng((seed, stream)) for stream in range(2, 5))
@@ -81,10 +81,12 @@ class SimulatedMachine(SampledMachine):
         self._history = History(settings.step, begun, history_rng, self._moment)
 
     def _move(self, commands: Floats) -> None:
-        effects = self._effects[self._sample % BLOCK].copy()
-        if not self._settings.terrain.is_flat:
+        effects = self._effects[self._sample % BLOCK]
+        if not self._flat:
+            effects = effects.copy()
             effects[:, 2:5] += self._creep()
         if self._unknown is not None:
+            effects = effects.copy()
             effects[:, :5] += self._unknown()
         self._remember(self._motion.advance(commands, effects))
 
@@ -98,15 +100,17 @@ class SimulatedMachine(SampledMachine):
         """Let the bodies settle on the ground, and keep all that sensors may report late; states: of the plant."""
         rows = np.zeros((len(states), states.shape[1] + ANGLES))
         rows[:, :-ANGLES] = states
-        if not self._settings.terrain.is_flat:
+        if not self._flat:
             rows[:, -ANGLES:] = self._attitude.advance(states)
         self._history.append(rows)
 
     def truth(self) -> Truth:
         """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""
         x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
-        mu, kappa, *slides = self._effects[self._sample % BLOCK, 0, :5].tolist()
-        offset, tractor_crab, trailer_crab = map(sum, zip(slides, self._creep(), strict=True))
+        mu, kappa, offset, tractor_crab, trailer_crab = self._effects[self._sample % BLOCK, 0, :5].tolist()
+        if not self._flat:
+            creep = self._creep()
+            offset, tractor_crab, trailer_crab = offset + creep[0], tractor_crab + creep[1], trailer_crab + creep[2]
         tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = self._attitude.angles.tolist()
         trailer_x, trailer_y = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
         return Truth(
