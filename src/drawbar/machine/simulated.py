@@ -69,6 +69,9 @@ class SimulatedMachine(SampledMachine):
         self._state = self._motion.state
         self._state[:4] = start.x, start.y, start.yaw, start.yaw
         self._unknown = unknown
+        truly = self._vehicle
+        behind = truly.trailer_length - truly.trailer_antenna
+        self._lengths = truly.free_joint_offset, truly.drawbar_length, behind
         self._terrain = Terrain.of_seed(settings.terrain, seed)
         self._settle(history_rng)
         self._draw()
@@ -112,7 +115,7 @@ class SimulatedMachine(SampledMachine):
             creep = self._creep()
             offset, tractor_crab, trailer_crab = offset + creep[0], tractor_crab + creep[1], trailer_crab + creep[2]
         tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = self._attitude.angles.tolist()
-        trailer_x, trailer_y = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
+        trailer_x, trailer_y = _trailer_point(self._lengths, x, y, yaw, trailer_yaw, joint)
         return Truth(
             time=self._sample * self._sample_time,
             tractor=Pose(x=x, y=y, yaw=yaw),
@@ -135,7 +138,7 @@ class SimulatedMachine(SampledMachine):
         """Return what sensors see of a state with its attitudes, 15 numbers."""
         x, y, yaw, trailer_yaw, joint, steering, speed = row[:7]
         tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = row[-ANGLES:]
-        trailer = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
+        trailer = _trailer_point(self._lengths, x, y, yaw, trailer_yaw, joint)
         return Moment(
             age=age,
             tractor=BodyMoment(x, y, yaw, tractor_roll, tractor_pitch, rates[0]),
@@ -155,11 +158,10 @@ class SimulatedMachine(SampledMachine):
 
 
 def _trailer_point(
-    vehicle: VehicleParameters, x: float, y: float, theta: float, psi: float, joint: float
+    lengths: tuple[float, float, float], x: float, y: float, theta: float, psi: float, joint: float
 ) -> tuple[float, float]:
     """Return the position of the trailer's tracked point, m; joint = phi - psi."""
-    phi, length = psi + joint, vehicle.trailer_length - vehicle.trailer_antenna
-    a, d = vehicle.free_joint_offset, vehicle.drawbar_length
+    (a, d, length), phi = lengths, psi + joint
     return (
         x - a * math.cos(theta) - d * math.cos(phi) - length * math.cos(psi),
         y - a * math.sin(theta) - d * math.sin(phi) - length * math.sin(psi),
