@@ -99,6 +99,7 @@ def _step_figures(run: WholeRun) -> dict[str, Any]:
         "control_step_us": microseconds(run.latency),
         "python_us": microseconds(run.python),
         "real_time_factor": run.real_time_factor,
+        "real_time_factor_logged": run.real_time_factor_logged,
     }
 
 
@@ -124,7 +125,8 @@ def show(console: Console, figures: dict[str, Any]) -> None:
     for text, key in lines.items():
         if figure := figures[key]:
             console.print(f"{text:30}{' / '.join(f'{value:.2f}' for value in figure.values())}", highlight=False)
-    console.print(f"real-time factor of a whole run, simulation included: {figures['real_time_factor']:.0f}")
+    alone, logged = (f"{figures[key]:.0f}" for key in ("real_time_factor", "real_time_factor_logged"))
+    console.print(f"real-time factor of a whole run, simulation included: {alone}, with its log {logged}")
     start = figures["start_up"]
     for text, key in {"import drawbar": "import", "a run's first step": "first_step"}.items():
         wall, cpu = (start[f"{key}{suffix}"] for suffix in ("_s", "_cpu_s"))

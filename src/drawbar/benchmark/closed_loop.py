@@ -4,11 +4,15 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from drawbar.benchmark.probe import Probe
 from drawbar.benchmark.step_in_c import StepTimes, step_times
 from drawbar.config import Configuration, load_configuration
 from drawbar.optimal import SolverUnit
+from drawbar.recording.log import LOG_NAME
+from drawbar.recording.recorder import Recorder
 from drawbar.signals import Measurement
 from drawbar.simulation import Simulation
 from drawbar.step.autopilot import Autopilot
@@ -31,6 +35,8 @@ class WholeRun:
     """the same step when the run has ended, and C has nothing to do: what is Python's, s"""
     real_time_factor: float
     """driven time over elapsed time, simulation included"""
+    real_time_factor_logged: float
+    """the same with a log, each step of which reaches the operating system"""
 
 
 def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_peers: bool) -> list[list[Probe]]:
@@ -101,7 +107,8 @@ def whole_run(name: str) -> WholeRun:
         in_c=step_times(autopilot, simulation.path, measurements),
         bounded=bounded,
         python=python,
-        real_time_factor=_real_time_factor(name),
+        real_time_factor=_real_time_factor(name, logged=False),
+        real_time_factor_logged=_real_time_factor(name, logged=True),
     )
 
 
@@ -111,10 +118,13 @@ def _timed(call: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def _real_time_factor(name: str) -> float:
+def _real_time_factor(name: str, *, logged: bool) -> float:
     """Return driven time over elapsed time of a whole run with its records."""
     simulation = Simulation(load_configuration(name))
-    start = time.perf_counter()
-    with simulation:
-        count = sum(1 for _ in simulation.steps())
-    return count * simulation.configuration.sample_time / (time.perf_counter() - start)
+    with TemporaryDirectory() as folder, Recorder(Path(folder) / LOG_NAME, simulation.header()) as log, simulation:
+        start = time.perf_counter()
+        for record in simulation.steps():
+            if logged:
+                log.write(record)
+        elapsed = time.perf_counter() - start
+    return (record.step + 1) * simulation.configuration.sample_time / elapsed

@@ -73,11 +73,12 @@ class History:
 
     def seen(self, delay: Delay) -> Moment:
         """Return the moment that a sensor with this delay reports now; its jitter is drawn anew."""
-        age = delay.latency + (delay.jitter * self._rng.standard_normal() if delay.jitter else 0.0)
+        latency, jitter = delay.latency, delay.jitter
+        age = latency + jitter * self._rng.standard_normal() if jitter else latency
         steps = min(max(round(age / self._step), 0), self._reach - 2)
-        if steps not in self._moments:
+        if (moment := self._moments.get(steps)) is None:
             newest = self._end - 1 - steps
             before, row = self._rows[newest - 1 : newest + 1].tolist()
             rates = [(now - then) / self._step for now, then in zip(row[YAWS], before[YAWS], strict=True)]
-            self._moments[steps] = self._read(steps * self._step, row, (rates[0], rates[1]))
-        return self._moments[steps]
+            moment = self._moments[steps] = self._read(steps * self._step, row, (rates[0], rates[1]))
+        return moment

@@ -8,7 +8,7 @@ from drawbar.geometry import Floats
 def first_order(inputs: Floats, *, decay: float, last: float) -> Floats:
     """Return y (n,) with y_k = decay y_k-1 + inputs_k, where `last` was before the first."""
     decay, last = float(decay), float(last)  # numpy's own scalars are several times slower
-    return np.array([last := decay * last + given for given in inputs.tolist()])
+    return np.fromiter([last := decay * last + given for given in inputs.tolist()], np.float64, len(inputs))
 
 
 class OrnsteinUhlenbeck:

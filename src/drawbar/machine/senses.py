@@ -59,7 +59,9 @@ class Senses:
             attitude_rng: of roll, pitch and yaw rate.
             floating_rng: of fixes in float.
         """
-        self._settings, self._sample_time = settings, sample_time
+        self._sensors, self._delays, self._sample_time = settings.sensors, settings.delays, sample_time
+        attitude = {"tractor": settings.attitude.tractor, "trailer": settings.attitude.trailer}
+        self._attitude = {body: sensor for body, sensor in attitude.items() if sensor.present}
         self._arms = {
             body: tuple(
                 getattr(getattr(vehicle.masts, body), axis) + getattr(getattr(settings.masts, body), axis)
@@ -79,11 +81,12 @@ class Senses:
 
     def measure(self, sample: int, history: History) -> Measurement:
         """Look at the machine through the sensors, as it was when each of them looked."""
-        settings, errors = self._settings, self._errors[sample % len(self._errors)]
-        delays, resolution = settings.delays, settings.sensors.steering_resolution
-        fixes = self._find(sample, errors, history)
+        delays, errors = self._delays, self._errors[sample % len(self._errors)]
+        report = self._find(sample, errors, history)
         hitch, speed, steering = map(history.seen, (delays.hitch_angle, delays.speed, delays.steering))
-        told = delays.told
+        told, resolution = delays.told, self._sensors.steering_resolution
+        for body, sensor in self._attitude.items():
+            report |= self._balance(body, sensor, history)
         return Measurement(
             time=sample * self._sample_time,
             hitch_angle=hitch.hitch_angle + errors[4],
@@ -94,28 +97,31 @@ class Senses:
             speed_age=told * speed.age,
             tractor_steering_age=told * steering.age,
             trailer_steering_age=told * steering.age,
-            **fixes,
-            **self._balance("tractor", settings.attitude.tractor, history),
-            **self._balance("trailer", settings.attitude.trailer, history),
+            **report,
         )
 
     def _find(self, sample: int, errors: list[float], history: History) -> dict[str, Any]:
         """Return what both receivers report: position, age, deviation, quality."""
-        delays, sensors = self._settings.delays, self._settings.sensors
-        seen = [history.seen(delays.fix) for _ in range(2)]
-        true = [*self._antenna("tractor", seen[0].tractor), *self._antenna("trailer", seen[1].trailer)]
+        delays, sensors, fix = self._delays, self._sensors, self._fix
+        tractor, trailer = history.seen(delays.fix), history.seen(delays.fix)
+        true = (*self._antenna("tractor", tractor.tractor), *self._antenna("trailer", trailer.trailer))
         floating, deviations = self._floating.sample(sample * self._sample_time)
         for i, held in enumerate(self._held[sample % len(self._held)]):
-            error = errors[i] if math.isnan(floating[i] + errors[i]) else floating[i]
-            self._fix[i] = self._fix[i] if held else true[i] + error
-        report: dict[str, Any] = {}
-        for i, body in enumerate(("tractor", "trailer")):
-            report[f"{body}_x"], report[f"{body}_y"] = self._fix[2 * i : 2 * i + 2]
-            report[f"{body}_fix_age"] = delays.told * seen[i].age
-            in_float = not math.isnan(deviations[2 * i])
+            if not held:
+                fix[i] = true[i] + (errors[i] if math.isnan(floating[i] + errors[i]) else floating[i])
+        report: dict[str, Any] = {
+            "tractor_x": fix[0],
+            "tractor_y": fix[1],
+            "trailer_x": fix[2],
+            "trailer_y": fix[3],
+            "tractor_fix_age": delays.told * tractor.age,
+            "trailer_fix_age": delays.told * trailer.age,
+        }
+        for body, deviation in zip(("tractor", "trailer"), deviations[::2], strict=True):
+            in_float = not math.isnan(deviation)
             if in_float or sensors.quality:
                 report[f"{body}_fix_quality"] = FixQuality.FLOAT if in_float else FixQuality.FIXED
-                report[f"{body}_fix_deviation"] = deviations[2 * i] if in_float else sensors.position
+                report[f"{body}_fix_deviation"] = deviation if in_float else sensors.position
         return report
 
     def _antenna(self, body: str, seen: BodyMoment) -> tuple[float, float]:
@@ -124,10 +130,8 @@ class Senses:
         return seen.x + east, seen.y + north
 
     def _balance(self, body: str, sensor: AttitudeSensorSettings, history: History) -> dict[str, Any]:
-        """Return what a body's attitude sensor reports; nothing where there is none."""
-        if not sensor.present:
-            return {}
-        delays, noise = self._settings.delays, self._attitude_rng.standard_normal(3).tolist()
+        """Return what a body's attitude sensor reports."""
+        delays, noise = self._delays, self._attitude_rng.standard_normal(3).tolist()
         moment = history.seen(delays.attitude)
         seen: BodyMoment = getattr(moment, body)
         return {

@@ -49,7 +49,7 @@ class SimulatedMachine(SampledMachine):
                 tells.
         """
         super().__init__(vehicle, settings, sample_time, start)
-        self._settings = settings
+        self._settings, self._flat = settings, settings.terrain.is_flat
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         history_rng, attitude_rng, floating_rng = (np.random.default_rng((seed, stream)) for stream in range(2, 5))
@@ -69,6 +69,9 @@ class SimulatedMachine(SampledMachine):
         self._state = self._motion.state
         self._state[:4] = start.x, start.y, start.yaw, start.yaw
         self._unknown = unknown
+        truly = self._vehicle
+        behind = truly.trailer_length - truly.trailer_antenna
+        self._lengths = truly.free_joint_offset, truly.drawbar_length, behind
         self._terrain = Terrain.of_seed(settings.terrain, seed)
         self._settle(history_rng)
         self._draw()
@@ -81,10 +84,12 @@ class SimulatedMachine(SampledMachine):
         self._history = History(settings.step, begun, history_rng, self._moment)
 
     def _move(self, commands: Floats) -> None:
-        effects = self._effects[self._sample % BLOCK].copy()
-        if not self._settings.terrain.is_flat:
+        effects = self._effects[self._sample % BLOCK]
+        if not self._flat:
+            effects = effects.copy()
             effects[:, 2:5] += self._creep()
         if self._unknown is not None:
+            effects = effects.copy()
             effects[:, :5] += self._unknown()
         self._remember(self._motion.advance(commands, effects))
 
@@ -98,17 +103,19 @@ class SimulatedMachine(SampledMachine):
         """Let the bodies settle on the ground, and keep all that sensors may report late; states: of the plant."""
         rows = np.zeros((len(states), states.shape[1] + ANGLES))
         rows[:, :-ANGLES] = states
-        if not self._settings.terrain.is_flat:
+        if not self._flat:
             rows[:, -ANGLES:] = self._attitude.advance(states)
         self._history.append(rows)
 
     def truth(self) -> Truth:
         """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""
         x, y, yaw, trailer_yaw, joint, steering, speed, *_ = self._state.tolist()
-        mu, kappa, *slides = self._effects[self._sample % BLOCK, 0, :5].tolist()
-        offset, tractor_crab, trailer_crab = map(sum, zip(slides, self._creep(), strict=True))
+        mu, kappa, offset, tractor_crab, trailer_crab = self._effects[self._sample % BLOCK, 0, :5].tolist()
+        if not self._flat:
+            creep = self._creep()
+            offset, tractor_crab, trailer_crab = offset + creep[0], tractor_crab + creep[1], trailer_crab + creep[2]
         tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = self._attitude.angles.tolist()
-        trailer_x, trailer_y = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
+        trailer_x, trailer_y = _trailer_point(self._lengths, x, y, yaw, trailer_yaw, joint)
         return Truth(
             time=self._sample * self._sample_time,
             tractor=Pose(x=x, y=y, yaw=yaw),
@@ -131,7 +138,7 @@ class SimulatedMachine(SampledMachine):
         """Return what sensors see of a state with its attitudes, 15 numbers."""
         x, y, yaw, trailer_yaw, joint, steering, speed = row[:7]
         tractor_roll, tractor_pitch, trailer_roll, trailer_pitch = row[-ANGLES:]
-        trailer = _trailer_point(self._vehicle, x, y, yaw, trailer_yaw, joint)
+        trailer = _trailer_point(self._lengths, x, y, yaw, trailer_yaw, joint)
         return Moment(
             age=age,
             tractor=BodyMoment(x, y, yaw, tractor_roll, tractor_pitch, rates[0]),
@@ -151,11 +158,10 @@ class SimulatedMachine(SampledMachine):
 
 
 def _trailer_point(
-    vehicle: VehicleParameters, x: float, y: float, theta: float, psi: float, joint: float
+    lengths: tuple[float, float, float], x: float, y: float, theta: float, psi: float, joint: float
 ) -> tuple[float, float]:
     """Return the position of the trailer's tracked point, m; joint = phi - psi."""
-    phi, length = psi + joint, vehicle.trailer_length - vehicle.trailer_antenna
-    a, d = vehicle.free_joint_offset, vehicle.drawbar_length
+    (a, d, length), phi = lengths, psi + joint
     return (
         x - a * math.cos(theta) - d * math.cos(phi) - length * math.cos(psi),
         y - a * math.sin(theta) - d * math.sin(phi) - length * math.sin(psi),

@@ -36,6 +36,8 @@ ENDLESS = 2**63 - 1
 """length of a chunk that is not complete"""
 CHUNK_BYTES = 1 << 22
 """of messages, before they are compressed, after which a chunk ends"""
+_WINDOW_LOG = 22
+"""of zstd's window, which a whole chunk fits into: one that wraps within a chunk takes twice as long to search"""
 COMPRESSION = "zstd"
 LEVEL = 1
 """of the compression: as much as a run at a thousand times real time can wait for"""
@@ -50,7 +52,9 @@ class ChunkedWriter:
 
     def __init__(self, stream: BinaryIO, profile: str, level: int = LEVEL) -> None:
         """Write the magic and the header; `level` is zstd's, of the chunks."""
-        self._stream, self._level = stream, level
+        self._stream = stream
+        parameters = zstandard.ZstdCompressionParameters.from_level(level, window_log=_WINDOW_LOG)
+        self._compressor = zstandard.ZstdCompressor(compression_params=parameters)
         self._chunk: _Chunk | None = None
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
@@ -91,7 +95,7 @@ class ChunkedWriter:
     def add_message(self, channel: int, data: bytes, *, sequence: int, log_time: int, publish_time: int) -> None:
         """Append a message, times in ns; it may stay in memory until flush()."""
         if self._chunk is None:
-            self._chunk = _Chunk(self._stream, self._level)
+            self._chunk = _Chunk(self._stream, self._compressor)
         head = _MESSAGE.pack(Opcode.MESSAGE, _MESSAGE.size - 9 + len(data), channel, sequence, log_time, publish_time)
         self._chunk.append(channel, log_time, head + data)
         self._counts[channel] += 1
@@ -179,9 +183,9 @@ def _bytes(builder: RecordBuilder) -> bytes:
 class _Chunk:
     """The chunk that grows."""
 
-    def __init__(self, stream: BinaryIO, level: int) -> None:
+    def __init__(self, stream: BinaryIO, compressor: zstandard.ZstdCompressor) -> None:
         self._stream, self._start = stream, stream.tell()
-        self._compressor = zstandard.ZstdCompressor(level=level).compressobj()
+        self._compressor = compressor.compressobj()
         self._crc, self._compressed = 0, 0
         self._messages: dict[int, list[tuple[int, int]]] = {}
         self.size = 0

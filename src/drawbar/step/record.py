@@ -5,7 +5,6 @@ metre or radian: they are a third of a record, and their digits beyond would be 
 commanded, measured or estimated is rounded.
 """
 
-from itertools import pairwise
 from struct import Struct
 
 import numpy as np
@@ -39,7 +38,8 @@ _ESTIMATE, _DIAGNOSTICS, _STEERING = Layout(Estimate), Layout(Diagnostics), Layo
 _ACTUATION = Layout(Actuation)
 _TOLD = Struct("6i")
 """the numbers at the end of the diagnostics"""
-_REFERENCE, _PLAN, _TIMES = Struct("6d"), Struct("5d2i"), Struct("6d")
+_REFERENCE, _PLAN, _TIMES = Struct("2d32x"), Struct("d32x2i"), Struct("6d")
+"""of references and plans without their arrays, which are views"""
 _SOLVERS, _GATES, _FLAGS = Members(SolverStatus), Members(GateVerdict), Members(Flag)
 
 
@@ -57,10 +57,8 @@ class RecordReader:
         self._times = self._plans + 2 * _PLAN.size
         self._actuation = self._times + _TIMES.size
         self._predictions = (self._actuation + _ACTUATION.size) // 8
-        shapes = [(horizon + 1, 3)] * 2 + [(horizon,)] * 2
-        ends = np.cumsum([np.prod(shape) for shape in shapes]).tolist()
-        self._parts = [(slice(*part), shape) for part, shape in zip(pairwise([0, *ends]), shapes, strict=True)]
-        if 8 * (self._predictions + ends[-1]) != library.record.size:
+        self._poses = 6 * (horizon + 1)
+        if 8 * (self._predictions + self._poses + 2 * horizon) != library.record.size:
             raise AssertionError("struct drawbar_record and record.py differ")
 
     def read(self, number: int, measurement: Measurement, command: Command, truth: Truth | None) -> StepRecord:
@@ -69,9 +67,8 @@ class RecordReader:
         data = self._memory.tobytes()
         numbers = np.frombuffer(data)
         rounded = numbers[self._predictions :].round(DIGITS)
-        poses, trailer_poses, steerings, trailer_steerings = (
-            rounded[part].reshape(shape) for part, shape in self._parts
-        )
+        poses, trailer_poses = rounded[: self._poses].reshape(2, -1, 3)
+        steerings, trailer_steerings = rounded[self._poses :].reshape(2, -1)
         estimate = _ESTIMATE.unpack(data)
         status, flags, estimator, gate, _, _ = _TOLD.unpack_from(data, self._told)
         times = _TIMES.unpack_from(data, self._times)
@@ -83,8 +80,8 @@ class RecordReader:
             estimate=estimate,
             reference=Places(
                 time=estimate.time,
-                tractor=_place(numbers, self._references // 8),
-                trailer=_place(numbers, (self._references + _REFERENCE.size) // 8),
+                tractor=_place(data, numbers, self._references),
+                trailer=_place(data, numbers, self._references + _REFERENCE.size),
             ),
             plan=Plan(time=estimate.time, tractor=tractor, trailer=trailer),
             tractor_steering=_STEERING.unpack(data, self._steerings),
@@ -102,13 +99,14 @@ class RecordReader:
         )
 
 
-def _place(numbers: Floats, at: int) -> BodyPlace:
-    progress, lateral_error = numbers[at : at + 2].tolist()
-    return BodyPlace(progress=progress, lateral_error=lateral_error, closest=numbers[at + 2 : at + 6])
+def _place(data: bytes, numbers: Floats, offset: int) -> BodyPlace:
+    progress, lateral_error = _REFERENCE.unpack_from(data, offset)
+    at = offset // 8 + 2
+    return BodyPlace(progress=progress, lateral_error=lateral_error, closest=numbers[at : at + 4])
 
 
 def _plan(data: bytes, numbers: Floats, offset: int, poses: Floats, steerings: Floats) -> BodyPlan:
-    steering, _, _, _, _, status, deviations = _PLAN.unpack_from(data, offset)
+    steering, status, deviations = _PLAN.unpack_from(data, offset)
     at = offset // 8 + 1
     return BodyPlan(
         steering=steering,
