@@ -22,28 +22,34 @@ from drawbar.recording.stream import LoggedMessage
 
 _BLOCK = 2000
 """steps that are Python objects at the same time"""
-_POSE = ("x", "y", "yaw")
 _SLIPS = ("longitudinal_slip", "tractor_slip", "steering_offset", "tractor_crab", "trailer_crab")
 _STEERINGS = ("tractor_steering", "trailer_steering")
 _BODIES = ("tractor", "trailer")
-REPORTED: tuple[str, ...] = (
-    *(f"measurement.{name}" for name in ("time", "tractor_x", "tractor_y", "speed", "hitch_angle", *_STEERINGS)),
-    *(f"estimate.{body}.{name}" for body in _BODIES for name in _POSE),
-    *(f"estimate.{name}" for name in ("speed", "hitch_angle", "trailer_slip", *_SLIPS, *_STEERINGS)),
+_REPORTED: tuple[str, ...] = (
+    *(f"measurement.{name}" for name in ("time", "tractor_x", "tractor_y", "speed", "hitch_angle")),
+    *(f"measurement.{body}_roll" for body in _BODIES),
+    *(f"estimate.{body}.yaw" for body in _BODIES),
+    *(f"estimate.{name}" for name in ("speed", "hitch_angle", "trailer_slip", *_SLIPS)),
     *(f"estimate.{body}_fix" for body in _BODIES),
     *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error", "closest.2")),
     *(f"{body}_steering.{name}" for body in _BODIES for name in ("command", "ancillary", "saturated", "margin")),
     "command.speed",
-    *(f"truth.{body}.{name}" for body in _BODIES for name in _POSE),
-    *(f"truth.{name}" for name in (*_SLIPS, *_STEERINGS)),
-    *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
-    *(f"measurement.{body}_roll" for body in _BODIES),
     "solver_failures",
     "gate",
+)
+_REPORTED_OF_TRUTH: tuple[str, ...] = (
+    *(f"truth.{body}.{name}" for body in _BODIES for name in ("x", "y", "yaw")),
+    *(f"truth.{name}" for name in (*_SLIPS, *_STEERINGS)),
+    *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
+)
+_REPORTED_FOR_TRUTH: tuple[str, ...] = (
+    *(f"estimate.{body}.{name}" for body in _BODIES for name in "xy"),
+    "estimate.tractor_steering",
+    *(f"measurement.{name}" for name in _STEERINGS),
     "flags",
 )
-"""what the report of a run is made of"""
+"""in place of what nobody knows"""
 _WIDE = (".x", ".y", "_x", "_y", ".time", ".progress")
 """how names of numbers end that single precision would spoil"""
 
@@ -67,21 +73,31 @@ class ColumnLog:
 
     def column(self, name: str) -> Floats:
         """Return one number of every step, (n,); see RunLog.column. Raises KeyError for one not asked for."""
+        if name.startswith("truth.") and not self.has_truth:
+            return np.full(self.steps, np.nan)
         blocks = self.blocks[name]
         return np.concatenate(blocks).astype(np.float64) if blocks else np.empty(0)
 
 
-def read_columns(file: Path, names: Sequence[str] = REPORTED) -> ColumnLog:
-    """Read columns of a log in a stream; errors as read_log."""
-    blocks: dict[str, list[np.ndarray[Any, Any]]] = {name: [] for name in names}
-    times: list[Floats] = []
-    has_truth = False
+def reported(*, has_truth: bool) -> tuple[str, ...]:
+    """Return what the report of a run is made of, whose truth is known or not."""
+    return (*_REPORTED, *(_REPORTED_OF_TRUTH if has_truth else _REPORTED_FOR_TRUTH))
+
+
+def read_columns(file: Path, names: Sequence[str] | None = None) -> ColumnLog:
+    """Read columns of a log in a stream, by default those of its report; errors as read_log."""
     with open_log(file) as log:
-        while messages := list(islice(log.steps, _BLOCK)):
-            has_truth = has_truth or b'"truth":null' not in messages[0].data
-            for name, values in _block(messages, tuple(names), has_truth=has_truth):
-                blocks[name].append(values)
+        messages = list(islice(log.steps, _BLOCK))
+        has_truth = bool(messages) and b'"truth":null' not in messages[0].data
+        wanted = reported(has_truth=has_truth) if names is None else names
+        blocks: dict[str, list[np.ndarray[Any, Any]]] = {name: [] for name in wanted}
+        known = tuple(name for name in wanted if has_truth or not name.startswith("truth."))
+        times: list[Floats] = []
+        while messages:
+            for name, values in zip(known, _block(messages, known), strict=True):
+                blocks[name].append(values.astype(np.float64 if name.endswith(_WIDE) else np.float32))
             times.append(np.array([message.publish_time * 1e-9 for message in messages]))
+            messages = list(islice(log.steps, _BLOCK))
         return ColumnLog(
             header=log.header,
             wall_time=np.concatenate([*times, np.empty(0)]),
@@ -91,21 +107,14 @@ def read_columns(file: Path, names: Sequence[str] = REPORTED) -> ColumnLog:
         )
 
 
-def _block(
-    messages: list[LoggedMessage], names: tuple[str, ...], *, has_truth: bool
-) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
-    """Yield the columns of some steps."""
-    present = names if has_truth else tuple(name for name in names if not name.startswith("truth."))
-    decode, pick = _reader(present)
+def _block(messages: list[LoggedMessage], names: tuple[str, ...]) -> Floats:
+    """Return numbers of some steps, a row for each name."""
+    decode, pick = _reader(names)
     try:
-        rows = np.array([pick(decode(message.data)) for message in messages], dtype=np.float64)
+        rows = [pick(decode(message.data)) for message in messages]
     except msgspec.ValidationError as error:
         raise DrawbarError(f"a step lacks what every step of drawbar has ({error})") from error
-    found = dict(zip(present, rows.T, strict=True))
-    missing = np.full(len(messages), np.nan)
-    for name in names:
-        kind = np.float64 if name.endswith(_WIDE) else np.float32
-        yield name, found.get(name, missing).astype(kind)
+    return np.array(rows, dtype=np.float64).T
 
 
 @cache
@@ -126,6 +135,6 @@ def _struct(name: str, tree: Mapping[str, Any]) -> Any:
     """Return the type of a section of which some numbers are wanted; of an array up to the last one wanted."""
     if all(key.isdigit() for key in tree):
         fields = [(f"_{index}", float | None) for index in range(1 + max(map(int, tree)))]
-        return msgspec.defstruct(name, fields, array_like=True)
+        return msgspec.defstruct(name, fields, array_like=True, gc=False)
     members = [(key, bool | float | None if below is None else _struct(key, below)) for key, below in tree.items()]
-    return msgspec.defstruct(name, members)
+    return msgspec.defstruct(name, members, gc=False)

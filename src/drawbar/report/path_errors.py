@@ -49,10 +49,8 @@ def true_path_errors(log: Columns) -> Bodies[PathErrors]:
     return _errors(log, "truth", np.zeros(log.steps, dtype=bool))
 
 
-def best_path_errors(log: Columns) -> Bodies[PathErrors]:
-    """Return the true errors, or where nobody knows them those that were estimated while the autopilot was engaged."""
-    if log.has_truth:
-        return true_path_errors(log)
+def estimated_path_errors(log: Columns) -> Bodies[PathErrors]:
+    """Return the errors of both bodies as they were estimated while the autopilot was engaged; else they are NaN."""
     return _errors(log, "estimate", (log.column("flags").astype(int) & Flag.RELEASED) != 0)
 
 
