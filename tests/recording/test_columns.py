@@ -30,6 +30,17 @@ def test_columns_are_those_of_the_whole_log(tmp_path: Path, monkeypatch: pytest.
     np.testing.assert_array_equal(streamed.wall_time, whole.wall_time)
 
 
+def test_a_number_that_stays_the_same_is_kept_once(tmp_path: Path) -> None:
+    still, moving = "command.speed", "measurement.time"
+    steps = [t.dataclasses.replace(t.arbitrary_step(seed), command=t.arbitrary_step(0).command) for seed in range(9)]
+    with t.Recorder(tmp_path / "log.mcap", t.header()) as recorder:
+        for step in steps:
+            recorder.write(step)
+    log = read_columns(tmp_path / "log.mcap", [still, moving])
+    assert [log.blocks[name][0].strides for name in (still, moving)] == [(0,), (8,)]
+    np.testing.assert_allclose(log.column(still), np.full(9, steps[0].command.speed), rtol=1e-7)
+
+
 def test_without_truth_its_columns_are_missing(tmp_path: Path) -> None:
     with t.Recorder(tmp_path / "log.mcap", t.header()) as recorder:
         recorder.write(t.dataclasses.replace(t.arbitrary_step(1), truth=None))

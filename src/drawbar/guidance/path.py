@@ -145,8 +145,11 @@ class Path:
 
     def labels(self, arc_length: Floats) -> list[str]:
         """Return the class of the path at each arc length (m); beyond the ends that of the nearest piece."""
-        piece = self.nodes[1:-1, 0].searchsorted(arc_length, "right")
-        return [self.label_names[index] for index in self.label_of_piece[piece]]
+        return [self.label_names[index] for index in self.classes(arc_length)]
+
+    def classes(self, arc_length: Floats) -> NDArray[np.int8]:
+        """Return the same as indices into label_names, (...) of arc lengths (...) in m."""
+        return self.label_of_piece[self.nodes[1:-1, 0].searchsorted(arc_length, "right")]
 
     def project(self, x: float, y: float, low: float, high: float) -> tuple[float, float]:
         """Return arc length (m) of the point of the path closest to (x, y), and the lateral error (m).

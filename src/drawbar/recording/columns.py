@@ -7,20 +7,22 @@ precision.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import islice
+from itertools import chain, islice
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
 from drawbar.recording.log import Outcome, RunHeader, open_log
 from drawbar.recording.stream import LoggedMessage
 
-_BLOCK = 2000
+_Values = NDArray[np.float32] | NDArray[np.float64]
+_BLOCK = 1000
 """steps that are Python objects at the same time"""
 _SLIPS = ("longitudinal_slip", "tractor_slip", "steering_offset", "tractor_crab", "trailer_crab")
 _STEERINGS = ("tractor_steering", "trailer_steering")
@@ -63,7 +65,7 @@ class ColumnLog:
     """(n,): s since 1970"""
     outcome: Outcome
     has_truth: bool
-    blocks: Mapping[str, Sequence[np.ndarray[Any, Any]]]
+    blocks: Mapping[str, Sequence[_Values]]
     """by name, one after the other"""
 
     @property
@@ -87,34 +89,47 @@ def reported(*, has_truth: bool) -> tuple[str, ...]:
 def read_columns(file: Path, names: Sequence[str] | None = None) -> ColumnLog:
     """Read columns of a log in a stream, by default those of its report; errors as read_log."""
     with open_log(file) as log:
-        messages = list(islice(log.steps, _BLOCK))
-        has_truth = bool(messages) and b'"truth":null' not in messages[0].data
+        first = list(islice(log.steps, 1))
+        has_truth = bool(first) and b'"truth":null' not in first[0].data
         wanted = reported(has_truth=has_truth) if names is None else names
-        blocks: dict[str, list[np.ndarray[Any, Any]]] = {name: [] for name in wanted}
         known = tuple(name for name in wanted if has_truth or not name.startswith("truth."))
-        times: list[Floats] = []
-        while messages:
-            for name, values in zip(known, _block(messages, known), strict=True):
-                blocks[name].append(values.astype(np.float64 if name.endswith(_WIDE) else np.float32))
-            times.append(np.array([message.publish_time * 1e-9 for message in messages]))
-            messages = list(islice(log.steps, _BLOCK))
+        blocks: dict[str, list[_Values]] = {name: [] for name in known}
+        wall_time: list[Floats] = [np.empty(0)]
+        for times, table in _tables(chain(first, log.steps), known):
+            wall_time.append(times)
+            for name, values in zip(known, _kept(table, known), strict=True):
+                blocks[name].append(values)
         return ColumnLog(
             header=log.header,
-            wall_time=np.concatenate([*times, np.empty(0)]),
+            wall_time=np.concatenate(wall_time),
             outcome=log.outcome(),
             has_truth=has_truth,
             blocks=blocks,
         )
 
 
-def _block(messages: list[LoggedMessage], names: tuple[str, ...]) -> Floats:
-    """Return numbers of some steps, a row for each name."""
+def _tables(steps: Iterator[LoggedMessage], names: tuple[str, ...]) -> Iterator[tuple[Floats, Floats]]:
+    """Yield of some steps after the other the times (m,), s since 1970, and the numbers (m, names)."""
     decode, pick = _reader(names)
-    try:
-        rows = [pick(decode(message.data)) for message in messages]
-    except msgspec.ValidationError as error:
-        raise DrawbarError(f"a step lacks what every step of drawbar has ({error})") from error
-    return np.array(rows, dtype=np.float64).T
+    while True:
+        times, rows = list[float](), list[Any]()
+        try:
+            for message in islice(steps, _BLOCK):
+                times.append(message.publish_time * 1e-9)
+                rows.append(pick(decode(message.data)))
+        except msgspec.ValidationError as error:
+            raise DrawbarError(f"a step lacks what every step of drawbar has ({error})") from error
+        if not rows:
+            return
+        yield np.array(times), np.array(rows, dtype=np.float64)
+
+
+def _kept(table: Floats, names: tuple[str, ...]) -> Iterator[_Values]:
+    """Yield the columns of a table in as few bytes as they need: of a number that stays the same one for all."""
+    stays = (table == table[0]).all(axis=0) | np.isnan(table).all(axis=0)
+    for name, values, alike in zip(names, table.T, stays.tolist(), strict=True):
+        kind = np.float64 if name.endswith(_WIDE) else np.float32
+        yield np.broadcast_to(values[:1].astype(kind), values.shape) if alike else values.astype(kind)
 
 
 @cache

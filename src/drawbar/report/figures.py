@@ -196,9 +196,9 @@ def solve_time_figure(log: Columns) -> Figure:
         for phase in ("prepare", "feedback")
     }
     times = {name: time for name, time in columns.items() if not np.isnan(time).any()}
-    taken = np.concatenate([*times.values(), np.empty(0)])
-    taken = taken[taken > 0.0]
-    low, high = (np.log10(taken.min()), np.log10(taken.max())) if taken.size else (0.0, 1.0)
+    least = min((time.min(initial=np.inf, where=time > 0.0) for time in times.values()), default=np.inf)
+    most = max((time.max(initial=0.0) for time in times.values()), default=0.0)
+    low, high = (np.log10(least), np.log10(most)) if most > 0.0 else (0.0, 1.0)
     edges = 10.0 ** np.arange(low - 0.1, high + 0.1, 1.0 / _BINS_PER_DECADE)
     traces = []
     for (solver, phase), time in times.items():

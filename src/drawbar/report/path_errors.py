@@ -33,15 +33,21 @@ class PathErrors:
     """(n,): arc length of the closest point, m; NaN where it is not known"""
     error: Floats
     """(n,): signed distance, left of the path positive, m; NaN where it is not known"""
-    labels: NDArray[np.str_]
-    """(n,): class of the path at the closest point"""
+    classes: NDArray[np.int8]
+    """(n,): class of the path at the closest point, index into label_names"""
+    label_names: tuple[str, ...]
+
+    def of_class(self, label: str) -> NDArray[np.bool_]:
+        """Return at which steps the path was of a class, (n,)."""
+        known = label in self.label_names
+        return self.classes == self.label_names.index(label) if known else np.zeros(len(self.classes), dtype=bool)
 
 
 def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     """Project a track (n,) of positions (m) on the path, beginning near the arc length `start` (m)."""
     progress, error = path.project_track(np.column_stack([x, y]), start, behind=_BEHIND, ahead=_AHEAD).T.copy()
-    labels = path.labels(np.nan_to_num(progress, nan=start))
-    return PathErrors(progress=progress, error=error, labels=np.array(labels, dtype=np.str_))
+    classes = path.classes(np.nan_to_num(progress, nan=start))
+    return PathErrors(progress=progress, error=error, classes=classes, label_names=path.label_names)
 
 
 def true_path_errors(log: Columns) -> Bodies[PathErrors]:
