@@ -1,7 +1,7 @@
 """What the report of a long run costs: `python -m drawbar.benchmark.long_report [KILOMETRES]`, on Linux.
 
-By default the run has 100 km. It is simulated first: figure-eights at 1 m/s, some three minutes and 0.9 GB in the folder
-for temporary files.
+By default the run has 100 km. It is simulated first, on figure-eights at 1 m/s: some three minutes, and 0.9 GB in the
+folder for temporary files.
 """
 
 import os

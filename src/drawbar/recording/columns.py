@@ -77,8 +77,7 @@ class ColumnLog:
         """Return one number of every step, (n,); see RunLog.column. Raises KeyError for one not asked for."""
         if name.startswith("truth.") and not self.has_truth:
             return np.full(self.steps, np.nan)
-        blocks = self.blocks[name]
-        return np.concatenate(blocks).astype(np.float64) if blocks else np.empty(0)
+        return np.concatenate([np.empty(0), *self.blocks[name]], dtype=np.float64)
 
 
 def reported(*, has_truth: bool) -> tuple[str, ...]:
