@@ -51,7 +51,8 @@ class Run:
 
     def true_errors(self, body: str) -> PathErrors:
         start = float(self.column("reference", body, "progress")[0])
-        return project_track(self.path, self.column("truth", body, "x"), self.column("truth", body, "y"), start)
+        places = np.column_stack([self.column("truth", body, axis) for axis in "xy"])
+        return project_track(self.path, places, start)
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 import importlib.util
 from pathlib import Path
+from subprocess import Popen
 
 import numpy as np
 import pytest
@@ -30,6 +31,29 @@ def test_columns_are_those_of_the_whole_log(tmp_path: Path, monkeypatch: pytest.
     np.testing.assert_array_equal(streamed.wall_time, whole.wall_time)
 
 
+@pytest.mark.parametrize("fails", [False, True])
+def test_half_of_a_long_log_is_read_in_another_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, fails: bool
+) -> None:
+    monkeypatch.setattr(t.chunks, "CHUNK_BYTES", 8_000)  # two or three steps
+    t.write(tmp_path / "log.mcap", 30)
+    whole, sent, counts = read_columns(tmp_path / "log.mcap"), columns._sent_by, list[int]()
+
+    def watched(process: Popen[bytes]) -> list[columns.Block]:
+        blocks = [] if fails else sent(process)
+        counts.append(sum(len(block.wall_time) for block in blocks))
+        return blocks
+
+    monkeypatch.setattr(columns, "_LONG", 0)
+    monkeypatch.setattr(columns, "_sent_by", watched)
+    halves = read_columns(tmp_path / "log.mcap")
+    assert counts == [0] if fails else 10 < counts[0] < 20
+    assert (halves.steps, halves.outcome) == (30, whole.outcome)
+    np.testing.assert_array_equal(halves.wall_time, whole.wall_time)
+    for name in reported(has_truth=True):
+        np.testing.assert_array_equal(halves.column(name), whole.column(name), err_msg=name)
+
+
 def test_a_number_that_stays_the_same_is_kept_once(tmp_path: Path) -> None:
     still, moving = "command.speed", "measurement.time"
     steps = [t.dataclasses.replace(t.arbitrary_step(seed), command=t.arbitrary_step(0).command) for seed in range(9)]
@@ -37,7 +61,7 @@ def test_a_number_that_stays_the_same_is_kept_once(tmp_path: Path) -> None:
         for step in steps:
             recorder.write(step)
     log = read_columns(tmp_path / "log.mcap", [still, moving])
-    assert [log.blocks[name][0].strides for name in (still, moving)] == [(0,), (8,)]
+    assert [len(column) for column in log.blocks[0].columns] == [1, 9]
     np.testing.assert_allclose(log.column(still), np.full(9, steps[0].command.speed), rtol=1e-7)
 
 

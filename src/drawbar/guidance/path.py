@@ -82,7 +82,7 @@ class Path:
 
         Raises PathError when a number is not finite or the arc length does not increase from 0.
         """
-        nodes = np.column_stack([arc_length, x, y, yaw]).astype(np.float64, order="C")
+        nodes = np.column_stack([arc_length, x, y, yaw]).astype(np.float64, order="C", copy=False)
         if len(nodes) < 2:
             raise PathError(f"a path needs at least two poses, got {len(nodes)}")
         advances = np.concatenate([nodes[:1, 0] == 0.0, np.diff(nodes[:, 0]) > 0.0])

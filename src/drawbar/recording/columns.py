@@ -4,13 +4,17 @@ Half a million steps (100 km at 1 m/s) take some 150 MB: positions, times and pr
 precision.
 """
 
+import pickle
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import chain, islice
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from subprocess import DEVNULL, PIPE, Popen
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -18,12 +22,13 @@ from numpy.typing import NDArray
 
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
-from drawbar.recording.log import Outcome, RunHeader, open_log
-from drawbar.recording.stream import LoggedMessage
+from drawbar.recording.log import STEP_TOPIC, Outcome, RunHeader, open_log, reading
+from drawbar.recording.stream import WHOLE, LoggedMessage
 
-_Values = NDArray[np.float32] | NDArray[np.float64]
 _BLOCK = 1000
 """steps that are Python objects at the same time"""
+_LONG = 100_000_000
+"""bytes of a log from which on a second process takes less time than it saves"""
 _SLIPS = ("longitudinal_slip", "tractor_slip", "steering_offset", "tractor_crab", "trailer_crab")
 _STEERINGS = ("tractor_steering", "trailer_steering")
 _BODIES = ("tractor", "trailer")
@@ -56,28 +61,44 @@ _WIDE = (".x", ".y", "_x", "_y", ".time", ".progress")
 """how names of numbers end that single precision would spoil"""
 
 
+class Block(NamedTuple):
+    """Numbers of m steps that follow each other."""
+
+    wall_time: Floats
+    """(m,): s since 1970"""
+    columns: list[NDArray[np.float32] | NDArray[np.float64]]
+    """(m,) each, or (1,) of a number that stays the same"""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnLog:
     """The numbers of a log that were asked for: n steps."""
 
     header: RunHeader
-    wall_time: Floats
-    """(n,): s since 1970"""
     outcome: Outcome
     has_truth: bool
-    blocks: Mapping[str, Sequence[_Values]]
-    """by name, one after the other"""
+    names: tuple[str, ...]
+    """of the columns"""
+    blocks: list[Block]
+    """one after the other"""
 
     @property
     def steps(self) -> int:
         """How many."""
-        return len(self.wall_time)
+        return sum(len(block.wall_time) for block in self.blocks)
+
+    @property
+    def wall_time(self) -> Floats:
+        """(n,): s since 1970."""
+        return np.concatenate([np.empty(0), *(block.wall_time for block in self.blocks)])
 
     def column(self, name: str) -> Floats:
-        """Return one number of every step, (n,); see RunLog.column. Raises KeyError for one not asked for."""
+        """Return one number of every step, (n,); see RunLog.column. Raises ValueError for one not asked for."""
         if name.startswith("truth.") and not self.has_truth:
             return np.full(self.steps, np.nan)
-        return np.concatenate([np.empty(0), *self.blocks[name]], dtype=np.float64)
+        place = self.names.index(name)
+        parts = (np.broadcast_to(block.columns[place], block.wall_time.shape) for block in self.blocks)
+        return np.concatenate([np.empty(0), *parts], dtype=np.float64)
 
 
 def reported(*, has_truth: bool) -> tuple[str, ...]:
@@ -87,28 +108,54 @@ def reported(*, has_truth: bool) -> tuple[str, ...]:
 
 def read_columns(file: Path, names: Sequence[str] | None = None) -> ColumnLog:
     """Read columns of a log in a stream, by default those of its report; errors as read_log."""
-    with open_log(file) as log:
+    near, far = _halves(file)
+    with open_log(file, near) as log:
         first = list(islice(log.steps, 1))
         has_truth = bool(first) and b'"truth":null' not in first[0].data
         wanted = reported(has_truth=has_truth) if names is None else names
         known = tuple(name for name in wanted if has_truth or not name.startswith("truth."))
-        blocks: dict[str, list[_Values]] = {name: [] for name in known}
-        wall_time: list[Floats] = [np.empty(0)]
-        for times, table in _tables(chain(first, log.steps), known):
-            wall_time.append(times)
-            for name, values in zip(known, _kept(table, known), strict=True):
-                blocks[name].append(values)
-        return ColumnLog(
-            header=log.header,
-            wall_time=np.concatenate(wall_time),
-            outcome=log.outcome(),
-            has_truth=has_truth,
-            blocks=blocks,
-        )
+        with _read_beside(file, far, known) as rest:
+            blocks = [*_blocks(chain(first, log.steps), known), *rest()]
+        return ColumnLog(header=log.header, outcome=log.outcome(), has_truth=has_truth, names=known, blocks=blocks)
 
 
-def _tables(steps: Iterator[LoggedMessage], names: tuple[str, ...]) -> Iterator[tuple[Floats, Floats]]:
-    """Yield of some steps after the other the times (m,), s since 1970, and the numbers (m, names)."""
+def read_blocks(file: Path, within: range, names: tuple[str, ...]) -> list[Block]:
+    """Read columns of the steps that lie in some bytes of a log; errors as read_log."""
+    with reading(file, within) as records:
+        steps = (each for each in records if isinstance(each, LoggedMessage) and each.topic == STEP_TOPIC)
+        return list(_blocks(steps, names))
+
+
+def _halves(file: Path) -> tuple[range, range]:
+    """Return which bytes of a log are read here, and which in a process of its own: none of a short one."""
+    size = file.stat().st_size if file.is_file() else 0
+    middle = size // 2 if size > _LONG else WHOLE.stop
+    return range(middle), range(middle, WHOLE.stop)
+
+
+@contextmanager
+def _read_beside(file: Path, within: range, names: tuple[str, ...]) -> Iterator[Callable[[], list[Block]]]:
+    """Read blocks in a process of its own while the caller does something else, who then asks for them."""
+    if not within:
+        yield list
+        return
+    command = [sys.executable, "-P", "-m", "drawbar.recording.columns_main", str(file), str(within.start), *names]
+    with Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=DEVNULL) as process:
+        try:
+            yield lambda: _sent_by(process) or read_blocks(file, within, names)  # it failed: why shows here
+        finally:
+            process.kill()
+
+
+def _sent_by(process: Popen[bytes]) -> list[Block]:
+    """Return the blocks that another process has read; none if it failed."""
+    assert process.stdout is not None
+    with suppress(EOFError, pickle.UnpicklingError):
+        return list(iter(partial(pickle.load, process.stdout), None))
+    return []
+
+
+def _blocks(steps: Iterator[LoggedMessage], names: tuple[str, ...]) -> Iterator[Block]:
     decode, pick = _reader(names)
     while True:
         times, rows = list[float](), list[Any]()
@@ -120,15 +167,15 @@ def _tables(steps: Iterator[LoggedMessage], names: tuple[str, ...]) -> Iterator[
             raise DrawbarError(f"a step lacks what every step of drawbar has ({error})") from error
         if not rows:
             return
-        yield np.array(times), np.array(rows, dtype=np.float64)
+        yield Block(np.array(times), list(_kept(np.array(rows, dtype=np.float64), names)))
 
 
-def _kept(table: Floats, names: tuple[str, ...]) -> Iterator[_Values]:
-    """Yield the columns of a table in as few bytes as they need: of a number that stays the same one for all."""
+def _kept(table: Floats, names: tuple[str, ...]) -> Iterator[NDArray[np.float32] | NDArray[np.float64]]:
+    """Yield the columns of a table (m, names), as they are kept in a Block."""
     stays = (table == table[0]).all(axis=0) | np.isnan(table).all(axis=0)
     for name, values, alike in zip(names, table.T, stays.tolist(), strict=True):
         kind = np.float64 if name.endswith(_WIDE) else np.float32
-        yield np.broadcast_to(values[:1].astype(kind), values.shape) if alike else values.astype(kind)
+        yield values[: 1 if alike else None].astype(kind)
 
 
 @cache
