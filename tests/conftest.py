@@ -51,8 +51,7 @@ class Run:
 
     def true_errors(self, body: str) -> PathErrors:
         start = float(self.column("reference", body, "progress")[0])
-        places = np.column_stack([self.column("truth", body, axis) for axis in "xy"])
-        return project_track(self.path, places, start)
+        return project_track(self.path, self.column("truth", body, "x"), self.column("truth", body, "y"), start)
 
 
 @pytest.fixture(scope="session")

@@ -138,8 +138,8 @@ def place(truth: Truth) -> tuple[float, ...]:
 def errors(path: DrivenPath, places: Floats) -> Floats:
     """Return root mean square and largest distance from the path, of tractor and trailer, once settled, mm."""
     found = []
-    for body in (places[:, :2], places[:, 2:]):
-        lateral = 1e3 * project_track(path, body, 0.0).error[SETTLED:]
+    for x, y in ((0, 1), (2, 3)):
+        lateral = 1e3 * project_track(path, places[:, x], places[:, y], 0.0).error[SETTLED:]
         found += [np.sqrt(np.mean(lateral**2)), np.max(np.abs(lateral))]
     return np.array(found)
 

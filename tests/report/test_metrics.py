@@ -195,7 +195,7 @@ def test_a_track_beside_the_path_is_found_through_the_crossing(run):
     progress = np.arange(0.0, path.length, 0.3)
     samples = path.sample(progress)
     left = 0.2 * np.column_stack([-np.sin(samples[:, 2]), np.cos(samples[:, 2])])
-    found = project_track(path, samples[:, :2] + left, start=0.0)
+    found = project_track(path, *(samples[:, :2] + left).T, start=0.0)
     np.testing.assert_allclose(found.error, 0.2, atol=1e-6)
     np.testing.assert_allclose(found.progress, progress, atol=1e-5)
     assert [found.label_names[each] for each in found.classes] == path.labels(found.progress)
@@ -204,5 +204,5 @@ def test_a_track_beside_the_path_is_found_through_the_crossing(run):
 def test_a_gap_in_the_truth_stays_a_gap(run):
     path = run.header.path.path()
     x = np.array([1.0, np.nan, 1.4])
-    found = project_track(path, np.column_stack([x, np.full(3, 0.1)]), start=1.0)
+    found = project_track(path, x, np.full(3, 0.1), start=1.0)
     np.testing.assert_array_equal(np.isnan(found.error), [False, True, False])

@@ -27,7 +27,8 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
     log = read_columns(Path(log_file or folder / LOG_NAME))
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
-    contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), render_picture(log, errors).encode())
+    picture = render_picture(log, errors).encode()
+    contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), picture)
     try:
         for name, content in zip(REPORT_NAMES, contents, strict=True):
             _write_whole(folder / name, content)

@@ -43,9 +43,9 @@ class PathErrors:
         return self.classes == self.label_names.index(label) if known else np.zeros(len(self.classes), dtype=bool)
 
 
-def project_track(path: Path, places: Floats, start: float) -> PathErrors:
-    """Project a track of places (n, 2), m, on the path, beginning near the arc length `start` (m)."""
-    progress, error = path.project_track(places, start, behind=_BEHIND, ahead=_AHEAD).T
+def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
+    """Project a track (n,) of positions (m) on the path, beginning near the arc length `start` (m)."""
+    progress, error = path.project_track(x, y, start, behind=_BEHIND, ahead=_AHEAD)
     classes = path.classes(np.nan_to_num(progress, nan=start))
     return PathErrors(progress=progress, error=error, classes=classes, label_names=path.label_names)
 
@@ -64,10 +64,13 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
     path = log.header.path.path()
 
     def of_body(body: str) -> PathErrors:
-        believed = log.column(f"reference.{body}.progress")
-        known = believed[np.isfinite(believed)]
-        places = np.column_stack([log.column(f"{source}.{body}.{axis}") for axis in "xy"])
-        places[left_out] = np.nan
-        return project_track(path, places, float(known[0]) if known.size else 0.0)
+        x, y = (log.column(f"{source}.{body}.{axis}") for axis in "xy")
+        x[left_out] = np.nan
+        return project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))
+
+
+def _first_known(progress: Floats) -> float:
+    known = progress[np.isfinite(progress)]
+    return float(known[0]) if known.size else 0.0
