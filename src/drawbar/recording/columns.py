@@ -1,7 +1,8 @@
 """A long log as columns: read in a stream, without the steps' objects and without what is not asked for.
 
-Half a million steps (100 km at 1 m/s) take some 150 MB: positions, times and progress as they are, all else in single
-precision.
+Positions, times and progress are kept as they are, all else in single precision, and a number that stays the same for
+some time once. What takes long is to parse the steps, which holds the interpreter's lock: half of a long log is read
+in a process of its own (columns_main.py).
 """
 
 import pickle
@@ -13,8 +14,9 @@ from functools import cache, partial
 from itertools import chain, islice
 from operator import attrgetter
 from pathlib import Path
-from subprocess import DEVNULL, PIPE, Popen
-from typing import Any, NamedTuple
+from subprocess import DEVNULL, Popen
+from tempfile import TemporaryFile
+from typing import IO, Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -50,7 +52,7 @@ _REPORTED_OF_TRUTH: tuple[str, ...] = (
     *(f"truth.{name}" for name in (*_SLIPS, *_STEERINGS)),
     *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
 )
-_REPORTED_FOR_TRUTH: tuple[str, ...] = (
+_REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
     *(f"estimate.{body}.{name}" for body in _BODIES for name in "xy"),
     "estimate.tractor_steering",
     *(f"measurement.{name}" for name in _STEERINGS),
@@ -103,7 +105,7 @@ class ColumnLog:
 
 def reported(*, has_truth: bool) -> tuple[str, ...]:
     """Return what the report of a run is made of, whose truth is known or not."""
-    return (*_REPORTED, *(_REPORTED_OF_TRUTH if has_truth else _REPORTED_FOR_TRUTH))
+    return (*_REPORTED, *(_REPORTED_OF_TRUTH if has_truth else _REPORTED_WITHOUT_TRUTH))
 
 
 def read_columns(file: Path, names: Sequence[str] | None = None) -> ColumnLog:
@@ -119,11 +121,11 @@ def read_columns(file: Path, names: Sequence[str] | None = None) -> ColumnLog:
         return ColumnLog(header=log.header, outcome=log.outcome(), has_truth=has_truth, names=known, blocks=blocks)
 
 
-def read_blocks(file: Path, within: range, names: tuple[str, ...]) -> list[Block]:
-    """Read columns of the steps that lie in some bytes of a log; errors as read_log."""
+def read_blocks(file: Path, within: range, names: tuple[str, ...]) -> Iterator[Block]:
+    """Yield columns of the steps that lie in some bytes of a log; errors as read_log."""
     with reading(file, within) as records:
         steps = (each for each in records if isinstance(each, LoggedMessage) and each.topic == STEP_TOPIC)
-        return list(_blocks(steps, names))
+        yield from _blocks(steps, names)
 
 
 def _halves(file: Path) -> tuple[range, range]:
@@ -140,18 +142,19 @@ def _read_beside(file: Path, within: range, names: tuple[str, ...]) -> Iterator[
         yield list
         return
     command = [sys.executable, "-P", "-m", "drawbar.recording.columns_main", str(file), str(within.start), *names]
-    with Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=DEVNULL) as process:
+    with TemporaryFile() as sent, Popen(command, stdin=DEVNULL, stdout=sent, stderr=DEVNULL) as process:
         try:
-            yield lambda: _sent_by(process) or read_blocks(file, within, names)  # it failed: why shows here
+            yield lambda: _sent_by(process, sent) or list(read_blocks(file, within, names))  # it failed: why shows here
         finally:
             process.kill()
 
 
-def _sent_by(process: Popen[bytes]) -> list[Block]:
-    """Return the blocks that another process has read; none if it failed."""
-    assert process.stdout is not None
+def _sent_by(process: Popen[bytes], sent: IO[bytes]) -> list[Block]:
+    """Return the blocks that another process writes into a file, when it has ended; none if it failed."""
+    process.wait()
+    sent.seek(0)
     with suppress(EOFError, pickle.UnpicklingError):
-        return list(iter(partial(pickle.load, process.stdout), None))
+        return list(iter(partial(pickle.load, sent), None))
     return []
 
 

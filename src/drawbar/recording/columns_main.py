@@ -13,10 +13,11 @@ from drawbar.recording.stream import WHOLE
 
 
 def main() -> None:
-    """Read, then write."""
+    """Read and write block by block."""
     _, file, first, *names = sys.argv
-    for block in [*read_blocks(Path(file), range(int(first), WHOLE.stop), tuple(names)), None]:  # None: that was all
+    for block in read_blocks(Path(file), range(int(first), WHOLE.stop), tuple(names)):
         pickle.dump(block, sys.stdout.buffer, pickle.HIGHEST_PROTOCOL)
+    pickle.dump(None, sys.stdout.buffer)  # that was all
 
 
 if __name__ == "__main__":
