@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 
-from drawbar.codegen import CompiledRecurrence
+from drawbar.codegen.recurrence import CompiledRecurrence
 
 
 def recurrence() -> ca.Function:

@@ -19,7 +19,8 @@ from drawbar.signals import Measurement
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.model import integrate
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import MEASURED, SensorNoise
+from drawbar.vehicle.measured import MEASURED
+from drawbar.vehicle.sensors import SensorNoise
 
 UNIT = """
 #include "slide.h"

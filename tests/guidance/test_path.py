@@ -206,7 +206,7 @@ def test_track_is_projected_as_its_places_are_one_by_one():
         + 0.1 * np.sin(np.arange(1000))[: int(path.length / 0.3) + 1, None]
     )
     places[7] = np.nan
-    found = path.project_track(places, 0.0, behind=1.0, ahead=3.0)
+    found = zip(*path.project_track(*places.T, 0.0, behind=1.0, ahead=3.0), strict=True)
     last = 0.0
     for place, (progress, error) in zip(places, found, strict=True):
         if np.isnan(place).any():

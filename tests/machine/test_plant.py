@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from drawbar.codegen import CompiledRecurrence
+from drawbar.codegen.recurrence import CompiledRecurrence
 from drawbar.geometry import Floats
 from drawbar.machine.plant import plant_constants, plant_step
 from drawbar.machine.settings import SimulatedMachineSettings

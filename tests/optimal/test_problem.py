@@ -13,9 +13,9 @@ from drawbar.optimal import Bound, ControlProblem, EstimationProblem
 from drawbar.optimal.problem import row
 from drawbar.optimal.transcription import transcribe
 from drawbar.vehicle.integrators import Integrator
+from drawbar.vehicle.measured import MEASURED
 from drawbar.vehicle.model import declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import MEASURED
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor
 
 MODEL_HEADER = re.compile(r"(centralised_)?(articulated|tricycle)|at_rest|first_guess")

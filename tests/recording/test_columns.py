@@ -2,13 +2,14 @@
 
 import importlib.util
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from drawbar.errors import DrawbarError
 from drawbar.recording import columns
-from drawbar.recording.columns import REPORTED, read_columns
+from drawbar.recording.columns import read_columns, reported
 from drawbar.recording.log import read_log
 
 _SPECIFICATION = importlib.util.spec_from_file_location("recorded", Path(__file__).with_name("test_recorder.py"))
@@ -22,12 +23,46 @@ def test_columns_are_those_of_the_whole_log(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(columns, "_BLOCK", 7)
     t.write(tmp_path / "log.mcap", 30)
     whole, streamed = read_log(tmp_path / "log.mcap"), read_columns(tmp_path / "log.mcap")
-    for name in REPORTED:
+    for name in reported(has_truth=True):
         expected = whole.column(name)
         exact = name.endswith(columns._WIDE)
         np.testing.assert_allclose(streamed.column(name), expected, rtol=0.0 if exact else 1e-7, err_msg=name)
     assert (streamed.steps, streamed.has_truth, streamed.outcome) == (30, True, whole.outcome)
     np.testing.assert_array_equal(streamed.wall_time, whole.wall_time)
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_half_of_a_long_log_is_read_in_another_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, fails: bool
+) -> None:
+    monkeypatch.setattr(t.chunks, "CHUNK_BYTES", 8_000)  # two or three steps
+    t.write(tmp_path / "log.mcap", 30)
+    whole, sent, counts = read_columns(tmp_path / "log.mcap"), columns._sent_by, list[int]()
+
+    def watched(*given: Any) -> list[columns.Block]:
+        blocks = [] if fails else sent(*given)
+        counts.append(sum(len(block.wall_time) for block in blocks))
+        return blocks
+
+    monkeypatch.setattr(columns, "_LONG", 0)
+    monkeypatch.setattr(columns, "_sent_by", watched)
+    halves = read_columns(tmp_path / "log.mcap")
+    assert counts == [0] if fails else 10 < counts[0] < 20
+    assert (halves.steps, halves.outcome) == (30, whole.outcome)
+    np.testing.assert_array_equal(halves.wall_time, whole.wall_time)
+    for name in reported(has_truth=True):
+        np.testing.assert_array_equal(halves.column(name), whole.column(name), err_msg=name)
+
+
+def test_a_number_that_stays_the_same_is_kept_once(tmp_path: Path) -> None:
+    still, moving = "command.speed", "measurement.time"
+    steps = [t.dataclasses.replace(t.arbitrary_step(seed), command=t.arbitrary_step(0).command) for seed in range(9)]
+    with t.Recorder(tmp_path / "log.mcap", t.header()) as recorder:
+        for step in steps:
+            recorder.write(step)
+    log = read_columns(tmp_path / "log.mcap", [still, moving])
+    assert [len(column) for column in log.blocks[0].columns] == [1, 9]
+    np.testing.assert_allclose(log.column(still), np.full(9, steps[0].command.speed), rtol=1e-7)
 
 
 def test_without_truth_its_columns_are_missing(tmp_path: Path) -> None:

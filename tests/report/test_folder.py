@@ -6,6 +6,8 @@ from drawbar.errors import DrawbarError
 from drawbar.recording.log import LOG_NAME
 from drawbar.recording.recorder import Recorder
 from drawbar.report.folder import write_report
+from drawbar.report.metrics import compute_metrics
+from drawbar.report.path_errors import estimated_path_errors
 
 
 def record(folder, log):
@@ -41,3 +43,12 @@ def test_a_report_that_cannot_be_written_is_named(tmp_path, make_run):
     (tmp_path / "report.html").mkdir()
     with pytest.raises(DrawbarError, match="the report cannot be written"):
         write_report(tmp_path)
+
+
+def test_a_run_whose_truth_nobody_knows_has_a_report_of_its_estimates(tmp_path, make_run):
+    log = make_run(truth=False, steps=20)
+    record(tmp_path, log)
+    metrics = write_report(tmp_path)
+    assert metrics.error_estimated
+    assert metrics.error_m.tractor["all"] == compute_metrics(log, estimated_path_errors(log)).error_m.tractor["all"]
+    assert metrics.error_m.tractor["all"].max > 0.0

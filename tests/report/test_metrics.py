@@ -12,7 +12,12 @@ from drawbar.signals import FixStatus, GateVerdict
 
 
 def paths_errors(error, labels):
-    return PathErrors(progress=np.arange(len(error)), error=np.array(error), labels=np.array(labels))
+    return PathErrors(progress=np.arange(len(error)), error=np.array(error), **of_classes(labels))
+
+
+def of_classes(labels):
+    names = tuple(dict.fromkeys(labels))
+    return {"classes": np.array([names.index(label) for label in labels], dtype=np.int8), "label_names": names}
 
 
 def nested_replace(record, path, value):
@@ -113,8 +118,8 @@ def test_the_steering_rate_on_straights_leaves_out_the_curves(make_run):
     log = with_column(small(make_run), "truth.trailer_steering", [0.0, 0.04, 0.0, -0.02])
     log = with_column(log, "measurement.time", [0.0, 0.2, 0.4, 0.8])
     errors = true_path_errors(log)
-    labels = np.array(["straight", "0.1", "straight", "straight"])
-    labelled = dataclasses.replace(errors, trailer=dataclasses.replace(errors.trailer, labels=labels))
+    classes = of_classes(["straight", "0.1", "straight", "straight"])
+    labelled = dataclasses.replace(errors, trailer=dataclasses.replace(errors.trailer, **classes))
     metrics = compute_metrics(log, labelled)
     assert metrics.steering_rate_straight_rad_s.trailer == pytest.approx((0.2 + 0.05) / 2, rel=1e-12)
 
@@ -193,7 +198,7 @@ def test_a_track_beside_the_path_is_found_through_the_crossing(run):
     found = project_track(path, *(samples[:, :2] + left).T, start=0.0)
     np.testing.assert_allclose(found.error, 0.2, atol=1e-6)
     np.testing.assert_allclose(found.progress, progress, atol=1e-5)
-    assert list(found.labels) == path.labels(found.progress)
+    assert [found.label_names[each] for each in found.classes] == path.labels(found.progress)
 
 
 def test_a_gap_in_the_truth_stays_a_gap(run):

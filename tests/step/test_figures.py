@@ -9,7 +9,7 @@ CURVES = ("0.1", "0.125", "0.15")
 
 def mean_error(run, body, label):
     errors = run.true_errors(body)
-    return float(np.abs(errors.error[errors.labels == label]).mean())
+    return float(np.abs(errors.error[errors.of_class(label)]).mean())
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -47,7 +47,7 @@ def test_recorded_lines_keep_their_figures(simulate, recorded_line):
     run = simulate("articulated", f'path.file="{folder.as_posix()}"', f'path.track="{track}"')
     for body, limit in (("tractor", 0.025), ("trailer", 0.03)):
         errors = run.true_errors(body)
-        outside = np.abs(errors.error[errors.labels != "kink"])
+        outside = np.abs(errors.error[~errors.of_class("kink")])
         assert outside.size > 0.5 * len(run.records)
         assert outside.mean() <= limit
     assert run.column("solver_failures").sum() == 0

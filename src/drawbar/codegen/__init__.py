@@ -1,8 +1,10 @@
-"""From CasADi to machine code: C generation, compiler discovery, build cache, loading."""
+"""From CasADi to machine code: C generation, compiler discovery, build cache, loading.
+
+CasADi itself is imported by those alone who generate C from it: `emit.py`, `recurrence.py`.
+"""
 
 from drawbar.codegen.cache import build, watch_compilation
 from drawbar.codegen.library import Workspace
-from drawbar.codegen.recurrence import CompiledRecurrence
 from drawbar.codegen.unit import Component, Unit
 
-__all__ = ["CompiledRecurrence", "Component", "Unit", "Workspace", "build", "watch_compilation"]
+__all__ = ["Component", "Unit", "Workspace", "build", "watch_compilation"]

@@ -10,9 +10,10 @@ from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
 from drawbar.geometry import GRAVITY
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
+from drawbar.vehicle.measured import MEASURED
 from drawbar.vehicle.model import Model, by_name, constant, variables
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import MEASURED, SensorNoise
+from drawbar.vehicle.sensors import SensorNoise
 
 _CRAB = {"trailer_crab": "rad", "tractor_crab": "rad"}
 _TURN = {"tractor_yaw_rate": "rad/s"}

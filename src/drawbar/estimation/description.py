@@ -7,8 +7,9 @@ from drawbar.codegen import Workspace
 from drawbar.estimation.settings import ScreeningSettings
 from drawbar.optimal import EstimationProblem
 from drawbar.settings import Settings
+from drawbar.vehicle.measured import MEASURED
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import MEASURED, SensorNoise
+from drawbar.vehicle.sensors import SensorNoise
 
 _SENSORS = {variable.name: variable.name for variable in MEASURED} | dict.fromkeys(
     ("tractor_x", "tractor_y", "trailer_x", "trailer_y"), "position"

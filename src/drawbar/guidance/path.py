@@ -34,14 +34,12 @@ void project(const struct path *path, double x, double y, double low, double hig
 {
     found[0] = path_project(path, x, y, low, high, &found[1]);
 }
-void track(const struct path *path, const double (*places)[2], int64_t count, double start, double behind, double ahead,
-           double (*found)[2])
+void track(const struct path *path, const double *x, const double *y, int64_t count, double start, double behind,
+           double ahead, double *progress, double *error)
 {
     for (int64_t i = 0; i < count; ++i)
-        if (isfinite(places[i][0]) && isfinite(places[i][1])) {
-            found[i][0] = path_project(path, places[i][0], places[i][1], start - behind, start + ahead, &found[i][1]);
-            start = found[i][0];
-        }
+        if (isfinite(x[i]) && isfinite(y[i]))
+            start = progress[i] = path_project(path, x[i], y[i], start - behind, start + ahead, &error[i]);
 }
 """
 
@@ -82,7 +80,7 @@ class Path:
 
         Raises PathError when a number is not finite or the arc length does not increase from 0.
         """
-        nodes = np.column_stack([arc_length, x, y, yaw]).astype(np.float64, order="C")
+        nodes = np.column_stack([arc_length, x, y, yaw]).astype(np.float64, order="C", copy=False)
         if len(nodes) < 2:
             raise PathError(f"a path needs at least two poses, got {len(nodes)}")
         advances = np.concatenate([nodes[:1, 0] == 0.0, np.diff(nodes[:, 0]) > 0.0])
@@ -145,8 +143,11 @@ class Path:
 
     def labels(self, arc_length: Floats) -> list[str]:
         """Return the class of the path at each arc length (m); beyond the ends that of the nearest piece."""
-        piece = self.nodes[1:-1, 0].searchsorted(arc_length, "right")
-        return [self.label_names[index] for index in self.label_of_piece[piece]]
+        return [self.label_names[index] for index in self.classes(arc_length)]
+
+    def classes(self, arc_length: Floats) -> NDArray[np.int8]:
+        """Return the same as indices into label_names, (...) of arc lengths (...) in m."""
+        return self.label_of_piece[self.nodes[1:-1, 0].searchsorted(arc_length, "right")]
 
     def project(self, x: float, y: float, low: float, high: float) -> tuple[float, float]:
         """Return arc length (m) of the point of the path closest to (x, y), and the lateral error (m).
@@ -158,20 +159,25 @@ class Path:
         _library().project(CPath(self.nodes), x, y, low, high, found)
         return found[0], found[1]
 
-    def project_track(self, places: Floats, start: float, *, behind: float, ahead: float) -> Floats:
+    def project_track(
+        self, x: Floats, y: Floats, start: float, *, behind: float, ahead: float
+    ) -> tuple[Floats, Floats]:
         """Project places one after the other, each searched near the one before.
 
         Args:
-            places: (n, 2) m; one with NaN is passed over.
+            x: (n,) m; a place with NaN is passed over.
+            y: (n,) m.
             start: arc length near which the first one is searched, m.
             behind: how far behind the last arc length is searched, m.
             ahead: how far ahead of it, m.
 
         Returns:
-            (n, 2): arc length (m) and lateral error (m) as of project(); NaN where the place was.
+            Arc lengths (n,) and lateral errors (n,), m, as of project(); NaN where the place was.
         """
-        given, found = np.ascontiguousarray(places, dtype=np.float64), np.full((len(places), 2), np.nan)
-        _library().track(CPath(self.nodes), given.ctypes.data, len(given), start, behind, ahead, found.ctypes.data)
+        given = [np.ascontiguousarray(each, dtype=np.float64) for each in (x, y)]
+        found = np.full(len(x), np.nan), np.full(len(x), np.nan)
+        places, results = ([each.ctypes.data for each in arrays] for arrays in (given, found))
+        _library().track(CPath(self.nodes), *places, len(x), start, behind, ahead, *results)
         return found
 
 
@@ -183,5 +189,6 @@ def _library() -> ctypes.CDLL:
     library.samples.argtypes, library.samples.restype = [path, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p], None
     library.project.argtypes, library.project.restype = [path, real, real, real, real, ctypes.POINTER(real)], None
     pointer, count = ctypes.c_void_p, ctypes.c_int64
-    library.track.argtypes, library.track.restype = [path, pointer, count, real, real, real, pointer], None
+    library.track.argtypes = [path, pointer, pointer, count, real, real, real, pointer, pointer]
+    library.track.restype = None
     return library

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from drawbar.codegen import CompiledRecurrence
+from drawbar.codegen.recurrence import CompiledRecurrence
 from drawbar.geometry import Floats
 from drawbar.machine.low_level.low_level import (
     ActuateInput,

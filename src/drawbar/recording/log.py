@@ -26,7 +26,7 @@ from pydantic import BaseModel, ValidationError
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
-from drawbar.recording.stream import Logged, LoggedMessage, read_records
+from drawbar.recording.stream import WHOLE, Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -253,25 +253,27 @@ class LogParts:
 
 
 @contextmanager
-def open_log(file: Path) -> Iterator[LogParts]:
+def open_log(file: Path, within: range = WHOLE) -> Iterator[LogParts]:
     """Read the log of a run in a stream, as a context; a last record cut off by a crash is left out.
+
+    Of steps those come that lie in the bytes `within`.
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
     """
-    with reading(file) as records:
+    with reading(file, within) as records:
         yield _parts(records)
 
 
 @contextmanager
-def reading(file: Path) -> Iterator[Iterator[Logged]]:
-    """Read the records of a log in a stream, as a context.
+def reading(file: Path, within: range = WHOLE) -> Iterator[Iterator[Logged]]:
+    """Read the records of a log in a stream, as a context; see read_records.
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
     """
     advice = "give the log.mcap that drawbar run wrote"
     try:
         with file.open("rb") as stream:
-            yield read_records(stream)
+            yield read_records(stream, within)
     except OSError as error:
         raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
     except _NoHeaderError as error:

@@ -9,8 +9,8 @@ import zlib
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from io import BytesIO
-from typing import BinaryIO
+from io import SEEK_CUR, BytesIO
+from typing import BinaryIO, NamedTuple
 
 import zstandard
 from mcap.data_stream import ReadDataStream
@@ -22,16 +22,20 @@ from drawbar.recording.chunks import MAGIC
 _FRAME = struct.Struct("<BQ")  # operation code and length of the content that follows
 _MESSAGE = struct.Struct("<HIQQ")
 _CHUNK = struct.Struct("<QQQII")
+_MESSAGE_CODE = int(Opcode.MESSAGE)  # comparing with a member of the enumeration is slow, and messages are many
+_ANYWHERE = (Opcode.CHANNEL, Opcode.METADATA)
+"""records that are read wherever they are"""
+WHOLE = range(1 << 62)
+"""bytes of any file"""
 _LARGEST = 1 << 32
-"""bytes of a record that is not the last one; more is damage"""
+"""bytes of a record that is not the last one, or of a chunk's records; more is damage"""
 
 
 class DamagedLogError(ValueError):
     """A record is not what its checksum or its length says."""
 
 
-@dataclass(frozen=True, slots=True)
-class LoggedMessage:
+class LoggedMessage(NamedTuple):
     """A message of a channel."""
 
     topic: str
@@ -44,8 +48,10 @@ class LoggedMessage:
 Logged = LoggedMessage | Attachment | Metadata
 
 
-def read_records(stream: BinaryIO) -> Iterator[Logged]:
+def read_records(stream: BinaryIO, within: range = WHOLE) -> Iterator[Logged]:
     """Yield messages, attachments and metadata in the order in which they were written.
+
+    Chunks, messages and attachments that do not begin at one of the bytes `within` of the stream are passed over.
 
     Raises:
         DamagedLogError: the file is none of MCAP, or damaged elsewhere than at its end.
@@ -56,7 +62,7 @@ def read_records(stream: BinaryIO) -> Iterator[Logged]:
     topics: dict[int, str] = {}
     with ThreadPoolExecutor(1) as thread:
         before: _Frame | None = None
-        for opcode, content, complete in _frames(stream):
+        for opcode, content, complete in _frames(stream, within):
             unpacked = thread.submit(_unpacked, content, complete=complete) if opcode == Opcode.CHUNK else None
             if before is not None:
                 yield from _of_frame(before, topics)
@@ -75,14 +81,23 @@ class _Frame:
     """of a chunk: the records in it"""
 
 
-def _frames(stream: BinaryIO) -> Iterator[tuple[int, bytes, bool]]:
-    """Yield the operation code, the content and whether that is complete, of each record up to the summary."""
+def _frames(stream: BinaryIO, within: range) -> Iterator[tuple[int, bytes, bool]]:
+    """Yield the operation code, the content and whether that is complete, of each record up to the summary.
+
+    The indices of messages are left out: they stand between the chunks.
+    """
+    begin = stream.tell()
     while len(head := stream.read(_FRAME.size)) == _FRAME.size:
         opcode, length = _FRAME.unpack(head)
         if opcode == Opcode.DATA_END:
             return
-        content = stream.read(min(length, _LARGEST))
-        yield opcode, content, len(content) == length
+        taken = min(length, _LARGEST)
+        if opcode in _ANYWHERE or (opcode != Opcode.MESSAGE_INDEX and begin in within):
+            content = stream.read(taken)
+            yield opcode, content, len(content) == length
+        else:
+            stream.seek(taken, SEEK_CUR)
+        begin += _FRAME.size + taken
 
 
 def _of_frame(frame: _Frame, topics: dict[int, str]) -> Iterator[Logged]:
@@ -92,26 +107,34 @@ def _of_frame(frame: _Frame, topics: dict[int, str]) -> Iterator[Logged]:
     data, position = frame.unpacked.result(), 0
     while position + _FRAME.size <= len(data):
         opcode, length = _FRAME.unpack_from(data, position)
-        end = position + _FRAME.size + length
+        position, end = position + _FRAME.size, position + _FRAME.size + length
         if end > len(data):
             return
-        yield from _of_record(opcode, data[position + _FRAME.size : end], topics)
+        if opcode == _MESSAGE_CODE:
+            yield _message(data, position, end, topics)
+        else:
+            yield from _of_record(opcode, data[position:end], topics)
         position = end
 
 
 def _of_record(opcode: int, content: bytes, topics: dict[int, str]) -> Iterator[Logged]:
-    if opcode == Opcode.MESSAGE:
-        channel, _, _, publish_time = _MESSAGE.unpack_from(content)
-        yield LoggedMessage(topics.get(channel, ""), publish_time, content[_MESSAGE.size :])
+    if opcode == _MESSAGE_CODE:
+        yield _message(content, 0, len(content), topics)
     elif opcode == Opcode.CHANNEL:
         opened = Channel.read(_stream(content))
         topics[opened.id] = opened.topic
     elif opcode == Opcode.ATTACHMENT:
-        if zlib.crc32(content[:-4]) != int.from_bytes(content[-4:], "little"):
+        if zlib.crc32(memoryview(content)[:-4]) != int.from_bytes(content[-4:], "little"):
             raise DamagedLogError("an attachment is not what its checksum says")
         yield Attachment.read(_stream(content))
     elif opcode == Opcode.METADATA:
         yield Metadata.read(_stream(content))
+
+
+def _message(data: bytes, start: int, end: int, topics: dict[int, str]) -> LoggedMessage:
+    """Return the message whose content is data[start:end]."""
+    channel, _, _, publish_time = _MESSAGE.unpack_from(data, start)
+    return LoggedMessage(topics.get(channel, ""), publish_time, data[start + _MESSAGE.size : end])
 
 
 def _stream(content: bytes) -> ReadDataStream:
@@ -123,10 +146,24 @@ def _unpacked(content: bytes, *, complete: bool) -> bytes:
     if len(content) < _CHUNK.size:
         return b""
     _, _, size, crc, named = _CHUNK.unpack_from(content)
-    compression, packed = content[_CHUNK.size : _CHUNK.size + named], content[_CHUNK.size + named + 8 :]
+    compression, packed = content[_CHUNK.size : _CHUNK.size + named], memoryview(content)[_CHUNK.size + named + 8 :]
     if compression not in (b"", b"zstd"):
         raise DamagedLogError(f"a chunk is compressed by {compression!r}, which drawbar does not write")
-    data = zstandard.ZstdDecompressor().decompressobj().decompress(packed) if compression and packed else packed
+    data = _decompressed(packed, size if complete else None) if compression and packed else bytes(packed)
     if complete and (len(data) != size or (crc and zlib.crc32(data) != crc)):
         raise DamagedLogError("a chunk is not what its checksum says")
     return data
+
+
+def _decompressed(packed: memoryview, size: int | None) -> bytes:
+    """Return what a zstd frame holds: of a known size, or, if that is None, of a frame that may be cut.
+
+    The known size takes one call, in which other threads work on; the other way asks for the interpreter's lock at each
+    128 KiB, and waits for it while another thread decodes.
+    """
+    decompressor = zstandard.ZstdDecompressor()
+    if size is None:
+        return decompressor.decompressobj().decompress(packed)
+    if size > _LARGEST:
+        raise DamagedLogError("a chunk is not as long as it says")
+    return decompressor.decompress(packed, max_output_size=size)

@@ -181,11 +181,11 @@ def margin_figure(log: Columns) -> Figure:
     return _along_figure(log, traces, "Margin, %", range=span and [min(span[0], 0.0), 105.0])
 
 
-def _histogram(time: Floats, edges: Floats) -> tuple[Floats, Floats]:
-    """Return the outline of a histogram over logarithmic bins: edges, and the share of steps in %."""
-    counts, _ = np.histogram(time, edges)
+def _histogram(time: Floats, powers: Floats) -> tuple[Floats, Floats]:
+    """Return the outline of a histogram between equally spaced powers of ten: its edges, the share of steps in %."""
+    counts, _ = np.histogram(np.log10(time[time > 0.0]), len(powers) - 1, (powers[0], powers[-1]))
     share = 100.0 * counts / max(len(time), 1)
-    return np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(share, 2), [0.0]])
+    return np.repeat(10.0**powers, 2), np.concatenate([[0.0], np.repeat(share, 2), [0.0]])
 
 
 def solve_time_figure(log: Columns) -> Figure:
@@ -196,13 +196,13 @@ def solve_time_figure(log: Columns) -> Figure:
         for phase in ("prepare", "feedback")
     }
     times = {name: time for name, time in columns.items() if not np.isnan(time).any()}
-    taken = np.concatenate([*times.values(), np.empty(0)])
-    taken = taken[taken > 0.0]
-    low, high = (np.log10(taken.min()), np.log10(taken.max())) if taken.size else (0.0, 1.0)
-    edges = 10.0 ** np.arange(low - 0.1, high + 0.1, 1.0 / _BINS_PER_DECADE)
+    least = min((time.min(initial=np.inf, where=time > 0.0) for time in times.values()), default=np.inf)
+    most = max((time.max(initial=0.0) for time in times.values()), default=0.0)
+    low, high = (np.log10(least), np.log10(most)) if most > 0.0 else (0.0, 1.0)
+    powers = np.arange(low - 0.1, high + 0.1, 1.0 / _BINS_PER_DECADE)
     traces = []
     for (solver, phase), time in times.items():
-        x, y = _histogram(time, edges)
+        x, y = _histogram(time, powers)
         dash = "solid" if phase == "prepare" else "dot"
         name = f"{solver.capitalize()}, {phase}"
         hover = "%{y:.1f} % of steps near %{x:.2f} µs"

@@ -8,7 +8,7 @@ from drawbar.recording.columns import read_columns
 from drawbar.recording.log import LOG_NAME
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
-from drawbar.report.path_errors import best_path_errors, true_path_errors
+from drawbar.report.path_errors import estimated_path_errors, true_path_errors
 from drawbar.report.picture import render_picture
 
 REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
@@ -26,8 +26,9 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
     folder = Path(folder)
     log = read_columns(Path(log_file or folder / LOG_NAME))
     errors = true_path_errors(log)
-    metrics = compute_metrics(log, best_path_errors(log))
-    contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), render_picture(log, errors).encode())
+    metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
+    picture = render_picture(log, errors).encode()
+    contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), picture)
     try:
         for name, content in zip(REPORT_NAMES, contents, strict=True):
             _write_whole(folder / name, content)

@@ -144,7 +144,7 @@ def error_statistics(error: Floats) -> ErrorStatistics:
 
 
 def _errors_by_class(errors: PathErrors, classes: tuple[str, ...]) -> dict[str, ErrorStatistics]:
-    by_class = {name: error_statistics(errors.error[errors.labels == name]) for name in classes}
+    by_class = {name: error_statistics(errors.error[errors.of_class(name)]) for name in classes}
     return by_class | {ALL: error_statistics(errors.error)}
 
 
@@ -164,7 +164,7 @@ def _steering_rate(log: Columns, body: str) -> float:
 
 
 def _straight_rate(log: Columns, errors: PathErrors, body: str) -> float:
-    return float(_present(_steering_rates(log, body)[errors.labels[1:] == STRAIGHT]).mean())
+    return float(_present(_steering_rates(log, body)[errors.of_class(STRAIGHT)[1:]]).mean())
 
 
 def _ancillary_share(log: Columns, body: str) -> float:

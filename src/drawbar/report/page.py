@@ -66,8 +66,8 @@ def _page_data(log: Columns, sections: list[Section]) -> str:
         "progress": along(log, "tractor")[shown].round(2),
         "tracks": {body: track(log, body)[shown].round(3) for body in style.BODY_COLOURS},
     }
-    text = msgspec.json.encode(data, enc_hook=encode_special).decode()
-    return text.replace("</", "<\\/")  # a closing tag inside a string would end the script
+    text = msgspec.json.encode(data, enc_hook=encode_special)
+    return text.replace(b"</", b"<\\/").decode()  # a closing tag inside a string would end the script
 
 
 def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors]) -> str:

@@ -33,15 +33,21 @@ class PathErrors:
     """(n,): arc length of the closest point, m; NaN where it is not known"""
     error: Floats
     """(n,): signed distance, left of the path positive, m; NaN where it is not known"""
-    labels: NDArray[np.str_]
-    """(n,): class of the path at the closest point"""
+    classes: NDArray[np.int8]
+    """(n,): class of the path at the closest point, index into label_names"""
+    label_names: tuple[str, ...]
+
+    def of_class(self, label: str) -> NDArray[np.bool_]:
+        """Return at which steps the path was of a class, (n,)."""
+        known = label in self.label_names
+        return self.classes == self.label_names.index(label) if known else np.zeros(len(self.classes), dtype=bool)
 
 
 def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     """Project a track (n,) of positions (m) on the path, beginning near the arc length `start` (m)."""
-    progress, error = path.project_track(np.column_stack([x, y]), start, behind=_BEHIND, ahead=_AHEAD).T.copy()
-    labels = path.labels(np.nan_to_num(progress, nan=start))
-    return PathErrors(progress=progress, error=error, labels=np.array(labels, dtype=np.str_))
+    progress, error = path.project_track(x, y, start, behind=_BEHIND, ahead=_AHEAD)
+    classes = path.classes(np.nan_to_num(progress, nan=start))
+    return PathErrors(progress=progress, error=error, classes=classes, label_names=path.label_names)
 
 
 def true_path_errors(log: Columns) -> Bodies[PathErrors]:
@@ -49,10 +55,8 @@ def true_path_errors(log: Columns) -> Bodies[PathErrors]:
     return _errors(log, "truth", np.zeros(log.steps, dtype=bool))
 
 
-def best_path_errors(log: Columns) -> Bodies[PathErrors]:
-    """Return the true errors, or where nobody knows them those that were estimated while the autopilot was engaged."""
-    if log.has_truth:
-        return true_path_errors(log)
+def estimated_path_errors(log: Columns) -> Bodies[PathErrors]:
+    """Return the errors of both bodies as they were estimated while the autopilot was engaged; else they are NaN."""
     return _errors(log, "estimate", (log.column("flags").astype(int) & Flag.RELEASED) != 0)
 
 
@@ -60,9 +64,13 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
     path = log.header.path.path()
 
     def of_body(body: str) -> PathErrors:
-        believed = log.column(f"reference.{body}.progress")
-        known = believed[np.isfinite(believed)]
-        x, y = (np.where(left_out, np.nan, log.column(f"{source}.{body}.{axis}")) for axis in "xy")
-        return project_track(path, x, y, float(known[0]) if known.size else 0.0)
+        x, y = (log.column(f"{source}.{body}.{axis}") for axis in "xy")
+        x[left_out] = np.nan
+        return project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))
+
+
+def _first_known(progress: Floats) -> float:
+    known = progress[np.isfinite(progress)]
+    return float(known[0]) if known.size else 0.0

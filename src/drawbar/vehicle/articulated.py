@@ -10,9 +10,9 @@ from typing import Any
 import casadi as ca
 
 from drawbar.vehicle.lengths import Lengths, lengths_of
+from drawbar.vehicle.measured import MEASURED
 from drawbar.vehicle.model import Model, by_name, declare, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import MEASURED
 
 
 def trailer_yaw_rate(

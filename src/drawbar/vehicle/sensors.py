@@ -1,4 +1,4 @@
-"""What the sensors measure and how noisily, shared by models, estimator and simulated machine."""
+"""How noisily the sensors measure, shared by estimator and simulated machine."""
 
 import math
 from typing import Annotated
@@ -6,20 +6,6 @@ from typing import Annotated
 from pydantic import Field
 
 from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
-from drawbar.vehicle.model import variables
-
-MEASURED = variables(
-    tractor_x="m",
-    tractor_y="m",
-    trailer_x="m",
-    trailer_y="m",
-    hitch_angle="rad",
-    speed="m/s",
-    tractor_steering="rad",
-    trailer_steering="rad",
-)
-"""The measured quantities, in the order in which both models of the whole vehicle have them as outputs."""
-
 
 AngleDeviation = Annotated[PositiveAngle, Field(ge=1e-5)]
 """Less than any sensor has would make the others weigh nothing."""

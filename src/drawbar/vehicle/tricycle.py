@@ -10,9 +10,9 @@ from typing import Any
 import casadi as ca
 
 from drawbar.vehicle.lengths import lengths_of
+from drawbar.vehicle.measured import MEASURED
 from drawbar.vehicle.model import Constant, Model, Variable, declare, variables
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import MEASURED
 
 
 def tricycle(vehicle: VehicleParameters) -> Model:

@@ -5,7 +5,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from drawbar.codegen import CompiledRecurrence
+from drawbar.codegen.recurrence import CompiledRecurrence
 from drawbar.geometry import Floats
 from drawbar.machine.actuators import pedal_rates, valve_rates
 from drawbar.machine.low_level.settings import ValveSettings

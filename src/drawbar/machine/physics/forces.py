@@ -6,7 +6,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from drawbar.codegen import CompiledRecurrence
+from drawbar.codegen.recurrence import CompiledRecurrence
 from drawbar.geometry import GRAVITY, Floats
 from drawbar.machine.actuators import hydrostat_rates, steering_rate
 from drawbar.machine.physics.model import CONTROLS, DRIVE_DAMPING, WHEELS

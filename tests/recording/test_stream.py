@@ -1,0 +1,73 @@
+"""Records are read one after the other, chunks unpacked ahead of them."""
+
+from io import BytesIO
+from threading import Event
+from typing import Any
+
+import pytest
+
+from drawbar.recording import chunks, stream
+from drawbar.recording.chunks import CHUNK_HEAD, ChunkedWriter
+from drawbar.recording.stream import DamagedLogError, LoggedMessage, read_records
+
+
+def written(messages: int, size: int = 100) -> BytesIO:
+    """Return a file of messages (bytes each) in chunks of one message."""
+    file = BytesIO()
+    writer = ChunkedWriter(file, profile="drawbar")
+    channel = writer.add_channel("/step", "json", 0)
+    for number in range(messages):
+        writer.add_message(channel, bytes([number]) * size, sequence=number, log_time=number, publish_time=number)
+    writer.finish()
+    file.seek(0)
+    return file
+
+
+@pytest.fixture(autouse=True)
+def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 1)
+
+
+def test_messages_come_in_their_order_with_topic_and_time() -> None:
+    found = list(read_records(written(3)))
+    assert found == [LoggedMessage("/step", number, bytes([number]) * 100) for number in range(3)]
+
+
+def test_two_parts_of_a_file_hold_each_message_once() -> None:
+    file = written(4)
+    whole = list(read_records(file))
+    found = set()
+    for middle in range(0, len(file.getvalue()) + 1, 7):
+        first, second = (
+            list(read_records(BytesIO(file.getvalue()), part)) for part in (range(middle), range(middle, 1 << 30))
+        )
+        assert first + second == whole
+        found.add(len(first))
+    assert found == {0, 1, 2, 3, 4}
+
+
+def test_the_next_chunk_is_unpacked_while_the_caller_works_on_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    unpacked, second = stream._unpacked, Event()
+    calls = 0
+
+    def watched(content: bytes, **options: Any) -> bytes:
+        nonlocal calls
+        calls += 1
+        if calls == 2:
+            second.set()
+        return unpacked(content, **options)
+
+    monkeypatch.setattr(stream, "_unpacked", watched)
+    records = read_records(written(3))
+    next(records)
+    assert second.wait(10.0)
+    assert len(list(records)) == 2
+
+
+@pytest.mark.parametrize("size", [10, 200, 1 << 40])
+def test_a_chunk_of_another_size_than_it_says_is_damaged(size: int) -> None:
+    data = bytearray(written(1).getvalue())
+    opcode, length, first, last, _, *rest = CHUNK_HEAD.unpack_from(data, at := data.index(b"zstd") - 41)
+    CHUNK_HEAD.pack_into(data, at, opcode, length, first, last, size, *rest)
+    with pytest.raises((DamagedLogError, stream.zstandard.ZstdError)):
+        list(read_records(BytesIO(data)))
