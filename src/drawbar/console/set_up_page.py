@@ -50,7 +50,12 @@ class SetUpPage:
                 self._build_devices()
                 if self._may_change:
                     self._calibration = CalibrationCard(workshop, link, words, self._take_found)
-                    ValveCard(words)
+                    has_valve = workshop.driven.devices is not None and workshop.driven.devices.bare_valve is not None
+                    self._valve = (
+                        ValveCard(workshop, link, words, self._take_found, lambda: audit.write(visitor, "PUSH"))
+                        if has_valve
+                        else None
+                    )
             with ui.element("div"):
                 for title, values in GROUPS:
                     self._build_group(title, values)
@@ -64,6 +69,8 @@ class SetUpPage:
         self._save.set_enabled(self._may_save())
         if self._may_change:
             self._calibration.refresh()
+            if self._valve is not None:
+                self._valve.refresh()
         now = self._link.clock()
         if now < self._due:
             return

@@ -229,7 +229,7 @@ def test_without_a_yaw_rate_nothing_is_pushed() -> None:
 
 def test_a_plan_beyond_the_limits_is_not_driven() -> None:
     bench = Bench(ValveSettings())
-    done = carry_out(Calibration(RatePlan(drive=0.7)), bench)
+    done = carry_out(Calibration(RatePlan(drives=(0.7, 0.7))), bench)
     assert done.state is State.ABORTED
     assert "70%" in done.reason
     assert set(bench.drives) == {0.0}

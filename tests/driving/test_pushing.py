@@ -1,0 +1,90 @@
+"""Pushing a bare valve: what it finds of a stand-in whose truth is known, and what ends it, always with off."""
+
+import math
+
+import pytest
+from pushed_valve import PERIOD, SETTINGS, PushedValve
+
+from drawbar.driving.pushing import PUSHES, Pushing
+from drawbar.machine.hardware.valve_calibration import RUNS
+from drawbar.machine.stand_in.bare_valve import DEAD_BAND, FULL_RATE, LAG
+
+SCALE = 0.9
+"""true angle by the sensor's"""
+
+
+@pytest.fixture(scope="module", params=[1.0, -1.0], ids=["left", "right"])
+def pushed(request):
+    line = PushedValve(motor=request.param, scale=SCALE)
+    pushing = Pushing(line.machine(), SETTINGS)
+    found = {each.name: each for each in pushing.run()}
+    return request.param, line, pushing, found
+
+
+def test_it_finds_the_truth_whichever_way_the_motor_is_connected(pushed):
+    direction, _, pushing, found = pushed
+    assert pushing.reason == ""
+    assert (pushing.bands.done, pushing.rates.done) == (2 * RUNS, 2 * PUSHES)
+    values = {name: each.value for name, each in found.items()}
+    assert all(value.accepted for value in values.values()), values
+    assert next(value for name, value in values.items() if name.startswith("a positive drive")).value == direction
+    for side in ("left", "right"):
+        assert values[f"{side}: dead band"].value == pytest.approx(DEAD_BAND, abs=0.01)
+        assert values[f"{side}: full rate"].value == pytest.approx(FULL_RATE / SCALE, rel=0.05)
+        assert values[f"{side}: lag"].value == pytest.approx(LAG, abs=0.02)
+        assert values[f"{side}: dead time"].value == pytest.approx(0.0, abs=1.5 * PERIOD)
+
+
+def test_it_finds_the_sensors_scale_by_the_yaw_rate(pushed):
+    *_, found = pushed
+    scale = found["front wheels: angle by the yaw rate / by the sensor"]
+    assert scale.value.value == pytest.approx(SCALE, abs=3.0 * scale.value.deviation)
+    angles = scale.sets["devices.bare_valve.angles"]
+    assert angles == pytest.approx([scale.value.value * angle for angle in SETTINGS.angles], abs=1e-6)
+
+
+def test_it_moves_by_a_few_degrees_and_is_off_afterwards(pushed):
+    _, line, pushing, _ = pushed
+    assert math.radians(2.0) < line.farthest < math.radians(9.0)
+    assert line.told[-1] == 0
+    assert pushing.count == len(pushing.rows)
+    assert {drive for _, _, drive in pushing.rows} == {told / 1000 for told in line.told}
+
+
+FAULTS = {
+    "the operator": (lambda line, pushing: pushing.end("stopped by the operator"), "stopped by the operator"),
+    "the switch": (lambda line, pushing: setattr(line.board, "permitted", False), "stopped by the operator"),
+    "a silent board": (lambda line, pushing: setattr(line, "silent", True), "reports nothing"),
+    "a vehicle that stops": (lambda line, pushing: setattr(line, "speed", 0.0), "standing tyres"),
+    "no yaw rate": (lambda line, pushing: setattr(line, "knows_yaw", False), "yaw rate is unknown"),
+    "a motor that turns round": (lambda line, pushing: setattr(line, "motor", -2.0), "runaway"),
+    "a page that hangs": (lambda line, pushing: setattr(pushing, "_attended", -math.inf), "no picture was drawn"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize("after", [20.0, 40.0])
+def test_what_goes_wrong_ends_it_with_its_reason_and_off(name, after):
+    happen, words = FAULTS[name]
+
+    def each(time, line):
+        if after <= time < after + PERIOD:
+            happen(line, pushing)
+
+    line = PushedValve(each=each)
+    pushing = Pushing(line.machine(), SETTINGS, patience=100.0)
+    assert pushing.run() == []
+    assert words in pushing.reason
+    assert line.told[-1] == 0
+    assert line.farthest < math.radians(9.0)
+
+
+@pytest.mark.parametrize("name", ["the switch", "a vehicle that stops", "no yaw rate"])
+def test_nothing_is_moved_where_it_may_not_begin(name):
+    happen, words = FAULTS[name]
+    line = PushedValve()
+    pushing = Pushing(line.machine(), SETTINGS)
+    happen(line, pushing)
+    assert pushing.run() == []
+    assert words in pushing.reason
+    assert set(line.told) == {0}
