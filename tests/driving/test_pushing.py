@@ -4,7 +4,12 @@ import math
 
 import pytest
 from pushed_valve import PERIOD, SETTINGS, PushedValve
+from typer.testing import CliRunner
 
+from drawbar.cli.main import app
+from drawbar.config import load_configuration
+from drawbar.driving import pushing
+from drawbar.driving.demonstration import with_stand_ins
 from drawbar.driving.pushing import PUSHES, Pushing
 from drawbar.machine.hardware.valve_calibration import RUNS
 from drawbar.machine.stand_in.bare_valve import DEAD_BAND, FULL_RATE, LAG
@@ -16,15 +21,15 @@ SCALE = 0.9
 @pytest.fixture(scope="module", params=[1.0, -1.0], ids=["left", "right"])
 def pushed(request):
     line = PushedValve(motor=request.param, scale=SCALE)
-    pushing = Pushing(line.machine(), SETTINGS)
-    found = {each.name: each for each in pushing.run()}
-    return request.param, line, pushing, found
+    done = Pushing(line.machine(), SETTINGS)
+    found = {each.name: each for each in done.run()}
+    return request.param, line, done, found
 
 
 def test_it_finds_the_truth_whichever_way_the_motor_is_connected(pushed):
-    direction, _, pushing, found = pushed
-    assert pushing.reason == ""
-    assert (pushing.bands.done, pushing.rates.done) == (2 * RUNS, 2 * PUSHES)
+    direction, _, done, found = pushed
+    assert done.reason == ""
+    assert (done.bands.done, done.rates.done) == (2 * RUNS, 2 * PUSHES)
     values = {name: each.value for name, each in found.items()}
     assert all(value.accepted for value in values.values()), values
     assert next(value for name, value in values.items() if name.startswith("a positive drive")).value == direction
@@ -44,21 +49,21 @@ def test_it_finds_the_sensors_scale_by_the_yaw_rate(pushed):
 
 
 def test_it_moves_by_a_few_degrees_and_is_off_afterwards(pushed):
-    _, line, pushing, _ = pushed
+    _, line, done, _ = pushed
     assert math.radians(2.0) < line.farthest < math.radians(9.0)
     assert line.told[-1] == 0
-    assert pushing.count == len(pushing.rows)
-    assert {drive for _, _, drive in pushing.rows} == {told / 1000 for told in line.told}
+    assert done.count == len(done.rows)
+    assert {drive for _, _, drive in done.rows} == {told / 1000 for told in line.told}
 
 
 FAULTS = {
-    "the operator": (lambda line, pushing: pushing.end("stopped by the operator"), "stopped by the operator"),
-    "the switch": (lambda line, pushing: setattr(line.board, "permitted", False), "stopped by the operator"),
-    "a silent board": (lambda line, pushing: setattr(line, "silent", True), "reports nothing"),
-    "a vehicle that stops": (lambda line, pushing: setattr(line, "speed", 0.0), "standing tyres"),
-    "no yaw rate": (lambda line, pushing: setattr(line, "knows_yaw", False), "yaw rate is unknown"),
-    "a motor that turns round": (lambda line, pushing: setattr(line, "motor", -2.0), "runaway"),
-    "a page that hangs": (lambda line, pushing: setattr(pushing, "_attended", -math.inf), "no picture was drawn"),
+    "the operator": (lambda line, run: run.end("stopped by the operator"), "stopped by the operator"),
+    "the switch": (lambda line, run: setattr(line.board, "permitted", False), "stopped by the operator"),
+    "a silent board": (lambda line, run: setattr(line, "silent", True), "reports nothing"),
+    "a vehicle that stops": (lambda line, run: setattr(line, "speed", 0.0), "standing tyres"),
+    "no yaw rate": (lambda line, run: setattr(line, "knows_yaw", False), "yaw rate is unknown"),
+    "a motor that turns round": (lambda line, run: setattr(line, "motor", -2.0), "runaway"),
+    "a page that hangs": (lambda line, run: setattr(run, "_attended", -math.inf), "no picture was drawn"),
 }
 
 
@@ -69,12 +74,12 @@ def test_what_goes_wrong_ends_it_with_its_reason_and_off(name, after):
 
     def each(time, line):
         if after <= time < after + PERIOD:
-            happen(line, pushing)
+            happen(line, run)
 
     line = PushedValve(each=each)
-    pushing = Pushing(line.machine(), SETTINGS, patience=100.0)
-    assert pushing.run() == []
-    assert words in pushing.reason
+    run = Pushing(line.machine(), SETTINGS, patience=100.0)
+    assert run.run() == []
+    assert words in run.reason
     assert line.told[-1] == 0
     assert line.farthest < math.radians(9.0)
 
@@ -83,8 +88,44 @@ def test_what_goes_wrong_ends_it_with_its_reason_and_off(name, after):
 def test_nothing_is_moved_where_it_may_not_begin(name):
     happen, words = FAULTS[name]
     line = PushedValve()
-    pushing = Pushing(line.machine(), SETTINGS)
-    happen(line, pushing)
-    assert pushing.run() == []
-    assert words in pushing.reason
+    run = Pushing(line.machine(), SETTINGS)
+    happen(line, run)
+    assert run.run() == []
+    assert words in run.reason
     assert set(line.told) == {0}
+
+
+@pytest.mark.parametrize("answers", ["n\n", "y\nn\n", "y\ny\n"])
+def test_the_command_asks_twice_and_writes_the_sensors_scale(tmp_path, monkeypatch, answers):
+    machine = with_stand_ins(load_configuration("articulated", ["machine.attitude.tractor.present=true"]))
+    file, lines = tmp_path / "my.toml", []
+    file.write_text(machine.to_toml(), "utf-8")
+
+    def opened(settings, wheelbase, motion):
+        lines.append(PushedValve(scale=SCALE))
+        return lines[-1].machine()
+
+    monkeypatch.setattr(pushing, "opened", opened)
+    result = CliRunner().invoke(app, ["calibrate", str(file), "--push"], input=answers)
+    agreed = answers.count("y") == 2
+    assert (len(lines), result.exit_code) == (agreed, 0 if agreed else 1), result.output
+    if agreed:
+        assert "left: dead band: 0.14" in result.output
+        assert not lines[0].connected
+        angles = load_configuration(str(tmp_path / "my.calibrated.toml")).devices.bare_valve.angles
+        assert angles == pytest.approx([SCALE * angle for angle in SETTINGS.angles], rel=0.05)
+
+
+@pytest.mark.parametrize("arguments", [[], ["runs/a", "--push"]])
+def test_the_command_takes_a_log_or_pushes(tmp_path, arguments):
+    file = tmp_path / "my.toml"
+    file.write_text(load_configuration("articulated").to_toml(), "utf-8")
+    result = CliRunner().invoke(app, ["calibrate", str(file), *arguments])
+    assert "a log or --push" in str(result.exception)
+
+
+def test_a_machine_without_a_bare_valve_is_told_what_to_add(tmp_path):
+    file = tmp_path / "my.toml"
+    file.write_text(load_configuration("articulated").to_toml(), "utf-8")
+    result = CliRunner().invoke(app, ["calibrate", str(file), "--push"], input="y\ny\n")
+    assert "devices.bare_valve" in str(result.exception)
