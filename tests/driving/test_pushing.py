@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from pushed_valve import PERIOD, SETTINGS, PushedValve
+from pushed_valve import PERIOD, SETTINGS, SPEED, PushedValve
 from typer.testing import CliRunner
 
 from drawbar.cli.main import app
@@ -80,9 +80,18 @@ def test_what_goes_wrong_ends_it_with_its_reason_and_off(name, after):
     run = Pushing(line.machine(), SETTINGS, patience=100.0)
     assert run.run() == []
     assert words in run.reason
-    assert line.time < after + (10.0 if name == "a motor that turns round" else 0.8)
+    assert line.time < after + (10.0 if name == "a motor that turns round" else 1.2)
     assert line.told[-1] == 0
     assert line.farthest < math.radians(9.0)
+
+
+def test_a_receiver_that_leaves_the_speed_out_once_does_no_harm():
+    def each(time, line):
+        line.speed = math.nan if 0.0 <= time % 10.0 < 0.6 else SPEED
+
+    run = Pushing(PushedValve(each=each).machine(), SETTINGS)
+    assert run.run() != []
+    assert run.reason == ""
 
 
 @pytest.mark.parametrize("name", ["the switch", "a vehicle that stops", "no yaw rate"])

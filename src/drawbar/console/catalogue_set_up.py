@@ -63,15 +63,21 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
         "Auf ebenem Feld, mit RTK-Fix, im Schritttempo; alles von Hand, nur beim Letzten lenkt drawbar. "
         "Was nicht gefahren wird, wird nicht ermittelt.",
     ),
-    "calibrate_straight": ("Straight on for 30 m", "30 m geradeaus"),
+    "calibrate_straight": (
+        "Straight on for 30 m: zeros of all angle sensors, pulses of the wheel sensor",
+        "30 m geradeaus: Nullpunkte aller Winkelsensoren, Pulse des Radsensors",
+    ),
     "calibrate_left": (
-        "Three circles of different sizes to the left; in each hold the steering wheel still for 6 s",
-        "Drei verschieden große Kreise nach links; in jedem das Lenkrad 6 s lang festhalten",
+        "Three circles of different sizes to the left; in each hold the steering wheel still for 6 s: scale and "
+        "direction of the front wheels' sensor",
+        "Drei verschieden große Kreise nach links; in jedem das Lenkrad 6 s lang festhalten: Maßstab und Richtung des "
+        "Sensors der Vorderräder",
     ),
     "calibrate_right": ("Three circles to the right, likewise", "Drei Kreise nach rechts, ebenso"),
     "calibrate_back": (
-        "Back along the same straight, in the same tracks",
-        "Auf derselben Geraden zurück, genau in der eigenen Spur",
+        "Back along the same straight, in the same tracks, 20 s each way: mounting roll of the tractor's sensor",
+        "Auf derselben Geraden zurück, genau in der eigenen Spur, je 20 s: Einbauwinkel (Rollen) des Sensors auf dem "
+        "Traktor",
     ),
     "calibrate_curves": (
         "Two minutes of S-curves, 4 s to each side: where the antenna stands",
@@ -81,6 +87,9 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
         "Two minutes steered by drawbar along a line with slow curves: for the dead bands",
         "Zwei Minuten drawbar lenken lassen, auf einer Linie mit sanften Kurven: für das Lenkspiel (Totbereich)",
     ),
+    "plotted_wheels": ("front wheels, °", "Vorderräder, °"),
+    "plotted_joint": ("steered joint, °", "Lenkgelenk, °"),
+    "plotted_hitch": ("hitch, °", "Knickwinkel, °"),
     "calibrate_begin": ("● Begin", "● Beginnen"),
     "calibrate_evaluate": ("■ End and evaluate", "■ Beenden und auswerten"),
     "calibrate_keep": ("Save the result", "Ergebnis speichern"),
@@ -114,7 +123,6 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
     "valve_stop": ("■ End", "■ Beenden"),
     "valve_keep": ("Save the sensor's scale", "Maßstab des Sensors speichern"),
     "valve_moves": ("It moves the front wheels.", "Die Vorderräder werden bewegt."),
-    "valve_angle": ("front wheels, °", "Vorderräder, °"),
     "valve_drive": ("drive, %", "Ansteuerung, %"),
     "valve_enter": (
         "Enter dead bands and rates in the settings of drawbar_actuate. The sensor's scale can be saved here.",

@@ -27,7 +27,7 @@ STEPS = (
     ("valve_rate", "M4 24 H9 V8 H17 V24 H22 V40 H30 V24 H35 V8 H43 V24"),
 )
 """what is done: catalogue's key and its picture"""
-_CURVES = ("valve_angle", "valve_drive")
+_CURVES = ("plotted_wheels", "valve_drive")
 """names of the plots' curves, in the catalogue"""
 
 

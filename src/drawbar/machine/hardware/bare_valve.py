@@ -75,7 +75,7 @@ class BareValve(CalibratedMachine):
         """Take the open transport, the wheelbase (m), what tells the tractor's motion, and the monotonic clock (s)."""
         self._transport, self._sensor, self._board = transport, settings.sensor(), ValveBoard()
         self._wheelbase, self._motion, self._clock = wheelbase, motion, clock
-        self._told = -math.inf
+        self._told, self._rolled = -math.inf, Motion(-math.inf, math.nan, math.nan)
 
     def sense(self) -> Sensed:
         """Wait for the next report."""
@@ -85,8 +85,10 @@ class BareValve(CalibratedMachine):
             self._wait(end - now)
             report = self._newest()
         motion = self._motion()
+        if math.isfinite(motion.speed):
+            self._rolled = motion  # an epoch may come without a speed
         now = self._clock()
-        speed = motion.speed if now - motion.time <= _FRESH else math.nan
+        speed = self._rolled.speed if now - self._rolled.time <= _FRESH else math.nan
         if report is None:
             return Sensed(time=now, angle=math.nan, speed=speed, permitted=True)
         return Sensed(

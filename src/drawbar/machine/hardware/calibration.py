@@ -23,6 +23,8 @@ _DIES_OUT = 0.6
 """share of a pause after which the motion has died out"""
 _AVERAGED = 0.5
 """s, over which the noise of a yaw rate is averaged"""
+_UNKNOWN = 1.0
+"""s, for which no yaw rate may come"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +40,7 @@ class Sensed:
     permitted: bool
     """the operator holds the switch that permits motion"""
     by_yaw: float = math.nan
-    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, for 0.5 s at most"""
+    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, for 1 s at most"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -225,12 +227,13 @@ class Calibration:
     def _unseen(self, sensed: Sensed) -> str:
         """Return how far the vehicle itself says that it is steered while the sensor does not, or nothing."""
         self._curved.append((sensed.time, sensed.by_yaw - sensed.angle))
-        self._curved = [(t, each) for t, each in self._curved if sensed.time - t <= _AVERAGED and math.isfinite(each)]
+        self._curved = [(t, each) for t, each in self._curved if sensed.time - t <= _UNKNOWN and math.isfinite(each)]
         if sensed.time - self._started < _AVERAGED:
             return ""
         if not self._curved:
             return "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; check the receiver"
-        mean = sum(each for _, each in self._curved) / len(self._curved)
+        newest = [each for t, each in self._curved if sensed.time - t <= _AVERAGED] or [self._curved[-1][1]]
+        mean = sum(newest) / len(newest)
         if math.isnan(self._apart):
             self._apart = mean
         apart = mean - self._apart
