@@ -19,8 +19,8 @@ from drawbar.transports.base import Transport
 
 _SILENCE = 0.15
 """longest wait for a report, s; a calibration bears 0.2"""
-_LOOK = 0.01
-"""between two looks at a transport without a descriptor, s"""
+_LOOK = 0.005
+"""between two looks at a transport, s"""
 _FRESH = 1.0
 """oldest speed, s"""
 
@@ -81,8 +81,9 @@ class BareValve(CalibratedMachine):
         """Wait for the next report."""
         end = self._clock() + _SILENCE
         report = self._newest()
-        while report is None and (now := self._clock()) < end:
-            self._wait(end - now)
+        while report is None and self._clock() < end:
+            self._motion()  # a receiver's bytes are to be read as they come
+            self._wait()
             report = self._newest()
         motion = self._motion()
         if math.isfinite(motion.speed):
@@ -115,9 +116,9 @@ class BareValve(CalibratedMachine):
         reports = [each for got in self._transport.read() for each in self._board.push(got.data, got.time)]
         return reports[-1] if reports else None
 
-    def _wait(self, duration: float) -> None:
+    def _wait(self) -> None:
         descriptor = self._transport.fileno()
-        select.select([descriptor] if descriptor >= 0 else [], [], [], duration if descriptor >= 0 else _LOOK)
+        select.select([descriptor] if descriptor >= 0 else [], [], [], _LOOK)
 
     def _by_yaw(self, motion: Motion) -> float:
         """Return the steering angle by yaw rate and speed, once for each word of the receiver, rad."""
