@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Locator, Page
+    from playwright.sync_api import Browser, Locator, Page
 
 PHONE, TABLET, DESKTOP = {"width": 360, "height": 740}, {"width": 1280, "height": 800}, {"width": 1920, "height": 1080}
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -40,12 +40,16 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        page = browser.new_page(viewport=TABLET, color_scheme="light", locale="en-GB")  # type: ignore[arg-type]
-        _take_drive(page, address, folder)
+        _take_drive(_page(browser, "en"), address, folder)
         for language in ("en", "de"):
-            _take_others(page, address, folder, fields, language)
+            _take_others(_page(browser, language), address, folder, fields, language)
         browser.close()
     return 0
+
+
+def _page(browser: "Browser", language: str) -> "Page":
+    """Return a page of somebody who reads a language; numbers in inputs follow the browser's own."""
+    return browser.new_page(viewport=TABLET, color_scheme="light", locale=language)  # type: ignore[arg-type]
 
 
 def _take_drive(page: "Page", address: str, folder: Path) -> None:

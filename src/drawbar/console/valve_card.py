@@ -55,7 +55,7 @@ class ValveCard:
             with ui.element("div").classes("line-up"):
                 self._prepare = self._button("valve_prepare", self._ready)
                 self._begin = self._button("valve_begin", self._push).classes("main")
-                self._stop = self._button("valve_stop", self._end).classes("main")
+                self._stop = self._button("valve_stop", self._end).classes("halt")
                 self._keep = self._button("valve_keep", self._save).classes("main")
             self._said = ui.label().classes("note").props("role=status")
             self._plots = [LivePlot("push-plot", self._attend) for _ in _CURVES]
