@@ -32,7 +32,7 @@ def test_it_finds_the_truth_whichever_way_the_motor_is_connected(pushed):
     assert (done.bands.done, done.rates.done) == (2 * RUNS, 2 * PUSHES)
     values = {name: each.value for name, each in found.items()}
     assert all(value.accepted for value in values.values()), values
-    assert next(value for name, value in values.items() if name.startswith("a positive drive")).value == direction
+    assert values["direction of the drive"].value == direction
     for side in ("left", "right"):
         assert values[f"{side}: dead band"].value == pytest.approx(DEAD_BAND, abs=0.01)
         assert values[f"{side}: full rate"].value == pytest.approx(FULL_RATE / SCALE, rel=0.05)

@@ -93,8 +93,8 @@ REFUSALS_DE: Mapping[str, str] = {
         "die Stöße unterscheiden sich um {0}°, oder die Räder stehen am Anschlag",
     "the angle does not follow the drive; find the drive's direction first":
         "der Winkel folgt der Ansteuerung nicht; zuerst deren Richtung klären",
-    "a positive drive turns to the left (1) or to the right (-1)":
-        "positive Ansteuerung dreht nach links (1) oder nach rechts (-1)",
+    "direction of the drive": "Richtung der Ansteuerung",
+    "(1: positive turns left, -1: right)": "(1: positiv dreht nach links, -1: nach rechts)",
     "front wheels: angle by the yaw rate / by the sensor": "Vorderräder: Winkel nach Drehrate / nach Sensor",
     "{} rests within {}°; push again, rolling straight":
         "{0} Ruhelagen innerhalb von {1}°; noch einmal, geradeaus rollend",

@@ -56,10 +56,10 @@ class ValveCard:
                 self._prepare = self._button("valve_prepare", self._ready)
                 self._begin = self._button("valve_begin", self._push).classes("main")
                 self._stop = self._button("valve_stop", self._end).classes("halt")
-                self._keep = self._button("valve_keep", self._save).classes("main")
             self._said = ui.label().classes("note").props("role=status")
             self._plots = [LivePlot("push-plot", self._attend) for _ in _CURVES]
             self._found = ui.element("div")
+            self._keep = self._button("valve_keep", self._save).classes("main")
         for plot in self._plots:
             plot.set_visibility(False)
         self._show_buttons()
@@ -82,7 +82,8 @@ class ValveCard:
         self._prepare.set_enabled(free)
         self._begin.set_enabled(free and time.monotonic() - self._prepared <= _PREPARED)
         self._stop.set_enabled(self._link.pushing is not None)
-        self._keep.set_enabled(free and bool(self._changes))
+        self._keep.set_visibility(bool(self._changes))
+        self._keep.set_enabled(free)
 
     def _ready(self) -> None:
         self._prepared = time.monotonic()
@@ -136,7 +137,7 @@ class ValveCard:
         age = max(time.monotonic() - pushing.rows[-1][0], 0.0) if pushing.rows else 0.0
         for index, (plot, key) in enumerate(zip(self._plots, _CURVES, strict=True)):
             rows = [[at, round((math.degrees(angle), 100.0 * drive)[index], 2)] for at, angle, drive in fresh]
-            plot.draw(rows, age, [Curve(self._words(key), index, thin=False)] if anew else None)
+            plot.draw(rows, age, [Curve(self._words(key), 3 * index, thin=False)] if anew else None)
 
     def _attend(self) -> None:
         if self._pushing is not None:

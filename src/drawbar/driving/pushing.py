@@ -161,7 +161,7 @@ def _large_drives(bands: DeadBandPlan) -> tuple[float, float]:
 
 def _actuator(bands: DeadBandPlan, rates: RatePlan, direction: int) -> Iterator[Found]:
     """Yield the direction, and dead band, full rate, lag and dead time of each side."""
-    yield Found(name="a positive drive turns to the left (1) or to the right (-1)", value=_sure(direction), sets={})
+    yield Found(name="direction of the drive", value=_sure(direction), sets={})
     for side, sign in (("left", direction), ("right", -direction)):
         band = dead_band(bands.runs[sign])
         yield Found(name=f"{side}: dead band", value=band, sets={})
@@ -175,7 +175,14 @@ def _actuator(bands: DeadBandPlan, rates: RatePlan, direction: int) -> Iterator[
 
 
 def _sure(direction: int) -> Calibrated:
-    return Calibrated(value=float(direction), deviation=0.0, residual=0.0, samples=2 * RUNS, unit="", residual_unit="")
+    return Calibrated(
+        value=float(direction),
+        deviation=0.0,
+        residual=0.0,
+        samples=2 * RUNS,
+        unit="(1: positive turns left, -1: right)",
+        residual_unit="",
+    )
 
 
 def _sensor(settings: BareValveSettings, rests: Sequence[tuple[float, float]]) -> Found:
