@@ -50,13 +50,6 @@ async def opened(stage, browser):
     return await browser().open("/setup")
 
 
-async def begun(one):
-    one.press("1 All is clear")
-    one.press("2 Move now")
-    await until(lambda: one.page._link.pushing is not None and one.page._link.pushing.count > 10)
-    return one.page._link.pushing
-
-
 async def ended(stage):
     await until(lambda: stage.link.pushing is None)
     await asyncio.sleep(0.05)
@@ -67,8 +60,12 @@ def test_it_pushes_draws_and_keeps_what_it_found(bench):
     async def test(stage, browser):
         one = await opened(stage, browser)
         assert not one.enabled("2 Move now")
-        await begun(one)
+        bench.goes.clear()
+        one.press("1 All is clear")
+        one.press("2 Move now")
+        await until(lambda: stage.link.pushing is not None)
         assert "moves the front wheels" in one.text()
+        bench.goes.set()
         await ended(stage)
         assert "left: dead band: 0.14" in one.text()
         assert "✓ 6 / 6" in one.text()

@@ -109,7 +109,7 @@ def _tell(found: "Found") -> None:
 
     value = found.value
     if value.accepted:
-        text = f"{found.name}: {value.value:.6g} ± {value.deviation:.2g} {value.unit}"
+        text = f"{found.name}: {value.told} {value.unit}"
         console.print(Text(text + "".join(f"\n    {key} = {each}" for key, each in found.sets.items())))
     for refusal in value.refusals:
         console.print(Text(f"{found.name}: {refusal}", style="yellow"))
