@@ -5,7 +5,7 @@ import json
 import math
 import time
 from collections.abc import Callable
-from itertools import islice
+from contextlib import closing
 
 from nicegui import ui
 
@@ -17,6 +17,7 @@ from drawbar.console.workshop import Workshop
 from drawbar.driving.calibrating import Found
 from drawbar.driving.pushing import PATIENCE, PUSHES, STOPPED, Pushing, bare_valve, opened
 from drawbar.errors import DrawbarError
+from drawbar.machine.hardware.bare_valve import BareValve
 from drawbar.machine.hardware.valve_calibration import RUNS
 
 _PREPARED = 5.0
@@ -111,10 +112,10 @@ class ValveCard:
             plot.set_visibility(True)
         self._draw(pushing, anew=True)
         try:
-            found = await asyncio.to_thread(pushing.run)
+            found = await asyncio.to_thread(_run, pushing, valve)
         finally:
+            pushing.end(STOPPED)  # where the console ends meanwhile; the thread goes on until it is off
             link.pushing = self._pushing = None
-            valve.close()
         self._tell(pushing, found)
 
     def _tell(self, pushing: Pushing, found: list[Found]) -> None:
@@ -132,11 +133,11 @@ class ValveCard:
     def _draw(self, pushing: Pushing, *, anew: bool) -> None:
         """Send the plots what is new, of every other report or so."""
         self._shown = 0 if anew else self._shown
-        fresh = list(islice(reversed(pushing.rows), pushing.count - self._shown))[::-2][::-1]
-        self._shown = pushing.count
-        age = max(time.monotonic() - pushing.rows[-1][0], 0.0) if pushing.rows else 0.0
+        fresh = pushing.rows[self._shown :]
+        self._shown += len(fresh)
+        age = max(time.monotonic() - pushing.rows[self._shown - 1][0], 0.0) if self._shown else 0.0
         for index, (plot, key) in enumerate(zip(self._plots, _CURVES, strict=True)):
-            rows = [[at, round((math.degrees(angle), 100.0 * drive)[index], 2)] for at, angle, drive in fresh]
+            rows = [[at, round((math.degrees(angle), 100.0 * drive)[index], 2)] for at, angle, drive in fresh[::2]]
             plot.draw(rows, age, [Curve(self._words(key), 3 * index, thin=False)] if anew else None)
 
     def _attend(self) -> None:
@@ -150,3 +151,8 @@ class ValveCard:
     def _save(self) -> None:
         if self._changes:
             self._keep_changes(self._changes)
+
+
+def _run(pushing: Pushing, valve: BareValve) -> list[Found]:
+    with closing(valve):
+        return pushing.run()

@@ -5,7 +5,6 @@ One implementation for `drawbar calibrate --push` and for the console, whose pag
 
 import math
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -29,8 +28,6 @@ PATIENCE = 2.0
 """for which a page may be silent that looks on, s"""
 _READYING = 20.0
 """within which the vehicle must roll and the operator hold the switch, s"""
-_ROWS = 30_000
-"""that are kept: those of a whole calibration at 50 a second"""
 _RATE, _LARGEST = math.radians(8.0), 0.45
 """of the large pushes: the rate that is aimed at, below what is taken for a runaway (rad/s), and the largest drive"""
 _FEWEST, _SPREAD, _SURE = 20, math.radians(1.0), 0.05
@@ -42,10 +39,8 @@ class Pushing:
 
     def __init__(self, machine: CalibratedMachine, settings: BareValveSettings, *, patience: float = math.inf) -> None:
         """Take what is moved, its settings, and for how long it may go on without `attend`, s."""
-        self.rows: deque[tuple[float, float, float]] = deque(maxlen=_ROWS)
-        """monotonic time (s), angle (rad) and drive (-1 to 1) of each report"""
-        self.count = 0
-        """of all rows so far"""
+        self.rows: list[tuple[float, float, float]] = []
+        """monotonic time (s), angle (rad) and drive (-1 to 1) of each report; it only grows"""
         self.bands = DeadBandPlan()
         self.rates: RatePlan | None = None
         """None: its turn has not come"""
@@ -99,7 +94,6 @@ class Pushing:
     def _watch(self, sensed: Sensed, drive: float) -> str:
         """Keep what is sensed; return why to end now, or nothing."""
         self.rows.append((sensed.time, sensed.angle, drive))
-        self.count += 1
         if time.monotonic() - self._attended > self._patience:
             self.end(f"no picture was drawn for {self._patience} s; keep the page in front, and begin again")
         return self._ending
