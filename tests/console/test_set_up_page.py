@@ -170,7 +170,7 @@ def test_the_drawing_is_to_scale_and_has_a_letter_for_every_length():
     changes = ["vehicle.masts.tractor={forward=0.4, left=0.3, up=2.4}", "vehicle.masts.trailer={left=-0.2, up=1.0}"]
     vehicle = load_configuration("articulated", [*changes, "vehicle.masts.trailer.forward=0.1"]).vehicle
     root = ElementTree.fromstring(vehicle_drawing(vehicle))
-    letters = {each.text for each in root.findall("text")}
+    letters = {each.text for each in root.findall("g[@class='letter']/text")}
     assert letters == {value.letter for value in VALUES if value.letter}
     lengths = sorted(
         abs(float(each.get("x2")) - float(each.get("x1")))
