@@ -37,6 +37,10 @@ MET = (
 CALIBRATION = (
     "driving/calibrating.py",
     "driving/loop_drive.py",
+    "driving/pushing.py",
+    "machine/hardware/calibration.py",
+    "machine/hardware/calibration_plans.py",
+    "machine/hardware/valve_calibration.py",
     "machine/hardware/loop_calibration.py",
     "machine/hardware/sensor_calibration.py",
     "machine/hardware/scale_calibration.py",

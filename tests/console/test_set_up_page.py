@@ -17,6 +17,7 @@ from nicegui import ui
 from drawbar.config import load_configuration
 from drawbar.console.device_rates import DeviceRates
 from drawbar.console.set_up_values import GROUPS
+from drawbar.console.signal_history import ShownStep
 from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
 from drawbar.console.versions import Versions, changes_between
 from drawbar.console.visitors import Rank
@@ -169,7 +170,7 @@ def test_the_drawing_is_to_scale_and_has_a_letter_for_every_length():
     changes = ["vehicle.masts.tractor={forward=0.4, left=0.3, up=2.4}", "vehicle.masts.trailer={left=-0.2, up=1.0}"]
     vehicle = load_configuration("articulated", [*changes, "vehicle.masts.trailer.forward=0.1"]).vehicle
     root = ElementTree.fromstring(vehicle_drawing(vehicle))
-    letters = {each.text for each in root.findall("text")}
+    letters = {each.text for each in root.findall("g[@class='letter']/text")}
     assert letters == {value.letter for value in VALUES if value.letter}
     lengths = sorted(
         abs(float(each.get("x2")) - float(each.get("x1")))
@@ -228,13 +229,18 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     one.press("● Begin")
     for step in straight_steps(record):
         stage.link.hand_log.hear(step, engaged=False)
+        stage.link.steps.append(ShownStep(step, None))
+        stage.link.version += 1
     stage.run(1.0)
     one.refresh()
     assert "✓ 60 / 30 m" in one.text()
     assert "\n0 / 3\n" in one.text()
+    assert "\n0 / 20 s\n" in one.text()
+    plots = [each for each in one.user.client.elements.values() if isinstance(each, ui.echart) and each.visible]
+    assert len(plots) == 2
     one.press("■ End and evaluate")
     await until(lambda: "Found:" in one.text())
-    assert "✓ wheel speed: 1.04 ±" in one.text()
+    assert "✓ wheel speed: 1.04" in one.text()
     assert "✖ front wheels: scale" in one.text()
     pulses = stage.workshop.driven.devices.sensors.pulses_per_metre
     one.refresh()

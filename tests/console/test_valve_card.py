@@ -1,8 +1,10 @@
-"""Bare valves: what a record of pushes shows, of a valve whose truth is known, and what is no such record."""
+"""The card that pushes a bare valve, by simulated users: two steps, live, ended by STOP, by steering, by silence."""
 
+import asyncio
 import math
+import threading
+from dataclasses import replace
 
-import numpy as np
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
@@ -10,112 +12,136 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import staged, until
 from nicegui import ui
+from pushed_valve import SETTINGS, PushedValve
 
-from drawbar.console.push_record import PushFile
-from drawbar.console.words import Words
-from drawbar.errors import DrawbarError
-
-PERIOD = 0.02
-BANDS, RATES, LAG, DEAD_TIME = {1: 0.12, -1: 0.2}, {1: 25.0, -1: 18.0}, 0.1, 0.04
-"""by side, 1 is left: dead band, full rate in degrees per second; s"""
+from drawbar.config import load_configuration
+from drawbar.console import valve_card
+from drawbar.driving.demonstration import with_stand_ins
+from drawbar.messages import Action
 
 
-class Valve:
-    """A valve with a lag and a dead time, and the rows that its sensor makes."""
+class Bench:
+    """A valve whose time goes on while `goes` is set, or as fast as it can."""
 
-    def __init__(self, direction):
-        self.direction, self.time, self.angle, self.rate, self.rows = direction, 0.0, 0.0, 0.0, []
-        self._waiting = [0.0] * round(DEAD_TIME / PERIOD)
+    def __init__(self, monkeypatch):
+        self.goes, self.lines = threading.Event(), []
+        self.goes.set()
+        monkeypatch.setattr(valve_card, "opened", self._opened)
 
-    def hold(self, drive, duration):
-        """Drive it for a time, s; return how far it has turned, degrees."""
-        before = self.angle
-        for _ in range(round(duration / PERIOD)):
-            self.rows.append(f"{self.time:.2f},{drive:.2f},{round(self.angle, 2)}")
-            self._waiting.append(drive * self.direction)
-            now = self._waiting.pop(0)
-            side = 1 if now > 0.0 else -1
-            opening = max(abs(now) - BANDS[side], 0.0) / (1.0 - BANDS[side])
-            aim, share = side * RATES[side] * opening, -math.expm1(-PERIOD / LAG)
-            self.angle += PERIOD * aim + (self.rate - aim) * LAG * share
-            self.rate += share * (aim - self.rate)
-            self.time += PERIOD
-        return self.angle - before
+    def _opened(self, settings, wheelbase, motion):
+        assert settings.counts == SETTINGS.counts
+        self.lines.append(PushedValve(scale=0.9, each=lambda time, line: self.goes.wait(20.0)))
+        return self.lines[-1].machine()
+
+    @property
+    def is_off(self):
+        return self.lines[-1].told[-1] == 0
 
 
-def pushed(direction):
-    """Return the record of a valve that was pushed as the card says."""
-    valve = Valve(direction)
-    valve.hold(0.0, 1.0)
-    for run in range(6):
-        sign, moved, percent = 1 - 2 * (run % 2), 0, 0
-        while moved < 4:
-            percent += 1
-            way = valve.hold(sign * percent / 100.0, 0.5) + valve.hold(0.0, 0.5)
-            moved += abs(way) > 0.3
-    for push in range(10):
-        valve.hold(0.45 * (1 - 2 * (push % 2)), 0.8)
-        valve.hold(0.0, 0.8)
-    return "\n".join(["time,drive,angle", *valve.rows]).encode()
+@pytest.fixture
+def bench(monkeypatch):
+    return Bench(monkeypatch)
 
 
-@pytest.mark.parametrize("direction", [1, -1])
-def test_a_record_shows_the_valves_numbers_whichever_way_it_is_connected(direction):
-    found = {each.name: each.value for each in PushFile.of(pushed(direction), "a.csv").found()}
-    assert all(value.accepted for value in found.values()), found
-    for side, sign in (("left", 1), ("right", -1)):
-        assert found[f"{side}: dead band"].value == pytest.approx(BANDS[sign], abs=0.01)
-        assert math.degrees(found[f"{side}: full rate"].value) == pytest.approx(RATES[sign], rel=0.05)
-        assert found[f"{side}: lag"].value == pytest.approx(LAG, abs=0.02)
-        assert found[f"{side}: dead time"].value == pytest.approx(DEAD_TIME, abs=0.02)
-    assert all(isinstance(each, float) for value in found.values() for each in (value.value, value.deviation))
+async def opened(stage, browser):
+    """Return a page of a drive whose stand-ins have a bare valve."""
+    machine = load_configuration("articulated", ["machine.attitude.tractor.present=true"])
+    stage.workshop.driven = with_stand_ins(machine)
+    return await browser().open("/setup")
 
 
-def test_what_was_not_pushed_is_not_found_and_said_in_both_languages():
-    rows = pushed(1).decode().splitlines()
-    few = "\n".join(rows[: len(rows) // 9]).encode()
-    for each in PushFile.of(few, "a.csv").found():
-        assert not each.value.accepted
-        for text in (*each.value.refusals, each.name, each.value.unit):
-            assert Words("de").message(text) != text
-    gap = [row for row in rows[1:] if not 0.2 < float(row.split(",")[0]) % 1.0 < 0.45]
-    with pytest.raises(DrawbarError, match="without gaps"):  # silent in each push: none counts
-        PushFile.of("\n".join(gap).encode(), "a.csv")
+async def ended(stage):
+    await until(lambda: stage.link.pushing is None)
+    await asyncio.sleep(0.05)
 
 
-@pytest.mark.parametrize(
-    ("data", "told"),
-    [
-        (b"\xff\xfe", "byte 0 is not UTF-8"),
-        (b"time,drive,angle\n0,0,0\n", "has 1 rows"),
-        (b"0,0\n", "3 numbers separated by commas"),
-        (b"\n".join(b"%d,nan,0" % i for i in range(20)), "not finite"),
-        (b"\n".join(b"1,0,0" for _ in range(20)), "times do not rise"),
-        (b"\n".join(b"%d,45,0" % i for i in range(20)), "a drive beyond"),
-        (b"\n".join(b"%d,0,200" % i for i in range(20)), "an angle beyond"),
-        (b"\n".join(b"%d,0,0" % i for i in range(20)), "holds no push"),
-    ],
-)
-def test_a_file_that_is_no_record_is_refused_with_its_name(data, told):
-    with pytest.raises(DrawbarError, match=told) as caught:
-        PushFile.of(data, "a.csv")
-    assert str(caught.value).startswith("a.csv")
-    assert Words("de").message(caught.value) != str(caught.value)
+def test_it_pushes_draws_and_keeps_what_it_found(bench):
+    @staged
+    async def test(stage, browser):
+        one = await opened(stage, browser)
+        assert not one.enabled("2 Move now")
+        bench.goes.clear()
+        one.press("1 All is clear")
+        one.press("2 Move now")
+        await until(lambda: stage.link.pushing is not None)
+        assert "moves the front wheels" in one.text()
+        bench.goes.set()
+        await ended(stage)
+        assert "left: dead band: 0.14" in one.text()
+        assert "✓ 6 / 6" in one.text()
+        assert "✓ 10 / 10" in one.text()
+        assert "settings of drawbar_actuate" in one.text()
+        assert bench.is_off
+        assert not bench.lines[0].connected
+        assert sum(isinstance(each, ui.echart) and each.visible for each in one.user.client.elements.values()) == 2
+        stage.workshop.configuration = stage.workshop.driven
+        one.refresh()
+        one.press("Save the sensor's scale")
+        assert "saved" in one.told().lower()
+        (version,) = stage.workshop.versions.all()
+        saved = load_configuration(str(version.file)).devices.bare_valve.angles
+        assert saved == pytest.approx([0.9 * each for each in SETTINGS.angles], rel=0.05)
+
+    test()
+
+
+def test_stop_and_end_and_steering_and_a_page_that_hangs_end_it(bench):
+    @staged
+    async def test(stage, browser):
+        one = await opened(stage, browser)
+
+        def engages(pushing):
+            gate = stage.link.gate
+            stage.link._hear_gate(replace(gate, steers=1))
+            stage.link._hear_gate(gate)
+
+        ways = {
+            "stopped by the operator": lambda pushing: one.press("■ End"),
+            "by the operator": lambda pushing: stage.link.ask(one.page._visitor, Action.STOP),
+            "drawbar steers now": engages,
+            "no picture was drawn": lambda pushing: setattr(pushing, "_attended", -math.inf),
+        }
+        stage.run(0.1)
+        for words, happen in ways.items():
+            bench.goes.clear()
+            one.press("1 All is clear")
+            one.press("2 Move now")
+            await until(lambda: stage.link.pushing is not None)
+            one.refresh()
+            assert not one.enabled("1 All is clear")
+            happen(stage.link.pushing)
+            bench.goes.set()
+            await ended(stage)
+            assert words in one.text()
+            assert bench.is_off
+            one.refresh()
+            assert not one.enabled("Save the sensor's scale")
+
+    test()
+
+
+def test_nothing_is_moved_while_drawbar_steers_or_without_the_first_step(bench):
+    @staged
+    async def test(stage, browser):
+        drives = await browser().open()
+        stage.run(4.0, drives)
+        one = await opened(stage, browser)
+        with one.user.client:
+            await one.page._valve._push()  # a forged event
+        one.press("1 All is clear")
+        for action in (Action.ARM, Action.ENGAGE):
+            stage.link.ask(drives.page._visitor, action)
+            stage.run(0.2, drives)
+        one.refresh()
+        assert not one.enabled("1 All is clear")
+        with one.user.client:
+            await one.page._valve._push()
+        assert bench.lines == []
+
+    test()
 
 
 @staged
-async def test_the_card_takes_a_record_draws_it_and_lists_what_was_found(stage, browser):
+async def test_without_a_bare_valve_there_is_no_card(stage, browser):
     one = await browser().open("/setup")
-    (upload,) = one.user.find(ui.upload).elements
-    for data in (b"0,0\n", pushed(1)):
-        answer = await one.user.http_client.post(upload.props["url"], files={"file": ("a.csv", data)})
-        assert answer.status_code == 200
-    await until(lambda: "left: dead band: 0.12" in one.text())
-    assert "3 numbers separated by commas" in one.told()
-    assert one.text().count("✓ 3 / 3") == 1
-    assert "✓ 5 / 3" in one.text()
-    assert "settings of drawbar_actuate" in one.text()
-    assert (
-        np.count_nonzero([isinstance(each, ui.echart) and each.visible for each in one.user.client.elements.values()])
-        == 2
-    )
+    assert "Valve or motor without a loop" not in one.text()

@@ -1,4 +1,4 @@
-"""`drawbar check` of a receiver: what its last epoch says, as somebody at the machine reads it."""
+"""`drawbar check` of a receiver and of a bare valve: what they say, as somebody at the machine reads it."""
 
 import datetime
 
@@ -7,9 +7,12 @@ import pytest
 from drawbar.driving import check
 from drawbar.driving.memory import MemoryTransport
 from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.bare_valve import BareValveSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in import nmea
+from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS
 from drawbar.machine.stand_in.receiver import Report
+from drawbar.protocols.own_sentence import own_sentence
 
 BEGIN = datetime.datetime(2026, 11, 22, 12, tzinfo=datetime.UTC)
 
@@ -37,3 +40,23 @@ def test_roll_and_yaw_rate_are_told_in_degrees(monkeypatch, side):
 
 def test_what_is_not_measured_is_not_told(monkeypatch):
     assert not any("roll" in fact or "yaw" in fact for fact in facts_of(monkeypatch))
+
+
+@pytest.mark.parametrize(
+    ("sentence", "facts", "problems"),
+    [
+        (own_sentence("PDBV", 1, 2448, 1), ["angle 14.3°", "switch held"], 0),
+        (own_sentence("PDBV", 1, 2048, 0), ["angle 0.0°", "switch let go"], 0),
+        (own_sentence("PDBV", 1, 9999, 0), ["angle nan°", "switch let go"], 1),
+        (b"$PDBV,1,2048,1*00\r\n", [], 1),
+    ],
+)
+def test_a_bare_valves_board_is_listened_to_and_told_nothing(monkeypatch, sentence, facts, problems):
+    line = MemoryTransport()
+    line.arrive(10.0, sentence)
+    monkeypatch.setattr(check, "open_transport", lambda _: line)
+    monkeypatch.setattr(check, "_looks", lambda _: iter([10.0]))
+    monkeypatch.setattr(line, "write", lambda data: pytest.fail("it was told something"))
+    settings = BareValveSettings(transport="file:memory", counts=HITCH_COUNTS, angles=HITCH_ANGLES)
+    finding = check._bare_valve(settings, 1.0)
+    assert (finding.facts, len(finding.problems)) == (facts, problems)

@@ -1,5 +1,7 @@
-"""`drawbar calibrate` and `drawbar identify`: a machine's numbers from logs."""
+"""`drawbar calibrate` and `drawbar identify`: a machine's numbers, from logs or by moving it a little."""
 
+from collections.abc import Sequence
+from contextlib import closing
 from datetime import UTC, datetime
 from itertools import groupby
 from pathlib import Path as FilePath
@@ -7,25 +9,46 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import RunLogFile, console
+from drawbar.cli.options import RunLogFile, RunLogFileIfAny, agreed, console
 from drawbar.errors import ConfigurationError, DrawbarError
 
 if TYPE_CHECKING:
+    from drawbar.config import Configuration
     from drawbar.driving.calibrating import Found
     from drawbar.signals import BodyActuation
 
 
 def calibrate(
     configuration: Annotated[FilePath, typer.Argument(metavar="FILE", help="configuration of the machine")],
-    log: RunLogFile,
+    log: RunLogFileIfAny = None,
+    push: Annotated[
+        bool, typer.Option("--push", help="instead of a log: move a bare valve or motor a little; asks twice before")
+    ] = False,
 ) -> None:
     """Find sensors' zeros and scales, the wheels' pulses, mounting roll, antenna's place and dead bands in a drive.
 
     What is found is written beside FILE, as NAME.calibrated.toml, which extends it: drive with that file. Nothing is
-    moved. docs/calibration.md says what to drive.
+    moved but with --push, which finds direction, dead bands, rates and the sensor's scale of a valve or motor without
+    a loop of its own. docs/calibration.md says what to drive.
     """
-    from drawbar.config import load_configuration, recorded_configuration
-    from drawbar.driving.calibrated_file import calibrated_file, calibrated_text
+    from drawbar.config import load_configuration
+
+    config = load_configuration(str(configuration))
+    if push == (log is not None):
+        raise DrawbarError("calibrate needs a log or --push, one of them; give the folder of a drive, or --push")
+    found, source = (_in_log(log), log.name) if log is not None else (_pushed(config), "--push")
+    for each in found:
+        _tell(each)
+    if not any(each.sets for each in found):
+        console.print("nothing is written")
+        raise SystemExit(1)
+    _write(configuration, found, source)
+    if any(".memory." in key for each in found for key in each.sets):
+        console.print("the boards do not know it yet: enter their numbers by AgOpenGPS, or what else sets them up")
+
+
+def _in_log(log: FilePath) -> "list[Found]":
+    from drawbar.config import recorded_configuration
     from drawbar.driving.calibrating import calibrate as evaluate
     from drawbar.driving.hand_drive import HandDrive
     from drawbar.driving.loop_drive import dead_bands
@@ -33,29 +56,52 @@ def calibrate(
     from drawbar.recording.drive_records import open_drive
     from drawbar.recording.log import read_log
 
-    load_configuration(str(configuration))
     content = read_log(log)
     recorded = recorded_configuration(content.header.configuration, [], str(log))
     if recorded.devices is None:
         raise ConfigurationError(f"{log}: is the log of no real machine; give the log of a `drawbar drive`")
     with open_drive(log) as records:
         states = [each for each in records if isinstance(each, GateState) and each.steers]
-    found = [*evaluate(recorded, HandDrive.of(content)), *dead_bands(states)]
-    for each in found:
-        _tell(each)
-    if not any(each.sets for each in found):
-        console.print("nothing is written")
+    return [*evaluate(recorded, HandDrive.of(content)), *dead_bands(states)]
+
+
+def _pushed(config: "Configuration") -> "list[Found]":
+    """Push the bare valve if the operator wants it, twice; return what that shows."""
+    from drawbar.driving.pushing import Pushing, ReceiverMotion, bare_valve, opened
+    from drawbar.machine.hardware.calibration import CalibrationLimits
+
+    settings = bare_valve(config)
+    limits = CalibrationLimits()
+    console.print(
+        "The valve or motor turns the front wheels by some degrees to both sides, for about three minutes. Roll "
+        f"straight ahead between {limits.slowest} and {limits.fastest} m/s, better near 1 m/s, somebody on the seat "
+        "with the switch held, nobody near the machine. Ctrl-C or letting the switch go ends it."
+    )
+    if not agreed("Is the field ahead clear, and is somebody on the seat?", "Move the front wheels now?"):
         raise SystemExit(1)
+    assert config.devices is not None
+    with closing(ReceiverMotion(config.devices.tractor_receiver)) as motion:
+        valve = opened(settings, config.vehicle.wheelbase, motion)
+        with closing(valve):
+            pushing = Pushing(valve, settings)
+            found = pushing.run()
+    if pushing.reason:
+        raise DrawbarError(pushing.reason)
+    return found
+
+
+def _write(configuration: FilePath, found: "Sequence[Found]", source: str) -> None:
+    from drawbar.config import load_configuration
+    from drawbar.driving.calibrated_file import calibrated_file, calibrated_text
+
     file = calibrated_file(configuration)
-    text = calibrated_text(configuration, found, datetime.now(UTC).date(), log.name)
+    text = calibrated_text(configuration, found, datetime.now(UTC).date(), source)
     try:
         file.write_text(text, "utf-8")
     except OSError as error:
         raise DrawbarError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
     load_configuration(str(file))
     console.print(f"written: {file}", soft_wrap=True)
-    if any(".memory." in key for each in found for key in each.sets):
-        console.print("the boards do not know it yet: enter their numbers by AgOpenGPS, or what else sets them up")
 
 
 def _tell(found: "Found") -> None:
@@ -63,7 +109,7 @@ def _tell(found: "Found") -> None:
 
     value = found.value
     if value.accepted:
-        text = f"{found.name}: {value.value:.6g} ± {value.deviation:.2g} {value.unit}"
+        text = f"{found.name}: {value.told} {value.unit}"
         console.print(Text(text + "".join(f"\n    {key} = {each}" for key, each in found.sets.items())))
     for refusal in value.refusals:
         console.print(Text(f"{found.name}: {refusal}", style="yellow"))

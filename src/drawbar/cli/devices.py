@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.options import ConfigurationName, agreed, console
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
@@ -60,10 +60,8 @@ def _wiggle(config: "Configuration") -> bool:
         "The wiggle test turns the front wheels, then the joint, by 2° to both sides. Roll straight ahead at "
         f"{SLOWEST} to {FASTEST} m/s, somebody on the seat, nobody near the machine. Ctrl-C ends it."
     )
-    for question in ("Is the field ahead clear, and is somebody on the seat?", "Move the steering now?"):
-        if not typer.confirm(question):
-            console.print("nothing was moved")
-            return False
+    if not agreed("Is the field ahead clear, and is somebody on the seat?", "Move the steering now?"):
+        return False
     forget_passed()
     passed = True
     for name, found in wiggle_both(config):

@@ -22,19 +22,27 @@ ConfigurationName = Annotated[
 ]
 
 
-def _log_of(run: FilePath) -> FilePath:
+def _log_of(run: FilePath | None) -> FilePath | None:
     """Return the log of a run that is given by its folder or by the log itself."""
     from drawbar.recording.log import LOG_NAME
 
-    return run / LOG_NAME if run.is_dir() else run
+    return run / LOG_NAME if run is not None and run.is_dir() else run
 
 
-RunLogFile = Annotated[
-    FilePath,
-    typer.Argument(metavar="RUN", callback=_log_of, help="folder of a run or a drive, or its log.mcap"),
-]
+_RUN_LOG = typer.Argument(metavar="RUN", callback=_log_of, help="folder of a run or a drive, or its log.mcap")
+RunLogFile = Annotated[FilePath, _RUN_LOG]
+RunLogFileIfAny = Annotated[FilePath | None, _RUN_LOG]
 Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
+
+
+def agreed(*questions: str) -> bool:
+    """Ask the operator before something is moved; return whether every answer is yes."""
+    for question in questions:
+        if not typer.confirm(question):
+            console.print("nothing was moved")
+            return False
+    return True
 
 
 def configured(source: str, path: str | None, track: str, changes: Sequence[str]) -> "Configuration":

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -11,12 +12,15 @@ from nicegui import ui
 from drawbar.console.calibration_parts import CURVE, StepList, list_found, plot_options
 from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
+from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.driving.calibrating import calibrate
 from drawbar.driving.hand_drive import HandDrive
 from drawbar.driving.loop_drive import dead_bands
 from drawbar.errors import ConfigurationError, DrawbarError
+from drawbar.machine.hardware.mounting_calibration import BACK
+from drawbar.signals import Measurement
 
 _PERIOD = 1_000_000_000
 """between two pictures, ns"""
@@ -26,11 +30,15 @@ _SPAN = 20.0
 """least length of the plot's axes, m"""
 _WHEEL = "M24 6 a18 18 0 1 0 0.1 0 M6 24 H42 M24 24 V42"
 _AHEAD = "M6 24 H40 M33 17 l8 7 l-8 7"
-STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]] | None], ...] = (
+STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]]], ...] = (
     ("calibrate_straight", _AHEAD, lambda done: (done.straight, 30.0, "m")),
     ("calibrate_left", "M30 42 A17 17 0 1 0 13 25 M7 33 l6 -9 l8 7", lambda done: (done.left, 3.0, "")),
     ("calibrate_right", "M18 42 A17 17 0 1 1 35 25 M41 33 l-6 -9 l-8 7", lambda done: (done.right, 3.0, "")),
-    ("calibrate_back", "M6 17 H40 M33 10 l8 7 l-8 7 M42 33 H8 M15 26 l-8 7 l8 7", None),
+    (
+        "calibrate_back",
+        "M6 17 H40 M33 10 l8 7 l-8 7 M42 33 H8 M15 26 l-8 7 l8 7",
+        lambda done: (done.back, BACK, "s"),
+    ),
     (
         "calibrate_curves",
         "M4 24 C10 4 16 4 22 24 S36 44 42 24 M35 27 l7 -4 l4 7",
@@ -39,6 +47,12 @@ STEPS: tuple[tuple[str, str, Callable[[Driven], tuple[float, float, str]] | None
     ("calibrate_steered", _WHEEL, lambda done: (done.steered, 120.0, "s")),
 )
 """what to drive: catalogue's key, its picture, and how much of it counts so far, of how much, in which unit"""
+_ANGLES = {
+    "plotted_wheels": "tractor_steering",
+    "plotted_joint": "trailer_steering",
+    "plotted_hitch": "hitch_angle",
+}
+"""that are plotted: name in the catalogue, and of the measurement"""
 
 
 class CalibrationCard:
@@ -48,7 +62,7 @@ class CalibrationCard:
         """Build the card; keep: takes what is found, as KEY=VALUE."""
         self._workshop, self._link, self._words, self._keep_changes = workshop, link, words, keep
         self._changes: list[str] = []
-        self._due, self._works = 0, False
+        self._due, self._works, self._version = 0, False, 0
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("calibrate"))
@@ -60,14 +74,18 @@ class CalibrationCard:
                 self._keep = self._button("calibrate_keep", self._save).classes("main")
             self._said = ui.label().classes("note").props("role=status")
             self._track = ui.echart(plot_options("m", "m")).classes("track-plot")
+            self._angles = LivePlot("angle-plot")
             self._found = ui.element("div")
         self._track.set_visibility(False)
+        self._angles.set_visibility(False)
         self._show_buttons()
 
     def refresh(self) -> None:
         """Show what has been driven."""
         self._show_buttons()
         log, now = self._link.hand_log, self._link.clock()
+        if log.is_on and self._link.steps and self._angles.may_draw:
+            self._draw_angles()
         if not log.is_on or now < self._due or self._works:
             return
         self._due = now + _PERIOD
@@ -77,7 +95,7 @@ class CalibrationCard:
 
     def _count(self, done: Driven | None) -> None:
         """Show how much of each step has been driven; None: nothing."""
-        self._steps.count([measure(done) if done and measure else None for _, _, measure in STEPS])
+        self._steps.count([measure(done) if done else None for _, _, measure in STEPS])
 
     def _button(self, key: str, act: Callable[[], Any]) -> ui.button:
         button = ui.button(self._words(key), on_click=act, color=None)
@@ -114,6 +132,17 @@ class CalibrationCard:
             "setOption", {"xAxis": axes[0], "yAxis": axes[1], "series": [CURVE | {"data": points.tolist()}]}
         )
 
+    def _draw_angles(self) -> None:
+        """Send the measured angles that are new, degrees."""
+        steps, fresh = list(self._link.steps), self._link.version - self._version
+        anew = self._version == 0
+        self._version = self._link.version
+        curves = [Curve(self._words(key), index, thin=False) for index, key in enumerate(_ANGLES)]
+        if anew:
+            self._angles.set_visibility(True)
+        rows = [_angles(step.record.measurement) for step in (steps if anew else steps[len(steps) - fresh :])]
+        self._angles.draw(rows, self._link.step_age, curves if anew else None)
+
     async def _find(self) -> None:
         """Evaluate in a thread, which must not hold up the pictures of those who drive."""
         log = self._link.hand_log
@@ -140,3 +169,9 @@ class CalibrationCard:
     def _save(self) -> None:
         if self._changes:
             self._keep_changes(self._changes)
+
+
+def _angles(measurement: Measurement) -> list[float | None]:
+    """Return time (s) and angles (degrees) as a plot takes them; None: it is missing."""
+    angles = [math.degrees(getattr(measurement, name)) for name in _ANGLES.values()]
+    return [round(measurement.time, 3), *(round(each, 2) if math.isfinite(each) else None for each in angles)]

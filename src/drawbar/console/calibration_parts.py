@@ -62,5 +62,4 @@ def _line(found: Found, words: Words) -> str:
     value, name = found.value, words.message(found.name)
     if not value.accepted:
         return f"✖ {name}: {'; '.join(map(words.message, value.refusals))}"
-    numbers = f"{value.value:.4g} ± {value.deviation:.2g}"
-    return f"✓ {name}: {words.decimal(numbers)} {words.message(value.unit)}"
+    return f"✓ {name}: {words.decimal(value.told)} {words.message(value.unit)}"

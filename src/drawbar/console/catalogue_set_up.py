@@ -63,15 +63,21 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
         "Auf ebenem Feld, mit RTK-Fix, im Schritttempo; alles von Hand, nur beim Letzten lenkt drawbar. "
         "Was nicht gefahren wird, wird nicht ermittelt.",
     ),
-    "calibrate_straight": ("Straight on for 30 m", "30 m geradeaus"),
+    "calibrate_straight": (
+        "Straight on for 30 m: zeros of all angle sensors, pulses of the wheel sensor",
+        "30 m geradeaus: Nullpunkte aller Winkelsensoren, Pulse des Radsensors",
+    ),
     "calibrate_left": (
-        "Three circles of different sizes to the left; in each hold the steering wheel still for 6 s",
-        "Drei verschieden große Kreise nach links; in jedem das Lenkrad 6 s lang festhalten",
+        "Three circles of different sizes to the left; in each hold the steering wheel still for 6 s: scale and "
+        "direction of the front wheels' sensor",
+        "Drei verschieden große Kreise nach links; in jedem das Lenkrad 6 s lang festhalten: Maßstab und Richtung des "
+        "Sensors der Vorderräder",
     ),
     "calibrate_right": ("Three circles to the right, likewise", "Drei Kreise nach rechts, ebenso"),
     "calibrate_back": (
-        "Back along the same straight, in the same tracks",
-        "Auf derselben Geraden zurück, genau in der eigenen Spur",
+        "Back along the same straight, in the same tracks, 20 s each way: mounting roll of the tractor's sensor",
+        "Auf derselben Geraden zurück, genau in der eigenen Spur, je 20 s: Einbauwinkel (Rollen) des Sensors auf dem "
+        "Traktor",
     ),
     "calibrate_curves": (
         "Two minutes of S-curves, 4 s to each side: where the antenna stands",
@@ -81,6 +87,9 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
         "Two minutes steered by drawbar along a line with slow curves: for the dead bands",
         "Zwei Minuten drawbar lenken lassen, auf einer Linie mit sanften Kurven: für das Lenkspiel (Totbereich)",
     ),
+    "plotted_wheels": ("front wheels, °", "Vorderräder, °"),
+    "plotted_joint": ("steered joint, °", "Lenkgelenk, °"),
+    "plotted_hitch": ("hitch, °", "Knickwinkel, °"),
     "calibrate_begin": ("● Begin", "● Beginnen"),
     "calibrate_evaluate": ("■ End and evaluate", "■ Beenden und auswerten"),
     "calibrate_keep": ("Save the result", "Ergebnis speichern"),
@@ -92,32 +101,32 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
     ),
     "valve": ("Valve or motor without a loop of its own", "Ventil oder Motor ohne eigene Regelung"),
     "valve_help": (
-        "For one that drawbar_actuate drives. Your own computer pushes it and writes down what it does; nothing is "
-        "moved from here. Roll slowly, with the switch that permits motion in your hand.",
-        "Für Antriebe, die drawbar_actuate regelt. Ihr eigener Rechner bewegt den Antrieb und schreibt mit; von hier "
-        "aus bewegt sich nichts. Langsam rollen, den Freigabeschalter in der Hand.",
+        "Moves the front wheels by some degrees to both sides, for about three minutes. Letting the switch go ends it, "
+        "and so does every STOP; stay on this page.",
+        "Bewegt die Vorderräder um einige Grad nach beiden Seiten, etwa drei Minuten lang. Den Schalter loslassen "
+        "beendet es, ebenso jedes STOPP; auf dieser Seite bleiben.",
+    ),
+    "valve_roll": (
+        "Roll straight ahead at 3 km/h, 150 m clear, somebody on the seat, the switch held, nobody near the machine",
+        "Mit 3 km/h geradeaus rollen, 150 m frei, jemand auf dem Sitz, Schalter gedrückt, niemand nahe der Maschine",
     ),
     "valve_band": (
-        "At 2 km/h: push for 0.5 s, from rest, each time 1 % harder, until it has moved four times; to the left, to "
-        "the right, three times each",
-        "Bei 2 km/h: 0,5 s ansteuern, aus der Ruhe, jedes Mal 1 % stärker, bis er sich viermal bewegt hat; nach links, "
-        "nach rechts, je dreimal",
+        "Short pushes, each 1 % harder, until the wheels move: dead band to each side",
+        "Kurze Stöße, jeder 1 % stärker, bis sich die Räder bewegen: Totbereich jeder Seite",
     ),
     "valve_rate": (
-        "At 3.5 km/h: push with 45 % until it has turned 4°; to the left and to the right by turns, five times each",
-        "Bei 3,5 km/h: mit 45 % ansteuern, bis er 4° weit ist; abwechselnd nach links und rechts, je fünfmal",
+        "Longer pushes by some degrees: how fast the wheels turn, and how soon",
+        "Längere Stöße um einige Grad: wie schnell die Räder drehen, und wie bald",
     ),
-    "valve_write": (
-        "Write it into one file, 20 rows a second or more: time in s, drive from −1 to 1, angle in degrees, left "
-        "positive",
-        "Alles in eine Datei schreiben, mindestens 20 Zeilen je Sekunde: Zeit in s, Ansteuerung von −1 bis 1, Winkel "
-        "in Grad, links positiv",
-    ),
-    "valve_file": ("Choose the file (.csv)", "Datei wählen (.csv)"),
-    "valve_angle": ("angle, °", "Winkel, °"),
+    "valve_prepare": ("1 All is clear", "1 Alles ist frei"),
+    "valve_begin": ("2 Move now", "2 Jetzt bewegen"),
+    "valve_stop": ("■ End", "■ Beenden"),
+    "valve_keep": ("Save the sensor's scale", "Maßstab des Sensors speichern"),
+    "valve_moves": ("It moves the front wheels.", "Die Vorderräder werden bewegt."),
     "valve_drive": ("drive, %", "Ansteuerung, %"),
     "valve_enter": (
-        "Enter these numbers in the settings of drawbar_actuate. Nothing is changed here.",
-        "Diese Zahlen in die Einstellungen von drawbar_actuate eintragen. Hier wird nichts geändert.",
+        "Enter dead bands and rates in the settings of drawbar_actuate. The sensor's scale can be saved here.",
+        "Totbereiche und Geschwindigkeiten in die Einstellungen von drawbar_actuate eintragen. Der Maßstab des Sensors "
+        "lässt sich hier speichern.",
     ),
 }

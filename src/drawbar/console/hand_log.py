@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drawbar.driving.calibrating import two_ways
 from drawbar.driving.hand_drive import HandDrive
 from drawbar.driving.loop_drive import steered_time
 from drawbar.machine.hardware.mounting_calibration import TURNING
@@ -26,6 +27,8 @@ class Driven:
     left: int
     """circles with the steering held"""
     right: int
+    back: float
+    """time of the longest straight's way back in the same tracks, s"""
     curves: float
     """time of turning to both sides without holding the steering, s"""
     steered: float
@@ -65,7 +68,7 @@ class HandLog:
         """Return what counts of it so far."""
         drive, steered = self.drive(), steered_time(self._states)
         if drive is None:
-            return Driven(straight=0.0, left=0, right=0, curves=0.0, steered=steered)
+            return Driven(straight=0.0, left=0, right=0, back=0.0, curves=0.0, steered=steered)
         return _driven(drive, steered)
 
     @property
@@ -83,10 +86,12 @@ def _driven(drive: HandDrive, steered: float) -> Driven:
     turns = [float(np.mean(part.front_wheels)) for part in circles]
     held = sum(float(part.times[-1] - part.times[0]) for part in circles)
     turning = float(np.diff(drive.times, prepend=drive.times[0])[np.abs(drive.yaw_rates) > TURNING].sum())
+    _, back = two_ways(drive)
     return Driven(
         straight=max((part.way for part in drive.straights()), default=0.0),
         left=sum(turn > 0.0 for turn in turns),
         right=sum(turn < 0.0 for turn in turns),
+        back=float(np.ptp(back.times)) if len(back.times) else 0.0,
         curves=max(turning - held, 0.0),
         steered=steered,
     )

@@ -16,6 +16,8 @@ from drawbar.console.surveyor import Surveyor
 from drawbar.console.visitors import Visitor
 from drawbar.driving.letters import Step, Sureness, unpack
 from drawbar.driving.operator import Operator
+from drawbar.driving.pushing import STOPPED, Pushing
+from drawbar.machine.hardware.bare_valve import Motion
 from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage, decode
 from drawbar.recording.log import decode_step
 from drawbar.safety.desk import ALWAYS
@@ -58,6 +60,9 @@ class Link:
         self.devices = DeviceRates()
         self.surveyor = Surveyor(mast, clock)
         self.hand_log = HandLog()
+        self.pushing: Pushing | None = None
+        """the bare valve is being pushed, by one page"""
+        self._motion = Motion(-math.inf, math.nan, math.nan)
         self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
         """x (m), y (m), lateral error (m) of the tractor"""
         self.wishes: dict[int, str] = {}
@@ -90,6 +95,10 @@ class Link:
         wheels = self.controller.wheel_speed
         return wheels if math.isfinite(wheels) else self.controller.receiver_speed
 
+    def motion(self) -> Motion:
+        """Return how the tractor moves, by its receiver."""
+        return self._motion
+
     def hear(self, data: bytes) -> None:
         """Take in a datagram."""
         letter = unpack(data)
@@ -107,6 +116,7 @@ class Link:
         if isinstance(message, GateState | ControllerState | Fixes):
             self.devices.hear(message, self.clock())
         if isinstance(message, Fixes):
+            self._motion = Motion(1e-9 * message.epoch, message.tractor_speed, message.tractor_yaw_rate)
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
             self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)
 
@@ -134,6 +144,8 @@ class Link:
         self.gate = state
         self._states.append(state)
         self.hand_log.hear_gate(state)
+        if self.pushing is not None and self.is_engaged:
+            self.pushing.end("drawbar steers now; stop, then begin again")
         for session in self._sessions.values():
             session.hear(state)
 
@@ -162,6 +174,8 @@ class Link:
     def ask(self, visitor: Visitor, action: Action, value: float = 0.0) -> bool:
         """Ask the gate for something in a visitor's name; return whether it was sent. Everybody may stop."""
         allowed = visitor.may_drive or action in ALWAYS
+        if action in ALWAYS and self.pushing is not None:
+            self.pushing.end(STOPPED)
         sent = allowed and self.session(visitor).ask(action, self.clock(), value)
         self._audit.write(visitor, action.name, value=value, sent=sent)
         return sent

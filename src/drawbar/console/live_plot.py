@@ -4,7 +4,7 @@ The browser keeps the steps, and is sent only those that are new (plots.js). It 
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,11 +31,21 @@ class Curve:
 class LivePlot:
     """The plot of one page."""
 
-    def __init__(self) -> None:
-        """Build it, without curves."""
-        self._under_way = UnderWay()
-        self._chart = ui.echart(_options()).classes("plot")
-        self._chart.on("plotted", self._under_way.drawn, args=[])
+    def __init__(self, look: str = "plot", drawn: Callable[[], None] = lambda: None) -> None:
+        """Build it, without curves.
+
+        Args:
+            look: its class in console.css.
+            drawn: called when a browser has drawn a picture.
+        """
+        self._under_way, self._tell = UnderWay(), drawn
+        self._chart = ui.echart(_options()).classes(look)
+        self._chart.on("plotted", self._drawn, args=[])
+        self.set_visibility = self._chart.set_visibility
+
+    def _drawn(self) -> None:
+        self._under_way.drawn()
+        self._tell()
 
     @property
     def may_draw(self) -> bool:

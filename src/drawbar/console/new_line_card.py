@@ -31,6 +31,7 @@ class NewLineCard:
             with ui.element("div").classes("line-up"):
                 self._button("set_a", self._set_a)
                 self._b = self._button("set_b", self._set_b)
+            with ui.element("div").classes("line-up"):
                 self._heading = ui.number(words("heading"), suffix="°", min=0, max=_COMPASS, format="%.1f")
                 self._heading.props("outlined")
                 self._along = self._button("a_and_heading", self._set_heading)

@@ -78,17 +78,6 @@ REFUSALS_DE: Mapping[str, str] = {
     "{}: lag": "{0}: Verzögerung",
     "{}: dead time": "{0}: Totzeit",
     "of the full drive": "der vollen Ansteuerung",
-    "a number": "eine Zahl",
-    "{}: has {} rows; 10 to {} are allowed": "{0}: hat {1} Zeilen; erlaubt sind 10 bis {2}",
-    "{}: holds a number that is not finite; leave its row out":
-        "{0}: enthält eine Zahl, die keine ist (nan, inf); die Zeile weglassen",
-    "{}: its times do not rise from row to row; write seconds of one clock":
-        "{0}: die Zeit steigt nicht von Zeile zu Zeile; Sekunden einer einzigen Uhr schreiben",
-    "{}: holds a drive beyond ±1; write shares of the full drive":
-        "{0}: enthält eine Ansteuerung über ±1; Anteile der vollen Ansteuerung schreiben",
-    "{}: holds an angle beyond ±180°; write degrees": "{0}: enthält einen Winkel über ±180°; Grad schreiben",
-    "{}: holds no push that moved; write time, drive, angle, without gaps of more than {} s":
-        "{0}: nichts hat sich bewegt; Zeit, Ansteuerung, Winkel schreiben, ohne Lücken von mehr als {1} s",
     "in no run did three pushes move more than {}°; push further":
         "in keiner Reihe bewegte sich dreimal etwas um mehr als {0}°; weiter steigern",
     "{} runs moved; make {}": "in {0} Reihen hat sich etwas bewegt; {1} sind nötig",
@@ -104,4 +93,45 @@ REFUSALS_DE: Mapping[str, str] = {
         "die Stöße unterscheiden sich um {0}°, oder die Räder stehen am Anschlag",
     "the angle does not follow the drive; find the drive's direction first":
         "der Winkel folgt der Ansteuerung nicht; zuerst deren Richtung klären",
+    "direction of the drive": "Richtung der Ansteuerung",
+    "(1: positive turns left, -1: right)": "(1: positiv dreht nach links, -1: nach rechts)",
+    "front wheels: angle by the yaw rate / by the sensor": "Vorderräder: Winkel nach Drehrate / nach Sensor",
+    "{} rests within {}°; push again, rolling straight":
+        "{0} Ruhelagen innerhalb von {1}°; noch einmal, geradeaus rollend",
+    "the yaw rate tells it to {} only; roll faster, at 1 m/s, straight ahead":
+        "die Drehrate sagt es nur auf {0} genau; schneller rollen, mit 3,5 km/h, geradeaus",
+    "{} names no valve or motor to push; add [devices.bare_valve] with transport, counts and angles "
+    "(docs/calibration.md)":
+        "{0} nennt weder Ventil noch Motor; [devices.bare_valve] mit transport, counts und angles ergänzen "
+        "(docs/calibration.md)",
+    "stopped by the operator": "von Hand beendet",
+    "drawbar steers now; stop, then begin again": "drawbar lenkt jetzt; anhalten, dann neu beginnen",
+    "no picture was drawn for {} s; keep the page in front, and begin again":
+        "{0} s lang wurde kein Bild gezeichnet; die Seite vorn behalten, und neu beginnen",
+    "a drive of {} is beyond the {} that are allowed": "Ansteuerung {0}; erlaubt sind höchstens {1}",
+    "the angle sensor reports nothing or is outside its range; check its cable":
+        "der Winkelsensor meldet nichts oder ist außerhalb seines Bereichs; Kabel prüfen",
+    "the vehicle's speed is unknown; check the receiver": "das Tempo des Fahrzeugs fehlt; Empfänger prüfen",
+    "the vehicle drives at {} m/s; keep it between {} and {} m/s: standing tyres are not turned":
+        "das Fahrzeug fährt mit {0} m/s; zwischen {1} und {2} m/s halten: stehende Reifen werden nicht gedreht",
+    "{} s between two reports of the sensor, {} s at most; check its link":
+        "{0} s zwischen zwei Meldungen des Sensors, höchstens {1} s sind erlaubt; Verbindung prüfen",
+    "it has taken more than {} s; begin again": "es hat mehr als {0} s gedauert; neu beginnen",
+    "runaway: it has turned {}° from where it began; shut the valve off and look":
+        "durchgegangen: {0}° von dort gedreht, wo es begann; Ventil schließen und nachsehen",
+    "runaway: it turns faster than {}°/s; shut the valve off and look":
+        "durchgegangen: dreht schneller als {0}°/s; Ventil schließen und nachsehen",
+    "runaway: it turns without a drive, {}°; the valve leaks, or another drives":
+        "durchgegangen: dreht ohne Ansteuerung, {0}°; das Ventil leckt, oder etwas anderes steuert an",
+    "runaway: it has turned {}° against the drive; check for a swapped sensor":
+        "durchgegangen: {0}° gegen die Ansteuerung gedreht; prüfen, ob der Sensor vertauscht ist",
+    "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; check the receiver":
+        "die Drehrate des Fahrzeugs fehlt: ein hängender Sensor fiele nicht auf; Empfänger prüfen",
+    "runaway: by its yaw rate the vehicle is steered {}° further than the sensor says; the sensor is stuck or its "
+    "lever is loose":
+        "durchgegangen: nach der Drehrate lenkt das Fahrzeug um {0}° anders, als der Sensor sagt; der Sensor hängt, "
+        "oder sein Hebel ist lose",
+    "no feedback: up to a drive of {} no {} pushes moved it by {}°; check the valve's power and the sensor's lever":
+        "keine Rückmeldung: bis zur Ansteuerung {0} bewegten keine {1} Stöße etwas um {2}°; Strom oder Druck und "
+        "den Hebel des Sensors prüfen",
 }  # fmt: skip

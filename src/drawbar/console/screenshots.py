@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Locator, Page
+    from playwright.sync_api import Browser, Locator, Page
 
-PHONE, TABLET = {"width": 360, "height": 740}, {"width": 1280, "height": 800}
+PHONE, TABLET, DESKTOP = {"width": 360, "height": 740}, {"width": 1280, "height": 800}, {"width": 1920, "height": 1080}
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 WAIT = 90_000
 """ms"""
@@ -40,11 +40,16 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        page = browser.new_page(viewport=TABLET, color_scheme="light", locale="en-GB")  # type: ignore[arg-type]
-        _take_drive(page, address, folder)
-        _take_others(page, address, folder, fields)
+        _take_drive(_page(browser, "en"), address, folder)
+        for language in ("en", "de"):
+            _take_others(_page(browser, language), address, folder, fields, language)
         browser.close()
     return 0
+
+
+def _page(browser: "Browser", language: str) -> "Page":
+    """Return a page of somebody who reads a language; numbers in inputs follow the browser's own."""
+    return browser.new_page(viewport=TABLET, color_scheme="light", locale=language)  # type: ignore[arg-type]
 
 
 def _take_drive(page: "Page", address: str, folder: Path) -> None:
@@ -65,21 +70,22 @@ def _take_drive(page: "Page", address: str, folder: Path) -> None:
     _shoot(page, folder, "stopped-german")
 
 
-def _take_others(page: "Page", address: str, folder: Path, fields: list[str]) -> None:
-    """Open all other pages, in English."""
-    page.goto(address + "language/en", timeout=WAIT)
+def _take_others(page: "Page", address: str, folder: Path, fields: list[str], language: str) -> None:
+    """Open all other pages."""
+    page.goto(f"{address}language/{language}", timeout=WAIT)
     page.goto(address + "fields", timeout=WAIT)
     page.locator(".word").wait_for(timeout=WAIT)
     if fields:
         page.locator("input[type=file]").set_input_files(fields)
         page.locator(".field-map .driven[points*=',']").wait_for(state="attached", timeout=WAIT)
         page.wait_for_timeout(9000)  # until the message has gone
-    _shoot(page, folder, "fields")
+    ending = "" if language == "en" else "-german"
+    _shoot(page, folder, "fields" + ending, whole=True)
     for name in ("setup", "inside", "runs"):
         page.goto(address + name, timeout=WAIT)
         page.locator(".word").wait_for(timeout=WAIT)
         page.wait_for_timeout(3000)
-        _shoot(page, folder, name)
+        _shoot(page, folder, name + ending, whole=True)
 
 
 def word(page: "Page", text: str) -> "Locator":
@@ -118,14 +124,16 @@ def press_until(page: "Page", seen: "Locator", *names: str, wait: float = WAIT) 
             seen.first.wait_for(timeout=_AGAIN)
 
 
-def _shoot(page: "Page", folder: Path, name: str) -> None:
-    """Take a page as phone and tablet show it, light and dark."""
+def _shoot(page: "Page", folder: Path, name: str, *, whole: bool = False) -> None:
+    """Take a page as phone, tablet and desktop show it, light and dark; whole: also with all that one scrolls to."""
     for look in ("dark", "light"):
-        for device, size in (("phone", PHONE), ("tablet", TABLET)):
+        for device, size in (("phone", PHONE), ("tablet", TABLET), ("desktop", DESKTOP)):
             page.emulate_media(color_scheme=look)
             page.set_viewport_size(size)  # type: ignore[arg-type]
             page.wait_for_timeout(500)
             page.screenshot(path=str(folder / f"{name}-{device}-{look}.png"))
+            if whole:
+                page.screenshot(path=str(folder / f"{name}-{device}-{look}-whole.png"), full_page=True)
 
 
 if __name__ == "__main__":

@@ -1,82 +1,158 @@
-"""Valve card: how to push a valve or motor that has no loop of its own, what it did, and what its loop must know."""
+"""Valve card: pushes a valve or motor that has no loop of its own, shows it live, and says what its loop must know."""
 
 import asyncio
+import json
 import math
+import time
+from collections.abc import Callable
+from contextlib import closing
 
-import numpy as np
-from nicegui import events, ui
+from nicegui import ui
 
-from drawbar.console.calibration_parts import CURVE, StepList, list_found, plot_options
-from drawbar.console.guard import LARGEST_UPLOAD
-from drawbar.console.page_head import tell
-from drawbar.console.push_record import SIDES, PushFile
+from drawbar.console.calibration_parts import StepList, list_found
+from drawbar.console.link import Link
+from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.words import Words
+from drawbar.console.workshop import Workshop
 from drawbar.driving.calibrating import Found
+from drawbar.driving.pushing import PATIENCE, PUSHES, STOPPED, Pushing, bare_valve, opened
 from drawbar.errors import DrawbarError
+from drawbar.machine.hardware.bare_valve import BareValve
 from drawbar.machine.hardware.valve_calibration import RUNS
 
-_POINTS = 3000
-"""of a plot, at most"""
+_PREPARED = 5.0
+"""after the first button, within which the second one moves, s"""
 STEPS = (
+    ("valve_roll", "M6 24 H40 M33 17 l8 7 l-8 7"),
     ("valve_band", "M4 42 V36 H9 V42 H14 V28 H19 V42 H24 V20 H29 V42 H34 V12 H39 V42 H44"),
     ("valve_rate", "M4 24 H9 V8 H17 V24 H22 V40 H30 V24 H35 V8 H43 V24"),
-    ("valve_write", "M8 6 H40 V42 H8 Z M8 15 H40 M8 24 H40 M8 33 H40 M19 6 V42 M30 6 V42"),
 )
-"""what to do: catalogue's key and its picture"""
-_CURVES = ("valve_angle", "valve_drive")
-"""names of the plots' axes, in the catalogue"""
+"""what is done: catalogue's key and its picture"""
+_CURVES = ("plotted_wheels", "valve_drive")
+"""names of the plots' curves, in the catalogue"""
 
 
 class ValveCard:
-    """Takes the record of pushes, draws it, and says what it shows; it moves nothing and changes nothing."""
+    """Begins, shows and ends the pushes of the configuration's bare valve, and keeps what they have shown."""
 
-    def __init__(self, words: Words) -> None:
-        """Build the card."""
-        self._words = words
+    def __init__(
+        self,
+        workshop: Workshop,
+        link: Link,
+        words: Words,
+        keep: Callable[[list[str]], None],
+        note: Callable[[], None],
+    ) -> None:
+        """Build the card; keep: takes what is found, as KEY=VALUE; note: writes down that something is moved."""
+        self._workshop, self._link, self._words, self._keep_changes, self._note = workshop, link, words, keep, note
+        self._pushing: Pushing | None = None
+        """what this page has begun, as long as it goes on"""
+        self._shown, self._prepared, self._changes = 0, -math.inf, list[str]()
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("valve"))
             ui.label(words("valve_help")).classes("note")
             self._steps = StepList(STEPS, words)
-            ui.upload(
-                label=words("valve_file"),
-                on_upload=self._take,
-                on_rejected=lambda: tell(words("too_large", size=LARGEST_UPLOAD >> 20)),
-                auto_upload=True,
-                max_file_size=LARGEST_UPLOAD,
-            ).props("accept=.csv")
-            self._plots = [ui.echart(plot_options("s", words(key))).classes("push-plot") for key in _CURVES]
-            self._found = ui.element("div")
+            with ui.element("div").classes("line-up"):
+                self._prepare = self._button("valve_prepare", self._ready)
+                self._begin = self._button("valve_begin", self._push).classes("main")
+                self._stop = self._button("valve_stop", self._end).classes("halt")
             self._said = ui.label().classes("note").props("role=status")
+            self._plots = [LivePlot("push-plot", self._attend) for _ in _CURVES]
+            self._found = ui.element("div")
+            self._keep = self._button("valve_keep", self._save).classes("main")
         for plot in self._plots:
             plot.set_visibility(False)
+        self._show_buttons()
 
-    async def _take(self, event: events.UploadEventArguments) -> None:
-        """Evaluate a record in a thread, which must not hold up the pictures of those who drive."""
-        data = await event.file.read()
-        try:
-            record, found = await asyncio.to_thread(_evaluated, data, event.file.name)
-        except DrawbarError as error:
-            tell(self._words.message(error))
+    def refresh(self) -> None:
+        """Show what is being pushed."""
+        self._show_buttons()
+        if self._pushing is None:
             return
-        done = [min(len(each[side]) for side in SIDES) for each in (record.runs, record.pushes)]
-        self._steps.count([*((count, RUNS, "") for count in done), None])
-        self._draw(record)
+        self._count(self._pushing)
+        if all(plot.may_draw for plot in self._plots):
+            self._draw(self._pushing, anew=False)
+
+    def _button(self, key: str, act: Callable[[], object]) -> ui.button:
+        button = ui.button(self._words(key), on_click=act, color=None)
+        return button.props("no-caps unelevated").classes("action")
+
+    def _show_buttons(self) -> None:
+        free = not self._link.is_engaged and self._link.pushing is None
+        self._prepare.set_enabled(free)
+        self._begin.set_enabled(free and time.monotonic() - self._prepared <= _PREPARED)
+        self._stop.set_enabled(self._link.pushing is not None)
+        self._keep.set_visibility(bool(self._changes))
+        self._keep.set_enabled(free)
+
+    def _ready(self) -> None:
+        self._prepared = time.monotonic()
+        self._show_buttons()
+
+    async def _push(self) -> None:
+        """Push in a thread, which must not hold up the pictures of those who drive."""
+        link = self._link
+        if link.is_engaged or link.pushing is not None or time.monotonic() - self._prepared > _PREPARED:
+            return
+        self._prepared = -math.inf
+        self._changes = []
+        self._found.clear()
+        try:
+            driven = self._workshop.driven
+            settings = bare_valve(driven)
+            valve = opened(settings, driven.vehicle.wheelbase, link.motion)
+        except DrawbarError as error:
+            self._said.set_text(self._words.message(error))
+            return
+        self._pushing = link.pushing = pushing = Pushing(valve, settings, patience=PATIENCE)
+        self._note()
+        self._said.set_text(self._words("valve_moves"))
+        for plot in self._plots:
+            plot.set_visibility(True)
+        self._draw(pushing, anew=True)
+        try:
+            found = await asyncio.to_thread(_run, pushing, valve)
+        finally:
+            pushing.end(STOPPED)  # where the console ends meanwhile; the thread goes on until it is off
+            link.pushing = self._pushing = None
+        self._tell(pushing, found)
+
+    def _tell(self, pushing: Pushing, found: list[Found]) -> None:
+        self._count(pushing)
+        self._draw(pushing, anew=False)
+        self._said.set_text(self._words.message(pushing.reason) if pushing.reason else self._words("valve_enter"))
+        self._changes = [f"{key}={json.dumps(value)}" for each in found for key, value in each.sets.items()]
         list_found(self._found, found, self._words)
-        self._said.set_text(self._words("valve_enter"))
+        self._show_buttons()
 
-    def _draw(self, record: PushFile) -> None:
-        every = math.ceil(len(record.times) / _POINTS)
-        times = record.times - record.times[0]
-        for plot, values in zip(self._plots, (np.degrees(record.angles), 100.0 * record.drives), strict=True):
-            if not plot.visible:
-                plot.set_visibility(True)
-                ui.run_javascript(f"keepLook({plot.id})")
-            points = np.round(np.column_stack([times, values])[::every], 2).tolist()
-            plot.run_chart_method(":setOption", "plotLook(1)")
-            plot.run_chart_method("setOption", {"series": [CURVE | {"data": points}]})
+    def _count(self, pushing: Pushing) -> None:
+        pushes = pushing.rates.done if pushing.rates else 0
+        self._steps.count([None, (pushing.bands.done, 2 * RUNS, ""), (pushes, 2 * PUSHES, "")])
+
+    def _draw(self, pushing: Pushing, *, anew: bool) -> None:
+        """Send the plots what is new, of every other report or so."""
+        self._shown = 0 if anew else self._shown
+        fresh = pushing.rows[self._shown :]
+        self._shown += len(fresh)
+        age = max(time.monotonic() - pushing.rows[self._shown - 1][0], 0.0) if self._shown else 0.0
+        for index, (plot, key) in enumerate(zip(self._plots, _CURVES, strict=True)):
+            rows = [[at, round((math.degrees(angle), 100.0 * drive)[index], 2)] for at, angle, drive in fresh[::2]]
+            plot.draw(rows, age, [Curve(self._words(key), 3 * index, thin=False)] if anew else None)
+
+    def _attend(self) -> None:
+        if self._pushing is not None:
+            self._pushing.attend()
+
+    def _end(self) -> None:
+        if self._link.pushing is not None:
+            self._link.pushing.end(STOPPED)
+
+    def _save(self) -> None:
+        if self._changes:
+            self._keep_changes(self._changes)
 
 
-def _evaluated(data: bytes, name: str) -> tuple[PushFile, list[Found]]:
-    record = PushFile.of(data, name)
-    return record, list(record.found())
+def _run(pushing: Pushing, valve: BareValve) -> list[Found]:
+    with closing(valve):
+        return pushing.run()

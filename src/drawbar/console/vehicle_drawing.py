@@ -15,6 +15,9 @@ _MARGIN, _ROW = 0.35, 0.3
 _GROUND, _TYRES = 0.55, 0.35
 """half the bodies' width, and the radius of the wheels in the side view, m"""
 
+_FINGER = 1.7
+"""radius of what can be touched around a letter, by its size: 20 pixels on a phone"""
+
 
 def vehicle_drawing(vehicle: VehicleParameters) -> str:
     """Return the SVG. The tractor's rear axle is at x = 0, and the front is on the right; distances are in m."""
@@ -112,12 +115,11 @@ def _dimension(value: SetUpValue, low: float, high: float, y: float, size: float
 
 
 def _letter(value: SetUpValue, x: float, y: float, size: float) -> str:
-    """Return a letter that leads to its number."""
+    """Return a letter that leads to its number, with room for a finger around it."""
     act = f"document.getElementById('{number_id(value)}')?.focus()"
-    return (
-        f'<text class="letter" x="{x:.3f}" y="{y:.3f}" font-size="{size:.3f}" text-anchor="middle" '
-        f'onclick="{act}">{value.letter}</text>'
-    )
+    text = f'<text x="{x:.3f}" y="{y:.3f}" font-size="{size:.3f}" text-anchor="middle">{value.letter}</text>'
+    room = f'<circle cx="{x:.3f}" cy="{y - 0.35 * size:.3f}" r="{_FINGER * size:.3f}"/>'
+    return f'<g class="letter" onclick="{act}">{room}{text}</g>'
 
 
 def number_id(value: SetUpValue) -> str:

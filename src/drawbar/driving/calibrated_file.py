@@ -48,7 +48,7 @@ def calibrated_text(configuration: Path, found: Sequence[Found], on: date, log: 
     for each in found:
         if each.sets:
             value = each.value
-            lines.append(f"#   {each.name}: {value.value:.6g} ± {value.deviation:.2g} {value.unit}\n")
+            lines.append(f"#   {each.name}: {value.told} {value.unit}\n")
         for key, number in each.sets.items():
             _set(content, key.split("."), number)
     return _HEAD + "".join(lines) + "\n" + tomli_w.dumps(content)

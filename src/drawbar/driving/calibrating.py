@@ -162,7 +162,7 @@ def _of_straights(drive: HandDrive, quantity: Callable[[HandDrive], Floats], *, 
 
 def _roll(drive: HandDrive, *, up: float, left: float) -> Found:
     """Return the mounting roll from two straight stretches of one track, there and back."""
-    there, back = _two_ways(drive)
+    there, back = two_ways(drive)
     yaw = float(np.mean(there.yaw)) if len(there.times) else 0.0
     origin = (float(np.mean(there.antenna_x)), float(np.mean(there.antenna_y))) if len(there.times) else (0.0, 0.0)
 
@@ -201,7 +201,7 @@ def _antenna(vehicle: VehicleParameters, drive: HandDrive) -> Iterator[Found]:
         yield Found(name=f"tractor: antenna {name}", value=value, sets=sets)
 
 
-def _two_ways(drive: HandDrive) -> tuple[HandDrive, HandDrive]:
+def two_ways(drive: HandDrive) -> tuple[HandDrive, HandDrive]:
     """Return the longest straight stretch, and the longest one that leads back beside it; empty ones: there is none."""
     parts, nothing = sorted(drive.straights(), key=lambda part: -part.way), drive.part(slice(0, 0))
     for i, there in enumerate(parts):

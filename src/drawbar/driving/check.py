@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from drawbar.driving.actuators import isobus_wire
 from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.bare_valve import BareValveSettings
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.isobus import IsobusSettings
@@ -17,7 +18,9 @@ from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.protocols.actuator import Readiness, SteeringRequest
+from drawbar.protocols.bare_valve import ValveBoard
 from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.sensors import SensorFault
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires
 from drawbar.signals import FixQuality
@@ -61,6 +64,8 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float) -> Iterato
         yield from _isobus(devices.isobus, seconds, drives=devices.speed == "isobus")
     if devices.sensors is not None:
         yield _sensors(devices.sensors, seconds)
+    if devices.bare_valve is not None:
+        yield _bare_valve(devices.bare_valve, seconds)
     if devices.corrections is not None:
         corrections = open_corrections(devices.corrections)
         for now in _looks(seconds):
@@ -187,4 +192,25 @@ def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
         finding.facts.append(f"wheels {report.wheel_speed:.2f} m/s")
     finding.problems += [f"{count} readings: {fault}" for fault, count in line.board.faults.items()]
     line.close()
+    return finding
+
+
+def _bare_valve(settings: BareValveSettings, seconds: float) -> Finding:
+    finding, transport, board = Finding(device="bare valve"), open_transport(settings.transport), ValveBoard()
+    reports = [
+        report
+        for _ in _looks(seconds)
+        for received in transport.read()
+        for report in board.push(received.data, received.time)
+    ]
+    finding.heard = bool(reports)
+    if not reports:
+        _silent(finding, transport)
+    else:
+        reading = settings.sensor().read(reports[-1].counts)
+        finding.facts.append(f"angle {math.degrees(reading.value):.1f}°")
+        finding.facts.append(f"switch {'held' if reports[-1].permitted else 'let go'}")
+        if reading.fault is not SensorFault.NONE:
+            finding.problems.append(f"the angle sensor {reading.fault.value}")
+    transport.close()
     return finding

@@ -5,6 +5,7 @@ import socket
 
 from drawbar.config import Configuration
 from drawbar.errors import ConfigurationError
+from drawbar.machine.hardware.bare_valve import BareValveSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
@@ -16,11 +17,13 @@ from drawbar.protocols.agopengps.heard import LARGEST_ANGLE
 def with_stand_ins(configuration: Configuration) -> Configuration:
     """Return the configuration with two receivers on TCP and two boards on UDP, all at free ports of 127.0.0.1.
 
+    A bare valve of the front wheels is there too, where the tractor's yaw rate is measured: it is not pushed without.
+
     Raises:
         ConfigurationError: the vehicle steers farther than a board may.
     """
     vehicle = configuration.vehicle
-    streams = _free_ports(socket.SOCK_STREAM, 3)
+    streams = _free_ports(socket.SOCK_STREAM, 4)
     receivers = [ReceiverSettings(transport=f"tcp://127.0.0.1:{port}") for port in streams[:2]]
     ports = _free_ports(socket.SOCK_DGRAM, 4)
     limits = [_board_limit(body, getattr(vehicle, f"{body}_steering_limit")) for body in ("tractor", "trailer")]
@@ -40,6 +43,9 @@ def with_stand_ins(configuration: Configuration) -> Configuration:
             pulses_per_metre=PULSES,
         ),
     )
+    if configuration.machine.attitude.tractor.present:
+        valve = BareValveSettings(transport=f"tcp://127.0.0.1:{streams[3]}", counts=HITCH_COUNTS, angles=HITCH_ANGLES)
+        devices = devices.model_copy(update={"bare_valve": valve})
     engage = configuration.safety.engage.model_copy(update={"wiggle_test": False})  # stand-ins turn the right way
     safety = configuration.safety.model_copy(update={"engage": engage})
     return configuration.model_copy(update={"devices": devices, "safety": safety})

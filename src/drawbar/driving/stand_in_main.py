@@ -23,7 +23,7 @@ from drawbar.machine.hardware.receiver import CAN
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
-from drawbar.machine.stand_in.machine import SENSORS, Driver, StandInMachine
+from drawbar.machine.stand_in.machine import BARE_VALVE, SENSORS, Driver, StandInMachine
 from drawbar.messages import GateState, SupervisorState, decode
 from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
@@ -74,6 +74,14 @@ class DataLine:
             except OSError:
                 peer.close()
                 self._peers.remove(peer)
+
+    def receive(self) -> bytes:
+        """Return what those have sent who are connected."""
+        came = b""
+        for peer in self._peers:
+            with suppress(OSError):  # nothing, or it has gone; `send` sees that
+                came += peer.recv(4096)
+        return came
 
     def close(self) -> None:
         """Close all sockets."""
@@ -168,6 +176,9 @@ class StandIns:
         lines |= {SENSORS: devices.sensors.transport} if devices.sensors else {}
         boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
         self._lines = {name: _line(address) for name, address in lines.items()}
+        self._valve = DataLine(devices.bare_valve.transport) if devices.bare_valve else None
+        if self._valve is not None:
+            self._lines[BARE_VALVE] = self._valve
         self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
 
     def advance(self, now: float) -> None:
@@ -175,6 +186,8 @@ class StandIns:
         for body, line in self.boards.items():
             for data, port in line.receive():
                 self._send(self._machine.receive(now, body, data, port))
+        if self._valve is not None and self._machine.valve is not None:
+            self._machine.valve.receive(now, self._valve.receive())
         heard, sent = self._machine.advance(now)
         for name, data in heard:
             if name in self._lines:

@@ -7,6 +7,7 @@ from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in.aio_v4 import AioV4
+from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.machine import BODIES, Driver, StandInMachine, StandInSettings
@@ -54,6 +55,7 @@ def stand_in_machine(
         Driver(configuration.speed),
         StandInSettings(epochs=configuration.sample_time),
         seed,
+        StandInBareValve(devices.bare_valve) if devices is not None and devices.bare_valve is not None else None,
     )
 
 

@@ -12,7 +12,7 @@ from drawbar.config import Configuration
 from drawbar.driving.crew import gate_orders
 from drawbar.driving.gate_main import wires as open_wires
 from drawbar.machine.hardware.receiver import Receiver
-from drawbar.machine.hardware.valve_calibration import Wiggle, wiggle_command, wiggle_test
+from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires

@@ -9,10 +9,9 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 
+from drawbar.protocols.own_sentence import SentenceReader, own_sentence, whole_number
 from drawbar.protocols.sensors import Encoder, Potentiometer, SensorFault, WheelSpeed
 
-_LONGEST = 64
-"""bytes of a sentence"""
 _WRAP = 2**32
 """ms"""
 
@@ -35,29 +34,31 @@ class SensorBoard:
     def __init__(self, hitch: Potentiometer | None, encoder: Encoder | None) -> None:
         """Take the calibration of the sensors that it has."""
         self._hitch, self._wheel = hitch, WheelSpeed(encoder) if encoder else None
-        self._rest = b""
+        self._sentences = SentenceReader("PDBS")
         self._stamp: float | None = None
         self._last = 0
-        self.dropped: Counter[str] = Counter()
         self.faults: Counter[str] = Counter()
         """readings with a fault, by sensor and fault"""
 
+    @property
+    def dropped(self) -> Counter[str]:
+        """What was not understood, by kind."""
+        return self._sentences.dropped
+
     def push(self, data: bytes, time: float) -> list[SensorReport]:
         """Take bytes that came at a monotonic time, s; return the reports that they end."""
-        *lines, rest = (self._rest + data).split(b"\n")
-        if len(rest) > _LONGEST:
-            self.dropped["too long"] += 1
-            rest = b""
-        self._rest = rest
-        reports = [self._report(line, time) for line in lines]
+        reports = [self._report(fields, time) for fields in self._sentences.push(data)]
         return [report for report in reports if report is not None]
 
-    def _report(self, line: bytes, time: float) -> SensorReport | None:
-        fields = _fields(line.rstrip(b"\r"))
-        if isinstance(fields, str):
-            self.dropped[fields] += 1
+    def _report(self, fields: list[bytes], time: float) -> SensorReport | None:
+        try:
+            milliseconds, counts, pulses = map(whole_number, fields)
+        except ValueError:
+            self.dropped["not three whole numbers"] += 1
             return None
-        milliseconds, counts, pulses = fields
+        if milliseconds is None:
+            self.dropped["no time"] += 1
+            return None
         return SensorReport(
             time=time,
             hitch_angle=self._hitch_angle(counts),
@@ -87,35 +88,4 @@ class SensorBoard:
 
 def sentence(milliseconds: int, counts: int | None, pulses: int | None) -> bytes:
     """Return the sentence that a board sends."""
-    values = ["" if value is None else str(value) for value in (counts, pulses)]
-    body = f"PDBS,{milliseconds % _WRAP},{values[0]},{values[1]}".encode("ascii")
-    return b"$" + body + f"*{_checksum(body):02X}\r\n".encode("ascii")
-
-
-def _checksum(body: bytes) -> int:
-    total = 0
-    for byte in body:
-        total ^= byte
-    return total
-
-
-def _fields(line: bytes) -> tuple[int, int | None, int | None] | str:
-    """Return a sentence's numbers, or why it has none."""
-    if not line.startswith(b"$PDBS,") or len(line) > _LONGEST or line[-3:-2] != b"*":
-        return "no sentence of a sensor board"
-    body = line[1:-3]
-    try:
-        if int(line[-2:], 16) != _checksum(body):
-            return "checksum"
-        milliseconds, counts, pulses = (_number(field) for field in body.split(b",")[1:])
-    except ValueError:
-        return "not three whole numbers"
-    return (milliseconds, counts, pulses) if milliseconds is not None else "no time"
-
-
-def _number(field: bytes) -> int | None:
-    if not field:
-        return None
-    if not field.isdigit() or len(field) > 10:
-        raise ValueError
-    return int(field)
+    return own_sentence("PDBS", milliseconds % _WRAP, counts, pulses)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drawbar.machine.hardware.calibrated import Calibrated
 from drawbar.machine.hardware.calibration import (
     CalibratedMachine,
     Calibration,
@@ -229,7 +230,7 @@ def test_without_a_yaw_rate_nothing_is_pushed() -> None:
 
 def test_a_plan_beyond_the_limits_is_not_driven() -> None:
     bench = Bench(ValveSettings())
-    done = carry_out(Calibration(RatePlan(drive=0.7)), bench)
+    done = carry_out(Calibration(RatePlan(drives=(0.7, 0.7))), bench)
     assert done.state is State.ABORTED
     assert "70%" in done.reason
     assert set(bench.drives) == {0.0}
@@ -256,3 +257,18 @@ def test_dead_bands_that_disagree_or_are_too_few_are_refused() -> None:
     other, wide = DeadBandPlan(runs=1), Bench(ValveSettings(dead_band_left=0.3))
     carry_out(Calibration(other), wide)
     assert "differ" in dead_band([*plan.runs[1], *other.runs[1]]).refusals[0]
+
+
+@pytest.mark.parametrize(
+    ("value", "deviation", "told"),
+    [
+        (0.148361, 0.00221, "0.1484 ± 0.0022"),
+        (1.3e-10, 0.0073, "0.0000 ± 0.0073"),
+        (104.37, 12.6, "104 ± 13"),
+        (1.0, 0.0, "1 ± 0"),
+        (2.5, math.inf, "2.5 ± inf"),
+    ],
+)
+def test_a_number_is_told_as_far_as_it_is_known(value: float, deviation: float, told: str) -> None:
+    found = Calibrated(value=value, deviation=deviation, residual=0.0, samples=1, unit="", residual_unit="")
+    assert found.told == told

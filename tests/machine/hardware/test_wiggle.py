@@ -6,13 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from drawbar.machine.hardware.valve_calibration import (
-    PushRecord,
-    Wiggle,
-    closed_loop_dynamics,
-    wiggle_command,
-    wiggle_test,
-)
+from drawbar.machine.hardware.valve_calibration import PushRecord, closed_loop_dynamics
+from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.machine.low_level.low_level import ActuateInput, LowLevel, SteeringAxis, TableSensor
 from drawbar.machine.low_level.settings import PositionLoopSettings, ValveSettings
 from drawbar.machine.low_level.simulated import SimulatedValve

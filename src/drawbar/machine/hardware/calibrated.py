@@ -31,6 +31,14 @@ class Calibrated:
         """Whether it may be used."""
         return not self.refusals
 
+    @property
+    def told(self) -> str:
+        """Value and deviation, to the deviation's second digit."""
+        if not 0.0 < self.deviation < math.inf:
+            return f"{self.value:.4g} ± {self.deviation:.2g}"
+        digits = max(1 - math.floor(math.log10(self.deviation)), 0)
+        return f"{self.value:.{digits}f} ± {self.deviation:.{digits}f}"
+
 
 def finite_columns(*columns: Sequence[float] | Floats) -> list[Floats]:
     """Return columns of equal length as arrays, without the rows in which any is not finite."""

@@ -8,6 +8,7 @@ or falls silent, and the operator.
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
@@ -22,6 +23,8 @@ _DIES_OUT = 0.6
 """share of a pause after which the motion has died out"""
 _AVERAGED = 0.5
 """s, over which the noise of a yaw rate is averaged"""
+_UNKNOWN = 1.0
+"""s, for which no yaw rate may come"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +40,7 @@ class Sensed:
     permitted: bool
     """the operator holds the switch that permits motion"""
     by_yaw: float = math.nan
-    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, for 0.5 s at most"""
+    """steering angle by yaw rate and speed, atan(L omega / v), rad; NaN: unknown, for 1 s at most"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,6 +96,9 @@ class Calibration:
         """why it was aborted, and what to do"""
         self.records: list[PushRecord] = []
         """of all pushes"""
+        self.rests: list[tuple[float, float]] = []
+        """behind each push, at rest: angle by the sensor, and by the vehicle's yaw rate, rad"""
+        self._resting: list[tuple[float, float]] = []
         self._plan, self._limits = plan, limits or CalibrationLimits()
         self._push = Push(drive=0.0, duration=0.0, pause=_FIRST_PAUSE)
         self._still = self._apart = math.nan
@@ -121,8 +127,10 @@ class Calibration:
         self._last = sensed
         passed = sensed.time - self._begun
         resting = self.state is State.PAUSING and passed >= self._held + _DIES_OUT * self._push.pause
-        if resting and math.isnan(self._still):
-            self._still = sensed.angle
+        if resting:
+            self._still = sensed.angle if math.isnan(self._still) else self._still
+            if math.isfinite(sensed.by_yaw):
+                self._resting.append((sensed.angle, sensed.by_yaw))
         if self.state is State.PUSHING:
             if passed >= self._push.duration or abs(sensed.angle - self._from) >= self._push.enough:
                 self.state, self._held = State.PAUSING, passed
@@ -143,6 +151,10 @@ class Calibration:
     def _go_on(self, sensed: Sensed) -> None:
         """Keep the record of the push that is over, and begin the next one."""
         record = self._record() if self._held > 0.0 else None
+        if self._resting:
+            angles, by_yaw = zip(*self._resting, strict=True)
+            self.rests.append((sum(angles) / len(angles), sum(by_yaw) / len(by_yaw)))
+            self._resting.clear()
         if record is not None:
             self.records.append(record)
             if self.direction == 0 and abs(record.moved) > MOVED:
@@ -174,6 +186,8 @@ class Calibration:
         if not sensed.permitted:
             return "stopped by the operator"
         limits = self._limits
+        if math.isnan(sensed.speed):
+            return "the vehicle's speed is unknown; check the receiver"
         if not (limits.slowest <= sensed.speed <= limits.fastest):
             return (
                 f"the vehicle drives at {sensed.speed:.2f} m/s; keep it between {limits.slowest} and {limits.fastest} "
@@ -213,12 +227,13 @@ class Calibration:
     def _unseen(self, sensed: Sensed) -> str:
         """Return how far the vehicle itself says that it is steered while the sensor does not, or nothing."""
         self._curved.append((sensed.time, sensed.by_yaw - sensed.angle))
-        self._curved = [(t, each) for t, each in self._curved if sensed.time - t <= _AVERAGED and math.isfinite(each)]
+        self._curved = [(t, each) for t, each in self._curved if sensed.time - t <= _UNKNOWN and math.isfinite(each)]
         if sensed.time - self._started < _AVERAGED:
             return ""
         if not self._curved:
             return "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; check the receiver"
-        mean = sum(each for _, each in self._curved) / len(self._curved)
+        newest = [each for t, each in self._curved if sensed.time - t <= _AVERAGED] or [self._curved[-1][1]]
+        mean = sum(newest) / len(newest)
         if math.isnan(self._apart):
             self._apart = mean
         apart = mean - self._apart
@@ -253,11 +268,24 @@ class CalibratedMachine(ABC):
         """Switch the actuator off; always possible."""
 
 
-def carry_out(calibration: Calibration, machine: CalibratedMachine) -> Calibration:
-    """Carry a calibration out on a machine, which is off afterwards whatever happens; return it, ended."""
+def carry_out(
+    calibration: Calibration,
+    machine: CalibratedMachine,
+    watch: Callable[[Sensed, float], str] = lambda sensed, drive: "",
+) -> Calibration:
+    """Carry a calibration out on a machine, which is off afterwards whatever happens; return it, ended.
+
+    Args:
+        calibration: to carry out.
+        machine: that it moves.
+        watch: is given what is sensed and the drive for it, and answers why to end now, or nothing.
+    """
     try:
         while not calibration.ended:
-            drive = calibration.tick(machine.sense())
+            sensed = machine.sense()
+            drive = calibration.tick(sensed)
+            if reason := watch(sensed, drive):
+                drive = calibration.abort(reason)
             if drive == 0.0:
                 machine.off()
             else:

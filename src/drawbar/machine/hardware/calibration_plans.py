@@ -57,6 +57,8 @@ class DeadBandPlan(Plan):
         """
         self.runs: dict[int, list[list[PushRecord]]] = {1: [], -1: []}
         """pushes of each run, by the drive's sign"""
+        self.done = 0
+        """runs so far"""
         self._largest, self._duration, self._count = largest, duration, runs
         self._pushes = self._sequence()
         self._last: PushRecord | None = None
@@ -82,33 +84,42 @@ class DeadBandPlan(Plan):
                     f"no feedback: up to a drive of {self._largest:.0%} no {_MOVING} pushes moved it by "
                     f"{math.degrees(MOVED):.1f}°; check the valve's power and the sensor's lever"
                 )
+            self.done = i + 1
 
 
 class RatePlan(Plan):
     """Large pushes, alternately to both sides, for full rate, lag and dead time."""
 
     def __init__(
-        self, *, drive: float = 0.45, duration: float = 1.5, enough: float = math.radians(4.0), pushes: int = 5
+        self,
+        *,
+        drives: tuple[float, float] = (0.45, 0.45),
+        duration: float = 1.5,
+        enough: float = math.radians(4.0),
+        pushes: int = 5,
     ) -> None:
         """Take the numbers.
 
         Args:
-            drive: of every push; as large as the limits of rate allow.
+            drives: of every positive and every negative push, as large as the limits of rate allow.
             duration: of one, s, at most.
             enough: motion that ends it before, rad.
             pushes: to each side.
         """
         self.records: dict[int, list[PushRecord]] = {1: [], -1: []}
         """by the drive's sign"""
-        self._drive, self._duration, self._enough, self._count = drive, duration, enough, pushes
+        self._drives, self._duration, self._enough, self._count = drives, duration, enough, pushes
+        self.done = 0
+        """pushes so far"""
         self._made = 0
 
     def next_push(self, last: PushRecord | None) -> Push | None:
         """Return the next push."""
         if last is not None:
             self.records[1 if last.drive > 0.0 else -1].append(last)
+            self.done += 1
         if self._made == 2 * self._count:
             return None
-        sign = 1.0 if self._made % 2 == 0 else -1.0
+        drive = self._drives[0] if self._made % 2 == 0 else -self._drives[1]
         self._made += 1
-        return Push(drive=sign * self._drive, duration=self._duration, pause=0.8, enough=self._enough)
+        return Push(drive=drive, duration=self._duration, pause=0.8, enough=self._enough)

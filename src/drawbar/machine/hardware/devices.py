@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.bare_valve import BareValveSettings
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
@@ -40,6 +41,8 @@ class DeviceSettings(Settings):
     """measures hitch angle, wheel speed, or both; without it the estimator does without them"""
     corrections: CorrectionsSettings | None = None
     """from a caster; what comes is written to both receivers too. Without it, the receivers have their own"""
+    bare_valve: BareValveSettings | None = None
+    """the front wheels' valve or motor without a loop of its own, for `drawbar calibrate --push` alone"""
     speed: Literal["driver", "isobus"] = "driver"
     """who drives: the driver, who is told when to stop, or the tractor by commands on the ISOBUS"""
     origin: OriginSettings = OriginSettings()

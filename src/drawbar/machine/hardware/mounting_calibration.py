@@ -15,6 +15,8 @@ from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_colum
 _LARGEST_BIAS = math.radians(10.0)
 _BLOCK = 10.0
 """s, over which errors of an RTK position are correlated"""
+BACK = 2.0 * _BLOCK
+"""least time of each of two ways, s"""
 TURNING = 0.05
 """least yaw rate that counts as turning, rad/s"""
 _USEFUL = 0.05
@@ -54,7 +56,7 @@ def mounting_roll(
     if not (math.isfinite(height) and height >= 0.5):
         refusals.append(f"the antenna's height {height} m is below 0.5 m; measure it above the ground")
     if min(map(len, offsets)) < 2:
-        refusals.append(f"{min(map(len, offsets))} times {_BLOCK:.0f} s one way; drive {2.0 * _BLOCK:.0f} s each way")
+        refusals.append(f"{min(map(len, offsets))} times {_BLOCK:.0f} s one way; drive {BACK:.0f} s each way")
         return _unknown("rad", "m", refusals)
     difference = float(offsets[0].mean() - offsets[1].mean())
     errors = [float(each.std(ddof=1)) for each in offsets]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drawbar.geometry import LocalFrame
+from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import Output, StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.receiver import Encoder, Report
@@ -23,6 +24,8 @@ _SAME = 1e-9
 """times nearer than this are the same, s"""
 SENSORS = "sensors"
 """name of the sensor board's line"""
+BARE_VALVE = "bare valve"
+"""name of its line"""
 HITCH_COUNTS = (0.0, 1024.0, 2048.0, 3072.0, 4096.0)
 """of its converter"""
 HITCH_ANGLES = tuple((counts - 2048.0) / 1600.0 for counts in HITCH_COUNTS)
@@ -57,6 +60,8 @@ class Driver:
 
     CREEP = 0.3
     """m/s; estimators need motion to find the heading"""
+    PUSHED = 0.8
+    """while a bare valve is calibrated, m/s"""
     WAIT = 5.0
     """for which the vehicle stands at first, s"""
     ACCELERATION, DECELERATION = 0.5, 1.5
@@ -79,13 +84,14 @@ class Driver:
         """Creep once more, after the boards have let go and the vehicle stands."""
         self.steered, self._let_go = False, math.inf
 
-    def tick(self, time: float, steered: bool, commanded: float | None = None) -> None:
+    def tick(self, time: float, steered: bool, commanded: float | None = None, *, pushed: bool = False) -> None:
         """Decide on the speed at a time, s.
 
         Args:
             time: s.
             steered: both steerings follow set points.
             commanded: speed that the tractor itself keeps to, m/s; None: the driver drives.
+            pushed: a bare valve is being calibrated.
         """
         self.steered |= steered
         if (steered and not self.told_to_stop) or (not self.steered and not self.told_to_stop):
@@ -97,6 +103,7 @@ class Driver:
             self._let_go = min(self._let_go, time)
         if time - self._let_go >= self.REACTION:
             wish = 0.0
+        wish = self.PUSHED if pushed and not self.told_to_stop else wish
         wish = wish if commanded is None else commanded
         slows = self.DECELERATION if commanded is None else self.BRAKES
         step = TICK * (self.ACCELERATION if wish > self.speed else slows)
@@ -116,6 +123,7 @@ class StandInMachine:
         driver: Driver,
         settings: StandInSettings,
         seed: int,
+        valve: StandInBareValve | None = None,
     ) -> None:
         """Take the parts.
 
@@ -128,9 +136,10 @@ class StandInMachine:
             driver: who drives.
             settings: of the receivers.
             seed: of the noise of their speeds.
+            valve: that turns the front wheels while it is told to; None: there is none.
         """
         self._rng = np.random.default_rng(seed)
-        self.world, self.boards, self.can, self.driver = world, boards, can, driver
+        self.world, self.boards, self.can, self.driver, self.valve = world, boards, can, driver, valve
         self._frame, self._settings = frame, settings
         self.encoders = encoders
         """make a receiver's bytes of what it reports, by body"""
@@ -182,7 +191,10 @@ class StandInMachine:
         points |= self.can.set_points() if self.can else {}
         steered = all(board.driving for board, _ in self.boards.values())
         steered &= self.can is None or all(valve.engaged for valve in self.can.valves.values())
-        self.driver.tick(time, steered, self.can.speed(time) if self.can else None)
+        pushed = self.valve.turn(time, self.world.truth.tractor_steering, TICK) if self.valve else None
+        if pushed is not None:
+            points["tractor"] = pushed
+        self.driver.tick(time, steered, self.can.speed(time) if self.can else None, pushed=pushed is not None)
         if self._ticks:
             self.world.tick(points["tractor"], points["trailer"], self.driver.speed)
             self._turn()
@@ -193,6 +205,8 @@ class StandInMachine:
         if self.can:
             self.can.step(time, angles, truth.speed)
         self._way += TICK * truth.speed
+        if self.valve:
+            self._leaving.append((time, BARE_VALVE, self.valve.report(time)))
         if time + _SAME >= self._reports * _REPORTS:
             self._reports += 1
             self._sense(time)

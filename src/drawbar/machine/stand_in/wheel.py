@@ -10,7 +10,7 @@ class Wheel(ABC):
     angle: float
 
     @abstractmethod
-    def turn(self, pwm: int, duration: float) -> None:
+    def turn(self, pwm: float, duration: float) -> None:
         """Move on by `duration`, s, with the motor at `pwm`, -255 to 255, positive to the left."""
 
 
@@ -20,7 +20,7 @@ class HeldWheel(Wheel):
     def __init__(self, angle: float = 0.0) -> None:
         self.angle = angle
 
-    def turn(self, pwm: int, duration: float) -> None:
+    def turn(self, pwm: float, duration: float) -> None:
         """Leave the angle to who sets it."""
 
 
@@ -42,7 +42,11 @@ class MotorWheel(Wheel):
         self._rate, self._lag, self._stiction, self._stop = rate, lag, stiction, stop
         self._speed = 0.0
 
-    def turn(self, pwm: int, duration: float) -> None:
+    def place(self, angle: float) -> None:
+        """Put it at an angle, rad, at rest."""
+        self.angle, self._speed = angle, 0.0
+
+    def turn(self, pwm: float, duration: float) -> None:
         """Move on by `duration`, s: exact for the lag."""
         effective = max(abs(pwm) - self._stiction, 0) / (255 - self._stiction)
         wanted = math.copysign(effective * self._rate, pwm)

@@ -1,0 +1,55 @@
+"""Stand-in of a bare valve's board: a motor with a dead band turns the front wheels as it is told, at ticks."""
+
+import math
+
+import numpy as np
+
+from drawbar.machine.hardware.bare_valve import BareValveSettings
+from drawbar.machine.stand_in.wheel import MotorWheel
+from drawbar.protocols.bare_valve import HOLDS, drives_told
+from drawbar.protocols.own_sentence import SentenceReader, own_sentence
+
+_PWM = 255.0
+DEAD_BAND = 38.0 / _PWM
+FULL_RATE = math.radians(25.0)
+"""rad/s"""
+LAG = 0.1
+"""s"""
+
+
+class StandInBareValve:
+    """The board with its motor; `permitted` is what a test sets."""
+
+    def __init__(self, settings: BareValveSettings) -> None:
+        """Take the sensor's table, which tells the truth."""
+        rising = settings.angles[0] < settings.angles[-1]
+        self._table = (settings.angles, settings.counts) if rising else (settings.angles[::-1], settings.counts[::-1])
+        self._wheel = MotorWheel(rate=FULL_RATE, lag=LAG, stiction=round(DEAD_BAND * _PWM))
+        self._sentences = SentenceReader("PDBD")
+        self._drive, self._told = 0.0, -math.inf
+        self.permitted = True
+        """the operator holds the switch"""
+
+    def receive(self, time: float, data: bytes) -> None:
+        """Take in what it is told at a time, s."""
+        for drive in drives_told(self._sentences, data):
+            self._drive, self._told = drive, time
+
+    def turn(self, time: float, angle: float, duration: float) -> float | None:
+        """Turn the wheels from a time (s) on for a duration (s); return where they are, rad; None: it is told nothing.
+
+        Args:
+            time: s.
+            angle: of the wheels, which others have turned as long as it was told nothing, rad.
+            duration: s.
+        """
+        if time - self._told > HOLDS:
+            self._wheel.place(angle)
+            return None
+        self._wheel.turn(_PWM * self._drive if self.permitted else 0.0, duration)
+        return self._wheel.angle
+
+    def report(self, time: float) -> bytes:
+        """Return what it says at a time, s."""
+        counts = round(float(np.interp(self._wheel.angle, *self._table)))
+        return own_sentence("PDBV", round(time * 1e3), counts, int(self.permitted))

@@ -1,0 +1,60 @@
+"""Sentences of drawbar's own small boards: what is intact comes out, whatever else comes raises nothing."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drawbar.errors import HardwareError
+from drawbar.protocols.bare_valve import ValveBoard, ValveReport, drive_sentence, drives_told
+from drawbar.protocols.own_sentence import SentenceReader, own_sentence
+from drawbar.protocols.sensor_board import SensorBoard, sentence
+
+
+def test_a_report_and_a_drive_are_those_bytes():
+    assert own_sentence("PDBV", 120, 2048, 1) == b"$PDBV,120,2048,1*20\r\n"
+    assert drive_sentence(-0.25) == b"$PDBD,-250*24\r\n"
+    assert ValveBoard().push(b"$PDBV,120,2048,1*20\r\n", 3.0) == [ValveReport(3.0, 2048, True)]
+    assert drives_told(SentenceReader("PDBD"), b"$PDBD,-250*24\r\n") == [-0.25]
+
+
+@pytest.mark.parametrize("drive", [1.01, -1.01, float("nan")])
+def test_no_drive_beyond_the_full_one_is_told(drive):
+    with pytest.raises(HardwareError, match="-1 to 1"):
+        drive_sentence(drive)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.binary(max_size=80), st.integers(0, 5000), st.booleans(), st.integers(1, 40))
+def test_whatever_comes_before_an_intact_report_comes_out(noise, counts, permitted, piece):
+    board, reports = ValveBoard(), []
+    stream = noise + b"\n" + own_sentence("PDBV", 1, counts, int(permitted))
+    for start in range(0, len(stream), piece):
+        reports += board.push(stream[start : start + piece], 1.0)
+    assert reports[-1] == ValveReport(1.0, counts, permitted)
+
+
+@pytest.mark.parametrize(
+    ("line", "kind"),
+    [
+        (own_sentence("PDBV", 1, 2, 3), "neither 0 nor 1"),
+        (own_sentence("PDBV", 1, None, 1), "no number"),
+        (own_sentence("PDBV", 1, -2, 1), "not three whole numbers"),
+        (own_sentence("PDBV", 1, 2), "not three whole numbers"),
+        (own_sentence("PDBS", 1, 2, 1), "no sentence of this board"),
+        (b"$PDBV,120,2048,1*21\r\n", "checksum"),
+        (b"$PDBV,120,2048,1*xy\r\n", "checksum"),
+        (b"$" * 100, "too long"),
+    ],
+)
+def test_what_is_no_report_is_counted_by_kind(line, kind):
+    board = ValveBoard()
+    assert board.push(line, 1.0) == []
+    assert len(board.dropped) == 1
+    assert kind in next(iter(board.dropped))
+
+
+def test_the_sensor_board_speaks_the_same_form():
+    board = SensorBoard(None, None)
+    assert len(board.push(sentence(2**32 + 5, None, 7), 2.0)) == 1
+    assert board.push(own_sentence("PDBS", None, 1, 2) + own_sentence("PDBS", 1, -1, 2), 2.0) == []
+    assert board.dropped == {"no time": 1, "not three whole numbers": 1}
