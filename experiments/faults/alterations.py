@@ -10,7 +10,7 @@ from datetime import timedelta
 
 from drawbar.driving.rehearsal import Part
 from drawbar.geometry import wrap
-from drawbar.machine.stand_in.faults import FAULTS, freeze, measure_the_same, moved, report_otherwise, steer_otherwise
+from drawbar.machine.stand_in.faults import freeze, measure_the_same, moved, report_otherwise, steer_otherwise
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import Action
 from drawbar.protocols.agopengps.steering import SteerCommand
@@ -51,11 +51,6 @@ def receivers(trial, change, bodies=BODIES):
     trial.begin = lambda: report_otherwise(trial.rehearsal.machine, change, bodies)
 
 
-def device(trial, name):
-    """Put in a fault of the stand-in machine."""
-    trial.begin = lambda: FAULTS[name].begin(trial.rehearsal.machine)
-
-
 def shifted(report, trial, left):
     return moved(report, trial.rehearsal.machine, left)
 
@@ -69,7 +64,7 @@ def jump_of_one_antenna(trial):
 
 
 def jump_of_both(trial):
-    device(trial, "fixes-jump")
+    trial.device("fixes-jump")
 
 
 def jump_of_5_m(trial):
@@ -93,7 +88,7 @@ def one_frozen(trial):
 
 
 def both_frozen(trial):
-    device(trial, "fixes-frozen")
+    trial.device("fixes-frozen")
 
 
 def no_fix(trial):
@@ -105,7 +100,7 @@ def no_fix_for_1_s(trial):
 
 
 def floating(trial):
-    device(trial, "fixes-float")
+    trial.device("fixes-float")
 
 
 def quality(trial, quality):
@@ -167,24 +162,6 @@ def midnight(trial):
 # What happens to bytes on their way
 
 
-def tap(trial, names, make):
-    """Put a tap on streams from the fault on; make(generator of randomness, start) returns it."""
-
-    def begin():
-        for name in names:
-            taps = trial.rehearsal.post.taps
-            own, inner = make(random.Random(f"{trial.seed} {name}"), trial.rehearsal.time), taps.get(name)
-            taps[name] = own if inner is None else joined(inner, own)
-
-    trial.begin = begin
-
-
-def joined(first, second):
-    return lambda now, data: [
-        (delay + more, last) for delay, each in first(now, data) for more, last in second(now, each)
-    ]
-
-
 RECEIVERS = ("tractor receiver", "trailer receiver")
 BOARDS = ("tractor board", "trailer board")
 SET_POINTS = ("tractor set point", "trailer set point")
@@ -231,7 +208,7 @@ def silent_for(seconds):
 
 
 def nan_positions(trial):
-    tap(trial, RECEIVERS, lambda chance, start: lambda now, data: [(0.0, without_latitude(data))])
+    trial.tap(RECEIVERS, lambda chance, start: lambda now, data: [(0.0, without_latitude(data))])
 
 
 def without_latitude(data):
@@ -250,94 +227,93 @@ def without_latitude(data):
 
 
 def receivers_silent(trial):
-    device(trial, "receivers-silent")
+    trial.device("receivers-silent")
 
 
 def one_receiver_silent(trial):
-    device(trial, "receiver-silent")
+    trial.device("receiver-silent")
 
 
 def receivers_silent_for_1_s(trial):
-    tap(trial, RECEIVERS, silent_for(1.0))
+    trial.tap(RECEIVERS, silent_for(1.0))
 
 
 def receivers_silent_for_10_s(trial):
     trial.watched = 25.0
-    tap(trial, RECEIVERS, silent_for(10.0))
+    trial.tap(RECEIVERS, silent_for(10.0))
 
 
 def receivers_garbage(trial):
-    device(trial, "receivers-garbage")
+    trial.device("receivers-garbage")
 
 
 def receivers_bit_errors(trial):
-    tap(trial, RECEIVERS, bit_errors(0.2))
+    trial.tap(RECEIVERS, bit_errors(0.2))
 
 
 def receivers_lose_a_fifth(trial):
-    tap(trial, RECEIVERS, intermittent(0.2))
+    trial.tap(RECEIVERS, intermittent(0.2))
 
 
 def receivers_late(trial):
-    tap(trial, RECEIVERS, delayed(0.4))
+    trial.tap(RECEIVERS, delayed(0.4))
 
 
 def receivers_duplicated(trial):
-    tap(trial, RECEIVERS, duplicated)
+    trial.tap(RECEIVERS, duplicated)
 
 
 def receivers_reordered(trial):
-    tap(trial, RECEIVERS, reordered)
+    trial.tap(RECEIVERS, reordered)
 
 
 def board_silent(trial):
-    device(trial, "board-silent")
+    trial.device("board-silent")
 
 
 def boards_lose_a_fifth(trial):
-    tap(trial, BOARDS, intermittent(0.2))
+    trial.tap(BOARDS, intermittent(0.2))
 
 
 def boards_garbage(trial):
-    tap(trial, BOARDS, garbage)
+    trial.tap(BOARDS, garbage)
 
 
 def board_bit_errors(trial):
-    tap(trial, BOARDS, bit_errors(0.05))
+    trial.tap(BOARDS, bit_errors(0.05))
 
 
 def set_points_lost(trial):
-    tap(trial, SET_POINTS[:1], off)
+    trial.tap(SET_POINTS[:1], off)
 
 
 def set_points_lose_a_fifth(trial):
-    tap(trial, SET_POINTS, intermittent(0.2))
+    trial.tap(SET_POINTS, intermittent(0.2))
 
 
 def set_points_duplicated(trial):
-    tap(trial, SET_POINTS, duplicated)
+    trial.tap(SET_POINTS, duplicated)
 
 
 def set_points_late(trial):
-    tap(trial, SET_POINTS, delayed(0.3))
+    trial.tap(SET_POINTS, delayed(0.3))
 
 
 def controller_bit_errors(trial):
-    tap(trial, ["controller"], bit_errors(0.05))
+    trial.tap(["controller"], bit_errors(0.05))
 
 
 def controller_replayed(trial):
-    tap(trial, ["controller"], duplicated)
+    trial.tap(["controller"], duplicated)
 
 
 def controller_late(trial):
-    tap(trial, ["controller"], delayed(0.3))
+    trial.tap(["controller"], delayed(0.3))
 
 
 def operator_garbage(trial):
     """Let everything for the desk be followed by a hundred datagrams of nonsense."""
-    tap(
-        trial,
+    trial.tap(
         ["operator"],
         lambda chance, start: (
             lambda now, data: [
@@ -361,7 +337,7 @@ def sensed(trial, change):
 
         return tap
 
-    tap(trial, ["sensors"], make)
+    trial.tap(["sensors"], make)
 
 
 def hitch_stuck(trial):
@@ -407,7 +383,7 @@ def wheel_speed_tenfold(trial):
 
 
 def sensors_silent(trial):
-    device(trial, "sensors-silent")
+    trial.device("sensors-silent")
 
 
 def yaw_rate(trial, change):
@@ -486,7 +462,7 @@ def measured(trial, body, change, *, loop=True):
 
 
 def tractor_angle_stuck(trial):
-    device(trial, "angle-stuck")
+    trial.device("angle-stuck")
 
 
 def trailer_angle_stuck(trial):
@@ -521,7 +497,7 @@ def actuator(trial, body, change):
 
 
 def tractor_stuck(trial):
-    device(trial, "wheels-stuck")
+    trial.device("wheels-stuck")
 
 
 def trailer_stuck(trial):
@@ -645,7 +621,7 @@ def controller_late_often(trial):
 
         return hear
 
-    tap(trial, RECEIVERS[:1], make)
+    trial.tap(RECEIVERS[:1], make)
 
 
 def receivers_freeze(trial):
