@@ -63,7 +63,7 @@ class Variant(Settings):
     changes: Texts = ()
     """texts KEY=VALUE, as for --set"""
     alteration: str = ""
-    """function of the experiment's alterations.py or alterations/*.py that changes what no KEY=VALUE can; empty: none"""
+    """function of the experiment's alterations that changes what no KEY=VALUE can; empty: none"""
     expected: Mapping[str, Expectation] = {}
     """by name of the figure: of it in every variant of the case, or of every case in the variant"""
 
