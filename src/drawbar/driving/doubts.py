@@ -4,7 +4,8 @@ The gate stops the vehicle for a doubt. Meanwhile it is steered by what is left;
 both antennas have jumped, and the control step would end its run, and with it all steering, for a wrong hitch angle.
 
 A wrong angle of hitch or joint first bends the estimate: yaws and crab angles make up for most of it, and both bodies
-are steered beside the line without a word. What they cannot make up for shows in both angles, a few degrees for long.
+are steered beside the line without a word. What they cannot make up for shows in both angles, a few degrees for long;
+a hitch sensor that is reversed is seen sooner (reversal.py). What it has bent is computed again without (hindsight.py).
 Which of the two is wrong does not show, so all that is told of the trailer is left out: the tractor keeps to the line
 by its own antenna, and the joint is held where its sensor says that it is (driving/controller.py).
 """
@@ -14,8 +15,10 @@ from collections import deque
 from dataclasses import replace
 from statistics import fmean
 
+from drawbar.driving.reversal import Reversal
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, Measurement, SolverStatus, StepRecord
+from drawbar.vehicle.parameters import VehicleParameters
 
 DOUBTED = 3
 """samples in a row that contradict"""
@@ -25,6 +28,8 @@ _DIFFERENCE, _USUAL = math.radians(2.8), 7.0
 """mean of both together that is a contradiction: rad, and times its lately usual one, as rough ground has more"""
 _LATELY = 30.0
 """time over which that is averaged, up to the last mean but one, which a fault has not bent yet, s"""
+_FIRST, _FIRST_TIME = math.radians(0.6), 5.0
+"""what is usual before anything is known of the ground, and the time for which that counts: rad, s"""
 _MOVES = 0.1
 """speed below which nothing is learned of the ground, m/s"""
 
@@ -32,13 +37,15 @@ _MOVES = 0.1
 class Doubts:
     """What the last samples said of the positions, of both antennas together, and of the trailer's angles."""
 
-    def __init__(self, settings: SanitySettings, sample_time: float) -> None:
+    def __init__(self, settings: SanitySettings, vehicle: VehicleParameters, sample_time: float) -> None:
         """Begin without a doubt; `sample_time` in s."""
         self._hitch_limit = settings.hitch
+        self._reversal = Reversal(vehicle, sample_time)
         count = max(round(_MEMORY / sample_time), DOUBTED)
         self._differences = deque[tuple[float, float]](maxlen=count)
         self._means = deque[float](maxlen=count)  # of them, rad
-        self._moved, self._share, self._usual = 0, sample_time / _LATELY, 0.0  # samples, 1, mean square in rad²
+        self._share = sample_time / _LATELY
+        self._usual, self._known = _FIRST**2, _FIRST_TIME / sample_time  # mean square in rad², samples
         self._positions = self._trailer = 0
 
     @property
@@ -56,6 +63,7 @@ class Doubts:
         hitch, joint = _differences(record)
         self._differences.append((hitch, joint))
         differ = self._differ(moves=abs(record.measurement.speed) >= _MOVES)
+        differ |= self._reversal.look(record)
         if not (engaged and self.trailer):
             self._trailer = DOUBTED if differ else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         if self.trailer:  # by them the estimator was led astray, and rejects right fixes
@@ -79,10 +87,10 @@ class Doubts:
         apart = math.hypot(*map(fmean, zip(*self._differences, strict=True)))
         limit = max(_DIFFERENCE, _USUAL * math.sqrt(self._usual))
         if moves:
-            self._moved += 1
             self._means.append(min(apart, limit))
             if len(self._means) == self._means.maxlen:
-                self._usual += max(self._share, 1.0 / self._moved) * (self._means[0] ** 2 - self._usual)
+                self._known += 1.0
+                self._usual += max(self._share, 1.0 / self._known) * (self._means[0] ** 2 - self._usual)
         return apart > limit
 
 
