@@ -25,9 +25,18 @@ SEEN = Measurement(
 )
 
 
-def step(hitch=0.1, joint=0.0, fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED), status=SolverStatus.SOLVED, speed=1.0):
+def step(
+    hitch=0.1,
+    joint=0.0,
+    fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED),
+    status=SolverStatus.SOLVED,
+    speed=1.0,
+    tractor=(1.0, 2.0),
+    trailer=(3.0, 4.0),
+):
     estimate = SimpleNamespace(
         hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status,
+        tractor=SimpleNamespace(x=tractor[0], y=tractor[1]), trailer=SimpleNamespace(x=trailer[0], y=trailer[1]),
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
     )  # fmt: skip
     return SimpleNamespace(measurement=replace(SEEN, speed=speed), estimate=estimate)
@@ -98,6 +107,23 @@ def test_angles_of_hitch_and_joint_that_differ_a_little_for_long_are_doubted(hit
         found.look(step(hitch=SEEN.hitch_angle + (hitch * DEGREE), joint=joint * DEGREE), engaged=True)
         assert found.exist is (doubted and i == 4)
     assert not doubts(step(joint=math.nan, hitch=math.nan), 10).exist
+
+
+@pytest.mark.parametrize("aside", [{"tractor": (1.3, 2.0)}, {"trailer": (3.0, 3.7)}])
+def test_angles_that_differ_less_are_doubted_where_an_antenna_is_contradicted_as_well(aside):
+    both, angle, antenna = step(joint=2.0 * DEGREE, **aside), step(joint=2.0 * DEGREE), step(**aside)
+    for record, doubted in ((both, True), (angle, False), (antenna, False)):
+        found = on_calm_ground()
+        for _ in range(10):
+            found.look(record, engaged=True)
+        assert found.trailer is doubted
+
+
+def test_an_antenna_that_is_usually_aside_is_not_contradicted():
+    found = on_calm_ground()
+    for i in range(300):
+        found.look(step(tractor=(1.3, 2.0), joint=2.0 * DEGREE * (i >= 290)), engaged=True)
+    assert not found.exist
 
 
 def test_before_anything_is_known_of_the_ground_more_may_differ():

@@ -12,6 +12,7 @@ from collections import deque
 from dataclasses import fields
 from statistics import fmean
 
+from drawbar.driving.usual import Usual
 from drawbar.geometry import wrap
 from drawbar.signals import Measurement, StepRecord
 from drawbar.vehicle.articulated import tractor_rates, trailer_yaw_rate
@@ -23,9 +24,6 @@ _SPAN = 0.6
 _OPPOSITE, _USUAL = math.radians(2.5), 2.2
 """root of a quarter of the difference of their mean squares, from which on the sensor is reversed: rad, and times the
 usual residual of the better one"""
-_LATELY = 30.0
-"""over which that is averaged, up to a second ago, s"""
-_BEFORE = 1.0
 _MOST = math.radians(12.0)
 """no residual counts more in it, rad"""
 _MOVES = 0.1
@@ -42,8 +40,7 @@ class Reversal:
         self._last: Measurement | None = None
         self._gamma = 0.0  # tractor yaw minus trailer yaw, by the motion, rad
         self._products = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # measured times computed, rad²
-        self._residuals = deque[float](maxlen=max(round(_BEFORE / sample_time), 1))  # rad
-        self._share, self._seen, self._usual = sample_time / _LATELY, 0, 0.0  # 1, samples, mean square in rad²
+        self._usual = Usual(sample_time)  # residual, rad
 
     def look(self, record: StepRecord) -> bool:
         """Take in a step; return whether the sensor is reversed."""
@@ -56,17 +53,11 @@ class Reversal:
         computed = self._gamma - measured.trailer_steering
         if math.isfinite(measured.hitch_angle):
             self._products.append(measured.hitch_angle * computed)
-            self._learn(min(abs(wrap(measured.hitch_angle - sign * computed)) for sign in (1.0, -1.0)))
+            residuals = (abs(wrap(measured.hitch_angle - sign * computed)) for sign in (1.0, -1.0))
+            self._usual.learn(min(*residuals, _MOST))
         full = len(self._products) == self._products.maxlen
-        limit = max(_OPPOSITE, _USUAL * math.sqrt(self._usual))
+        limit = max(_OPPOSITE, _USUAL * self._usual.value)
         return full and fmean(self._products) < -(limit**2)
-
-    def _learn(self, residual: float) -> None:
-        """Let what was usual a second ago be known."""
-        self._residuals.append(min(residual, _MOST))
-        if len(self._residuals) == self._residuals.maxlen:
-            self._seen += 1
-            self._usual += max(self._share, 1.0 / self._seen) * (self._residuals[0] ** 2 - self._usual)
 
     def _follow(self, record: StepRecord, last: Measurement | None) -> bool:
         """Let the angle follow the motion since the last sample; return whether all of it is known."""
