@@ -9,6 +9,7 @@ import pytest
 from drawbar.driving.doubts import DOUBTED, Doubts
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, Measurement, SolverStatus
+from drawbar.vehicle.parameters import VehicleParameters
 
 DEGREE = math.pi / 180.0
 SEEN = Measurement(
@@ -24,15 +25,25 @@ SEEN = Measurement(
 )
 
 
-def step(hitch=0.1, joint=0.0, fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED), status=SolverStatus.SOLVED, speed=1.0):
+def step(
+    hitch=0.1,
+    joint=0.0,
+    fixes=(FixStatus.ACCEPTED, FixStatus.ACCEPTED),
+    status=SolverStatus.SOLVED,
+    speed=1.0,
+    tractor=(1.0, 2.0),
+    trailer=(3.0, 4.0),
+):
     estimate = SimpleNamespace(
-        hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status
-    )
+        hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status,
+        tractor=SimpleNamespace(x=tractor[0], y=tractor[1]), trailer=SimpleNamespace(x=trailer[0], y=trailer[1]),
+        longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
+    )  # fmt: skip
     return SimpleNamespace(measurement=replace(SEEN, speed=speed), estimate=estimate)
 
 
 def doubts(record, times=DOUBTED, *, engaged=True):
-    found = Doubts(SanitySettings(), 0.2)
+    found = Doubts(SanitySettings(), VehicleParameters(), 0.2)
     for _ in range(times):
         found.look(record, engaged=engaged)
     return found
@@ -56,7 +67,7 @@ def test_positions_that_both_antennas_contradict_are_left_out_while_engaged():
 
 
 def test_positions_that_drift_are_left_out_while_engaged():
-    found = Doubts(SanitySettings(), 0.2)
+    found = Doubts(SanitySettings(), VehicleParameters(), 0.2)
     found.look(step(), engaged=True, drifts=True)
     assert math.isnan(found.without(SEEN).tractor_x)
     found.look(step(), engaged=True)
@@ -78,18 +89,55 @@ def test_a_hitch_angle_that_contradicts_leaves_out_the_trailer_and_what_it_did_t
     assert not found.exist
 
 
+def on_calm_ground(sample_time=0.2, time=30.0):
+    """Return what is left of a drive in which nothing differed."""
+    found = Doubts(SanitySettings(), VehicleParameters(), sample_time)
+    for _ in range(round(time / sample_time)):
+        found.look(step(), engaged=True)
+    return found
+
+
 @pytest.mark.parametrize(
     ("hitch", "joint", "doubted"), [(2.9, 0.0, True), (2.0, -2.0, True), (0.0, 2.9, True), (1.9, 1.9, False)]
 )
 def test_angles_of_hitch_and_joint_that_differ_a_little_for_long_are_doubted(hitch, joint, doubted):
-    differing = step(hitch=SEEN.hitch_angle + hitch * DEGREE, joint=joint * DEGREE)
-    assert not doubts(differing, 4).exist
-    assert doubts(differing, 5).trailer is doubted
+    found = on_calm_ground()
+    for i in range(5):
+        assert not found.exist
+        found.look(step(hitch=SEEN.hitch_angle + (hitch * DEGREE), joint=joint * DEGREE), engaged=True)
+        assert found.exist is (doubted and i == 4)
     assert not doubts(step(joint=math.nan, hitch=math.nan), 10).exist
 
 
+@pytest.mark.parametrize("aside", [{"tractor": (1.3, 2.0)}, {"trailer": (3.0, 3.7)}])
+def test_angles_that_differ_less_are_doubted_where_an_antenna_is_contradicted_as_well(aside):
+    both, angle, antenna = step(joint=2.0 * DEGREE, **aside), step(joint=2.0 * DEGREE), step(**aside)
+    for record, doubted in ((both, True), (angle, False), (antenna, False)):
+        found = on_calm_ground()
+        for _ in range(10):
+            found.look(record, engaged=True)
+        assert found.trailer is doubted
+
+
+def test_an_antenna_that_is_usually_aside_is_not_contradicted():
+    found = on_calm_ground()
+    for i in range(300):
+        found.look(step(tractor=(1.3, 2.0), joint=2.0 * DEGREE * (i >= 290)), engaged=True)
+    assert not found.exist
+
+
+def test_before_anything_is_known_of_the_ground_more_may_differ():
+    differing = step(joint=4.0 * DEGREE)
+    assert not doubts(differing, 10).exist
+    assert doubts(step(joint=4.5 * DEGREE), 5).trailer
+    found = on_calm_ground(time=10.0)
+    for _ in range(5):
+        found.look(differing, engaged=True)
+    assert found.trailer
+
+
 def test_differences_that_change_sides_are_noise():
-    found = Doubts(SanitySettings(), 0.2)
+    found = Doubts(SanitySettings(), VehicleParameters(), 0.2)
     for _ in range(20):
         found.look(step(hitch=SEEN.hitch_angle + 8.0 * DEGREE), engaged=True)
         found.look(step(hitch=SEEN.hitch_angle - 8.0 * DEGREE), engaged=True)
@@ -98,7 +146,7 @@ def test_differences_that_change_sides_are_noise():
 
 def driven(usual, samples=300, speed=1.0):
     """Return what is left of a drive in which the joint differs by so much to both sides in turn, a second each."""
-    found = Doubts(SanitySettings(), 0.2)
+    found = Doubts(SanitySettings(), VehicleParameters(), 0.2)
     for i in range(samples):
         found.look(step(joint=math.copysign(usual * DEGREE, i % 10 - 4.5), speed=speed), engaged=True)
         assert not found.exist
@@ -118,7 +166,8 @@ def test_on_rough_ground_more_is_usual():
 
 def test_what_is_usual_is_learned_within_seconds_while_it_moves_only():
     assert not is_doubted(driven(2.0, samples=25))
-    assert is_doubted(driven(2.0, speed=0.0))
+    assert is_doubted(driven(2.0, speed=0.0), 4.5)
+    assert not is_doubted(driven(2.0, samples=25), 4.5)
 
 
 def test_a_difference_that_grows_is_not_usual():
@@ -130,8 +179,8 @@ def test_a_difference_that_grows_is_not_usual():
 
 @pytest.mark.parametrize("sample_time", [0.05, 0.1])
 def test_at_any_rate_they_are_averaged_over_a_second(sample_time):
-    found = Doubts(SanitySettings(), sample_time)
-    differing = step(joint=4.0 * DEGREE)
+    found = on_calm_ground(sample_time)
+    differing = step(joint=2.9 * DEGREE)
     for _ in range(round(1.0 / sample_time) - 1):
         found.look(differing, engaged=True)
         assert not found.exist

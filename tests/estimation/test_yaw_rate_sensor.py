@@ -116,6 +116,20 @@ def test_a_sensor_that_goes_wrong_is_dropped_within_two_seconds_and_for_a_minute
     assert np.isfinite(found[690:]).all()
 
 
+@pytest.mark.parametrize("wrong", [lambda rate: -rate, lambda rate: rate + 12.0 * DEGREE], ids=["reversed", "offset"])
+def test_a_sensor_that_goes_wrong_in_a_curve_is_not_believed_even_once(wrong) -> None:
+    true = rates(300)
+    k = 200 + int(np.argmax(np.abs(true[200:])))
+    assert np.isfinite(answers(Sensor(), true)[60:]).all()
+    assert np.isnan(answers(Sensor(), np.append(true[:k], wrong(true[k : k + 20])))[k:]).all()
+
+
+def test_on_ground_where_it_usually_differs_from_the_wheels_it_goes_on() -> None:
+    sensor, rng = Sensor(), np.random.default_rng(5)
+    found = [sensor.believed(rate, rate + rng.normal(0.0, 3.0 * DEGREE), yaw) for rate, yaw in weaving(600, 3)]
+    assert np.isfinite(found[100:]).mean() > 0.99
+
+
 def test_values_that_are_missing_or_of_no_time_are_none() -> None:
     sensor, true = Sensor(), rates(100)
     assert np.isfinite(answers(sensor, true)[-1])

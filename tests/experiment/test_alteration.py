@@ -90,6 +90,18 @@ def test_what_cannot_be_applied_is_told(write_altered, name: str, alterations: s
     assert told in str(error.value)
 
 
+def test_a_folder_of_alterations_is_searched(tmp_path: Path) -> None:
+    (tmp_path / "alterations").mkdir()
+    (tmp_path / "alterations" / "speeds.py").write_text(SLOWER, "utf-8")
+    (tmp_path / "alterations" / "nothing.py").write_text("def nothing(simulation):\n    pass\n", "utf-8")
+    assert find_alteration(tmp_path, "faster").source == SLOWER
+    with pytest.raises(ConfigurationError, match="alterations: has no function 'slowest'; it has: nothing, slower, f"):
+        find_alteration(tmp_path, "slowest")
+    (tmp_path / "alterations" / "nothing.py").write_text("def faster(simulation):\n    pass\n", "utf-8")
+    with pytest.raises(ConfigurationError, match="alterations: 2 files have a function 'faster'; rename one"):
+        find_alteration(tmp_path, "faster")
+
+
 def test_a_missing_file_is_told(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"alterations\.py: alteration 'slower' cannot be read"):
         find_alteration(tmp_path, "slower")

@@ -94,6 +94,10 @@ WRONG = {
         'title = "x"\ncases = [{ name = "paper" }]\nexpected.papre.x = { at_most = 1.0 }',
         "expected names no case: papre",
     ),
+    "what was learned of no case": (
+        'title = "x"\nlearned = "It errs by {papre|x} cm."\ncases = [{ name = "paper" }]',
+        "learned or why_missed names no case: papre; cases: paper",
+    ),
     "case of no variant": (
         'title = "x"\ncases = [{ name = "paper", variants = ["b"] }]\nvariants = [{ name = "a" }]',
         "case 'paper' names no variant: b; variants: a",

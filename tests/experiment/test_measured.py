@@ -17,7 +17,7 @@ from drawbar.experiment.measure import Runs, measure
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.parts import Text
 from drawbar.experiment.progress import RunsProgress
-from drawbar.experiment.task import run_task
+from drawbar.experiment.task import Result, run_task
 
 Write = Callable[[str], Experiment]
 
@@ -152,9 +152,29 @@ def test_the_report_opens_with_what_was_learned_and_why_figures_were_missed(meas
     assert "expected figures of *Two controllers*. Too slow." in opening
 
 
-def test_what_was_learned_names_only_what_was_measured(measured: MeasuredExperiment) -> None:
-    with pytest.raises(ConfigurationError, match="no figure 'trailer all' of a case 'quick'; cases: "):
-        measured.told("{quick|trailer all}")
+def test_what_was_learned_names_figures_that_there_are(measured: MeasuredExperiment) -> None:
+    with pytest.raises(ConfigurationError, match="no figure 'trailer al' of a case 'slow'; figures: "):
+        measured.told("{slow|trailer al}")
+
+
+@pytest.mark.parametrize("results", [None, []], ids=["not chosen", "failed"])
+def test_what_was_learned_of_a_case_without_a_result_is_left_out_and_that_is_told(
+    write_experiment: Write, two_cases: str, short_result, results: list[Result] | None
+) -> None:
+    learned = 'learned = "It errs by {slow|trailer all} cm."\nwhy_missed = "Too slow."\n'
+    runs = {"articulated": Runs(results=[short_result], failures=[])}
+    if results is not None:
+        runs["slow"] = Runs(results=results, failures=["seed 0: broken"])
+    experiment = write_experiment(learned + two_cases).with_cases(list(runs))
+    measured = measured_of(experiment, runs, 1)
+    left_out = "`learned` is left out of REPORT.md: no result of slow"
+    assert measured.untold() == [left_out]
+    write_results(measured, table_of_means(measured))
+    text = (experiment.folder / "results.md").read_text("utf-8")
+    assert f"{left_out}.\n" in text
+    assert "| articulated | 1/1 |" in text
+    write_report(experiment.folder.parent)
+    assert "It errs by" not in (experiment.folder.parent / "REPORT.md").read_text("utf-8")
 
 
 def test_a_case_that_is_left_out_is_told_and_missed_by_nobody(write_experiment: Write, short_result) -> None:

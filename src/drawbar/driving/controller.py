@@ -8,6 +8,7 @@ from drawbar.driving.curves import within_envelope
 from drawbar.driving.doubts import Doubts
 from drawbar.driving.drift import Drift
 from drawbar.driving.driven_line import DrivenLine
+from drawbar.driving.hindsight import Hindsight
 from drawbar.errors import PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
@@ -50,7 +51,9 @@ class Controller:
         self._certainty = certainty(self._autopilot, configuration)
         self.sureness = Certainty()
         """of the newest estimate"""
-        self._doubts, self._drift = Doubts(configuration.sanity, configuration.sample_time), Drift()
+        self._doubts = Doubts(configuration.sanity, configuration.vehicle, configuration.sample_time)
+        self._drift = Drift()
+        self._hindsight = Hindsight(self._autopilot, configuration.sample_time)
         self._gate: GateState | None = None
         self._carried = False
         """positions are where the velocities have led since both antennas began to drift"""
@@ -69,6 +72,7 @@ class Controller:
         before, self._gate = self.engaged, state
         if self.engaged != before:
             self._autopilot.set_engaged(self.engaged)
+            self._hindsight.forget()
             self._wished = math.nan  # what was not possible may be now
         self._choose_line(state.line * self._configuration.path.working_width + state.nudge)
         wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
@@ -86,6 +90,7 @@ class Controller:
             measurement = self._doubts.without(measurement)
             if self._carried:
                 measurement = self._drift.carried(measurement)
+        self._hindsight.keep(measurement)
         self._status, self._command = self._autopilot.feedback(measurement)
         self._measurement = measurement
         return self.repeat(now)
@@ -124,11 +129,18 @@ class Controller:
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
-            self._doubts.look(record, engaged=self.engaged, drifts=self._drift.exists)
+            self._judge(record)
             self._leave_drift(record)
             known = self._status.is_new_command and not self._doubts.exist
             self.sureness = self._certainty(record.estimate) if known else Certainty()
         return record
+
+    def _judge(self, record: StepRecord) -> None:
+        """Look at what a step says of the sensors; once the trailer's are doubtful, undo what they have done."""
+        before = self._doubts.trailer
+        self._doubts.look(record, engaged=self.engaged, drifts=self._drift.exists)
+        if self.engaged and self._doubts.trailer and not before:
+            self._hindsight.again(self._doubts.without)
 
     def _leave_drift(self, record: StepRecord) -> None:
         """Begin anew where the velocities have led, once both antennas drift: the estimate has followed, and turned."""
@@ -136,6 +148,7 @@ class Controller:
         if self.engaged and self._drift.exists and not self._carried and math.isfinite(progress):
             self._drift.carry()
             self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
+            self._hindsight.forget()
         self._carried = self.engaged and (self._carried or self._drift.exists)
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
@@ -200,6 +213,7 @@ class Controller:
                 return
             self._anew = True
         self._line = chosen
+        self._hindsight.forget()
 
     def _progress_on(self, path: Path) -> float:
         """Return the arc length of another path beside the tractor, near that of the newest step, m."""
@@ -226,6 +240,7 @@ class Controller:
         self._line, progress = self._line.nearest(measurement)
         self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
         self._autopilot.set_engaged(False)
+        self._hindsight.forget()
         self._anew = False
 
 

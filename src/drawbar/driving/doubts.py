@@ -4,7 +4,9 @@ The gate stops the vehicle for a doubt. Meanwhile it is steered by what is left;
 both antennas have jumped, and the control step would end its run, and with it all steering, for a wrong hitch angle.
 
 A wrong angle of hitch or joint first bends the estimate: yaws and crab angles make up for most of it, and both bodies
-are steered beside the line without a word. What they cannot make up for shows in both angles, a few degrees for long.
+are steered beside the line without a word. What they cannot make up for shows in both angles, a few degrees for long,
+and fewer count where an antenna is contradicted as well; a hitch sensor that is reversed is seen sooner (reversal.py).
+What they have bent is computed again without them (hindsight.py).
 Which of the two is wrong does not show, so all that is told of the trailer is left out: the tractor keeps to the line
 by its own antenna, and the joint is held where its sensor says that it is (driving/controller.py).
 """
@@ -14,8 +16,11 @@ from collections import deque
 from dataclasses import replace
 from statistics import fmean
 
+from drawbar.driving.reversal import Reversal
+from drawbar.driving.usual import Usual
 from drawbar.safety.sanity import SanitySettings
-from drawbar.signals import FixStatus, Measurement, SolverStatus, StepRecord
+from drawbar.signals import FixStatus, Measurement, Pose, SolverStatus, StepRecord
+from drawbar.vehicle.parameters import VehicleParameters
 
 DOUBTED = 3
 """samples in a row that contradict"""
@@ -23,22 +28,50 @@ _MEMORY = 1.0
 """time over which differences of the trailer's angles are averaged, s"""
 _DIFFERENCE, _USUAL = math.radians(2.8), 7.0
 """mean of both together that is a contradiction: rad, and times its lately usual one, as rough ground has more"""
-_LATELY = 30.0
-"""time over which that is averaged, up to the last mean but one, which a fault has not bent yet, s"""
+_FIRST, _FIRST_TIME = math.radians(0.6), 5.0
+"""what is usual before anything is known of the ground, and the time for which that counts: rad, s"""
+_SPAN = 0.6
+"""time over which an antenna's distance from its estimate is averaged, s"""
+_ASIDE, _LEAST = 3.0, 0.04
+"""times its usual one, at least so much (m), from which on the antenna is contradicted"""
+_SHARE = 0.65
+"""of the limit above, where an antenna is contradicted as well"""
 _MOVES = 0.1
 """speed below which nothing is learned of the ground, m/s"""
+
+
+class Antenna:
+    """How far one antenna is from where it is estimated."""
+
+    def __init__(self, sample_time: float) -> None:
+        """Begin without a sample; `sample_time` in s."""
+        self._distances = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # m
+        self._usual = Usual(sample_time)
+
+    def contradicts(self, x: float, y: float, place: Pose, *, moves: bool) -> bool:
+        """Take in where it is (m), NaN where that is not known; return whether it is farther than it usually is."""
+        distance = math.hypot(x - place.x, y - place.y)
+        if not math.isfinite(distance):
+            return False
+        self._distances.append(distance)
+        mean = fmean(self._distances)
+        if moves:
+            self._usual.learn(mean)
+        full = len(self._distances) == self._distances.maxlen
+        return full and mean > _ASIDE * max(self._usual.value, _LEAST)
 
 
 class Doubts:
     """What the last samples said of the positions, of both antennas together, and of the trailer's angles."""
 
-    def __init__(self, settings: SanitySettings, sample_time: float) -> None:
+    def __init__(self, settings: SanitySettings, vehicle: VehicleParameters, sample_time: float) -> None:
         """Begin without a doubt; `sample_time` in s."""
         self._hitch_limit = settings.hitch
+        self._reversal = Reversal(vehicle, sample_time)
         count = max(round(_MEMORY / sample_time), DOUBTED)
         self._differences = deque[tuple[float, float]](maxlen=count)
-        self._means = deque[float](maxlen=count)  # of them, rad
-        self._moved, self._share, self._usual = 0, sample_time / _LATELY, 0.0  # samples, 1, mean square in rad²
+        self._usual = Usual(sample_time, first=_FIRST, first_time=_FIRST_TIME)  # mean of them, rad
+        self._tractor, self._trailer_antenna = Antenna(sample_time), Antenna(sample_time)
         self._positions = self._trailer = 0
 
     @property
@@ -55,7 +88,10 @@ class Doubts:
         """Take in a step, and whether both antennas drift; what is doubted while engaged stays so."""
         hitch, joint = _differences(record)
         self._differences.append((hitch, joint))
-        differ = self._differ(moves=abs(record.measurement.speed) >= _MOVES)
+        moves = abs(record.measurement.speed) >= _MOVES
+        limit = _SHARE if self._aside(record, moves=moves) else 1.0
+        differ = self._apart(moves=moves) > limit
+        differ |= self._reversal.look(record)
         if not (engaged and self.trailer):
             self._trailer = DOUBTED if differ else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         if self.trailer:  # by them the estimator was led astray, and rejects right fixes
@@ -72,18 +108,22 @@ class Doubts:
             measurement = replace(measurement, hitch_angle=nan, trailer_steering=nan, trailer_x=nan, trailer_y=nan)
         return measurement
 
-    def _differ(self, *, moves: bool) -> bool:
-        """Return whether both angles together have differed for long, by more than they do on this ground."""
+    def _apart(self, *, moves: bool) -> float:
+        """Return by how much both angles together have differed for long, as a share of what is a contradiction."""
         if len(self._differences) < (self._differences.maxlen or 0):
-            return False
+            return 0.0
         apart = math.hypot(*map(fmean, zip(*self._differences, strict=True)))
-        limit = max(_DIFFERENCE, _USUAL * math.sqrt(self._usual))
+        limit = max(_DIFFERENCE, _USUAL * self._usual.value)
         if moves:
-            self._moved += 1
-            self._means.append(min(apart, limit))
-            if len(self._means) == self._means.maxlen:
-                self._usual += max(self._share, 1.0 / self._moved) * (self._means[0] ** 2 - self._usual)
-        return apart > limit
+            self._usual.learn(min(apart, limit))
+        return apart / limit
+
+    def _aside(self, record: StepRecord, *, moves: bool) -> bool:
+        """Return whether an antenna is farther from its estimate than it usually is."""
+        m, found = record.measurement, record.estimate
+        tractor = self._tractor.contradicts(m.tractor_x, m.tractor_y, found.tractor, moves=moves)
+        trailer = self._trailer_antenna.contradicts(m.trailer_x, m.trailer_y, found.trailer, moves=moves)
+        return tractor or trailer
 
 
 def _differences(record: StepRecord) -> tuple[float, float]:

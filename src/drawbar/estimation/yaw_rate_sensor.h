@@ -27,6 +27,8 @@
 #define ALIKE 30.0                         /* time over which the sensor is compared with the wheels, s */
 #define TURNED 27.0                        /* what the vehicle has turned in that time before it says anything, deg^2 / s */
 #define UNLIKE 0.35                        /* by so much more or less than the wheels the sensor may say */
+#define SUDDEN 4.0                         /* times its usual difference from the wheels by which it may differ from them, */
+#define LEAST_SUDDEN (6.0 * DEGREE)        /* and by so much always, rad/s */
 #define PATIENCE 60.0                      /* for how long nothing is believed afterwards, s */
 
 struct yaw_rate_sensor {
@@ -36,6 +38,7 @@ struct yaw_rate_sensor {
     double beyond;                         /* newest lead beyond what was expected, rad */
     double unexpected;                     /* mean square of the lead beyond what was expected */
     double square, product;                /* of the wheels' yaw rate, and with the sensor's, rad^2 / s */
+    double apart;                          /* mean square of the difference from the wheels, rad^2 / s^2 */
     double doubted;                        /* for how much longer nothing is believed, s */
     int32_t begun, follows;                /* is there anything; is there an integral? */
 };
@@ -90,6 +93,16 @@ static inline int yaw_rate_alike(struct yaw_rate_sensor *sensor, double told, do
     return sensor->square > TURNED * DEGREE * DEGREE && fabs(sensor->product / sensor->square - 1.0) < UNLIKE;
 }
 
+/* Does the sensor differ from the wheels as it never does? One that turns round in a curve does, and would bend the
+ * estimate before its integral shows it. */
+static inline int yaw_rate_sudden(struct yaw_rate_sensor *sensor, double difference, double elapsed)
+{
+    const double limit = fmax(LEAST_SUDDEN, SUDDEN * sqrt(sensor->apart)), counted = clipped(difference, limit);
+
+    sensor->apart -= expm1(-elapsed / ALIKE) * (counted * counted - sensor->apart);
+    return fabs(difference) > limit;
+}
+
 /* Return the yaw rate to be believed, rad/s; NaN: none.
  *
  * told: by the sensor, rad/s; wheels: by the wheels, rad/s; yaw: by antennas and angles, rad, NaN: none; elapsed: since the
@@ -115,7 +128,8 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
         yaw_rate_begin(sensor, PATIENCE);
     const int known = sensor->of_bias < BIAS_KNOWN * BIAS_KNOWN;
     const int alike = known && yaw_rate_alike(sensor, told - sensor->bias, wheels, elapsed);
-    return alike && !(sensor->doubted > 0.0) ? told - sensor->bias : NAN;
+    const int sudden = yaw_rate_sudden(sensor, told - sensor->bias - wheels, elapsed);
+    return alike && !sudden && !(sensor->doubted > 0.0) ? told - sensor->bias : NAN;
 }
 
 #endif

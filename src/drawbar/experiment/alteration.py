@@ -1,4 +1,4 @@
-"""What no configuration can say of a run: a function of its experiment's alterations.py, applied before it begins."""
+"""What no configuration can say of a run: a function of its experiment's own Python, applied before it begins."""
 
 import ast
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from drawbar.simulation import Simulation
 if TYPE_CHECKING:
     from drawbar.experiment.trial import Trial
 
-FILE_NAME = "alterations.py"
+FILE_NAME, FOLDER_NAME = "alterations.py", "alterations"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,21 +39,29 @@ def _functions(source: str) -> list[str]:
 
 
 def find_alteration(folder: Path, name: str) -> Alteration:
-    """Return a function of the alterations.py in an experiment's folder.
+    """Return a function of the alterations.py in an experiment's folder, or of one of the files of its alterations/.
 
     Raises:
-        ConfigurationError: there is no such file, it is no Python, or it has no such function; lists those that it has.
+        ConfigurationError: there is no such file, one is no Python, or none has such a function, or more than one has;
+            lists those that there are.
     """
-    file = folder / FILE_NAME
-    try:
-        source = file.read_text("utf-8")
-        known = _functions(source)
-    except (OSError, ValueError, SyntaxError) as error:
-        raise ConfigurationError(f"{file}: alteration {name!r} cannot be read ({error}).") from error
-    public = [each for each in known if not each.startswith("_")]
+    files = sorted((folder / FOLDER_NAME).glob("*.py")) or [folder / FILE_NAME]
+    place = files[0] if len(files) == 1 else folder / FOLDER_NAME
+    public: list[str] = []
+    sources: list[str] = []
+    for file in files:
+        try:
+            source = file.read_text("utf-8")
+            known = _functions(source)
+        except (OSError, ValueError, SyntaxError) as error:
+            raise ConfigurationError(f"{file}: alteration {name!r} cannot be read ({error}).") from error
+        public += [each for each in known if not each.startswith("_")]
+        sources += [source] if name in known else []
     if name not in public:
-        raise ConfigurationError(f"{file}: has no function {name!r}; it has: {', '.join(public) or 'none'}.")
-    return Alteration(name=name, source=source)
+        raise ConfigurationError(f"{place}: has no function {name!r}; it has: {', '.join(public) or 'none'}.")
+    if len(sources) > 1:
+        raise ConfigurationError(f"{place}: {len(sources)} files have a function {name!r}; rename one.")
+    return Alteration(name=name, source=sources[0])
 
 
 class InterceptedMachine(MachineWithTruth):

@@ -9,10 +9,10 @@ from rich.text import Text
 
 from drawbar.experiment.analysis import Analysis, load_analysis, table_of_means
 from drawbar.experiment.cluster import open_cluster
-from drawbar.experiment.document import REPORT_NAME, RESULTS_NAME, write_report, write_results
+from drawbar.experiment.document import RESULTS_NAME, write_report, write_results
 from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, load_experiment
 from drawbar.experiment.measure import Runs, measure
-from drawbar.experiment.measured import Figures, MeasuredExperiment
+from drawbar.experiment.measured import REPORT_NAME, Figures, MeasuredExperiment
 from drawbar.experiment.progress import RunsProgress
 
 
@@ -73,5 +73,7 @@ def _print_outcome(console: Console, measured: MeasuredExperiment, file: Path) -
     misses = measured.misses()
     for miss in misses:
         console.print(Text(f"missed: {miss}", "red"))
+    for each in measured.untold():
+        console.print(f"{measured.experiment.folder.name}: {each}", soft_wrap=True, markup=False)
     met = sum(verdict.holds for verdict in measured.verdicts())
     console.print(f"{met} of {len(measured.verdicts())} expected figures met: {file}", soft_wrap=True)

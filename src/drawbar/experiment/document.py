@@ -7,12 +7,12 @@ from pathlib import Path
 import msgspec
 
 from drawbar.benchmark.figures import machine
-from drawbar.experiment.measured import MeasuredExperiment
+from drawbar.experiment.measured import REPORT_NAME, MeasuredExperiment
 from drawbar.experiment.parts import Part, markdown_table
 
 RESULTS_NAME = "results.md"
 SUMMARY_NAME = "summary.json"
-REPORT_NAME = "REPORT.md"
+_UNTOLD = "The reason that is known names cases without a result."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +54,7 @@ def _summary(measured: MeasuredExperiment) -> Summary:
     return Summary(
         title=settings.title,
         learned=measured.told(settings.learned),
-        why_missed=measured.told(settings.why_missed) if misses else "",
+        why_missed=(measured.told(settings.why_missed) or _UNTOLD) if misses and settings.why_missed else "",
         cases=len(measured.cases),
         seeds=measured.seeds,
         expected=len(measured.verdicts()),
@@ -123,9 +123,10 @@ def _sections(measured: MeasuredExperiment, parts: Sequence[Part]) -> list[str]:
 
 
 def _left_out(measured: MeasuredExperiment) -> list[str]:
-    """Say which cases were not driven, and why."""
+    """Say which cases were not driven, and why, and which texts for REPORT.md name some without a result."""
     reasons = measured.experiment.left_out.items()
-    return [f"Not driven: {'; '.join(f'{case} ({reason})' for case, reason in reasons)}."] if reasons else []
+    not_driven = [f"Not driven: {'; '.join(f'{case} ({reason})' for case, reason in reasons)}."] if reasons else []
+    return [*not_driven, *(f"{each}." for each in measured.untold())]
 
 
 def _judgement(measured: MeasuredExperiment) -> list[str]:

@@ -1,6 +1,7 @@
 """An experiment: a folder with an experiment.toml that says what is driven, how often, and what must come out."""
 
 import math
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,6 +20,8 @@ from drawbar.settings import Positive, Settings
 
 FILE_NAME = "experiment.toml"
 FOLDER = Path("experiments")
+FIGURE = re.compile(r"\{([^|{}]+)\|([^|{}]+)\}")
+"""{case|figure} in a text: stands for what was measured"""
 Texts = Annotated[tuple[str, ...], Field(strict=False)]
 
 
@@ -60,7 +63,7 @@ class Variant(Settings):
     changes: Texts = ()
     """texts KEY=VALUE, as for --set"""
     alteration: str = ""
-    """function of the experiment's alterations.py that changes what no KEY=VALUE can; empty: none"""
+    """function of the experiment's alterations that changes what no KEY=VALUE can; empty: none"""
     expected: Mapping[str, Expectation] = {}
     """by name of the figure: of it in every variant of the case, or of every case in the variant"""
 
@@ -83,7 +86,7 @@ class ExperimentSettings(Settings):
 
     title: str
     learned: str = ""
-    """one sentence for the report's first lines; {case|figure} stands for what was measured"""
+    """one sentence for the report's first lines; {case|figure} stands for what was measured, else it is left out"""
     why_missed: str = ""
     """the reason why expected figures are missed, for the same place, likewise"""
     seeds: Annotated[int, Field(ge=1)] = 20
@@ -200,6 +203,11 @@ def load_experiment(folder: Path) -> Experiment:
         raise ConfigurationError(
             f"{file}: expected names no case: {', '.join(sorted(strangers))}; cases: {', '.join(driven)}."
         )
+    named = [case for case, _ in named_figures(settings.learned + settings.why_missed)]
+    if strangers := set(named) - set(driven):
+        raise ConfigurationError(
+            f"{file}: learned or why_missed names no case: {', '.join(sorted(strangers))}; cases: {', '.join(driven)}."
+        )
     there = {name: each for name, each in driven.items() if not _missing(each[0])}
     return Experiment(
         folder=folder,
@@ -214,6 +222,11 @@ def load_experiment(folder: Path) -> Experiment:
         seeds={name: case.seeds or settings.seeds for name, (case, _) in there.items()},
         left_out={case.name: f"{case.needs} is not here" for case in settings.cases if _missing(case)},
     )
+
+
+def named_figures(text: str) -> list[tuple[str, str]]:
+    """Return the case and the name of every {case|figure} in a text."""
+    return FIGURE.findall(text)
 
 
 def _reason(error: Exception) -> str:

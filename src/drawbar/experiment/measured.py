@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from drawbar.errors import ConfigurationError
-from drawbar.experiment.experiment import Expectation, Experiment
+from drawbar.experiment.experiment import FIGURE, Expectation, Experiment, named_figures
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.statistics import Statistic
 
+REPORT_NAME = "REPORT.md"
 Figures = Mapping[str, float]
 """the figures of one run by name"""
-_FIGURE = re.compile(r"\{([^|{}]+)\|([^|{}]+)\}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,20 +76,34 @@ class MeasuredExperiment:
             for figure, expected in by_figure.items()
         ]
 
+    def unmeasured(self, text: str) -> list[str]:
+        """Return the cases that a text names and that have no result: not chosen, left out, or failed."""
+        named = dict.fromkeys(case for case, _ in named_figures(text))
+        return [case for case in named if case not in self.runs or not self.runs[case].results]
+
     def told(self, text: str) -> str:
-        """Return a text with measured figures in the place of {case|figure}.
+        """Return a text with measured figures for {case|figure}; empty where one of its cases is unmeasured.
 
         Raises:
-            ConfigurationError: it names a case or a figure that there is not.
+            ConfigurationError: a case that it names has no such figure.
         """
-        return _FIGURE.sub(self._told, text)
+        return "" if self.unmeasured(text) else FIGURE.sub(self._told, text)
+
+    def untold(self) -> list[str]:
+        """Say which of the texts for REPORT.md are left out, and which cases without a result they name."""
+        texts = {name: getattr(self.experiment.settings, name) for name in ("learned", "why_missed")}
+        return [
+            f"`{name}` is left out of {REPORT_NAME}: no result of {', '.join(cases)}"
+            for name, text in texts.items()
+            if (cases := self.unmeasured(text))
+        ]
 
     def _told(self, place: re.Match[str]) -> str:
         case, figure = place.groups()
-        if case not in self.runs or figure not in self.figure_names:
+        if figure not in self.figure_names:
             raise ConfigurationError(
                 f"{self.experiment.folder.name}: no figure {figure!r} of a case {case!r}; "
-                f"cases: {', '.join(self.runs)}; figures: {', '.join(self.figure_names)}."
+                f"figures: {', '.join(self.figure_names)}."
             )
         return self.statistic(case, figure).text(2)
 

@@ -1,6 +1,7 @@
 """A trial: a rehearsal of a drive in which a fault begins at a place of the path, watched until the vehicle stands."""
 
 import math
+import random
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -9,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drawbar.config import Configuration
+from drawbar.driving.post import Tap
 from drawbar.driving.rehearsal import STEP, Rehearsal
 from drawbar.geometry import Floats, wrap
+from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import SupervisorState
 from drawbar.protocols.agopengps.frame import Frame, parse
@@ -74,6 +77,26 @@ class Trial:
         self._near, self._errors = [0.0, 0.0], [0.0, 0.0]
         self._rows: list[tuple[float, ...]] = []
         self._records: list[StepRecord] = []
+
+    def device(self, name: str) -> None:
+        """Let the fault be one of the stand-in machine's (drawbar/machine/stand_in/faults.py)."""
+        self.begin = lambda: FAULTS[name].begin(self.rehearsal.machine)
+
+    def tap(self, names: Sequence[str], make: Callable[[random.Random, float], Tap]) -> None:
+        """Let the fault be what happens to bytes on their way, behind what happens to them already.
+
+        Args:
+            names: of what is carried, see Rehearsal.post.
+            make: returns the tap of one of them, given its randomness and the time at which the fault begins, s.
+        """
+
+        def begin() -> None:
+            taps = self.rehearsal.post.taps
+            for name in names:
+                own, before = make(random.Random(f"{self.seed} {name}"), self.rehearsal.time), taps.get(name)
+                taps[name] = own if before is None else _joined(before, own)
+
+        self.begin = begin
 
     def watch(self) -> None:
         """Drive to the fault's place, put it in, and watch what comes of it.
@@ -156,6 +179,12 @@ class Trial:
             return [(0.0, data)]
 
         self.rehearsal.post.taps[wire] = tap
+
+
+def _joined(first: Tap, second: Tap) -> Tap:
+    return lambda now, data: [
+        (delay + more, last) for delay, each in first(now, data) for more, last in second(now, each)
+    ]
 
 
 def watch_trial(configuration: Configuration, seed: int, alterations: "Sequence[Alteration]") -> Trial:

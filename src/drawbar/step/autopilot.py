@@ -76,6 +76,14 @@ class Autopilot:
         """
         self.library.call("set_engaged", ctypes.c_int32(engaged))
 
+    def remember(self) -> tuple[bytes, ...]:
+        """Return what it remembers of the run, for `recall`."""
+        return self.library.remember()
+
+    def recall(self, memory: tuple[bytes, ...]) -> None:
+        """Remember again what it did; it must be on the same path as then. A user's own controller forgets nothing."""
+        self.library.recall(memory)
+
     def give(self, estimate: Estimate) -> None:
         """Give the next sample's estimate to an autopilot whose estimator is ideal."""
         estimator = self.library.components["estimator"]

@@ -70,6 +70,15 @@ class StepLibrary:
         self.record = np.zeros(self._library.drawbar_record_size(), np.uint8)
         """memory for one struct drawbar_record"""
 
+    def remember(self) -> tuple[bytes, ...]:
+        """Return all that the vehicle's memory holds."""
+        return bytes(self.state), *(memory.tobytes() for memory in self._memories)
+
+    def recall(self, memory: tuple[bytes, ...]) -> None:
+        """Let the vehicle's memory hold again what it held; the path must be the same."""
+        for place, held in zip((np.frombuffer(self.state, np.uint8), *self._memories), memory, strict=True):
+            place.view(np.uint8)[:] = np.frombuffer(held, np.uint8)
+
     def function(self, name: str, *pointers: Any) -> Any:
         """Return a function of drawbar.h, bound to the state and to what further pointers lead to."""
         function = getattr(self._library, f"drawbar_{name}")

@@ -27,13 +27,12 @@ SAMPLE = [
     "S14 midnight",
 ]
 KEPT = {
-    "2 m/s, curve, driven by the bus: S28 hitch sensor reversed": 24.0,
+    "2 m/s, curve, driven by the bus: S28 hitch sensor reversed": 8.0,
     "2 m/s, curve: S23 joint's sensor stuck": 32.0,
     "2 m/s, straight: S7 both antennas drift 0.3 m/s": 30.0,
     "2 m/s, curve: S13 speed in knots": 14.0,
 }
-"""farthest from the path while drawbar steers, cm; it was 119, 66, 41 and 19 before these faults were seen in time; the
-first could be 20 while rough ground stopped drives that nothing was wrong with"""
+"""farthest from the path while drawbar steers, cm; it was 119, 66, 41 and 19 before these faults were seen in time"""
 run = cache(run_task)
 
 

@@ -1,0 +1,71 @@
+"""Where steerings turn to, and who steers them besides."""
+
+import math
+
+from drawbar.machine.stand_in.faults import steer_otherwise
+from drawbar.protocols.agopengps.steering import SteerCommand
+
+
+def actuator(trial, body, change):
+    trial.begin = lambda: steer_otherwise(trial.rehearsal.machine, body, change)
+
+
+def tractor_stuck(trial):
+    trial.device("wheels-stuck")
+
+
+def trailer_stuck(trial):
+    actuator(trial, "trailer", lambda wanted, true: true)
+
+
+def tractor_reversed(trial):
+    actuator(trial, "tractor", lambda wanted, true: true - 4.0 * (wanted - true))
+
+
+def tractor_off_3(trial):
+    actuator(trial, "tractor", lambda wanted, true: wanted + math.radians(3.0))
+
+
+def tractor_slow(trial):
+    """Turn at 10°/s at most."""
+    actuator(trial, "tractor", lambda wanted, true: true + clipped(wanted - true, 0.5 * math.radians(10.0) * 0.6))
+
+
+def tractor_lags(trial):
+    """Answer with a third of the speed."""
+    actuator(trial, "tractor", lambda wanted, true: true + (wanted - true) / 3.0)
+
+
+def clipped(value, limit):
+    return min(max(value, -limit), limit)
+
+
+def board_restarts(trial):
+    def begin():
+        trial.rehearsal.machine.boards["trailer"][0].restart(trial.rehearsal.time, outage=0.5)
+
+    trial.begin = begin
+
+
+def operator_takes_over(trial):
+    def begin():
+        trial.rehearsal.machine.boards["tractor"][0].override()
+
+    trial.begin = begin
+
+
+def other_master(trial):
+    """Let another program steer the front wheels' board straight, ten times a second."""
+
+    def begin():
+        rehearsal, inner = trial.rehearsal, trial.rehearsal.post.taps.get("tractor set point")
+        foreign = SteerCommand(steer=True, angle=0.0, speed=1.0).encode()
+        wire = rehearsal.wires["tractor"]
+
+        def tap(now, data):
+            wire.arrive(now, foreign, "192.168.5.10:9999")
+            return [*(inner(now, data) if inner else [(0.0, data)]), (0.01, foreign)]
+
+        rehearsal.post.taps["tractor set point"] = tap
+
+    trial.begin = begin

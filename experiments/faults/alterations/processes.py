@@ -1,0 +1,113 @@
+"""Processes that end, freeze or come late, and people."""
+
+import math
+
+from drawbar.driving.rehearsal import Part
+from drawbar.messages import Action
+
+
+def stopped(trial, part, seconds=math.inf):
+    """Let a part stand still, for a time."""
+
+    def begin():
+        end, rehearsal = trial.rehearsal.time + seconds, trial.rehearsal
+        rehearsal.stopped.add(part)
+        before = rehearsal.machine.advance
+
+        def advance(now):
+            if now >= end:
+                rehearsal.stopped.discard(part)
+            return before(now)
+
+        rehearsal.machine.advance = advance
+
+    trial.begin = begin
+
+
+def controller_ends(trial):
+    trial.begin = trial.rehearsal.end_controller
+
+
+def controller_freezes(trial):
+    stopped(trial, Part.CONTROLLER)
+
+
+def controller_freezes_for_1_s(trial):
+    stopped(trial, Part.CONTROLLER, 1.0)
+
+
+def controller_late_once(trial):
+    stopped(trial, Part.CONTROLLER, 0.08)
+
+
+def controller_late_for_long(trial):
+    stopped(trial, Part.CONTROLLER, 0.2)
+
+
+def controller_late_often(trial):
+    """Let every other step begin 60 ms after its epoch."""
+    until = [-math.inf, 0]
+    before = trial.rehearsal.machine.advance
+
+    def advance(now):
+        if now < until[0]:
+            trial.rehearsal.stopped.add(Part.CONTROLLER)
+        else:
+            trial.rehearsal.stopped.discard(Part.CONTROLLER)
+        return before(now)
+
+    def make(chance, start):
+        trial.rehearsal.machine.advance = advance
+
+        def hear(now, data):
+            until[1] += 1
+            if until[1] % 2:
+                until[0] = now + 0.06
+            return [(0.01, data)]
+
+        return hear
+
+    trial.tap(["tractor receiver"], make)
+
+
+def receivers_freeze(trial):
+    stopped(trial, Part.RECEIVERS)
+
+
+def recorder_gone(trial):
+    stopped(trial, Part.RECORDER)
+
+
+def gate_gone(trial):
+    stopped(trial, Part.GATE)
+
+
+def gate_freezes_for_1_s(trial):
+    stopped(trial, Part.GATE, 1.0)
+
+
+def suspended(trial):
+    def begin():
+        trial.rehearsal.gate._suspended_before -= 2.0
+
+    trial.begin = begin
+
+
+def operator_gone(trial):
+    stopped(trial, Part.OPERATOR)
+
+
+def operator_stops(trial):
+    trial.begin = lambda: trial.rehearsal.ask(Action.STOP)
+
+
+def emergency(trial):
+    trial.begin = lambda: trial.rehearsal.ask(Action.EMERGENCY)
+
+
+def driver_ignores_the_stop(trial):
+    def begin():
+        trial.rehearsal.machine.driver.REACTION = 1e9
+        trial.rehearsal.ask(Action.STOP)
+
+    trial.begin = begin

@@ -1,0 +1,121 @@
+"""What receivers report."""
+
+from dataclasses import replace
+from datetime import timedelta
+
+from drawbar.machine.stand_in.faults import freeze, moved, report_otherwise
+from drawbar.machine.stand_in.machine import BODIES
+from drawbar.signals import FixQuality
+
+
+def receivers(trial, change, bodies=BODIES):
+    """Let receivers report something else from the fault on; change(report, seconds since the fault)."""
+    trial.begin = lambda: report_otherwise(trial.rehearsal.machine, change, bodies)
+
+
+def shifted(report, trial, left):
+    return moved(report, trial.rehearsal.machine, left)
+
+
+def jump_of_10_cm(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.10))
+
+
+def jump_of_one_antenna(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 1.0), ["tractor"])
+
+
+def jump_of_both(trial):
+    trial.device("fixes-jump")
+
+
+def jump_of_5_m(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 5.0))
+
+
+def slow_drift(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.05 * since))
+
+
+def fast_drift(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.3 * since))
+
+
+def far_away(trial):
+    receivers(trial, lambda report, since: replace(report, latitude=report.latitude + 1.0))
+
+
+def one_frozen(trial):
+    trial.begin = lambda: freeze(trial.rehearsal.machine, ["tractor"])
+
+
+def both_frozen(trial):
+    trial.device("fixes-frozen")
+
+
+def no_fix(trial):
+    quality(trial, FixQuality.NONE)
+
+
+def no_fix_for_1_s(trial):
+    receivers(trial, lambda report, since: replace(report, quality=FixQuality.NONE) if since < 1.0 else report)
+
+
+def floating(trial):
+    trial.device("fixes-float")
+
+
+def quality(trial, quality):
+    def begin():
+        trial.rehearsal.machine.quality = dict.fromkeys(BODIES, quality)
+
+    trial.begin = begin
+
+
+def float_flips(trial):
+    qualities = (FixQuality.FIXED, FixQuality.FLOAT)
+    receivers(trial, lambda report, since: replace(report, quality=qualities[int(since / 0.6) % 2]))
+
+
+def old_corrections(trial):
+    receivers(trial, lambda report, since: replace(report, correction_age=30.0))
+
+
+def speed_in_knots(trial):
+    receivers(trial, lambda report, since: replace(report, speed=report.speed * 3600.0 / 1852.0))
+
+
+def zero_deviation(trial):
+    receivers(trial, lambda report, since: replace(report, sigma_east=0.0, sigma_north=0.0))
+
+
+def antennas_swapped(trial):
+    def begin():
+        encoders = trial.rehearsal.machine.encoders
+        last = {}
+
+        def swapped(body, other):
+            before = encoders[body]
+
+            def encode(report):
+                last[body] = report
+                there = last.get(other, report)
+                return before(replace(there, time=report.time))
+
+            return encode
+
+        one, two = BODIES
+        encoders[one], encoders[two] = swapped(one, two), swapped(two, one)
+
+    trial.begin = begin
+
+
+def midnight(trial):
+    """Let the receivers' clocks pass midnight two seconds or so behind the fault's place."""
+    expected = 12.0 + trial.place / trial.configuration.speed
+    encoders = trial.rehearsal.machine.encoders
+    for body in BODIES:
+        before = encoders[body]
+        encoders[body] = lambda report, before=before: before(
+            replace(report, time=report.time + timedelta(hours=18.0, seconds=-expected))
+        )
