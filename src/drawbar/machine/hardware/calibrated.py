@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -25,6 +26,19 @@ class Calibrated:
     residual_unit: str
     refusals: tuple[str, ...] = ()
     """why it is not to be used, each with what to do; empty: use it"""
+
+    @classmethod
+    def unknown(cls, unit: str, residual_unit: str, refusals: Sequence[str]) -> Self:
+        """Return what stands for a number that the records do not tell."""
+        return cls(
+            value=math.nan,
+            deviation=math.inf,
+            residual=math.nan,
+            samples=0,
+            unit=unit,
+            residual_unit=residual_unit,
+            refusals=tuple(refusals),
+        )
 
     @property
     def accepted(self) -> bool:

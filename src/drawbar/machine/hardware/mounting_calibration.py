@@ -57,7 +57,7 @@ def mounting_roll(
         refusals.append(f"the antenna's height {height} m is below 0.5 m; measure it above the ground")
     if min(map(len, offsets)) < 2:
         refusals.append(f"{min(map(len, offsets))} times {_BLOCK:.0f} s one way; drive {BACK:.0f} s each way")
-        return _unknown("rad", "m", refusals)
+        return Calibrated.unknown("rad", "m", refusals)
     difference = float(offsets[0].mean() - offsets[1].mean())
     errors = [float(each.std(ddof=1)) for each in offsets]
     deviation = math.hypot(*(error / math.sqrt(len(each)) for error, each in zip(errors, offsets, strict=True)))
@@ -75,18 +75,6 @@ def mounting_roll(
         samples=sum(map(len, offsets)),
         unit="rad",
         residual_unit="m",
-        refusals=tuple(refusals),
-    )
-
-
-def _unknown(unit: str, residual_unit: str, refusals: Sequence[str]) -> Calibrated:
-    return Calibrated(
-        value=math.nan,
-        deviation=math.inf,
-        residual=math.nan,
-        samples=0,
-        unit=unit,
-        residual_unit=residual_unit,
         refusals=tuple(refusals),
     )
 
@@ -136,7 +124,9 @@ def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
     time, *columns = finite_columns(drive.times, drive.x, drive.y, drive.wheel_speeds, drive.front_wheels)
     stretches = _stretches(time, columns[0] + 1j * columns[1])
     if len(stretches) < _FEWEST:
-        nothing = _unknown("m", "m", [f"{len(stretches) * _STRETCH:.0f} s of driving; drive two minutes of S-curves"])
+        nothing = Calibrated.unknown(
+            "m", "m", [f"{len(stretches) * _STRETCH:.0f} s of driving; drive two minutes of S-curves"]
+        )
         return AntennaPlace(forward=nothing, left=nothing)
     times, x, y, speeds, angles = (column[stretches] for column in (time, *columns))
     measured = x + 1j * y

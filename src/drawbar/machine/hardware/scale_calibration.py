@@ -109,11 +109,13 @@ def _slope(offset: Floats, angles: Floats, refusals: list[str]) -> Calibrated:
     """Return counts per degree of a line through the zero."""
     whole = np.isfinite(offset) & np.isfinite(angles)
     if not whole.any():
-        return _nothing("counts per degree", "rad", refusals)
+        return Calibrated.unknown("counts per degree", "rad", refusals)
     fit = linear_fit(offset[whole, None], angles[whole])
     slope = float(fit.parameters[0])
     if slope == 0.0:
-        return _nothing("counts per degree", "rad", [*refusals, "the counts do not follow the angle; check the sensor"])
+        return Calibrated.unknown(
+            "counts per degree", "rad", [*refusals, "the counts do not follow the angle; check the sensor"]
+        )
     value = math.radians(1.0) / slope
     return Calibrated(
         value=value,
@@ -126,22 +128,10 @@ def _slope(offset: Floats, angles: Floats, refusals: list[str]) -> Calibrated:
     )
 
 
-def _nothing(unit: str, residual_unit: str, refusals: Sequence[str]) -> Calibrated:
-    return Calibrated(
-        value=math.nan,
-        deviation=math.inf,
-        residual=math.nan,
-        samples=0,
-        unit=unit,
-        residual_unit=residual_unit,
-        refusals=tuple(refusals),
-    )
-
-
 def _ackermann(offset: Floats, angles: Floats, overall: Calibrated) -> Calibrated:
     """Return the ratio of both sides' counts per degree."""
     if not overall.accepted:
-        return _nothing("left by right", "rad", overall.refusals)
+        return Calibrated.unknown("left by right", "rad", overall.refusals)
     left, right = (linear_fit(offset[side, None], angles[side]) for side in (angles > 0.0, angles < 0.0))
     ratio = float(right.parameters[0] / left.parameters[0])
     shares = [float(fit.deviations[0] / fit.parameters[0]) for fit in (left, right)]
