@@ -7,7 +7,7 @@ import pytest
 from drawbar.driving import check
 from drawbar.driving.memory import MemoryTransport
 from drawbar.geometry import LocalFrame
-from drawbar.machine.hardware.bare_valve import BareValveSettings
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in import nmea
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS

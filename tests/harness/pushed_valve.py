@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from drawbar.machine.hardware.bare_valve import BareValve, BareValveSettings, Motion
+from drawbar.machine.hardware.bare_valve import BareValve, Motion
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS
 from drawbar.transports.base import Received, Transport

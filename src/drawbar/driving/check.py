@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from drawbar.driving.actuators import isobus_wire
 from drawbar.geometry import LocalFrame
-from drawbar.machine.hardware.bare_valve import BareValveSettings
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.isobus import IsobusSettings

@@ -5,7 +5,7 @@ import socket
 
 from drawbar.config import Configuration
 from drawbar.errors import ConfigurationError
-from drawbar.machine.hardware.bare_valve import BareValveSettings
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings

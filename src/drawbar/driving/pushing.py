@@ -13,7 +13,8 @@ import numpy as np
 from drawbar.config import Configuration
 from drawbar.driving.calibrating import Found
 from drawbar.errors import ConfigurationError
-from drawbar.machine.hardware.bare_valve import BareValve, BareValveSettings, Motion
+from drawbar.machine.hardware.bare_valve import BareValve, Motion
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.calibrated import Calibrated, linear_fit
 from drawbar.machine.hardware.calibration import CalibratedMachine, Calibration, CalibrationLimits, Sensed, carry_out
 from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan

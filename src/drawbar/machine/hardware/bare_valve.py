@@ -5,16 +5,10 @@ import select
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Self
 
-from pydantic import Field, model_validator
-
-from drawbar.errors import ConfigurationError
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.calibration import CalibratedMachine, Sensed
 from drawbar.protocols.bare_valve import ValveBoard, ValveReport, drive_sentence
-from drawbar.protocols.sensors import Potentiometer
-from drawbar.settings import Angle, Settings
-from drawbar.transports.address import TransportText
 from drawbar.transports.base import Transport
 
 _SILENCE = 0.15
@@ -23,29 +17,6 @@ _LOOK = 0.005
 """between two looks at a transport, s"""
 _FRESH = 1.0
 """oldest speed, s"""
-
-
-class BareValveSettings(Settings):
-    """The board of a valve or motor without a loop of its own, which `drawbar calibrate --push` moves."""
-
-    transport: TransportText
-    """where it is, e.g. serial:/dev/ttyUSB2@115200"""
-    counts: Annotated[tuple[float, ...], Field(strict=False)]
-    """of the front wheels' sensor, rising"""
-    angles: Annotated[tuple[Angle, ...], Field(strict=False)]
-    """at those counts, left positive, rad; roughly, before they are calibrated"""
-
-    @model_validator(mode="after")
-    def _sensor(self) -> Self:
-        try:
-            self.sensor()
-        except ConfigurationError as error:
-            raise ValueError(str(error)) from None
-        return self
-
-    def sensor(self) -> Potentiometer:
-        """Return the sensor; raises ConfigurationError where its table cannot be one."""
-        return Potentiometer(counts=self.counts, angles=self.angles)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from drawbar.machine.hardware.bare_valve import BareValveSettings
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.stand_in.wheel import MotorWheel
 from drawbar.protocols.bare_valve import HOLDS, drives_told
 from drawbar.protocols.own_sentence import SentenceReader, own_sentence
