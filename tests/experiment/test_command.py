@@ -167,6 +167,18 @@ def test_all_experiments_make_one_report(
     assert (tmp_path / "experiments" / "second" / "means.csv").exists()
 
 
+def test_tables_that_need_a_case_that_was_not_chosen_give_way_to_the_means(
+    drawbar, on_cluster: None, two_cases: str, write_experiment: Write
+) -> None:
+    experiment = write_experiment(two_cases)
+    analysis = "def report(measured):\n    return [measured.statistic('articulated', 'tractor all')]\n"
+    (experiment.folder / "analysis.py").write_text(analysis, "utf-8")
+    code, said = drawbar(str(experiment.folder), "--seeds", "1", "--only", "slow")
+    assert code == 0, said
+    assert "small: its own tables need 'articulated'; all means instead" in said
+    assert "| slow | 1/1 |" in results(experiment)
+
+
 def test_an_experiment_of_which_nothing_is_left_keeps_its_results(
     drawbar, on_cluster: None, write_experiment: Write
 ) -> None:

@@ -40,7 +40,7 @@ _MOVES = 0.1
 """speed below which nothing is learned of the ground, m/s"""
 
 
-class Antenna:
+class _Antenna:
     """How far one antenna is from where it is estimated."""
 
     def __init__(self, sample_time: float) -> None:
@@ -71,7 +71,7 @@ class Doubts:
         count = max(round(_MEMORY / sample_time), DOUBTED)
         self._differences = deque[tuple[float, float]](maxlen=count)
         self._usual = Usual(sample_time, first=_FIRST, first_time=_FIRST_TIME)  # mean of them, rad
-        self._tractor, self._trailer_antenna = Antenna(sample_time), Antenna(sample_time)
+        self._tractor_antenna, self._trailer_antenna = _Antenna(sample_time), _Antenna(sample_time)
         self._positions = self._trailer = 0
 
     @property
@@ -121,7 +121,7 @@ class Doubts:
     def _aside(self, record: StepRecord, *, moves: bool) -> bool:
         """Return whether an antenna is farther from its estimate than it usually is."""
         m, found = record.measurement, record.estimate
-        tractor = self._tractor.contradicts(m.tractor_x, m.tractor_y, found.tractor, moves=moves)
+        tractor = self._tractor_antenna.contradicts(m.tractor_x, m.tractor_y, found.tractor, moves=moves)
         trailer = self._trailer_antenna.contradicts(m.trailer_x, m.trailer_y, found.trailer, moves=moves)
         return tractor or trailer
 

@@ -142,7 +142,8 @@ static inline void model_told_inputs(const struct estimation_model *model, const
     u[U_TRAILER_STEERING_RATE] = isfinite(trailer) ? trailer : u[U_TRAILER_STEERING_RATE];
 }
 
-/* How both axles face and are pushed aside: the trailer's joint at rest, axles without side-slip, as _turns in articulated.py. */
+/* How both axles face and are pushed aside: the trailer's joint at rest, axles without side-slip, as _turns in
+ * articulated.py. */
 static inline void model_axles(const struct estimation_model *model, const double *state, struct axle *axles)
 {
     const double theta = state[X_TRACTOR_YAW], psi = state[X_TRAILER_YAW];

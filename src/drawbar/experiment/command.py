@@ -12,7 +12,7 @@ from drawbar.experiment.cluster import open_cluster
 from drawbar.experiment.document import RESULTS_NAME, write_report, write_results
 from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, load_experiment
 from drawbar.experiment.measure import Runs, measure
-from drawbar.experiment.measured import REPORT_NAME, Figures, MeasuredExperiment
+from drawbar.experiment.measured import REPORT_NAME, ByCase, Figures, MeasuredExperiment, NotDrivenError
 from drawbar.experiment.progress import RunsProgress
 
 
@@ -52,13 +52,17 @@ def _conduct(console: Console, client: Client, experiment: Experiment, seeds: in
     measured = MeasuredExperiment(
         experiment=experiment,
         seeds=max(counts.values(), default=0),
-        runs=runs,
-        figures={case: _figures(analysis, each, counts[case]) for case, each in runs.items()},
+        runs=ByCase(runs),
+        figures=ByCase({case: _figures(analysis, each, counts[case]) for case, each in runs.items()}),
     )
     if not runs:  # the results in the folder stay
         return measured
     report = analysis.report if all(each.results for each in runs.values()) else table_of_means
-    write_results(measured, list(report(measured)))
+    try:
+        write_results(measured, list(report(measured)))
+    except NotDrivenError as missing:
+        console.print(f"{experiment.folder.name}: its own tables need {missing.args[0]!r}; all means instead")
+        write_results(measured, table_of_means(measured))
     _print_outcome(console, measured, experiment.folder / RESULTS_NAME)
     return measured
 

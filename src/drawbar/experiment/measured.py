@@ -3,15 +3,29 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NoReturn, TypeVar
 
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.experiment import FIGURE, Expectation, Experiment, named_figures
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.statistics import Statistic
 
+_Value = TypeVar("_Value")
 REPORT_NAME = "REPORT.md"
 Figures = Mapping[str, float]
 """the figures of one run by name"""
+
+
+class NotDrivenError(KeyError):
+    """A case that was not chosen was asked for."""
+
+
+class ByCase(dict[str, _Value]):
+    """What is known of each case that was driven, by its name."""
+
+    def __missing__(self, case: str) -> NoReturn:
+        """Raise NotDrivenError."""
+        raise NotDrivenError(case)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,9 +50,9 @@ class MeasuredExperiment:
     experiment: Experiment
     seeds: int
     """of the case that has most"""
-    runs: Mapping[str, Runs]
+    runs: ByCase[Runs]
     """by name of the case"""
-    figures: Mapping[str, Sequence[Figures]]
+    figures: ByCase[Sequence[Figures]]
     """by name of the case, one per seed; empty where a run has no result"""
 
     @property
