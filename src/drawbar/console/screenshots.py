@@ -32,7 +32,7 @@ def main() -> int:
     """Take all pictures."""
     from playwright.sync_api import sync_playwright
 
-    address, folder, *fields = sys.argv[1], Path(sys.argv[2]), *sys.argv[3:4]
+    address, folder, *fields = f"{sys.argv[1].rstrip('/')}/", Path(sys.argv[2]), *sys.argv[3:4]
     program = chromium_path()
     if program is None:
         print(f"screenshots need one of: {', '.join(BROWSERS)}", file=sys.stderr)
