@@ -14,25 +14,29 @@ import urllib.request
 from contextlib import suppress
 
 import pytest
+from chromium import open_chromium
 from console_process import free_port
 from patience import PATIENT
 
 from drawbar.console import screenshots
-from drawbar.console.screenshots import chromium_path, word
+from drawbar.console.screenshots import word
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
 WAIT = 300.0
 """until something is seen, s; what never comes is ended by this, and by the test's own limit"""
 
-pytestmark = pytest.mark.skipif(chromium_path() is None, reason="no Chromium is installed")
+
+@pytest.fixture(scope="module")
+def browser():
+    with open_chromium() as opened:
+        yield opened
 
 
 @pytest.fixture(scope="module")
-def drive(tmp_path_factory):
-    """Return the address of the console of a drive that is on."""
+def drive(browser, tmp_path_factory):
+    """Return the address of the console of a drive that is on; none without a browser."""
     folder, port = tmp_path_factory.mktemp("drive"), free_port()
     surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
     arguments = ["drive", "--console", "--port", str(port), "--out", str(folder / "run")]
@@ -62,16 +66,6 @@ def _await_page(address, process, out):
             return
         time.sleep(0.2)
     raise AssertionError(out.read_text())
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with playwright.sync_playwright() as playing:
-        launched = playing.chromium.launch(
-            executable_path=chromium_path(), args=["--no-sandbox", "--disable-gpu"], timeout=1e3 * WAIT
-        )
-        yield launched
-        launched.close()
 
 
 @pytest.fixture(scope="module")

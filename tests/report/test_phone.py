@@ -1,0 +1,39 @@
+"""The report on a phone, in a real browser."""
+
+import pytest
+from chromium import open_chromium
+
+from drawbar.report.metrics import compute_metrics
+from drawbar.report.page import render_page
+from drawbar.report.path_errors import true_path_errors
+
+PHONE = {"width": 360, "height": 740}
+ALL_DRAWN = "document.querySelectorAll('.figure .xtitle').length === document.querySelectorAll('.figure').length"
+OVERLAPS = """Array.from(document.querySelectorAll('.figure'), figure => {
+  const [title, legend] = ['.xtitle', '.legend'].map(part => figure.querySelector(part)?.getBoundingClientRect());
+  return legend && legend.top < title.bottom && title.top < legend.bottom ? figure.id : null;
+}).filter(Boolean)"""
+
+
+@pytest.fixture(scope="module")
+def phone(run, tmp_path_factory):
+    errors = true_path_errors(run)
+    report = tmp_path_factory.mktemp("report") / "report.html"
+    report.write_text(render_page(run, compute_metrics(run, errors), errors), "utf-8")
+    with open_chromium() as browser:
+        page = browser.new_page(viewport=PHONE)
+        page.goto(report.as_uri())
+        page.wait_for_function(ALL_DRAWN, timeout=300_000)
+        yield page
+
+
+def test_no_column_is_cut_off(phone):
+    hidden = phone.evaluate(
+        "Array.from(document.querySelectorAll('.table'), each => each.scrollWidth - each.clientWidth)"
+    )
+    assert hidden and max(hidden) <= 0
+    assert phone.evaluate("document.documentElement.scrollWidth") == PHONE["width"]
+
+
+def test_legends_lie_beside_the_title_of_the_axis(phone):
+    assert phone.evaluate(OVERLAPS) == []
