@@ -56,7 +56,7 @@ def drive(
     Args:
         machine: to drive.
         autopilot: that has been given its path.
-        time_limit: s, after which the run is given up.
+        time_limit: s after the first measurement, when the run is given up; the machine's clock may begin anywhere.
         estimate: in place of the estimator, where that is ideal.
         between: called between a step's two phases, after the command is out.
 
@@ -65,9 +65,12 @@ def drive(
         HardwareError: the first measurement lacks a position.
         PathError: the vehicle stands too far from where the run is to begin.
     """
+    begin = math.nan
     with machine:
         while True:
             measurement = machine.read()
+            if math.isnan(begin):
+                begin = measurement.time
             if estimate is not None:
                 autopilot.give(estimate())
             status, command = autopilot.feedback(measurement)
@@ -83,7 +86,7 @@ def drive(
             yield record
             if status.has_ended:
                 raise RunAborted(_reason(status, record, autopilot))
-            if measurement.time > time_limit:
+            if measurement.time - begin > time_limit:
                 raise RunAborted(
                     f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log."
                 )

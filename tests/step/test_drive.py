@@ -55,6 +55,14 @@ def test_a_vehicle_that_does_not_arrive_is_given_up(build):
     assert machine.told[-2:] == ["stop", "close"]
 
 
+def test_the_time_limit_counts_from_the_first_measurement(build):
+    machine, steps = driven(short(build), lambda m: replace(m, time=m.time + 1.7e9), time_limit=4.0)
+    assert len(list(islice(steps, 20))) == 20
+    with pytest.raises(RunAborted, match="not finished within 4 s"):
+        list(steps)
+    assert machine.told[-2:] == ["stop", "close"]
+
+
 def jump(at, metres=100.0):
     """Let both antennas jump at a time."""
 
