@@ -330,8 +330,8 @@ def test_it_stands_only_for_certain():
 # --- following
 
 
-def followed(angle_at, set_point_at, seconds=2.0):
-    following = Following(DriveSettings())
+def followed(angle_at, set_point_at, seconds=2.0, **settings):
+    following = Following(DriveSettings(**settings))
     for tick in range(round(seconds / 0.05) + 1):
         time = 0.05 * tick
         following.add(time, set_point_at(time) * DEGREE, angle_at(time) * DEGREE)
@@ -354,6 +354,24 @@ def test_a_stuck_steering_does_not_hide_behind_a_set_point_that_changes_sides(si
     assert followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
     assert not followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.6 < 0.2 else 1.0)).stuck, "it is seldom far off"
     assert not followed(lambda t: 2.0 * math.sin(8.0 * t), lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_rests_less_far_off_is_stuck_after_longer(sign):
+    assert followed(lambda t: 0.04 * math.sin(8.0 * t), lambda t: sign * 2.5, 2.5).stuck
+    assert followed(lambda t: 0.0, lambda t: sign * (2.5 if t % 0.8 < 0.4 else -2.5), 2.5).stuck, "it changes sides"
+    assert not followed(lambda t: 0.0, lambda t: sign * 2.5, 2.3).stuck, "not yet for long enough"
+    assert not followed(lambda t: 0.0, lambda t: sign * 2.2, 9.0).stuck, "a dead band"
+    assert not followed(lambda t: round(0.5 * math.sin(t)), lambda t: 0.5 * math.sin(t), 9.0).stuck, "a coarse sensor"
+
+    def moves(t):
+        return 0.1 * math.sin(4.0 * t)
+
+    assert not followed(moves, lambda t: sign * 3.0 + moves(t), 9.0).stuck, "it is 3° off, and moves as its set point"
+
+
+def test_however_long_a_steering_may_take_it_is_seen():
+    assert followed(lambda t: 0.0, lambda t: 3.6, 61.0, stuck_time=60.0, stuck_angle=3.5 * DEGREE).stuck
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -1,9 +1,10 @@
 """Following: whether a steering goes where it is told. Pure, without numpy.
 
 Judged on a window of the last ticks. A steering that hardly moves while its set point is far from it is stuck, on
-whichever side the set point is: it may change sides meanwhile. One whose set point is on the same side all the time,
-and which goes away from it, and still does, is reversed; the last because a steering with dead time goes on for a
-moment after its set point has changed sides.
+whichever side the set point is: it may change sides meanwhile. So is one that is less far off, but for longer, and
+rests: a steering that always stands off moves as its set point does, one within its dead band is nearer. One whose set
+point is on the same side all the time, and which goes away from it, and still does, is reversed; the last because a
+steering with dead time goes on for a moment after its set point has changed sides.
 """
 
 import math
@@ -12,6 +13,8 @@ from statistics import fmean
 
 from drawbar.safety.settings import DriveSettings
 
+_LONGER, _NEARER, _STILLER = 4.0, 2.0 / 3.0, 0.2
+"""time, distance and movement of a stuck steering that is less far off, as shares of those in the settings"""
 _ASIDE = math.radians(1.0)
 """a set point so far from the measured angle is on one side of it for certain, rad"""
 _LATEST = 0.12
@@ -19,14 +22,14 @@ _LATEST = 0.12
 
 
 class Following:
-    """Set point minus measured angle of one steering over the last second or so."""
+    """Set point minus measured angle of one steering over the last seconds."""
 
     def __init__(self, settings: DriveSettings) -> None:
         """Begin without a sample."""
         self._settings = settings
-        self._samples: deque[tuple[float, float, float]] = deque(maxlen=256)
-        self.stuck = False
-        self.reversed = False
+        self._samples: deque[tuple[float, float, float]] = deque()
+        self._longest = max(_LONGER * settings.stuck_time, settings.reversed_time, _LATEST)
+        self.stuck = self.reversed = False
 
     def reset(self) -> None:
         """Forget: the steering is not asked for anything."""
@@ -37,6 +40,8 @@ class Following:
         """Take in what was asked for and what was measured at a time; s, rad."""
         settings = self._settings
         self._samples.append((time, set_point - measured, measured))
+        while len(self._samples) > 1 and time - self._samples[1][0] > self._longest:
+            self._samples.popleft()
         moved, _ = self._moved(settings.stuck_time, settings.stuck_angle)
         self.stuck |= moved < settings.stuck_move or self._rests()
         moved, apart = self._moved(settings.reversed_time, _ASIDE)
@@ -44,14 +49,19 @@ class Following:
         self.reversed |= max(moved, -apart) < -settings.reversed_angle and self._moved(_LATEST, _ASIDE)[0] < 0.0
 
     def _rests(self) -> bool:
-        """Return whether it did not move either way while it was far from its set point, on the average.
+        """Return whether it hardly moved while it was far from its set point, or rested while it was less far."""
+        time, apart, move = self._settings.stuck_time, self._settings.stuck_angle, self._settings.stuck_move
+        return self._stays(time, apart, move) or self._stays(_LONGER * time, _NEARER * apart, _STILLER * move)
+
+    def _stays(self, span: float, least: float, move: float) -> bool:
+        """Return whether it moved less either way over a span while it was so far from its set point, on the average.
 
         In both halves of the time, so that a set point that has just jumped does not count.
         """
-        window = self._window(self._settings.stuck_time)
+        window = self._window(span)
         gaps, angles = [abs(gap) for _, gap, _ in window], [angle for _, _, angle in window]
         apart = min(fmean(gaps[: len(gaps) // 2]), fmean(gaps[len(gaps) // 2 :])) if len(gaps) > 1 else 0.0
-        return apart >= self._settings.stuck_angle and max(angles) - min(angles) < self._settings.stuck_move
+        return apart >= least and max(angles) - min(angles) < move
 
     def _moved(self, span: float, least: float) -> tuple[float, float]:
         """Return how far it moved towards its set point, and how much further apart they are, over a span, rad.
