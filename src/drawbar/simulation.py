@@ -27,7 +27,7 @@ from drawbar.machine.simulated import SimulatedMachine
 from drawbar.recording.header import run_header
 from drawbar.recording.log import Outcome, RunHeader, RunLog
 from drawbar.safety.gate import PATIENCE
-from drawbar.safety.supervisor import BLIND, LOST
+from drawbar.safety.supervisor import BLIND, BLIND_WAY, LOST
 from drawbar.signals import Estimate, Measurement, Pose, Status, StepRecord
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.build import ENDURANCE, build_autopilot, build_tubes
@@ -287,7 +287,7 @@ def _reason(status: Status, record: StepRecord, autopilot: Autopilot) -> str:
             f"{at} the tractor was {abs(record.reference.tractor.lateral_error):.2f} m from the path (limit {LOST} m)."
         )
     if status is Status.BLIND:
-        return f"{at} neither antenna had had a valid fix for more than {BLIND:.0f} s."
+        return f"{at} neither antenna had had a valid fix for more than {BLIND:.0f} s or {BLIND_WAY:.0f} m."
     if status is Status.STOPPED:
         return f"{at} the gate had had no valid command to let pass for {PATIENCE} s."
     if status is Status.UNSOLVED:

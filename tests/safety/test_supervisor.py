@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from safeguards import Supervisor
 
-from drawbar.safety.supervisor import BLIND, LOST
+from drawbar.safety.supervisor import BLIND, BLIND_WAY, LOST
 from drawbar.signals import BodyReference, Estimate, FixStatus, Pose, SolverStatus, Supervision
 
+LOST_FIX = FixStatus.MISSING
 SOMEWHERE = Pose(x=0.0, y=0.0, yaw=0.0)
 NUMBERS = ("hitch_angle", "speed", "tractor_steering", "trailer_steering", "longitudinal_slip", "tractor_slip")
 NUMBERS = (*NUMBERS, "trailer_slip", "steering_offset", "tractor_crab", "trailer_crab")
@@ -39,6 +40,23 @@ def test_without_a_fix_that_is_believed_it_is_given_up_after_a_while(lost):
         supervisor.watch(replace(SEEN, time=begin), beside(0.0))
         assert supervisor.watch(replace(blind, time=begin + BLIND), beside(0.0)) is Supervision.ON_COURSE
         assert supervisor.watch(replace(blind, time=begin + BLIND + 0.1), beside(0.0)) is Supervision.BLIND
+
+
+@pytest.mark.parametrize("speed", [3.0, -2.0])
+def test_a_fast_vehicle_is_given_up_after_a_way(speed):
+    supervisor, blind = Supervisor(), replace(SEEN, speed=speed, tractor_fix=LOST_FIX, trailer_fix=LOST_FIX)
+    for begin in (3.0, 30.0):  # one fix starts the way anew
+        supervisor.watch(replace(SEEN, time=begin, speed=speed), beside(0.0))
+        half, whole = begin + 0.5 * BLIND_WAY / abs(speed), begin + BLIND_WAY / abs(speed)
+        assert supervisor.watch(replace(blind, time=half), beside(0.0)) is Supervision.ON_COURSE
+        assert supervisor.watch(replace(blind, time=whole - 0.1), beside(0.0)) is Supervision.ON_COURSE
+        assert supervisor.watch(replace(blind, time=whole + 0.1), beside(0.0)) is Supervision.BLIND
+
+
+def test_a_way_that_is_not_a_number_is_given_up():
+    supervisor, blind = Supervisor(), replace(SEEN, tractor_fix=LOST_FIX, trailer_fix=LOST_FIX)
+    supervisor.watch(SEEN, beside(0.0))
+    assert supervisor.watch(replace(blind, time=3.2, speed=math.nan), beside(0.0)) is Supervision.BLIND
 
 
 @pytest.mark.parametrize("antenna", ["tractor_fix", "trailer_fix"])

@@ -10,11 +10,14 @@
 struct component {
     double lost;                           /* distance from the path at which a run is given up, m */
     double blind;                          /* time without a fix of either antenna after which it is, s */
-    time_stamp last_fix;
+    double blind_way;                      /* way without one after which it is, m */
+    double way;                            /* since the last fix, m */
+    time_stamp last_fix, now;
     int32_t begun;
 };
 
-#define COMPONENT_FIELDS SETTING(component, lost, 0, 1, 0, 0) SETTING(component, blind, 0, 1, 0, 0)
+#define COMPONENT_FIELDS SETTING(component, lost, 0, 1, 0, 0) SETTING(component, blind, 0, 1, 0, 0) \
+    SETTING(component, blind_way, 0, 1, 0, 0)
 
 /* Look at one step's estimate and the tractor's reference. A fix counts if it was believed; one that a receiver repeats
  * is none. */
@@ -23,12 +26,18 @@ int UNIT(watch)(struct component *supervisor, const struct drawbar_estimate *est
 {
     const int fix = estimate->tractor_fix == DRAWBAR_FIX_ACCEPTED || estimate->trailer_fix == DRAWBAR_FIX_ACCEPTED;
 
-    if (fix || !supervisor->begun)
-        supervisor->last_fix = estimate->time;
+    if (fix || !supervisor->begun) {
+        supervisor->last_fix = supervisor->now = estimate->time;
+        supervisor->way = 0.0;
+    }
+    supervisor->way += fabs(estimate->speed) * (estimate->time - supervisor->now);
+    supervisor->now = estimate->time;
     supervisor->begun = 1;
     if (!(fabs(tractor->lateral_error) <= supervisor->lost)) /* also when it is NaN */
         return OFF_COURSE;
-    return estimate->time - supervisor->last_fix > supervisor->blind ? BLIND : ON_COURSE;
+    if (estimate->time - supervisor->last_fix > supervisor->blind || !(supervisor->way <= supervisor->blind_way))
+        return BLIND;
+    return ON_COURSE;
 }
 
 #endif
