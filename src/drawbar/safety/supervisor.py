@@ -7,7 +7,7 @@ LOST = 5.0
 BLIND = 15.0
 """Time without a fix of either antenna after which a run is given up, s: dead reckoning is off by then."""
 BLIND_WAY = 15.0
-"""Way without one after which it is, m: the heading's error carries the vehicle off with the way, however fast it is."""
+"""Way without one after which it is, m: a wrong heading leads the farther off, the farther it goes."""
 
 
 def supervisor_unit() -> Unit:
