@@ -16,7 +16,7 @@ from typing import Annotated, Self
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.slots import set_through_slots
+from drawbar.structs import as_struct
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,7 +193,7 @@ class GuidanceStatus(IntEnum):
     """the tractor faces away and no turns lead onto the path"""
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
     """What the sensors report at one instant; a missing value is NaN. What a machine lacks keeps its default."""
@@ -252,7 +252,7 @@ class Measurement:
     trailer_fix_quality: FixQuality = FixQuality.UNKNOWN
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
     """Position on the ground and continuous yaw of one body's point."""
@@ -274,7 +274,7 @@ class PathNode:
     """continuous along the path"""
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Estimate:
     """What the estimator believes now."""
@@ -317,7 +317,6 @@ class Estimate:
     trailer_fix: FixStatus = FixStatus.ACCEPTED
 
 
-@set_through_slots
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyPlace:
     """Where one body is beside the path."""
@@ -348,7 +347,7 @@ class Reference:
     trailer: BodyReference
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Places:
     """Where both bodies are beside the path at one instant: references without their samples, which the path tells."""
@@ -359,6 +358,7 @@ class Places:
     trailer: BodyPlace
 
 
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyPlan:
     """One nominal controller's answer."""
@@ -376,7 +376,7 @@ class BodyPlan:
     status: SolverStatus
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
     """The nominal plans of both bodies at one instant."""
@@ -387,7 +387,7 @@ class Plan:
     trailer: BodyPlan
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Command:
     """What the actuators are asked for."""
@@ -402,7 +402,7 @@ class Command:
     """of the wheels"""
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Truth:
     """What only a simulation knows."""
@@ -441,7 +441,7 @@ class Truth:
     """of the trailer's point on the ground, m"""
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodySteering:
     """How one steering command came about: nominal plus ancillary, then clipped."""
@@ -503,7 +503,7 @@ class Diagnostics:
     """measured values that were infinite or beyond what their sensors can mean"""
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyActuation:
     """What one steering makes of its commands, as far as its angles show; zero where nobody looks."""
@@ -518,7 +518,7 @@ class BodyActuation:
     """standard deviation"""
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Actuation:
     """What is known of both steerings, and what is planned with; zero where nobody looks."""
@@ -535,7 +535,7 @@ class Actuation:
     """for which is planned"""
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolveTimes:
     """Wall-clock time of one solver's two phases, s; NaN where a body has no solver of its own."""
@@ -544,7 +544,7 @@ class SolveTimes:
     feedback: float
 
 
-@set_through_slots
+@as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepRecord:
     """Everything one control step took in, decided and put out."""

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,11 +21,8 @@ def without(make_run):
     """Return a function that makes a log in which some solvers are missing."""
 
     def without(*solvers):
-        log = make_run(steps=50)
-        for record in log.records:
-            for solver in solvers:
-                object.__setattr__(record, f"{solver}_times", NOTHING)
-        return log
+        log, missing = make_run(steps=50), {f"{solver}_times": NOTHING for solver in solvers}
+        return replace(log, records=tuple(replace(record, **missing) for record in log.records))
 
     return without
 
