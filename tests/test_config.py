@@ -308,6 +308,24 @@ def test_a_base_that_is_none_is_refused(write: Write, base: str) -> None:
     assert ", ".join(shipped_names()) in refusal(write(f'extends = {base}\nname = "mine"\n'))
 
 
+def test_a_base_that_is_none_is_told_with_the_file_that_names_it(write: Write) -> None:
+    assert "mine.toml: extends = 'articulatd': is neither" in refusal(write('extends = "articulatd"\n'))
+    assert "mine.toml: extends = '': is neither" in refusal(write('extends = ""\n'))
+
+
+@pytest.mark.parametrize("base", ["../one.toml", "again/one.toml"])
+def test_files_that_extend_each_other_are_refused(tmp_path: Path, base: str) -> None:
+    (tmp_path / "below").mkdir()
+    (tmp_path / "below" / "again").symlink_to(tmp_path)
+    (tmp_path / "one.toml").write_text('extends = "below/two.toml"\n')
+    (tmp_path / "below" / "two.toml").write_text(f'extends = "{base}"\n')
+    assert "none that extends this one" in refusal(str(tmp_path / "one.toml"))
+
+
+def test_a_zero_character_in_the_name_of_a_line_is_refused() -> None:
+    assert "path.file" in refusal("articulated", 'path.file="a\\u0000.csv"')
+
+
 def test_errors_of_an_estimate_that_is_not_ideal_are_refused() -> None:
     errors = "bounded_errors.estimate.tractor_yaw=0.01"
     assert 'set it to "ideal", or leave these bounds zero' in refusal("articulated", errors)

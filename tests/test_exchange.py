@@ -15,6 +15,7 @@ from drawbar.codegen import Workspace, build
 from drawbar.codegen.cache import runtime_sources
 from drawbar.control.settings import Coupling
 from drawbar.control.subsystem import coupling_settings
+from drawbar.errors import HardwareError
 from drawbar.exchange import Layout, headers
 from drawbar.signals import (
     BodySteering,
@@ -142,3 +143,25 @@ def test_a_status_that_is_a_set_of_flags_stays_below_the_others() -> None:
 @pytest.mark.parametrize("kind", [SolverStatus, FixQuality])
 def test_nothing_is_the_first_member_of_what_a_zeroed_structure_holds(kind: type[IntEnum]) -> None:
     assert kind(0) in (SolverStatus.SOLVED, FixQuality.UNKNOWN)
+
+
+def test_a_value_that_is_no_number_is_refused_by_name():
+    nan = float("nan")
+    measurement = Measurement(
+        time=0.0,
+        tractor_x=nan,
+        tractor_y=nan,
+        trailer_x=nan,
+        trailer_y=nan,
+        hitch_angle=nan,
+        speed=nan,
+        tractor_steering=nan,
+        trailer_steering=nan,
+    )
+    layout = Layout(Measurement)
+    for wrong in ({"hitch_angle": None}, {"speed": "1.0"}, {"tractor_fix_quality": 1.0}):
+        ((name, value),) = wrong.items()
+        with pytest.raises(HardwareError, match=re.escape(f"Measurement: {name} = {value!r}: a number is needed")):
+            layout.pack(layout.buffer(), dataclasses.replace(measurement, **wrong))
+    with pytest.raises(HardwareError, match=r"Measurement: .*format requires"):
+        layout.pack(layout.buffer(), dataclasses.replace(measurement, tractor_fix_quality=2**40))

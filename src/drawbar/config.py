@@ -74,6 +74,8 @@ class PathSettings(Settings):
             name.encode()
         except UnicodeEncodeError as error:
             raise ValueError(f"{name!r} is not Unicode, and a configuration is; rename it") from error
+        if "\0" in name:
+            raise ValueError("holds a zero character, which no name of a file has; leave it out")
         return name
 
     @model_validator(mode="after")
@@ -265,13 +267,17 @@ def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], 
     if "extends" not in data:
         return data, origin
     base = data.pop("extends")
-    if not isinstance(base, str) or str(Path(source).parent / base) in (source, *extending):
+    beside = str(Path(source).parent / base) if isinstance(base, str) else ""
+    extending = (*extending, os.path.realpath(source))
+    is_file = os.path.isfile(beside)
+    if not isinstance(base, str) or (is_file and os.path.realpath(beside) in extending):
         raise ConfigurationError(
             f"{origin}: extends = {base!r} is not allowed; give the name of a shipped configuration "
             f"({', '.join(shipped_names())}) or of a file in the same folder, but none that extends this one."
         )
-    beside = str(Path(source).parent / base)
-    basis, _ = _resolved(beside if os.path.isfile(beside) else base, (source, *extending))
+    if not is_file and base not in shipped_names():
+        raise _unknown(f"{origin}: extends = {base!r}", base)
+    basis, _ = _resolved(beside if is_file else base, extending)
     return _merged(basis, data), origin
 
 
@@ -304,12 +310,7 @@ def _read(source: str) -> tuple[str, str]:
     if source in shipped_names():
         return shipped_text(source), source
     if not os.path.exists(source):
-        near = get_close_matches(source, shipped_names(), n=1)
-        meant = f" (did you mean {near[0]}?)" if near else ""
-        raise ConfigurationError(
-            f"{source}: is neither a file nor a shipped configuration{meant}; "
-            f"give a TOML file or one of: {', '.join(shipped_names())}."
-        )
+        raise _unknown(source, source)
     try:
         return Path(source).read_text("utf-8-sig"), source
     except (OSError, ValueError) as error:
@@ -318,6 +319,16 @@ def _read(source: str) -> tuple[str, str]:
             f"{source}: cannot be read as a configuration ({reason}); "
             f"give a TOML file or one of: {', '.join(shipped_names())}."
         ) from error
+
+
+def _unknown(place: str, source: str) -> ConfigurationError:
+    """Return what says that nothing has this name; the place is where it was given."""
+    near = get_close_matches(source, shipped_names(), n=1)
+    meant = f" (did you mean {near[0]}?)" if near else ""
+    return ConfigurationError(
+        f"{place}: is neither a file nor a shipped configuration{meant}; "
+        f"give a TOML file or one of: {', '.join(shipped_names())}."
+    )
 
 
 def _validated(data: dict[str, Any], origin: str) -> Configuration:

@@ -11,12 +11,15 @@ from enum import IntEnum, IntFlag
 from functools import cache
 from importlib import resources
 from itertools import count
+from numbers import Integral, Real
 from operator import attrgetter
 from pathlib import Path
 from struct import Struct
+from struct import error as StructError  # noqa: N812 -- a class
 from typing import Any, get_args, get_type_hints
 
 from drawbar.declared_words import declared_words
+from drawbar.errors import HardwareError
 from drawbar.signals import (
     Actuation,
     Array,
@@ -89,8 +92,25 @@ class Layout:
         self._assemble = _assembler(kind)
 
     def pack(self, buffer: Any, signal: Any, offset: int = 0) -> None:
-        """Write a signal into a buffer."""
-        self.struct.pack_into(buffer, offset, *self._values(signal))
+        """Write a signal into a buffer.
+
+        Raises:
+            HardwareError: a value is no number.
+        """
+        try:
+            self.struct.pack_into(buffer, offset, *self._values(signal))
+        except StructError as error:
+            raise self._refusal(signal, error) from error
+
+    def _refusal(self, signal: Any, error: StructError) -> HardwareError:
+        """Return what says which values are no numbers."""
+        given = zip(_leaves(self.kind), self._values(signal), strict=True)
+        allowed = [(place, Real if issubclass(leaf, float) else Integral, value) for (place, leaf), value in given]
+        wrong = [f"{place} = {value!r}" for place, number, value in allowed if not isinstance(value, number)]
+        return HardwareError(
+            f"{self.kind.__name__}: {', '.join(wrong) or error}: a number is needed; NaN stands for one that "
+            f"is missing, and a quality is a whole number."
+        )
 
     def unpack(self, buffer: Any, offset: int = 0) -> Any:
         """Read a signal out of a buffer."""

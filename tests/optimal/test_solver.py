@@ -210,3 +210,19 @@ def test_a_quadratic_program_tells_its_arrays() -> None:
 def test_sizes_that_are_none_are_refused(wrong: dict[str, int]) -> None:
     with pytest.raises(SolverError, match="at least one stage, state and input"):
         Sizes(**{"stages": 2, "states": 1, "inputs": 1, "bounds": 0, "free_initial": False, **wrong})
+
+
+def test_bounds_cannot_be_replaced_by_update_or_as_a_whole() -> None:
+    solver = controller()
+    with pytest.raises(SolverError, match="one bound after the other"):
+        solver.lower.update(acceleration=np.zeros(N))
+    with pytest.raises(SolverError, match=r"lower = \.\.\. would bind"):
+        solver.lower = {}  # type: ignore[assignment]
+
+
+def test_a_problem_of_another_kind_is_refused() -> None:
+    control, estimation = controller().problem, estimator().problem
+    with pytest.raises(SolverError, match="must be of type ControlProblem for this solver, got EstimationProblem"):
+        ControlSolver(estimation)  # type: ignore[arg-type]
+    with pytest.raises(SolverError, match="must be of type EstimationProblem for this solver, got ControlProblem"):
+        EstimationSolver(control, PRIOR)  # type: ignore[arg-type]

@@ -118,8 +118,10 @@ class ControlSolver(RealTimeIteration):
         """Compile the problem's solver (or take it from the cache).
 
         Raises:
+            SolverError: the problem is none of control.
             CompilerError: no compiler, or it refused the code.
         """
+        _check_kind(problem, ControlProblem)
         self.problem = problem
         super().__init__(problem)
         self.p: Floats = self.workspace.array("p")
@@ -204,9 +206,10 @@ class EstimationSolver(RealTimeIteration):
             prior: (nx + np,) first guess of states and parameters.
 
         Raises:
-            SolverError: the prior is missing, of another size, or not finite.
+            SolverError: the problem is none of estimation; the prior is missing, of another size, or not finite.
             CompilerError: no compiler, or it refused the code.
         """
+        _check_kind(problem, EstimationProblem)
         if prior is None:
             raise SolverError(f"An estimator needs a prior: a first guess of {_names(problem)}.")
         self.problem = problem
@@ -279,6 +282,13 @@ class EstimationSolver(RealTimeIteration):
                 f"The prior must be {len(self.prior)} finite numbers, {_names(self.problem)}; got {checked.tolist()}."
             )
         return checked
+
+
+def _check_kind(problem: object, kind: type) -> None:
+    """Refuse what is no problem of this kind."""
+    if not isinstance(problem, kind):
+        other = type(problem).__name__
+        raise SolverError(f"A problem must be of type {kind.__name__} for this solver, got {other}; give such a one.")
 
 
 def _names(problem: EstimationProblem) -> str:

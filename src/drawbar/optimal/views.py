@@ -12,7 +12,7 @@ class Guarded:
     def __setattr__(self, name: str, value: object) -> None:
         """Set an attribute, but not another array in place of one that is the solver's own memory."""
         present = self.__dict__.get(name)
-        if isinstance(present, np.ndarray) and value is not present:
+        if isinstance(present, np.ndarray | StageBounds) and value is not present:
             raise SolverError(
                 f"{name} = ... would bind another array of which the compiled solver knows nothing; "
                 f"write into its own: {name}[...] = ..."
@@ -33,3 +33,7 @@ class StageBounds(dict[str, Floats]):
     def __setitem__(self, name: str, value: object) -> None:
         """Refuse to replace an array."""
         raise SolverError(f"Write into the solver's own memory: [{name!r}][...] = ...")
+
+    def update(self, *_: object, **__: object) -> None:
+        """Refuse to replace arrays."""
+        raise SolverError("Write into the solver's own memory, one bound after the other: [name][...] = ...")

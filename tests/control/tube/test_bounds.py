@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import lil_matrix
 
+from drawbar.config import load_configuration
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     BodyTubeSettings,
@@ -16,6 +17,7 @@ from drawbar.control.settings import (
 from drawbar.control.tube.bodies import followed_rate
 from drawbar.control.tube.tube import tube_of, tubes_of
 from drawbar.errors import ConfigurationError, TubeError
+from drawbar.step.build import build_tubes
 from drawbar.vehicle.parameters import VehicleParameters
 
 POINT = TubeWorkRange(speed=(0.9, 0.9), tractor_slip=(0.9, 0.9), trailer_slip=(0.9, 0.9))
@@ -160,3 +162,16 @@ def test_a_limited_cylinder_falls_short_by_what_is_declared(falling_short):
     # a disturbance of the rate, held over the sample, moves the end of it by rate lag (1 - exp(-T / lag))
     assert mean * time - angle == pytest.approx(falling_short * lag * (1.0 - np.exp(-time / lag)), abs=2e-6)
     assert mean >= rate * lag / time * (1.0 - np.exp(-time / lag)) - 1e-12
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("tube.tractor.yaw=29.0", "no invariant set over the whole of tube.work"),
+        ("vehicle.trailer_length=29.0", "vehicle.trailer_length = 29 m follows curves"),
+        ("vehicle.curvature_limit=3.1", "vehicle.curvature_limit = 3.1 1/m steadily"),
+    ],
+)
+def test_numbers_without_a_tube_are_refused(change, message):
+    with pytest.raises(TubeError, match=message):
+        build_tubes(load_configuration("articulated", [change]))

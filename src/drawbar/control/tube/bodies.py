@@ -15,6 +15,7 @@ import numpy as np
 from drawbar.control.settings import TubeWorkRange
 from drawbar.control.tube.error_model import ErrorModel, Limit
 from drawbar.control.tube.linearisation import CommandedModel, WorkPoint, linearised
+from drawbar.errors import TubeError
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
 from drawbar.vehicle.model import Model, by_name
 from drawbar.vehicle.parameters import VehicleParameters
@@ -135,9 +136,19 @@ def tricycle_trailer_body(work: Work) -> Body:
 
 
 def steady_articulation(vehicle: VehicleParameters, curvature: float, joint: float) -> float:
-    """Return gamma (rad) of steady turning: sin gamma - a k cos gamma = k (L_i + d cos J)."""
+    """Return gamma (rad) of steady turning: sin gamma - a k cos gamma = k (L_i + d cos J).
+
+    Raises:
+        TubeError: the trailer is too long to follow this curve steadily.
+    """
     lever = curvature * vehicle.free_joint_offset
     reach = curvature * (vehicle.trailer_length + vehicle.drawbar_length * math.cos(joint))
+    if not abs(reach) < math.hypot(1.0, lever):
+        raise TubeError(
+            f"no trailer with vehicle.trailer_length = {vehicle.trailer_length:g} m follows curves of "
+            f"vehicle.curvature_limit = {curvature:g} 1/m steadily, it folds up behind the tractor; lower "
+            f"curvature_limit"
+        )
     return math.atan(lever) + math.asin(reach / math.hypot(1.0, lever))
 
 

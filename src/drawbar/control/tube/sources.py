@@ -10,10 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drawbar.control.matrix_equations import spectral_radius
 from drawbar.control.settings import BodyTubeSettings, Nominal
 from drawbar.control.tube.error_model import WORK_POINT, ErrorModel, Source
 from drawbar.control.tube.gain import check_names
-from drawbar.control.tube.invariant_set import Indices, InvariantSet
+from drawbar.control.tube.invariant_set import SLOWEST, Indices, InvariantSet
 from drawbar.errors import TubeError
 from drawbar.geometry import Floats
 
@@ -78,6 +79,8 @@ def invariant_set(body: str, A: Floats, rates: Floats, sources: Sequence[Source]
     """
     loops, basis = A[:, bounded][:, :, bounded], rates[np.ix_(bounded, bounded)].T
     middle = 0.5 * (loops.max(axis=0) + loops.min(axis=0))
+    if not spectral_radius(middle) < SLOWEST:
+        raise _unsupported(body)
     kept = [source.within(bounded) for source in sources]
     # rows: half-widths that the work point v asks for, as directions of e
     asked = np.linalg.solve(basis.T, loops - middle)
@@ -102,7 +105,11 @@ def _self_consistent(body: str, own: Floats, others: Floats) -> Floats:
         if np.all(larger <= size * (1.0 + _CONVERGED)):
             return np.asarray(larger * (1.0 + 1e3 * _CONVERGED))
         size = larger
-    raise TubeError(
+    raise _unsupported(body)
+
+
+def _unsupported(body: str) -> TubeError:
+    return TubeError(
         f"the tube of the {body} has no invariant set over the whole of tube.work: the error models at its corners "
         f"differ too much for this gain; narrow the ranges, or give a gain that lets errors decay faster"
     )
