@@ -221,6 +221,7 @@ def test_a_wrong_file_is_refused_with_what_to_do(drive, page):
     told.get_by_text("photo.jpg: is of none of the types").wait_for()
     choose.set_input_files({"name": "large.kml", "mimeType": "text/xml", "buffer": b" " * (9 << 20)})
     told.get_by_text("one file of at most 8 MiB").wait_for()
+    assert page.troubles == []
 
 
 def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, somebody_else):
@@ -230,6 +231,7 @@ def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, somebody_els
     page.context.set_offline(True)
     page.evaluate("window.socket.disconnect()")
     page.locator("body.old-picture .old", has_text="OLD PICTURE").wait_for()
+    assert page.locator("body:not(.old-picture)").count() == 0
 
 
 def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(drive, page, somebody_else):
@@ -247,6 +249,7 @@ def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(d
     see(other, "Emergency stop")
     refused = other.get_by_text("another operator holds the lease").or_(other.get_by_text("the vehicle moves"))
     press_until(other, refused, "Acknowledge")
+    assert other.get_by_text("You have control").count() == 0
 
 
 def test_a_curve_is_recorded_while_driving(drive, page):
@@ -254,6 +257,7 @@ def test_a_curve_is_recorded_while_driving(drive, page):
     press_until(page, page.get_by_text("Recording:"), "● Record a curve")
     press(page, "Discard")
     page.get_by_text("Recording:").wait_for(state="hidden")
+    assert page.troubles == []
 
 
 def test_a_drive_by_hand_is_evaluated(drive, page):

@@ -13,6 +13,8 @@ from controllers import (
     DecentralisedController,
     TricycleTractor,
     TricycleTrailer,
+    first,
+    settled,
 )
 from scipy.optimize import least_squares
 
@@ -53,18 +55,6 @@ def centralised(name, vehicle=VEHICLE, declared=NO_TUBE):
     if name == "tricycle":
         return CentralisedTricycle(vehicle, PAPER, DT, tubes(PAPER, declared))
     return CentralisedArticulated(vehicle, PRODUCT, DT, tubes(PRODUCT, declared))
-
-
-def settled(controller, situation, steps=30):
-    """Return the last of several plans from the same situation: the real-time iteration at its fixed point."""
-    for _ in range(steps):
-        plan = controller.feedback(situation.estimate, situation.reference)
-        controller.prepare()
-    return plan
-
-
-def first(controller, situation):
-    return controller.feedback(situation.estimate, situation.reference)
 
 
 def tractors_part(situation):

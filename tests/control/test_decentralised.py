@@ -3,6 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from controllers import first, settled
 
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
@@ -13,18 +14,6 @@ OF_EACH_MODEL = [(name, each) for name in ("articulated", "tricycle") for each i
 ]
 BODIES = ("tractor", "trailer")
 VEHICLE = VehicleParameters()
-
-
-def settled(controller, situation, steps=30):
-    """Return the last of several plans from the same situation: the real-time iteration at its fixed point."""
-    for _ in range(steps):
-        plan = controller.feedback(situation.estimate, situation.reference)
-        controller.prepare()
-    return plan
-
-
-def first(controller, situation):
-    return controller.feedback(situation.estimate, situation.reference)
 
 
 def assert_solved(plan):

@@ -48,4 +48,5 @@ def test_a_line_beside_it_that_is_tighter_is_refused_too():
 
 
 def test_where_the_speed_takes_nothing_away_nothing_is_refused():
-    demand_slow_curves(figure_eights((3.34,), 20.0), at(1.0))
+    tight = figure_eights((3.34,), 20.0)
+    assert DrivenLine.first(at(1.0), tight).path is tight

@@ -42,7 +42,10 @@ def test_straight_line_asks_nothing() -> None:
     line = Path.through(
         arc_length=places, x=places, y=zero, yaw=zero, label_of_piece=np.zeros(19, np.int8), label_names=("straight",)
     )
-    demanded(path=line, tractor_steering_limit=1e-3, tractor_steering_rate=1e-3)
+    steering = {"tractor_steering_limit": 1e-3, "tractor_steering_rate": 1e-3}
+    demanded(path=line, **steering)
+    with pytest.raises(PathError, match="tractor_steering_limit"):
+        demanded(**steering)
 
 
 def test_gentle_spiral_needs_less_than_a_sudden_curve() -> None:
@@ -55,4 +58,7 @@ def test_gentle_spiral_needs_less_than_a_sudden_curve() -> None:
     spiral = Path.through(
         arc_length=places, x=x, y=y, yaw=yaw, label_of_piece=np.zeros(600, np.int8), label_names=("spiral",)
     )
-    demanded(path=spiral, tractor_steering_rate=0.3 * ANGLE / REACH)
+    rate = 0.3 * ANGLE / REACH
+    demanded(path=spiral, tractor_steering_rate=rate)
+    with pytest.raises(PathError, match="too slow"):
+        demanded(tractor_steering_rate=rate)

@@ -134,3 +134,15 @@ class AncillaryLaw(Alone):
         steering = room(BodySteering)
         self.call("apply", byref(CBodyPlan.of(plan)), steering)
         return taken(BodySteering, steering)
+
+
+def settled(controller, situation, steps=30):
+    """Return the last of several plans from the same situation: the real-time iteration at its fixed point."""
+    for _ in range(steps):
+        plan = controller.feedback(situation.estimate, situation.reference)
+        controller.prepare()
+    return plan
+
+
+def first(controller, situation):
+    return controller.feedback(situation.estimate, situation.reference)

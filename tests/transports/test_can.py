@@ -154,3 +154,4 @@ def test_socketcan_carries_frames() -> None:
     cross(one, other)
     for each in (one, other):
         each.close()
+        assert not each.connected

@@ -10,9 +10,13 @@ from waiting import FakeClock
 from drawbar.errors import HardwareError
 from drawbar.transports.address import FileAddress
 from drawbar.transports.base import Received
-from drawbar.transports.file import FileTransport, piece_of, recorded_line
+from drawbar.transports.file import FileTransport, piece_of
 
 PIECES = [Received(20.0, b"a"), Received(20.5, b"", "10.0.0.1:5120"), Received(20.5, b"\x00\xff"), Received(22.0, b"d")]
+
+
+def recorded_line(piece: Received) -> str:
+    return f"{piece.time!r} {piece.data.hex() or '-'} {piece.source}".rstrip()
 
 
 def recording(folder: Path, *lines: str) -> FileAddress:

@@ -3,9 +3,8 @@
 from waiting import FakeClock, until
 
 from drawbar.transports.address import UdpAddress
-from drawbar.transports.base import CanFrame, Received
-from drawbar.transports.open import open_can
-from drawbar.transports.tapped import Direction, TappedCanBus, TappedTransport
+from drawbar.transports.base import Received
+from drawbar.transports.tapped import Direction, TappedTransport
 from drawbar.transports.udp import UdpTransport
 
 
@@ -30,23 +29,3 @@ def test_bytes_in_and_out_reach_the_tap() -> None:
     tapped.close()
     board.close()
     assert not tapped.connected
-
-
-def test_frames_in_and_out_reach_the_tap() -> None:
-    heard: list[tuple[Direction, float, CanFrame]] = []
-    bus, other = open_can("can:virtual:tapped"), open_can("can:virtual:tapped")
-    tapped = TappedCanBus(bus, lambda *all: heard.append(all), FakeClock(7.0))
-    frame = CanFrame(0x18EEFF1C, b"\x01")
-    assert tapped.write(frame)
-    other.write(frame)
-    ((moment, seen),) = until(tapped.read)
-    tapped.close()
-    assert not tapped.write(frame)
-    assert seen == frame
-    assert heard == [
-        (Direction.OUT, 7.0, frame),
-        (Direction.IN, moment, frame),
-        (Direction.UNSENT, 7.0, frame),
-    ]
-    assert tapped.fileno() == -1
-    other.close()

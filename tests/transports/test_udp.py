@@ -48,7 +48,7 @@ def test_stamp_is_the_kernels_not_that_of_reading() -> None:
         (piece,) = board.read()
         return before - 0.001 <= piece.time <= after + 0.05
 
-    until(stamped_on_arrival)
+    assert until(stamped_on_arrival)
     board.close()
 
 

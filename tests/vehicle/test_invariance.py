@@ -5,27 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from models import MODELS
 
 from drawbar.geometry import Floats
-from drawbar.vehicle.articulated import (
-    articulated,
-    articulated_tracking,
-    articulated_tractor,
-    articulated_trailer,
-)
 from drawbar.vehicle.model import Model, Variable
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 
-MODELS = (
-    tricycle,
-    tricycle_tractor,
-    tricycle_trailer,
-    articulated,
-    articulated_tracking,
-    articulated_tractor,
-    articulated_trailer,
-)
 Sample = Callable[..., tuple[Floats, Floats, Floats]]
 
 

@@ -5,29 +5,16 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from models import MODELS
 from scipy.integrate import solve_ivp
 
 from drawbar.errors import ModelError
 from drawbar.geometry import Floats
 from drawbar.vehicle.articulated import (
     articulated,
-    articulated_tracking,
-    articulated_tractor,
-    articulated_trailer,
 )
 from drawbar.vehicle.model import Model, constant, declare, integrate, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
-
-MODELS = (
-    tricycle,
-    tricycle_tractor,
-    tricycle_trailer,
-    articulated,
-    articulated_tracking,
-    articulated_tractor,
-    articulated_trailer,
-)
 
 
 def declared(**changes: Any) -> Model:

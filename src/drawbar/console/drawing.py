@@ -26,7 +26,6 @@ _BESIDE = (-2, -1, 1, 2)
 """neighbours that are drawn"""
 _ZERO = Pose(x=0.0, y=0.0, yaw=0.0)
 
-Numbers = list[float]
 Points = list[list[float]]
 
 

@@ -49,17 +49,6 @@ REFUSALS_DE: Mapping[str, str] = {
     "the side taken out?":
         "die Wege liegen {0} m auseinander, mehr als {1}° Rollwinkel; war es dieselbe Spur, und ist „Traktor, links“ "
         "der Antenne eingetragen?",
-    "{} samples of the sweep and {} at rest; record 20 of each at least":
-        "{0} Werte vom Durchdrehen und {1} in Ruhe; je mindestens 20 aufnehmen",
-    "the sensor moved by {} counts only, in steps of {}; check its lever":
-        "der Sensor bewegte sich nur um {0} Zählschritte, in Schritten von {1}; Hebel prüfen",
-    "the sensor's noise at rest, {} counts, is above 1 % of its range; check its cable":
-        "der Sensor rauscht in Ruhe um {0} Zählschritte, mehr als 1 % seines Bereichs; Kabel prüfen",
-    "the same locks were not reached twice to {} of the range; turn from the middle to the left lock, to the right, "
-    "and both once more, each until it stops":
-        "dieselben Anschläge wurden nicht zweimal auf {0} des Bereichs erreicht; von der Mitte nach links bis zum "
-        "Anschlag drehen, nach rechts, und beides noch einmal",
-    "left by right": "links / rechts",
     "{} s of driving; drive two minutes of S-curves": "{0} s gefahren; zwei Minuten Schlangenlinien fahren",
     "the wheels explain the track to {} m only, {} m at most; calibrate the front wheels first, and drive where they "
     "do not slip":

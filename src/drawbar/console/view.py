@@ -64,8 +64,6 @@ class Board:
     may_adjust: bool
     """nudge and set speed"""
     may_choose_line: bool
-    may_give: bool
-    """the lease to somebody who asks for it"""
     may_wish: bool
     """ask the holder for the lease"""
 
@@ -112,7 +110,6 @@ def board(
         may_acknowledge=drives and latched,
         may_adjust=drives and mine,
         may_choose_line=drives and not driving and (mine or holder is None),
-        may_give=mine and not driving,
         may_wish=drives and holder is not None and not mine,
     )
 
@@ -133,7 +130,6 @@ def _no_contact(words: Words) -> Board:
         may_acknowledge=False,
         may_adjust=False,
         may_choose_line=False,
-        may_give=False,
         may_wish=False,
     )
 

@@ -9,8 +9,9 @@ from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import ArticulatedControllerSettings
 from drawbar.control.subsystem import coupling_settings, subsystem_unit
 from drawbar.control.tube.tube import SubsystemTube
-from drawbar.optimal import Bound, ControlProblem
+from drawbar.optimal import ControlProblem
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
+from drawbar.vehicle.model import Model
 from drawbar.vehicle.parameters import VehicleParameters
 
 
@@ -20,14 +21,8 @@ def articulated_tractor_unit(
     """Return the tractor's controller: slip, crab, a steering of limited rate, held near the path's own curvature."""
     weights = settings.tractor
     errors = {"lateral_error": weights.lateral, "heading_error": weights.heading, "steering": weights.steering}
-    problem = ControlProblem(
-        model=articulated_tractor(vehicle),
-        horizon=settings.horizon,
-        sample_time=sample_time,
-        weights=errors | {"steering_rate": weights.steering_rate},
-        terminal_weights=errors,
-        bounds=_bounds(tube),
-    )
+    model = articulated_tractor(vehicle)
+    problem = _problem(model, settings.horizon, sample_time, errors, weights.steering_rate, tube)
     actuator = actuator_settings(
         lag=vehicle.steering_lag, limit=tube.bounds["command"].tightened, sample_time=sample_time
     )
@@ -42,14 +37,8 @@ def articulated_trailer_unit(
     """Return the trailer's controller, on the chain behind a tractor whose motion is given by the coupling."""
     weights = settings.trailer
     errors = {"lateral_error": weights.lateral, "steering": weights.steering}
-    problem = ControlProblem(
-        model=articulated_trailer(vehicle),
-        horizon=settings.horizon,
-        sample_time=sample_time,
-        weights=errors | {"steering_rate": weights.steering_rate},
-        terminal_weights=errors,
-        bounds=_bounds(tube),
-    )
+    model = articulated_trailer(vehicle)
+    problem = _problem(model, settings.horizon, sample_time, errors, weights.steering_rate, tube)
     actuator = actuator_settings(
         lag=vehicle.steering_lag,
         limit=tube.bounds["command"].tightened,
@@ -65,5 +54,15 @@ def articulated_trailer_unit(
     return subsystem_unit("trailer", problem, tube, "articulated_trailer.h", own)
 
 
-def _bounds(tube: SubsystemTube) -> dict[str, Bound]:
-    return steering_bounds(tube.bounds["steering"].tightened, tube.bounds["steering_rate"].tightened)
+def _problem(
+    model: Model, horizon: int, sample_time: float, errors: dict[str, float], rate: float, tube: SubsystemTube
+) -> ControlProblem:
+    """Return the problem of one body: its errors and its steering rate cost, its steering keeps within the tube."""
+    return ControlProblem(
+        model=model,
+        horizon=horizon,
+        sample_time=sample_time,
+        weights=errors | {"steering_rate": rate},
+        terminal_weights=errors,
+        bounds=steering_bounds(tube.bounds["steering"].tightened, tube.bounds["steering_rate"].tightened),
+    )

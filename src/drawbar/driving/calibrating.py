@@ -14,7 +14,7 @@ from drawbar.geometry import Floats, wrap
 from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns
 from drawbar.machine.hardware.mounting_calibration import CurveDrive, antenna_place, mounting_roll
 from drawbar.machine.hardware.scale_calibration import Circle, Scale, scale_from_circles
-from drawbar.machine.hardware.sensor_calibration import SensorRange, zero_from_straight
+from drawbar.machine.hardware.sensor_calibration import zero_from_straight
 from drawbar.machine.hardware.steer_board import BoardMemory, SteerBoardSettings
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -73,8 +73,7 @@ def _front_wheels(board: SteerBoardSettings, wheelbase: float, drive: HandDrive)
         for part in drive.circles()
     ]
     counts = board_counts(board, drive.front_wheels)
-    lowest, highest = float(np.nanmin(counts)), float(np.nanmax(counts))
-    span = SensorRange(lowest=lowest, highest=highest, direction=0, noise=math.nan, resolution=math.nan, refusals=())
+    span = float(np.nanmin(counts)), float(np.nanmax(counts))
     scale = scale_from_circles(circles, wheelbase=wheelbase, zero=zero, span=span)
     value, memory = scale.counts_per_degree, board.memory
     if value.accepted:

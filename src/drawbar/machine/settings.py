@@ -278,17 +278,9 @@ class SimulatedMachineSettings(Settings):
 
     @model_validator(mode="after")
     def _dead_time_on_grid(self) -> Self:
-        if whole_steps(self.actuators.dead_time, self.step) is None:
-            raise ValueError(
-                f"actuators.dead_time = {self.actuators.dead_time} s is not a multiple of "
-                f"step = {self.step} s; round it to one"
-            )
-        low_level = self.low_level
-        if low_level.kind == "valve" and whole_steps(low_level.dead_time, self.step) is None:
-            raise ValueError(
-                f"low_level.dead_time = {low_level.dead_time} s is not a multiple of step = {self.step} s; "
-                f"round it to one"
-            )
+        demand_whole_steps("actuators.dead_time", self.actuators.dead_time, self.step)
+        if self.low_level.kind == "valve":
+            demand_whole_steps("low_level.dead_time", self.low_level.dead_time, self.step)
         return self
 
 
@@ -296,6 +288,12 @@ def whole_steps(duration: float, step: float) -> int | None:
     """Return how many steps make up the duration, or None when it is not a multiple of the step."""
     steps = round(duration / step)
     return steps if math.isclose(steps * step, duration, rel_tol=1e-9, abs_tol=1e-12) else None
+
+
+def demand_whole_steps(name: str, duration: float, step: float) -> None:
+    """Raise ValueError where a duration of the settings, s, is not a multiple of the integration step."""
+    if whole_steps(duration, step) is None:
+        raise ValueError(f"{name} = {duration} s is not a multiple of step = {step} s; round it to a multiple")
 
 
 def steps_per_sample(sample_time: float, step: float) -> int:

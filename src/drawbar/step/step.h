@@ -185,40 +185,39 @@ int drawbar_step(struct drawbar_state *state, const struct drawbar_measurement *
     return status;
 }
 
+/* Whether an initialised autopilot has room given for what is asked of it. */
+static int readable(const struct drawbar_state *state, const void *room)
+{
+    if (state == NULL || room == NULL)
+        return DRAWBAR_NULL;
+    return ((const struct autopilot *)state)->magic == INITIALISED ? DRAWBAR_OK : DRAWBAR_NOT_INITIALISED;
+}
+
 int drawbar_get_estimate(const struct drawbar_state *state, struct drawbar_estimate *estimate)
 {
-    const struct autopilot *a = (const struct autopilot *)state;
+    const int status = readable(state, estimate);
 
-    if (state == NULL || estimate == NULL)
-        return DRAWBAR_NULL;
-    if (a->magic != INITIALISED)
-        return DRAWBAR_NOT_INITIALISED;
-    *estimate = a->made.estimate;
-    return DRAWBAR_OK;
+    if (status == DRAWBAR_OK)
+        *estimate = ((const struct autopilot *)state)->made.estimate;
+    return status;
 }
 
 int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_diagnostics *diagnostics)
 {
-    const struct autopilot *a = (const struct autopilot *)state;
+    const int status = readable(state, diagnostics);
 
-    if (state == NULL || diagnostics == NULL)
-        return DRAWBAR_NULL;
-    if (a->magic != INITIALISED)
-        return DRAWBAR_NOT_INITIALISED;
-    *diagnostics = a->diagnostics;
-    return DRAWBAR_OK;
+    if (status == DRAWBAR_OK)
+        *diagnostics = ((const struct autopilot *)state)->diagnostics;
+    return status;
 }
 
 int drawbar_get_actuation(const struct drawbar_state *state, struct drawbar_actuation *actuation)
 {
-    const struct autopilot *a = (const struct autopilot *)state;
+    const int status = readable(state, actuation);
 
-    if (state == NULL || actuation == NULL)
-        return DRAWBAR_NULL;
-    if (a->magic != INITIALISED)
-        return DRAWBAR_NOT_INITIALISED;
-    *actuation = a->known;
-    return DRAWBAR_OK;
+    if (status == DRAWBAR_OK)
+        *actuation = ((const struct autopilot *)state)->known;
+    return status;
 }
 
 const char *drawbar_version(void)

@@ -11,11 +11,6 @@ from drawbar.transports.base import Received, Transport
 from drawbar.transports.clock import Clock
 
 
-def recorded_line(received: Received) -> str:
-    """Return the line of a recording for one piece."""
-    return f"{received.time!r} {received.data.hex() or '-'} {received.source}".rstrip()
-
-
 def piece_of(line: str) -> Received:
     """Return the piece that a line of a recording holds; ValueError: it is none."""
     stamp, data, *source = line.split()

@@ -6,7 +6,7 @@ from dataclasses import replace
 from enum import Enum
 
 from drawbar.messages import nanoseconds, seconds
-from drawbar.transports.base import CanBus, CanFrame, Received, Transport
+from drawbar.transports.base import Received, Transport
 from drawbar.transports.clock import Clock
 
 
@@ -53,44 +53,6 @@ class TappedTransport(Transport):
 
     def close(self) -> None:
         """Close the transport."""
-        self._inner.close()
-        self._follow()
-
-    def _follow(self) -> None:
-        self.connected, self.trouble, self.unsent = self._inner.connected, self._inner.trouble, self._inner.unsent
-
-
-class TappedCanBus(CanBus):
-    """A CAN bus that hands a copy of every frame to a callback, which must not wait."""
-
-    def __init__(
-        self, inner: CanBus, tap: Callable[[Direction, float, CanFrame], None], clock: Clock = time.monotonic
-    ) -> None:
-        self._inner, self._tap, self._clock = inner, tap, clock
-        self._follow()
-
-    def fileno(self) -> int:
-        """Return the bus's descriptor."""
-        return self._inner.fileno()
-
-    def read(self) -> list[tuple[float, CanFrame]]:
-        """Return the frames that have arrived."""
-        frames = self._inner.read()
-        self._follow()
-        for moment, frame in frames:
-            self._tap(Direction.IN, moment, frame)
-        return frames
-
-    def write(self, frame: CanFrame) -> bool:
-        """Send now, and return whether it was taken."""
-        moment = self._clock()
-        taken = self._inner.write(frame)
-        self._follow()
-        self._tap(Direction.OUT if taken else Direction.UNSENT, moment, frame)
-        return taken
-
-    def close(self) -> None:
-        """Close the bus."""
         self._inner.close()
         self._follow()
 

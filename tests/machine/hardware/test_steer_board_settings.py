@@ -92,3 +92,5 @@ def test_two_boards_with_one_address_are_refused(one: dict[str, str], two: dict[
 @pytest.mark.parametrize(("one", "two"), [("192.168.5.255", "192.168.6.255"), ("127.0.0.1:8001", "127.0.0.1:8002")])
 def test_two_boards_with_their_own_addresses_are_taken(one: str, two: str) -> None:
     refuse_equal_boards((board(one), board(two)))
+    with pytest.raises(ConfigurationError, match="network"):
+        refuse_equal_boards((board(one), board(one)))

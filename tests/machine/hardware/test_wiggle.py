@@ -6,7 +6,6 @@ import re
 import numpy as np
 import pytest
 
-from drawbar.machine.hardware.valve_calibration import PushRecord, closed_loop_dynamics
 from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.machine.low_level.low_level import ActuateInput, LowLevel, SteeringAxis, TableSensor
 from drawbar.machine.low_level.settings import PositionLoopSettings, ValveSettings
@@ -87,19 +86,3 @@ def test_reversed_and_late_is_not_taken_for_right() -> None:
 def test_no_wiggle_or_times_out_of_order_are_refused() -> None:
     assert not wiggle_test(TIMES, np.zeros(len(TIMES)), ANGLES).passed
     assert not wiggle_test(TIMES[::-1], COMMAND, ANGLES).passed
-
-
-def test_lag_and_dead_time_of_a_closed_loop_are_found_from_small_steps() -> None:
-    """Synthetic first-order answers: what vehicle.steering_lag and dead_time describe."""
-    rng, steps = np.random.default_rng(0), []
-    for sign in (1.0, -1.0) * 3:
-        times = np.arange(0.0, 2.0, 0.02)
-        angles = 0.95 * sign * 0.03 * -np.expm1(-np.maximum(times - 0.1, 0.0) / 0.25)
-        noise = math.radians(0.05) * rng.standard_normal(len(times))
-        steps.append(PushRecord(drive=sign * 0.03, duration=2.0, times=times, angles=angles + noise))
-    found = closed_loop_dynamics(steps)
-    for value, true in ((found.size, 0.95), (found.lag, 0.25), (found.dead_time, 0.1)):
-        assert value.accepted, value.refusals
-        assert abs(value.value - true) <= 3.0 * value.deviation
-        assert value.deviation < 0.05 * max(true, 0.5)
-    assert "make 3" in closed_loop_dynamics(steps[:2]).lag.refusals[0]

@@ -1,4 +1,4 @@
-"""Physics machines without sensor errors, and shorthands to move them; all of it is skipped without MuJoCo."""
+"""Physics machines without sensor errors; all of it is skipped without MuJoCo."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,7 +7,7 @@ import pytest
 
 from drawbar.machine.physics.machine import PhysicsMachine
 from drawbar.machine.physics.settings import PhysicsMachineSettings
-from drawbar.signals import Command, Pose, Truth
+from drawbar.signals import Pose
 from drawbar.vehicle.parameters import VehicleParameters
 
 EXACT = {"position": 0.0, "hitch_angle": 0.0, "speed": 0.0, "steering_resolution": 1e-12}
@@ -34,23 +34,3 @@ def build() -> Callable[..., PhysicsMachine]:
         )
 
     return build
-
-
-@pytest.fixture(scope="session")
-def drive() -> Callable[..., list[Truth]]:
-    """Return a function that holds one command for some samples and returns the truth after each."""
-
-    def drive(
-        machine: PhysicsMachine, samples: int, *, tractor: float = 0.0, trailer: float = 0.0, speed: float = 1.0
-    ) -> list[Truth]:
-        run = []
-        if not machine._begun:
-            machine.read()  # where it was placed
-        for _ in range(samples):
-            time = machine.truth().time
-            machine.write(Command(time=time, tractor_steering=tractor, trailer_steering=trailer, speed=speed))
-            machine.read()
-            run.append(machine.truth())
-        return run
-
-    return drive

@@ -1,4 +1,4 @@
-"""All golden AgOpenGPS frames, exact; their names are those of the file."""
+"""The golden AgOpenGPS frames of all messages that drawbar speaks, exact; their names are those of the file."""
 
 import math
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from golden import load
 
-from drawbar.protocols.agopengps import agio, board_settings, imu_board, machine_board, network, steering
+from drawbar.protocols.agopengps import board_settings, network, steering
 from drawbar.protocols.agopengps.frame import Frame, parse
 
 DEGREE = math.radians(1.0)
@@ -23,31 +23,9 @@ ENCODED: dict[str, Callable[[], bytes]] = {
     "254 far off": steering.SteerCommand(steer=True, angle=-0.2, speed=1.0, cross_track=7.0).encode,
     "252 settings": board_settings.SteerSettings(offset=-120).encode,
     "251 config": board_settings.SteerConfig(single_ended=True, cytron=True).encode,
-    "239 machine data": lambda: machine_board.encode_machine((1, 3), speed=1.0),
-    "238 machine config": lambda: machine_board.encode_machine_config(raise_time=3, lower_time=4, lift=False),
-    "236 pins": lambda: machine_board.encode_machine_pins((1, 2, 3)),
-    "235 sections": lambda: machine_board.encode_section_widths((3.0, 3.0, 3.0)),
-    "229 64 sections": lambda: machine_board.encode_sections((1, 3), left_speed=10, right_speed=11),
     "200 hello as AgIO sends it": lambda: network.HELLO,
     "202 scan as AgIO sends it": lambda: network.SCAN,
     "201 subnet as AgIO sends it": lambda: network.encode_subnet(192, 168, 5),
-    "233 tool steer (Twol)": lambda: steering.encode_tool_steer(
-        tool_offset=0.045, steer=True, vehicle_offset=-0.012, speed=1.0
-    ),
-    "214 position from AgIO to AgOpenGPS (single antenna + IMU)": agio.Position(
-        longitude=4.702057611666667,
-        latitude=50.876872426666665,
-        fix=4,
-        speed=1.944 * 1852.0 / 3600.0,  # 1.944 knots, 3.600288 km/h: the file's words round it
-        altitude=42.318,
-        satellites=17,
-        hdop=0.7,
-        age=1.2,
-        imu_yaw=(90.0 - 123.5) * DEGREE,
-        imu_roll=-2.3 * DEGREE,
-        imu_pitch=12,
-        imu_yaw_rate=5,
-    ).encode,
 }
 
 DECODED: dict[str, tuple[Callable[[Frame], object], object]] = {
@@ -55,21 +33,15 @@ DECODED: dict[str, tuple[Callable[[Frame], object], object]] = {
         steering.decode_steer_reply,
         steering.SteerReply(angle=-2.0 * DEGREE, steer_off=True, work_off=True, remote=True, pwm=0),
     ),
-    "250 from board": (steering.decode_sensor, 112),
-    "126 hello reply": (
-        steering.decode_steer_hello,
-        steering.SteerHelloReply(angle=3.5 * DEGREE, counts=-100, switches=7),
-    ),
     "203 scan reply": (
         network.decode_scan_reply,
         network.ScanReply(board=0x7E, address="192.168.5.126", subnet="192.168.5"),
     ),
-    "211 IMU": (
-        imu_board.decode_imu,
-        imu_board.ImuReading(yaw=(90.0 - 123.5) * DEGREE, roll=-2.3 * DEGREE, gyro=-9),
-    ),
-    "212 IMU gone": (imu_board.decode_imu_gone, True),
 }
+
+
+NOT_SPOKEN = frozenset((214, 229, 233, 235, 236, 238, 239, 211, 212, 250, 126))
+"""neither sent nor read: AgIO's, those of machine, tool and IMU boards, two of a steer board's"""
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +50,8 @@ def frames() -> dict[str, bytes]:
 
 
 def test_every_golden_frame_is_looked_at(frames: dict[str, bytes]) -> None:
-    assert frames.keys() == ENCODED.keys() | DECODED.keys()
+    spoken = {name for name, frame in frames.items() if frame[3] not in NOT_SPOKEN}
+    assert spoken == ENCODED.keys() | DECODED.keys()
 
 
 @pytest.mark.parametrize("name", ENCODED)

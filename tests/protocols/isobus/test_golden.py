@@ -33,7 +33,6 @@ from drawbar.protocols.isobus.tractor_messages import (
     decode_selected_speed,
     decode_speed,
     decode_speed_command,
-    decode_wheel_states,
     encode_selected_speed,
     encode_speed,
     encode_speed_command,
@@ -142,7 +141,6 @@ def test_wheel_speed() -> None:
     states = WheelStates(key_on=True, operations=True, reversed_by_operator=False, power_time=180.0)
     assert (decoded.pgn, decoded.source) == (WHEEL_SPEED, 0x80)
     assert decode_speed(decoded.data) == speed
-    assert decode_wheel_states(decoded.data) == states
     assert encode_speed(WheelOrGroundSpeed(speed=1.5, distance=123.456), states) == decoded.data
 
 

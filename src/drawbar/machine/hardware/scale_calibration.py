@@ -9,9 +9,10 @@ import numpy as np
 from drawbar.errors import ConfigurationError
 from drawbar.geometry import Floats
 from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns, linear_fit
-from drawbar.machine.hardware.sensor_calibration import BLOCK, SLOW, SensorRange
-from drawbar.protocols.sensors import InductiveSensor, Potentiometer
+from drawbar.machine.hardware.sensor_calibration import BLOCK, SLOW
+from drawbar.protocols.sensors import InductiveSensor
 
+Span = tuple[float, float]
 LARGEST_RESIDUAL = math.radians(1.0)
 """of the fit of a scale, rad"""
 _CIRCLES = 3
@@ -38,17 +39,13 @@ class Scale:
 
     counts_per_degree: Calibrated
     """of a straight line through all circles; negative where counts fall to the left"""
-    ackermann: Calibrated
-    """counts per degree to the left by those to the right; an AgOpenGPS board's Ackermann, as a share"""
     polynomial: InductiveSensor | None
     """of degree 3 at most; None where it has no inverse or leaves too much"""
-    table: Potentiometer | None
-    """through the circles' own points and the zero; None where they are no table"""
     points: tuple[tuple[float, float, float], ...]
     """(counts, angle (rad), its deviation) of each circle"""
 
 
-def scale_from_circles(circles: Sequence[Circle], *, wheelbase: float, zero: Calibrated, span: SensorRange) -> Scale:
+def scale_from_circles(circles: Sequence[Circle], *, wheelbase: float, zero: Calibrated, span: Span) -> Scale:
     """Return a sensor's scale by delta = atan(L omega / v) of circles at 3 angles to each side or more.
 
     What comes out is the angle of a bicycle that drives these circles: on ground where the front wheels slip it is
@@ -58,7 +55,7 @@ def scale_from_circles(circles: Sequence[Circle], *, wheelbase: float, zero: Cal
         circles: records of some seconds each, the steering held.
         wheelbase: L, m.
         zero: counts when driving straight.
-        span: the sensor's range.
+        span: lowest and highest counts.
     """
     points = sorted(_circle_point(circle, wheelbase) for circle in circles)
     counts, angles, deviations = (
@@ -76,9 +73,7 @@ def scale_from_circles(circles: Sequence[Circle], *, wheelbase: float, zero: Cal
         overall = replace(overall, refusals=(reason,))
     return Scale(
         counts_per_degree=overall,
-        ackermann=_ackermann(offset, angles, overall),
         polynomial=polynomial,
-        table=_table(points, zero, span) if overall.accepted else None,
         points=tuple(points),
     )
 
@@ -128,26 +123,10 @@ def _slope(offset: Floats, angles: Floats, refusals: list[str]) -> Calibrated:
     )
 
 
-def _ackermann(offset: Floats, angles: Floats, overall: Calibrated) -> Calibrated:
-    """Return the ratio of both sides' counts per degree."""
-    if not overall.accepted:
-        return Calibrated.unknown("left by right", "rad", overall.refusals)
-    left, right = (linear_fit(offset[side, None], angles[side]) for side in (angles > 0.0, angles < 0.0))
-    ratio = float(right.parameters[0] / left.parameters[0])
-    shares = [float(fit.deviations[0] / fit.parameters[0]) for fit in (left, right)]
-    return Calibrated(
-        value=ratio,
-        deviation=abs(ratio) * math.hypot(*shares),
-        residual=math.hypot(left.residual, right.residual) / math.sqrt(2.0),
-        samples=len(angles),
-        unit="left by right",
-        residual_unit="rad",
-    )
-
-
-def _polynomial(counts: Floats, angles: Floats, zero: Calibrated, span: SensorRange) -> InductiveSensor | None:
+def _polynomial(counts: Floats, angles: Floats, zero: Calibrated, span: Span) -> InductiveSensor | None:
     """Return the polynomial of the lowest degree that leaves no more than the residual allowed."""
-    middle, half = 0.5 * (span.lowest + span.highest), 0.5 * (span.highest - span.lowest)
+    lowest, highest = span
+    middle, half = 0.5 * (lowest + highest), 0.5 * (highest - lowest)
     x = np.append((counts - middle) / half, (zero.value - middle) / half)
     y = np.append(angles, 0.0)
     for degree in (1, 2, 3):
@@ -160,34 +139,10 @@ def _polynomial(counts: Floats, angles: Floats, zero: Calibrated, span: SensorRa
         try:
             return InductiveSensor(
                 coefficients=(padded[0], padded[1], padded[2], padded[3]),
-                lowest=span.lowest,
-                highest=span.highest,
+                lowest=lowest,
+                highest=highest,
                 deviation=fit.residual,
             )
         except ConfigurationError:
             continue
     return None
-
-
-def _table(points: Sequence[tuple[float, float, float]], zero: Calibrated, span: SensorRange) -> Potentiometer | None:
-    """Return the table through the circles and the zero, drawn out to both locks."""
-    inner = sorted([(counts, angle) for counts, angle, _ in points] + [(zero.value, 0.0)])
-    first, last = (
-        _drawn_out(*pair) for pair in ((inner[1], inner[0], span.lowest), (inner[-2], inner[-1], span.highest))
-    )
-    whole = [*first, *inner, *last]
-    deviation = max(each for _, _, each in points)
-    try:
-        return Potentiometer(
-            counts=tuple(counts for counts, _ in whole), angles=tuple(angle for _, angle in whole), deviation=deviation
-        )
-    except ConfigurationError:
-        return None
-
-
-def _drawn_out(inner: tuple[float, float], end: tuple[float, float], lock: float) -> list[tuple[float, float]]:
-    """Return the point at the lock on the line through the last two, unless the last lies there."""
-    (n0, a0), (n1, a1) = inner, end
-    if not (lock - n1) * (n1 - n0) > 0.0:
-        return []
-    return [(lock, a1 + (a1 - a0) * (lock - n1) / (n1 - n0))]

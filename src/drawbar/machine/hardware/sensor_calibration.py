@@ -1,8 +1,7 @@
-"""Calibration of a wheel-angle sensor from recorded driving: range, direction and zero (docs/calibration.md)."""
+"""Zero of a wheel-angle sensor from recorded driving (docs/calibration.md)."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,77 +16,6 @@ STRAIGHT_WAY = 30.0
 """least length of one, m"""
 BLOCK = 1.0
 """s, of which the mean is one sample"""
-_ENDS_AGREE = 0.05
-"""share of the range by which the ends of two sweeps may differ"""
-_LEAST_RANGE = 50
-"""of a sensor, in its own steps"""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SensorRange:
-    """What two sweeps from lock to lock tell of a sensor."""
-
-    lowest: float
-    """counts at one lock"""
-    highest: float
-    """counts at the other"""
-    direction: int
-    """1: counts rise to the left, -1: they fall; 0: unknown"""
-    noise: float
-    """standard deviation at rest, counts"""
-    resolution: float
-    """smallest step, counts"""
-    refusals: tuple[str, ...]
-
-
-def sensor_range(sweep: Sequence[float] | Floats, rest: Sequence[float] | Floats) -> SensorRange:
-    """Return a sensor's range, direction and noise.
-
-    Args:
-        sweep: (n,) counts while the operator turns from the middle to the left lock, to the right, and both once more.
-        rest: (m,) counts while nothing moves.
-    """
-    (counts,), (still,) = finite_columns(sweep), finite_columns(rest)
-    if len(counts) < 20 or len(still) < 20:
-        reason = f"{len(counts)} samples of the sweep and {len(still)} at rest; record 20 of each at least"
-        return SensorRange(
-            lowest=math.nan, highest=math.nan, direction=0, noise=math.nan, resolution=math.nan, refusals=(reason,)
-        )
-    lowest, highest, noise = float(counts.min()), float(counts.max()), float(still.std(ddof=1))
-    steps = np.diff(np.unique(np.concatenate([counts, still])))
-    resolution = float(steps.min()) if len(steps) else math.inf
-    visits = _visits(counts, lowest, highest)
-    direction = {"high": 1, "low": -1}.get(visits[0], 0) if visits else 0
-    refusals = list(_range_refusals(highest - lowest, noise, resolution, visits))
-    return SensorRange(
-        lowest=lowest,
-        highest=highest,
-        direction=direction,
-        noise=noise,
-        resolution=resolution,
-        refusals=tuple(refusals),
-    )
-
-
-def _visits(counts: Floats, lowest: float, highest: float) -> list[str]:
-    """Return which ends were reached, in order."""
-    near = _ENDS_AGREE * (highest - lowest)
-    ends = ["low" if each <= lowest + near else "high" for each in counts if not lowest + near < each < highest - near]
-    return [end for i, end in enumerate(ends) if i == 0 or end != ends[i - 1]]
-
-
-def _range_refusals(span: float, noise: float, resolution: float, visits: list[str]) -> Sequence[str]:
-    reasons = []
-    if not span >= _LEAST_RANGE * resolution:
-        reasons.append(f"the sensor moved by {span:.4g} counts only, in steps of {resolution:.4g}; check its lever")
-    if not noise <= 0.01 * span:
-        reasons.append(f"the sensor's noise at rest, {noise:.3g} counts, is above 1 % of its range; check its cable")
-    if len(visits) < 4:
-        reasons.append(
-            f"the same locks were not reached twice to {_ENDS_AGREE:.0%} of the range; turn from the middle to the "
-            f"left lock, to the right, and both once more, each until it stops"
-        )
-    return reasons
 
 
 def zero_from_straight(

@@ -119,21 +119,6 @@ def actuator_dynamics(pushes: Sequence[PushRecord], *, dead_band: float) -> Dyna
     return _dynamics(pushes, shape, unit="rad/s", most_lag=1.0)
 
 
-def closed_loop_dynamics(steps: Sequence[PushRecord]) -> Dynamics:
-    """Return gain, lag and dead time of a closed loop from steps of its set point: `vehicle.steering_lag`, `dead_time`.
-
-    angle(t) = g step (1 - exp(-(t - T) / tau)); the steps are to be small enough for the valve not to be fully open.
-
-    Args:
-        steps: three or more; `drive` is the step, rad.
-    """
-
-    def shape(push: PushRecord) -> Callable[[Floats, float], Floats]:
-        return lambda since, lag: -push.drive * np.expm1(-since / lag)
-
-    return _dynamics(steps, shape, unit="1", most_lag=3.0)
-
-
 def _dynamics(
     pushes: Sequence[PushRecord],
     shape: Callable[[PushRecord], Callable[[Floats, float], Floats]],

@@ -66,11 +66,6 @@ class ActuateStatus(IntEnum):
     NOT_INITIALISED = 65
     SETTINGS = 66
 
-    @property
-    def is_fault(self) -> bool:
-        """Whether the actuator was let go."""
-        return self >= ActuateStatus.TIME
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableSensor:

@@ -15,7 +15,7 @@ from drawbar.machine.settings import (
     MastErrors,
     SensorSettings,
     TerrainSettings,
-    whole_steps,
+    demand_whole_steps,
 )
 from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
 
@@ -129,11 +129,7 @@ class PhysicsMachineSettings(Settings):
 
     @model_validator(mode="after")
     def _dead_time_on_grid(self) -> Self:
-        if whole_steps(self.actuators.dead_time, self.step) is None:
-            raise ValueError(
-                f"actuators.dead_time = {self.actuators.dead_time} s is not a multiple of "
-                f"step = {self.step} s; round it to one"
-            )
+        demand_whole_steps("actuators.dead_time", self.actuators.dead_time, self.step)
         return self
 
     @model_validator(mode="after")

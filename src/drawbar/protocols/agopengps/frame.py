@@ -17,8 +17,6 @@ COMPUTER = 0x7F
 """source of what a computer sends"""
 STEER_BOARD = 0x7E
 """source of what a steer board sends"""
-AGIO = 0x7C
-"""source of what AgIO sends to AgOpenGPS"""
 
 
 class Pgn(IntEnum):
@@ -31,19 +29,7 @@ class Pgn(IntEnum):
     SUBNET = 201
     SCAN = 202
     SCAN_REPLY = 203
-    LOCATION = 208
-    IMU = 211
-    IMU_GONE = 212
-    POSITION = 214
     TEXT = 221
-    SECTIONS_64 = 229
-    TOOL_STEER = 233
-    SWITCH_BOX = 234
-    SECTION_WIDTHS = 235
-    MACHINE_PINS = 236
-    MACHINE_REPLY = 237
-    MACHINE_CONFIG = 238
-    MACHINE = 239
     SENSOR = 250
     STEER_CONFIG = 251
     STEER_SETTINGS = 252

@@ -1,16 +1,13 @@
-"""Network messages: hello (200), scan (202), their replies, a board's subnet (201), the place of the field (208)."""
+"""Network messages: hello (200), scan (202) and its reply (203), a board's subnet (201)."""
 
-import struct
 from dataclasses import dataclass
 
-from drawbar.protocols.agopengps.frame import COMPUTER, Frame, Pgn, byte, pack, scaled
+from drawbar.protocols.agopengps.frame import COMPUTER, Frame, Pgn, byte, pack
 
 BOARD_PORT = 8888
 """where boards listen"""
 COMPUTER_PORT = 9999
 """where boards send to; AiO_26 obeys what is sent from this port only"""
-CORRECTIONS_PORT = 2233
-"""where boards take RTCM corrections"""
 STEER_HOST = 126
 """last number of a steer board's address, the same on every AIO v4"""
 HELLO_PERIOD = 2.0
@@ -48,21 +45,3 @@ def decode_scan_reply(frame: Frame) -> ScanReply | None:
         return None
     numbers = [str(number) for number in frame.data]
     return ScanReply(board=frame.source, address=".".join(numbers[:4]), subnet=".".join(numbers[4:]))
-
-
-def encode_location(latitude: float, longitude: float) -> bytes:
-    """Return the datagram that tells boards where they are, WGS84 degrees; raises HardwareError off the globe."""
-    data = struct.pack(
-        "<ii",
-        scaled("latitude, degrees,", latitude, 0x7FFFFFFF / 90.0, -0x7FFFFFFF, 0x7FFFFFFF),
-        scaled("longitude, degrees,", longitude, 0x7FFFFFFF / 180.0, -0x7FFFFFFF, 0x7FFFFFFF),
-    )
-    return pack(COMPUTER, Pgn.LOCATION, data)
-
-
-def decode_location(frame: Frame) -> tuple[float, float] | None:
-    """Return latitude and longitude, WGS84 degrees; None: not such a message."""
-    if (frame.pgn, len(frame.data)) != (Pgn.LOCATION, 8):
-        return None
-    latitude, longitude = struct.unpack("<ii", frame.data)
-    return latitude * 90.0 / 0x7FFFFFFF, longitude * 180.0 / 0x7FFFFFFF

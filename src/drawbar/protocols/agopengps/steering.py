@@ -1,4 +1,4 @@
-"""Steering messages: set points to a steer board (254, 233), and what it reports (253, 250, 126)."""
+"""Steering messages: set points to a steer board (254), and what it reports (253)."""
 
 import math
 import struct
@@ -96,47 +96,3 @@ def decode_steer_reply(frame: Frame) -> SteerReply | None:
         remote=bool(switches & 4),
         pwm=pwm,
     )
-
-
-def decode_sensor(frame: Frame) -> int | None:
-    """Return the reading of a steer board's pressure or current sensor, 0 to 255; None: not such a message."""
-    if (frame.source, frame.pgn, len(frame.data)) != (STEER_BOARD, Pgn.SENSOR, 8):
-        return None
-    return frame.data[0]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SteerHelloReply:
-    """A steer board's answer to a hello (126); AiO_26 answers with zeros."""
-
-    angle: float
-    """rad, left positive"""
-    counts: int
-    """of the wheel angle sensor, from its centre of 6800"""
-    switches: int
-    """as in the reply to a set point"""
-
-
-def decode_steer_hello(frame: Frame) -> SteerHelloReply | None:
-    """Return a steer board's answer to a hello; None: not such a message."""
-    if (frame.source, frame.pgn, len(frame.data)) != (STEER_BOARD, Pgn.STEER_HELLO_REPLY, 5):
-        return None
-    angle, counts, switches = struct.unpack("<hhB", frame.data)
-    return SteerHelloReply(angle=-angle / _HUNDREDTHS, counts=counts, switches=switches)
-
-
-def encode_tool_steer(*, tool_offset: float, steer: bool, vehicle_offset: float, speed: float) -> bytes:
-    """Return what the Twol tool board is sent (233): distances from the line in m, left positive, speed in m/s.
-
-    Raises HardwareError when a number is not finite or does not fit the wire.
-    """
-    data = struct.pack(
-        "<hBhBBB",
-        scaled("tool's distance from the line, m,", -tool_offset, 1000.0, -0x7FFF, 0x7FFF),
-        int(steer),
-        scaled("vehicle's distance from the line, m,", -vehicle_offset, 1000.0, -0x7FFF, 0x7FFF),
-        scaled("speed, m/s,", abs(speed), _SPEED, 0, 0xFF),
-        0,
-        0,
-    )
-    return pack(COMPUTER, Pgn.TOOL_STEER, data)

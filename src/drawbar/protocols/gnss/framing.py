@@ -21,7 +21,6 @@ LONGEST_NMEA = 200
 """characters; the standard has 82, and KSXT with its base vector 150"""
 LONGEST_UBX = 1024
 LONGEST_SBF = 2048
-LONGEST_RTCM = 1029
 
 
 class Protocol(Enum):

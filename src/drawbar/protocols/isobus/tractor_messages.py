@@ -41,7 +41,7 @@ class WheelOrGroundSpeed:
     speed: float = math.nan
     """m/s, reverse negative; NaN: not available, in error, or moving in a direction that is not said"""
     distance: float = math.nan
-    """m, reverse counted as forward; begins anew every 4295 km, see `travelled`"""
+    """m, reverse counted as forward; begins anew every 4295 km"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,29 +94,11 @@ class PowerTakeOff:
     """rad/s"""
 
 
-def travelled(before: float, after: float) -> float:
-    """Return the distance between two readings of one counter, m, across its return to zero after either round."""
-    rounds = (0, _DISTANCE_ROUND, 1 << 32)
-    return min((math.copysign(r * _MILLI, before - after) + after - before for r in rounds), key=abs)
-
-
 def decode_speed(data: bytes) -> WheelOrGroundSpeed | None:
     """Return a wheel- or ground-based speed, None where there are not 8 bytes."""
     if len(data) != 8:
         return None
     return WheelOrGroundSpeed(speed=_signed_speed(data), distance=_distance(data))
-
-
-def decode_wheel_states(data: bytes) -> WheelStates | None:
-    """Return the switches of 0xFE48, None where there are not 8 bytes."""
-    if len(data) != 8:
-        return None
-    return WheelStates(
-        key_on=flag(data[7], 2),
-        operations=flag(data[7], 4),
-        reversed_by_operator=flag(data[7], 6),
-        power_time=60.0 * data[6] if data[6] <= _LAST_VALID_U8 else math.nan,
-    )
 
 
 def encode_speed(value: WheelOrGroundSpeed, states: WheelStates | None = None) -> bytes:
