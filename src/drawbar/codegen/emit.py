@@ -102,7 +102,7 @@ class _Program:
     results: list[str] = field(default_factory=list)
     """names of the expressions' values"""
     inverses: dict[str, str] = field(default_factory=dict)
-    """names of the inverses of what is the same for all stages"""
+    """names of the inverses of divisors"""
 
 
 def emit_indices(names: Mapping[str, Sequence[str]]) -> str:
@@ -238,17 +238,18 @@ def _computed(program: _Program, operation: int, arguments: list[str], name: str
         program.once.append(f"const double {name} = {_expression(operation, arguments)};")
         fixed.add(name)
         return name
-    if operation == ca.OP_DIV and arguments[1] in fixed:  # in all lanes a product is several times as fast
-        operation, arguments = ca.OP_MUL, [arguments[0], _inverse(program, arguments[1])]
+    if operation == ca.OP_DIV:  # a product is several times as fast, and divisors come again
+        operation, arguments = ca.OP_MUL, [arguments[0], _inverse(program, arguments[1], fixed)]
     program.lanes.append(f"const double {name} = {_expression(operation, arguments)};")
     return name
 
 
-def _inverse(program: _Program, value: str) -> str:
-    """Return the name of the inverse of what is the same for all stages."""
+def _inverse(program: _Program, value: str, fixed: set[str]) -> str:
+    """Return the name of a value's inverse."""
     if value not in program.inverses:
         name = program.inverses[value] = f"inverse{len(program.inverses)}"
-        program.once.append(f"const double {name} = 1.0 / {value};")
+        lines = program.once if value in fixed else program.lanes
+        lines.append(f"const double {name} = 1.0 / {value};")
     return program.inverses[value]
 
 

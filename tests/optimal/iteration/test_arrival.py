@@ -144,6 +144,28 @@ def test_without_process_noise_the_window_knows_everything_ever_measured() -> No
         np.testing.assert_allclose(solver.x[: len(expected)], expected, rtol=0, atol=1e-7)
 
 
+@pytest.mark.parametrize("process", [(0.05, 0.1, 0.02), (0.0, 0.0, 0.0)])
+def test_an_input_that_nobody_measured_takes_what_was_known_along_it(process: tuple[float, ...]) -> None:
+    y, line = measurements(60)[:, :1], Line.of(cart())
+    y = np.hstack([y, np.full_like(y, np.nan)])
+    solver = EstimationSolver(problem(np.array(process)), PRIOR)
+    information = np.diag(DEVIATION**-2)
+    for count in fed(solver, y):
+        oldest = count - N - 2
+        if oldest < 0:
+            continue
+        if not np.isnan(y[oldest, 0]):
+            information[0, 0] += NOISE[0] ** -2
+        inverse = np.linalg.inv(line.A)
+        information = inverse.T @ information @ inverse
+        for g, own in [(line.B, 0.0), *zip(np.diag(process), (1.0,) * 3, strict=True)]:
+            pull = information @ g
+            information = information - np.outer(pull, pull) / (own + g @ pull)
+        scale = np.abs(information).max()
+        np.testing.assert_allclose(solver.root.T @ solver.root, information, rtol=0, atol=1e-9 * scale)
+        assert np.abs(solver.prior).max() < 100.0
+
+
 def extended_kalman(case: Any, y: Floats, process: Floats) -> Floats:
     """Return the filtered states and parameters (len(y), n) of an extended Kalman filter; inputs are noise."""
     problem = case.problem
