@@ -364,6 +364,18 @@ def test_a_folder_with_a_run_in_it_is_not_overwritten(drawbar: Drawbar, tmp_path
     assert "# mine" not in edited.read_text("utf-8")
 
 
+def test_of_two_runs_at_a_time_one_has_the_folder(
+    drawbar: Drawbar, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert drawbar("run", *SHORT, "--out", "out")[0] == 0
+    before = (tmp_path / "out" / "log.mcap").read_bytes()
+    monkeypatch.setattr("drawbar.cli.run._refuse_a_run_in", lambda folder: None)  # the other began after it had looked
+    code, said = drawbar("run", *SHORT, "--out", "out")
+    assert code == 2
+    assert "out: holds a run already (config.toml)" in said
+    assert (tmp_path / "out" / "log.mcap").read_bytes() == before
+
+
 def test_a_crash_leaves_a_log_up_to_the_last_step(
     drawbar: Drawbar, tmp_path: Path, break_after: Callable[..., None]
 ) -> None:

@@ -40,7 +40,7 @@ def run(
         _refuse_a_run_in(out)
     with compiling():
         simulation = Simulation(config, seed)
-    folder = _new_folder(out, config, seed)
+    folder = _new_folder(out, config, seed, force=force)
     with Interrupts() as interrupts:
         stopped = _drive(simulation, folder, interrupts)
         if isinstance(stopped, StorageError):
@@ -88,23 +88,34 @@ def _refuse_a_run_in(folder: FilePath) -> None:
     from drawbar.report.folder import REPORT_NAMES
 
     if there := [name for name in (CONFIGURATION_NAME, LOG_NAME, *REPORT_NAMES) if (folder / name).exists()]:
-        raise DrawbarError(
-            f"{folder}: holds a run already ({', '.join(there)}); choose another --out folder, or overwrite it "
-            f"with --force."
-        )
+        raise _held(folder, there)
 
 
-def _new_folder(chosen: FilePath | None, config: "Configuration", seed: int) -> FilePath:
-    """Return the folder for the results with config.toml in it; unnamed ones never overwrite each other."""
-    name = f"{config.name}-seed{seed}"
-    folder = chosen or FilePath("runs") / name
-    number = 1
-    while chosen is None and folder.exists():
-        number += 1
-        folder = FilePath("runs") / f"{name}-{number}"
+def _held(folder: FilePath, there: list[str]) -> DrawbarError:
+    """Return the refusal of a folder that holds files of a run."""
+    return DrawbarError(
+        f"{folder}: holds a run already ({', '.join(there)}); choose another --out folder, or overwrite it with --force."
+    )
+
+
+def _new_folder(chosen: FilePath | None, config: "Configuration", seed: int, *, force: bool) -> FilePath:
+    """Return the folder for the results with config.toml in it, which only one of several runs at a time can make."""
+    folder = chosen or _unused_folder(f"{config.name}-seed{seed}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / CONFIGURATION_NAME).write_text(config.to_toml(), "utf-8")
+        with (folder / CONFIGURATION_NAME).open("w" if force else "x", encoding="utf-8") as file:
+            file.write(config.to_toml())
+    except FileExistsError as error:
+        raise _held(folder, [CONFIGURATION_NAME]) from error
     except OSError as error:
         raise StorageError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
+    return folder
+
+
+def _unused_folder(name: str) -> FilePath:
+    """Return a folder in runs/ that is not there yet."""
+    folder, number = FilePath("runs") / name, 1
+    while folder.exists():
+        number += 1
+        folder = FilePath("runs") / f"{name}-{number}"
     return folder
