@@ -94,7 +94,8 @@ def _refuse_a_run_in(folder: FilePath) -> None:
 def _held(folder: FilePath, there: list[str]) -> DrawbarError:
     """Return the refusal of a folder that holds files of a run."""
     return DrawbarError(
-        f"{folder}: holds a run already ({', '.join(there)}); choose another --out folder, or overwrite it with --force."
+        f"{folder}: holds a run already ({', '.join(there)}); choose another --out folder, or overwrite it "
+        f"with --force."
     )
 
 
