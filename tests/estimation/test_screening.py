@@ -21,14 +21,16 @@ LATER = 100
 
 UNIT = """
 #include "screening.h"
-struct component { struct screening screening; double expected[4]; struct screened screened; };
+struct component { struct screening screening; double expected[4], yaw_rate; struct screened screened; };
 #define COMPONENT_FIELDS SCREENING_FIELDS(component, screening.) FIELD(component, expected, 0, 2, 2, 0) \\
+    FIELD(component, yaw_rate, 0, 1, 0, 0) \\
     FIELD(component, screened.fixes, 1, 2, 0, 0) FIELD(component, screened.exposed, 1, 1, 0, 0) \\
     FIELD(component, screened.restart, 1, 1, 0, 0)
 int UNIT(judge)(struct component *component, const struct drawbar_measurement *measurement,
                 struct drawbar_measurement *believed)
 {
-    screening_judge(&component->screening, measurement, component->expected, &component->screened);
+    screening_judge(&component->screening, measurement, component->expected, component->yaw_rate,
+                    &component->screened);
     *believed = component->screened.measurement;
     return 0;
 }
@@ -49,9 +51,10 @@ class Screening(Alone):
         values = {f"screening.{name}": value for name, value in settings} | {"screening.deviation": deviation}
         super().__init__(Unit(name="screening", source=UNIT, configure=lambda workspace: workspace.write(values)))
 
-    def screen(self, measurement, expected):
+    def screen(self, measurement, expected, yaw_rate=0.0):
         believed = room(Measurement)
         self.live.array("expected")[:] = expected
+        self.live.array("yaw_rate")[:] = yaw_rate
         self.call("judge", given(measurement), believed)
         fixes, exposed, restart = (
             self.live.array(f"screened.{name}").tolist() for name in ("fixes", "exposed", "restart")
@@ -176,6 +179,53 @@ def test_what_moves_both_antennas_accuses_neither():
     errors = np.zeros((200, 4))
     errors[LATER:104] = np.tile([0.025, -0.06], 2)  # a blow to the right, until the estimator has followed
     assert {result.fixes for result in screened(drive(200, errors))} == {(OK, OK)}
+
+
+FAST = 2.0
+"""a yaw rate, rad/s"""
+
+
+def turned(rates, offsets, settings):
+    """Return what becomes of exact fixes whose antennas disagree across by offsets (n,), m; rates (n,) in rad/s."""
+    screening = Screening(settings, DEVIATION)
+    half = 0.5 * np.outer(offsets, [-math.sin(0.4), math.cos(0.4)])
+    measurements = drive(len(rates), np.hstack([-half, half]), noise=0.0)
+    return [
+        screening.screen(measurement, place(k), rate)
+        for k, (measurement, rate) in enumerate(zip(measurements, rates.tolist(), strict=True))
+    ]
+
+
+def test_fixes_that_are_late_when_a_turn_begins_accuse_no_antenna():
+    """The line of both is as far back as the lateness turns it, until the estimator has taken that up."""
+    settings, samples = ScreeningSettings(), np.arange(200)
+    begun = samples >= LATER
+    offsets = settings.late * FAST * LENGTH * begun * (1.0 - 1.0 / settings.settling) ** np.maximum(samples - LATER, 0)
+    assert {result.fixes for result in turned(FAST * begun, offsets, settings)} == {(OK, OK)}
+    unaware = settings.model_copy(update={"late": 0.0})
+    assert any(result.exposed for result in turned(FAST * begun, offsets, unaware))
+
+
+def test_a_turn_that_lasts_excuses_nothing():
+    settings, samples = ScreeningSettings(), np.arange(300)
+    offsets = 0.15 * (samples >= LATER + 5 * settings.settling)
+    rates = FAST * (samples >= LATER)
+    exposed = [k for k, result in enumerate(turned(rates, offsets, settings)) if result.exposed]
+    assert 0 <= exposed[0] - LATER - 5 * settings.settling <= settings.memory
+
+
+@pytest.mark.parametrize(
+    ("speed", "fixes"), [(3.0, (OK, OK)), (0.0, (REJECTED, REJECTED)), (math.nan, (REJECTED,) * 2)]
+)
+def test_both_antennas_may_be_ahead_while_the_wheels_speed_up(speed, fixes):
+    ahead = 0.6 * np.array([math.cos(0.4), math.sin(0.4)])
+    measurements = drive(
+        LATER + 4, np.tile(ahead, (LATER + 4, 2)) * (np.arange(LATER + 4) >= LATER)[:, None], noise=0.0
+    )
+    sped = [replace(m, speed=speed if k >= LATER else 0.0) for k, m in enumerate(measurements)]
+    results = screened(sped)
+    assert {result.fixes for result in results[:LATER]} == {(OK, OK)}
+    assert {result.fixes for result in results[LATER:]} == {fixes}
 
 
 def test_wrong_lengths_are_learned():

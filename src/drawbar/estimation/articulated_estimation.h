@@ -142,14 +142,21 @@ static inline void model_told_inputs(const struct estimation_model *model, const
     u[U_TRAILER_STEERING_RATE] = isfinite(trailer) ? trailer : u[U_TRAILER_STEERING_RATE];
 }
 
+/* How fast the wheels turn the tractor, rad/s. */
+static inline double model_yaw_rate(const struct estimation_model *model, const double *state)
+{
+    const double angle = state[X_TRACTOR_SLIP] * state[X_TRACTOR_STEERING] + state[X_STEERING_OFFSET] - state[X_TRACTOR_CRAB];
+
+    return state[X_LONGITUDINAL_SLIP] * state[X_SPEED] * tan(angle) / model->chain.wheelbase;
+}
+
 /* How both axles face and are pushed aside: the trailer's joint at rest, axles without side-slip, as _turns in
  * articulated.py. */
 static inline void model_axles(const struct estimation_model *model, const double *state, struct axle *axles)
 {
     const double theta = state[X_TRACTOR_YAW], psi = state[X_TRAILER_YAW];
     const double speed = state[X_LONGITUDINAL_SLIP] * state[X_SPEED];
-    const double angle = state[X_TRACTOR_SLIP] * state[X_TRACTOR_STEERING] + state[X_STEERING_OFFSET] - state[X_TRACTOR_CRAB];
-    const double turn = speed * tan(angle) / model->chain.wheelbase;
+    const double turn = model_yaw_rate(model, state);
     const double lever = model->trailer_length + model->chain.drawbar * cos(state[X_TRAILER_STEERING]);
     const double trailer = (speed * sin(theta - psi) - model->chain.hitch * turn * cos(theta - psi)) / lever;
 

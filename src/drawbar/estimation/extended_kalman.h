@@ -50,7 +50,8 @@ static void screen(struct component *component, const struct drawbar_measurement
     double antennas[4], guess[NX];
 
     model_antennas(&component->model, component->filter.x[0], antennas);
-    screening_judge(&component->screening, measurement, antennas, seen);
+    screening_judge(&component->screening, measurement, antennas,
+                    model_yaw_rate(&component->model, component->filter.x[0]), seen);
     if (!seen->restart)
         screening_hitch(&component->screening, model_hitch(component->filter.x[0]), seen);
     if (seen->restart && model_new_guess(&component->model, measurement, component->filter.x[0], guess)) {

@@ -1,12 +1,13 @@
 /* Screening of position fixes: what a receiver repeats, or cannot have seen, is masked before it is estimated with.
  *
  * Each fix is compared with where the estimator expects that antenna, across and along the vehicle: a validation gate
- * (Bar-Shalom, Li, Kirubarajan 2001, section 5.4) that widens while there is no fix. What is too small for the gate
- * shows in how both antennas disagree (suspicion.h); what both agree on prevails in the end (trust.h).
+ * (Bar-Shalom, Li, Kirubarajan 2001, section 5.4) that widens while there is no fix and while the
+ * vehicle changes its motion (manoeuvre.h). What is too small for the gate shows in how both antennas disagree (suspicion.h); what both agree on prevails in the end (trust.h).
  */
 #ifndef DRAWBAR_SCREENING_H
 #define DRAWBAR_SCREENING_H
 
+#include "manoeuvre.h"
 #include "noise_level.h"
 #include "signals.h"
 #include "suspicion.h"
@@ -23,14 +24,15 @@ struct receiver {
 
 struct screening {
     /* settings: estimation/settings.py tells what they mean */
-    double lateral, longitudinal, growth, single_growth, shift, release, length, hitch, repetition, patience;
+    double lateral, longitudinal, growth, single_growth, shift, release, length, hitch, repetition, patience, late;
     double deviation;                      /* of one coordinate of a fix at least, m */
-    int32_t memory, long_memory;
+    int32_t memory, long_memory, settling;
     /* state */
     struct receiver receivers[2];
     struct noise_level noise;
     struct suspicion suspicion;
     struct trust trust;
+    struct manoeuvre manoeuvre;
     double length_error;                   /* mean error of the antennas' distance, m */
     int32_t lengths;                       /* samples in it */
 };
@@ -40,9 +42,10 @@ struct screening {
     SETTING(type, prefix growth, 0, 1, 0, 0) SETTING(type, prefix single_growth, 0, 1, 0, 0)                 \
     SETTING(type, prefix shift, 0, 1, 0, 0) SETTING(type, prefix release, 0, 1, 0, 0)                        \
     SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix hitch, 0, 1, 0, 0)                         \
-    SETTING(type, prefix repetition, 0, 1, 0, 0)                    \
+    SETTING(type, prefix repetition, 0, 1, 0, 0) SETTING(type, prefix late, 0, 1, 0, 0)                      \
     SETTING(type, prefix patience, 0, 1, 0, 0) SETTING(type, prefix deviation, 0, 1, 0, 0)                   \
-    SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)
+    SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)           \
+    SETTING(type, prefix settling, 1, 1, 0, 0)
 
 /* A measurement without the fixes that are not to be believed. */
 struct screened {
@@ -73,15 +76,17 @@ static inline int32_t receiver_fix(struct receiver *receiver, const double *fix,
     return receiver_travelled(receiver, fix, expected) > repetition ? DRAWBAR_FIX_STALE : DRAWBAR_FIX_ACCEPTED;
 }
 
-/* By how much each gate has widened for want of a fix, m. */
-static inline void screening_rooms(const struct screening *s, double time, double *rooms)
+/* By how much each gate has widened for want of a fix, and because the vehicle of this length (m) turns another way than
+ * before, m. */
+static inline void screening_rooms(const struct screening *s, double time, double length, double *rooms)
 {
+    const double turned = s->late * s->manoeuvre.change.yaw_rate * length;
     double blind[2];
 
     for (int i = 0; i < 2; ++i)
         blind[i] = s->receivers[i].was_accepted ? time - s->receivers[i].accepted : 0.0;
     for (int i = 0; i < 2; ++i)
-        rooms[i] = s->growth * fmin(blind[0], blind[1]) + s->single_growth * blind[i];
+        rooms[i] = s->growth * fmin(blind[0], blind[1]) + s->single_growth * blind[i] + turned;
 }
 
 /* Let both fixes, which lie so far (4 values, m) from where they are expected, be compared with each other. */
@@ -109,13 +114,15 @@ static inline void screening_gate(struct screening *s, double time, const double
                                   const double *told, int both, int *outside)
 {
     const double deviation = fmax(noise_deviation(&s->noise), s->deviation);
+    const double sped = s->late * s->manoeuvre.change.speed;
     double offsets[4], rooms[2];
 
     antenna_offsets(fixes, expected, offsets);
-    screening_rooms(s, time, rooms);
+    screening_rooms(s, time, distance(expected, expected + 2), rooms);
     for (int i = 0; i < 2; ++i) {
-        const double lateral = s->lateral * fmax(deviation, told[i]), longitudinal = fmax(s->longitudinal, s->lateral * told[i]);
-        outside[i] = !(fabs(offsets[2 * i + 1]) <= lateral + rooms[i] && fabs(offsets[2 * i]) <= longitudinal + rooms[i]);
+        const double lateral = s->lateral * fmax(deviation, told[i]) + rooms[i];
+        const double longitudinal = fmax(s->longitudinal, s->lateral * told[i]) + rooms[i] + sped;
+        outside[i] = !(fabs(offsets[2 * i + 1]) <= lateral && fabs(offsets[2 * i]) <= longitudinal);
     }
     if (both) {
         screening_compare(s, offsets, outside, deviation, fmax(rooms[0], rooms[1]));
@@ -179,10 +186,12 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
 
 /* Mask what is not to be believed of a measurement, as the sensors report it.
  *
- * expected: x, y (m) of the tractor's antenna and of the trailer's where the estimator expects them at its time. */
+ * expected: x, y (m) of the tractor's antenna and of the trailer's where the estimator expects them at its time;
+ * yaw_rate: of the tractor, as its wheels turn it then, rad/s. */
 static inline void screening_judge(struct screening *s, const struct drawbar_measurement *measurement,
-                                   const double *expected, struct screened *screened)
+                                   const double *expected, double yaw_rate, struct screened *screened)
 {
+    const struct motion motion = {measurement->speed, yaw_rate};
     const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
                             measurement->trailer_y};
     const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
@@ -191,6 +200,7 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
+    manoeuvre_update(&s->manoeuvre, &motion, s->settling);
     const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
     screening_gate(s, measurement->time, fixes, expected, told, both, outside);
     const int rejected = screening_reject(s, outside, screened->fixes);

@@ -53,6 +53,11 @@ class ScreeningSettings(Settings):
     """samples over which the disagreement is averaged"""
     long_memory: Annotated[int, Field(ge=1)] = 100
     """samples over which the deviation and the error of the antennas' distance (wrong lengths) are averaged"""
+    late: NonNegative = 0.05
+    """by how much fixes may be late after the vehicle, or bodies after their wheels, without anybody telling, s: while
+    speed or yaw rate change, the gates widen by as much as that puts an antenna off"""
+    settling: Annotated[int, Field(ge=1)] = 13
+    """samples in which the estimator takes up such a change"""
     length: Positive = 0.2
     """largest change of the antennas' distance with which they still agree with each other, m"""
     hitch: PositiveAngle = 0.15

@@ -24,7 +24,7 @@ struct suspicion {
 struct suspicion_limits {
     double most;                           /* no single coordinate counts more, m: what the gate lets pass */
     double shift, release;                 /* difference of the means that arouses suspicion, and that ends it, m */
-    double room;                           /* by how much dead reckoning has widened the gates, m */
+    double room;                           /* by how much the gates have widened, m */
     int32_t memory;                        /* samples to average over */
 };
 

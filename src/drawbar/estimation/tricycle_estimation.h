@@ -71,6 +71,13 @@ static inline void model_antennas(const struct estimation_model *model, const do
                     antennas + 2);
 }
 
+/* How fast the wheels turn the tractor: not told, since no antenna of this model is suspected. */
+static inline double model_yaw_rate(const struct estimation_model *model, const double *state)
+{
+    (void)model, (void)state;
+    return 0.0;
+}
+
 /* A command tells nothing: the steering angles are inputs, and measured. */
 static inline void model_told_outputs(const struct estimation_model *model, const double *state,
                                       const struct drawbar_command *command, double *y)
