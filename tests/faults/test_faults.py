@@ -127,7 +127,7 @@ FAULTS = {
         change=moved(lambda t: -2.0 * t, lambda t: 0.0), ends=Status.BACKWARDS, within=1.4
     ),
     "both antennas swing by 40 cm": Fault(
-        change=moved(lambda t: 0.0, lambda t: 0.4 * math.sin(1.6 * t)),
+        change=moved(lambda t: 0.0, lambda t: 0.4 * math.sin(2.0 * t)),
         ends=Status.OSCILLATION,
         within=16.0,
         distance=0.3,

@@ -30,7 +30,8 @@ int UNIT(watch)(struct component *supervisor, const struct drawbar_estimate *est
         supervisor->last_fix = supervisor->now = estimate->time;
         supervisor->way = 0.0;
     }
-    supervisor->way += fabs(estimate->speed) * (estimate->time - supervisor->now);
+    const double elapsed = estimate->time - supervisor->now;
+    supervisor->way += fabs(estimate->speed) * elapsed;
     supervisor->now = estimate->time;
     supervisor->begun = 1;
     if (!(fabs(tractor->lateral_error) <= supervisor->lost)) /* also when it is NaN */
