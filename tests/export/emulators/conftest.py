@@ -77,8 +77,8 @@ class Replay:
 
 
 def runaway_wheel(measured: Measurement) -> Measurement:
-    """Let the wheel-speed sensor report 20 m/s for a while, which the estimator comes to believe."""
-    return replace(measured, speed=20.0) if 30.0 <= measured.time < 34.0 else measured
+    """Let the wheel-speed sensor report 14 m/s for a while, which the estimator comes to believe."""
+    return replace(measured, speed=14.0) if 30.0 <= measured.time < 34.0 else measured
 
 
 @pytest.fixture(scope="session")
