@@ -369,7 +369,8 @@ def test_of_two_runs_at_a_time_one_has_the_folder(
 ) -> None:
     assert drawbar("run", *SHORT, "--out", "out")[0] == 0
     before = (tmp_path / "out" / "log.mcap").read_bytes()
-    monkeypatch.setattr("drawbar.cli.run._refuse_a_run_in", lambda folder: None)  # the other began after it had looked
+    module = sys.modules["drawbar.cli.run"]
+    monkeypatch.setattr(module, "_refuse_a_run_in", lambda folder: None)  # the other began after it had looked
     code, said = drawbar("run", *SHORT, "--out", "out")
     assert code == 2
     assert "out: holds a run already (config.toml)" in said
