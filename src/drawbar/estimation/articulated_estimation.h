@@ -145,7 +145,8 @@ static inline void model_told_inputs(const struct estimation_model *model, const
 /* How fast the wheels turn the tractor, rad/s. */
 static inline double model_yaw_rate(const struct estimation_model *model, const double *state)
 {
-    const double angle = state[X_TRACTOR_SLIP] * state[X_TRACTOR_STEERING] + state[X_STEERING_OFFSET] - state[X_TRACTOR_CRAB];
+    const double steered = state[X_TRACTOR_SLIP] * state[X_TRACTOR_STEERING] + state[X_STEERING_OFFSET];
+    const double angle = steered - state[X_TRACTOR_CRAB];
 
     return state[X_LONGITUDINAL_SLIP] * state[X_SPEED] * tan(angle) / model->chain.wheelbase;
 }

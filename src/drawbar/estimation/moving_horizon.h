@@ -70,8 +70,8 @@ static void take_in(struct component *component, const struct drawbar_measuremen
     double antennas[4];
 
     model_antennas(&component->model, newest_state(component), antennas);
-    screening_judge(&component->screening, measurement, antennas, model_yaw_rate(&component->model, newest_state(component)),
-                    &component->seen);
+    screening_judge(&component->screening, measurement, antennas,
+                    model_yaw_rate(&component->model, newest_state(component)), &component->seen);
     if (component->seen.restart)
         overrule(component, measurement);
     if (!component->seen.restart)

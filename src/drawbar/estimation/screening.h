@@ -1,8 +1,9 @@
 /* Screening of position fixes: what a receiver repeats, or cannot have seen, is masked before it is estimated with.
  *
  * Each fix is compared with where the estimator expects that antenna, across and along the vehicle: a validation gate
- * (Bar-Shalom, Li, Kirubarajan 2001, section 5.4) that widens while there is no fix and while the
- * vehicle changes its motion (manoeuvre.h). What is too small for the gate shows in how both antennas disagree (suspicion.h); what both agree on prevails in the end (trust.h).
+ * (Bar-Shalom, Li, Kirubarajan 2001, section 5.4) that widens while there is no fix and while the vehicle changes its
+ * motion (manoeuvre.h). What is too small for the gate shows in how both antennas disagree (suspicion.h); what both agree
+ * on prevails in the end (trust.h).
  */
 #ifndef DRAWBAR_SCREENING_H
 #define DRAWBAR_SCREENING_H
@@ -44,7 +45,7 @@ struct screening {
     SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix hitch, 0, 1, 0, 0)                         \
     SETTING(type, prefix repetition, 0, 1, 0, 0) SETTING(type, prefix late, 0, 1, 0, 0)                      \
     SETTING(type, prefix patience, 0, 1, 0, 0) SETTING(type, prefix deviation, 0, 1, 0, 0)                   \
-    SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)           \
+    SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)                 \
     SETTING(type, prefix settling, 1, 1, 0, 0)
 
 /* A measurement without the fixes that are not to be believed. */
