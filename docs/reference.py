@@ -8,6 +8,7 @@ import sys
 import warnings
 from pathlib import Path
 
+import matplotlib.font_manager  # noqa: F401  (its first import on a machine runs fc-list, which pdoc forbids while it imports)
 import pdoc
 
 import drawbar
