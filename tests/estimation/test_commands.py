@@ -21,6 +21,19 @@ def estimation(**vehicle):
     return ArticulatedEstimation(VehicleParameters(**vehicle), SensorNoise(), settings, SAMPLE_TIME)
 
 
+REST = Measurement(
+    time=0.0,
+    tractor_x=2.15,
+    tractor_y=0.0,
+    trailer_x=0.0,
+    trailer_y=0.0,
+    hitch_angle=math.nan,
+    speed=0.0,
+    tractor_steering=0.0,
+    trailer_steering=0.0,
+)
+
+
 def command(tractor, trailer):
     return Command(time=0.0, tractor_steering=tractor, trailer_steering=trailer, speed=1.0)
 
@@ -46,24 +59,13 @@ def test_a_reversed_joint_goes_the_other_way(compiled, sign):
 @pytest.mark.parametrize("kind", [MovingHorizonEstimator, ExtendedKalmanFilter])
 def test_steering_behind_a_coarse_sensor_is_known_better_with_its_command(compiled, kind):
     """The vehicle stands; both angles follow a sine behind their lag and are measured in steps of 2°."""
-    rest = Measurement(
-        time=0.0,
-        tractor_x=2.15,
-        tractor_y=0.0,
-        trailer_x=0.0,
-        trailer_y=0.0,
-        hitch_angle=math.nan,
-        speed=0.0,
-        tractor_steering=0.0,
-        trailer_steering=0.0,
-    )
     step, errors, actuator = math.radians(2.0), {True: [], False: []}, compiled(estimation())
     for told, into in errors.items():
-        estimator, angle = kind(estimation(), rest), 0.0
+        estimator, angle = kind(estimation(), REST), 0.0
         for k in range(150):
             asked = 0.1 * math.sin(0.15 * k)
             rounded = step * round(angle / step)
-            seen = replace(rest, time=SAMPLE_TIME * k, tractor_steering=rounded)
+            seen = replace(REST, time=SAMPLE_TIME * k, tractor_steering=rounded)
             into.append(estimator.update(seen).tractor_steering - angle)
             estimator.prepare(command(asked, 0.0) if told else None)
             actuator.state[4] = angle
@@ -71,3 +73,19 @@ def test_steering_behind_a_coarse_sensor_is_known_better_with_its_command(compil
     with_command, without = (np.sqrt(np.mean(np.square(errors[told][20:]))) for told in (True, False))
     assert with_command < 0.5 * without
     assert with_command < math.radians(0.3)
+
+
+@pytest.mark.parametrize("samples", [3, 40], ids=["filling", "full"])
+@pytest.mark.parametrize("kind", [MovingHorizonEstimator, ExtendedKalmanFilter])
+def test_what_is_expected_next_has_followed_the_newest_command(compiled, kind, samples):
+    """And not the steering's motion of the sample before, which is what the window repeats."""
+    estimator, actuator = kind(estimation(), REST), compiled(estimation())
+    for k in range(samples):
+        estimator.update(replace(REST, time=SAMPLE_TIME * k))
+        estimator.prepare(command(0.0, 0.0))
+    now = estimator.update(replace(REST, time=SAMPLE_TIME * samples))
+    estimator.prepare(command(0.1, -0.06))
+    tractor, trailer = actuator.steering_rates(command(0.1, -0.06))
+    then = estimator.expected()
+    assert then.tractor_steering - now.tractor_steering == pytest.approx(SAMPLE_TIME * tractor, rel=1e-6)
+    assert then.trailer_steering - now.trailer_steering == pytest.approx(SAMPLE_TIME * trailer, rel=1e-6)

@@ -45,12 +45,12 @@ def command(tractor: float, trailer: float) -> Command:
     return Command(time=0.0, tractor_steering=tractor, trailer_steering=trailer, speed=1.0)
 
 
-def predictor(model, dead_time: float, sign: int = 1) -> DeadTimePredictor:
-    return DeadTimePredictor(vehicle(dead_time, sign), model(vehicle(dead_time, sign)), SAMPLE)
+def predictor(model, dead_time: float, sign: int = 1, body_lag: float = 0.0) -> DeadTimePredictor:
+    return DeadTimePredictor(vehicle(dead_time, sign), model(vehicle(dead_time, sign)), SAMPLE, body_lag)
 
 
-def yaws(model, e: Estimate, dead_time: float, sign: int) -> tuple[float, float, float, float]:
-    """Return both yaws and both steering angles after the dead time, by an adaptive integrator on the model."""
+def yaws(model, e: Estimate, dead_time: float, sign: int, body_lag: float) -> tuple[float, float, float, float]:
+    """Return both yaws and both steering angles after both times, by an adaptive integrator on the model."""
     declared = model(vehicle(dead_time, sign)).numeric()
     f = ca.Function("f", [declared.x, declared.u, declared.p], [declared.derivative])
     slips = e.longitudinal_slip, e.tractor_slip
@@ -66,31 +66,34 @@ def yaws(model, e: Estimate, dead_time: float, sign: int) -> tuple[float, float,
         )
 
     def rates(t, z):
-        # a command sent k samples ago acts from (dead time - k samples) on
-        index = len(COMMANDS) - math.ceil((dead_time - t) / SAMPLE - 1e-9)
+        # a command sent k samples ago acts from (dead time - k samples) on; bodies turn by the wheels of a while ago
+        index = len(COMMANDS) - math.ceil((dead_time + body_lag - t) / SAMPLE - 1e-9)
         tractor, trailer = COMMANDS[min(index, len(COMMANDS) - 1)]
-        error = (np.array([tractor, sign * trailer]) - z[-2:]) / 0.3
+        error = (np.array([tractor, sign * trailer]) - z[-2:]) / 0.3 if t >= body_lag else np.zeros(2)
         limit = np.radians([25.0, 20.0])
         steer = np.clip(error, -limit, limit)
         if model is articulated:
             return f(z, steer, p).full().ravel()
         return np.concatenate([f(z[:6], z[6:], p).full().ravel(), steer])
 
-    end = solve_ivp(rates, (0.0, dead_time), x, rtol=1e-8, atol=1e-10, max_step=0.005).y[:, -1]
+    end = solve_ivp(rates, (0.0, dead_time + body_lag), x, rtol=1e-8, atol=1e-10, max_step=0.005).y[:, -1]
     return tuple(end[list(at)])
 
 
 @pytest.mark.parametrize("model", [articulated, tricycle])
-@pytest.mark.parametrize(("dead_time", "sign"), [(0.1, 1), (0.2, -1), (0.5, 1), (0.6, -1)])
-def test_the_prediction_is_the_model_driven_by_the_commands_under_way(model, dead_time, sign) -> None:
-    ahead = predictor(model, dead_time, sign)
+@pytest.mark.parametrize(
+    ("dead_time", "sign", "body_lag"), [(0.1, 1, 0.0), (0.2, -1, 0.0), (0.5, 1, 0.1), (0.6, -1, 0.0), (0.0, 1, 0.15)]
+)
+def test_the_prediction_is_the_model_driven_by_the_commands_under_way(model, dead_time, sign, body_lag) -> None:
+    ahead = predictor(model, dead_time, sign, body_lag)
     for values in COMMANDS:
         ahead.sent(command(*values))
     then = ahead.ahead(estimate())
     seen = (then.tractor.yaw, then.trailer.yaw, then.tractor_steering, then.trailer_steering)
-    assert seen == pytest.approx(yaws(model, estimate(), dead_time, sign), abs=2e-4)
-    assert then.time == pytest.approx(7.0 + dead_time)
-    assert math.hypot(then.tractor.x - 3.0, then.tractor.y + 2.0) == pytest.approx(1.08 * dead_time, rel=2e-3)
+    assert seen == pytest.approx(yaws(model, estimate(), dead_time, sign, body_lag), abs=2e-4)
+    assert then.time == pytest.approx(7.0 + dead_time + body_lag)
+    way = math.hypot(then.tractor.x - 3.0, then.tractor.y + 2.0)
+    assert way == pytest.approx(1.08 * (dead_time + body_lag), rel=2e-3)
     assert (then.speed, then.longitudinal_slip, then.status) == (1.2, 0.9, SolverStatus.SOLVED)
 
 
@@ -114,13 +117,19 @@ def test_without_dead_time_there_is_nothing_to_predict() -> None:
     assert dead_time_unit(vehicle(0.0), articulated(vehicle(0.0)), SAMPLE) is None
 
 
-@pytest.mark.parametrize(("dead_time", "late"), [(0.05, 0), (0.1, 1), (0.2, 1), (0.25, 1), (0.6, 3)])
-def test_the_command_that_acts_is_the_one_of_the_dead_time_ago(dead_time: float, late: int) -> None:
-    ahead = predictor(articulated, dead_time)
-    commands = [command(*values) for values in COMMANDS]
-    acting = [ahead.sent(each) for each in commands]
-    assert acting[late:] == commands[: len(commands) - late]
+@pytest.mark.parametrize("body_lag", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("dead_time", "late", "share"), [(0.0, 0, 0.0), (0.05, 0, 0.25), (0.2, 1, 0.0), (0.55, 2, 0.75)]
+)
+def test_the_command_that_acts_is_the_mean_of_those_that_do(dead_time, late, share, body_lag) -> None:
+    """A share of the sample still belongs to the command before; the bodies' lag is none of the wheels'."""
+    ahead = predictor(articulated, dead_time, body_lag=body_lag)
+    acting = [ahead.sent(command(*values)) for values in COMMANDS]
     assert all(math.isnan(each.tractor_steering) for each in acting[:late])
+    steered = [(each.tractor_steering, each.trailer_steering) for each in acting[late:]]
+    arrived = np.array(COMMANDS[: len(COMMANDS) - late])
+    before = np.vstack([arrived[:1], arrived[:-1]])  # before the first nothing is known
+    np.testing.assert_allclose(steered, (1.0 - share) * arrived + share * before, atol=1e-12)
 
 
 def test_a_known_dead_time_costs_next_to_nothing(simulate) -> None:
@@ -131,3 +140,13 @@ def test_a_known_dead_time_costs_next_to_nothing(simulate) -> None:
         assert np.abs(known.true_errors(body).error).max() <= 0.12
     worst = [np.abs(run.true_errors("tractor").error).max() for run in (known, unknown)]
     assert worst[0] < 0.7 * worst[1]
+
+
+def test_ages_that_sensors_tell_cost_nothing(simulate) -> None:
+    """Every angle is 0.15 s old and says so: both bodies stay as near to the path as with angles that are not late."""
+    path = ("path.radii=[8.0]", "path.straight_length=5.0", "speed=3.0")
+    late = [f"machine.delays.{sensor}.latency=0.15" for sensor in ("steering", "hitch_angle")]
+    at_once, told = simulate("articulated", *path), simulate("articulated", *path, *late)
+    for body in ("tractor", "trailer"):
+        means = [np.abs(run.true_errors(body).error).mean() for run in (at_once, told)]
+        assert means[1] < 1.25 * means[0]

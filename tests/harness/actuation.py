@@ -14,11 +14,9 @@ from drawbar.vehicle.parameters import VehicleParameters
 class Identification(Alone):
     """What finds dead times and lags."""
 
-    def __init__(
-        self, vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float, speed: float = 1.0
-    ) -> None:
-        """Take what is stated, how to search, and the set speed, m/s."""
-        super().__init__(actuation_unit(vehicle, settings, sample_time, speed=speed))
+    def __init__(self, vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float) -> None:
+        """Take what is stated, and how to search."""
+        super().__init__(actuation_unit(vehicle, settings, sample_time))
 
     def measured(self, measurement: Measurement) -> int:
         """Take in the steering angles of a measurement; return 0 or the status with which a run would end."""

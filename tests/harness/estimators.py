@@ -5,7 +5,7 @@ from alone import Alone, Solver
 from c_signals import given, room, taken
 
 from drawbar.codegen import Unit
-from drawbar.estimation.dead_time import dead_time_unit
+from drawbar.estimation.dead_time import found_dead_time_unit
 from drawbar.estimation.description import EstimationModel
 from drawbar.estimation.deviation import newest_deviation
 from drawbar.estimation.extended_kalman import extended_kalman_unit
@@ -28,6 +28,12 @@ class Estimator(Alone):
         """Return the estimate at the measurement's time."""
         estimate = room(Estimate)
         self.call("update", given(measurement), estimate, self.work)
+        return taken(Estimate, estimate)
+
+    def expected(self) -> Estimate:
+        """Return the estimate that is expected at the next measurement."""
+        estimate = room(Estimate)
+        self.call("expected", estimate)
         return taken(Estimate, estimate)
 
     def prepare(self, acting: Command | None = None) -> SolverStatus:
@@ -72,9 +78,9 @@ class ExtendedKalmanFilter(Estimator):
 class DeadTimePredictor(Alone):
     """Moves estimates through the commands under way."""
 
-    def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float) -> None:
-        """Compile the prediction of a vehicle that has a dead time."""
-        super().__init__(dead_time_unit(vehicle, model, sample_time))
+    def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float, body_lag: float = 0.0) -> None:
+        """Compile the prediction of a vehicle that has a dead time, and whose bodies turn later than its wheels, s."""
+        super().__init__(found_dead_time_unit(vehicle, model, sample_time, body_lag=body_lag))
 
     def ahead(self, estimate: Estimate) -> Estimate:
         """Return the estimate for the moment at which the next command begins to act."""

@@ -20,7 +20,6 @@ struct component {
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double sample_time;                    /* s */
     double settling;                       /* share of a difference by which what is planned with changes in a sample */
-    double body_lag;                       /* by how much bodies turn later than their wheels stand, s */
     double dead_time, lags[STEERED];       /* what is planned with, s */
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
@@ -35,8 +34,7 @@ struct component {
     LAG_GRID_FIELDS(component, grid) LAG_BANK_FIELDS(component, banks[FRONT_WHEELS])                                   \
     LAG_BANK_FIELDS(component, banks[TRAILER_JOINT]) SETTING(component, limits, 0, STEERED, 0, 0)                      \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
-    SETTING(component, settling, 0, 1, 0, 0) SETTING(component, body_lag, 0, 1, 0, 0)                                      \
-    SETTING(component, dead_time, 0, 1, 0, 0)                                                                              \
+    SETTING(component, settling, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                                                              \
     SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, odd, 0, 1, 0, 0)                                     \
     SETTING(component, patience, 0, 1, 0, 0)
 
@@ -47,7 +45,7 @@ static void approach(struct component *actuation)
     const double wanted = fmax(fmax(banks[FRONT_WHEELS].dead_time - actuation->ages[FRONT_WHEELS],
                                     banks[TRAILER_JOINT].dead_time - actuation->ages[TRAILER_JOINT]), 0.0);
 
-    actuation->dead_time += actuation->settling * (wanted + actuation->body_lag - actuation->dead_time);
+    actuation->dead_time += actuation->settling * (wanted - actuation->dead_time);
     for (int i = 0; i < STEERED; ++i)
         actuation->lags[i] += actuation->settling * (banks[i].lag - actuation->lags[i]);
 }

@@ -12,24 +12,18 @@ _DEAD_TIMES, _LAGS, _PAST = 17, 12, 512
 """as in lag_bank.h"""
 _STEP = 0.05
 """s; between two dead times of the bank, or less"""
-_SLOW = 1.0
-"""m/s, up to which bodies follow their wheels at once"""
 _FASTEST, _RATIO = 0.08, 1.3
 """first lag of the bank, s, and of each to the one before"""
 
 
-def actuation_unit(
-    vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float, *, speed: float
-) -> Unit:
+def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float) -> Unit:
     """Return what finds dead times and lags, and makes commands for the stated lag ones for the lag that was found.
 
     Args:
         vehicle: stated lag, rates, limits and dead time of the actuators.
         settings: of the search.
         sample_time: s.
-        speed: at which the vehicle is to be driven, m/s.
     """
-    body_lag = settings.body_lag * min(max(speed - _SLOW, 0.0), 1.0)
     parts = max(1, round(sample_time / _STEP))
     part = sample_time / parts
     delays = max(1, min(round(_STEP / part), (_PAST - parts) // _DEAD_TIMES)) * np.arange(_DEAD_TIMES)
@@ -54,8 +48,7 @@ def actuation_unit(
         "settling": -np.expm1(-sample_time / settings.settling),
         "odd": settings.odd,
         "patience": settings.patience,
-        "body_lag": body_lag,
-        "dead_time": _guess(vehicle, settings) + body_lag,
+        "dead_time": _guess(vehicle, settings),
         "lags": 2 * [vehicle.steering_lag],
     }
     for bank, rate in (

@@ -16,6 +16,7 @@
 
 struct component {
     double dead_time, sample_time;         /* s */
+    double body_lag;                       /* by how much bodies turn later than their wheels stand, s */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double constants[CONSTANTS];           /* of the model with its actuators */
     int32_t sent;                          /* commands so far, up to MOST_COMMANDS */
@@ -27,6 +28,7 @@ struct component {
 
 #define COMPONENT_FIELDS                                                                                          \
     SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                              \
+    SETTING(component, body_lag, 0, 1, 0, 0)                                                                           \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, constants, 0, CONSTANTS, 0, 0)
 
 /* How many commands are under way within the dead time, all but the oldest for a whole sample. */
@@ -49,43 +51,66 @@ static void motion(struct component *work, int first, int count);
 /* What of an estimate moves, from states and outputs of the model. */
 static void give_estimate(const struct component *work, struct drawbar_estimate *estimate);
 
-/* The estimate for the moment at which the next command begins to act. The speed stays as it is estimated: a drive is
- * slower than any dead time. Before any command the wheels stay as they are. */
+/* Let the bodies move for a duration (s) while the wheels are driven to these angles, rad. */
+static void move(struct component *component, double duration, double tractor, double trailer)
+{
+    component->u[0][U_TRACTOR_TARGET] = tractor;
+    component->u[0][U_TRAILER_TARGET] = trailer;
+    component->duration[0][0] = duration;
+    motion(component, 0, 1);
+}
+
+/* The estimate for the moment at which the next command begins to turn the bodies. They turn later than their wheels
+ * stand: as the wheels stand now, first, and then as the commands under way move them. The speed stays as it is estimated:
+ * a drive is slower than any dead time. Before any command the wheels stay as they are. */
 int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now, struct drawbar_estimate *then)
 {
     const int32_t count = commands_under_way(component);
 
     *then = *now;
-    then->time += component->dead_time;
-    if (count == 0)
+    then->time += component->dead_time + component->body_lag;
+    if (!(component->dead_time + component->body_lag > 0.0))
         return 0;
     take_estimate(component, now);
+    if (component->body_lag > 0.0)
+        move(component, component->body_lag, now->tractor_steering, now->trailer_steering);
     for (int i = 0; i < count; ++i) {
         const struct drawbar_command *command = &component->under_way[MOST_COMMANDS - count + i];
         const int known = i >= count - component->sent;
-        component->u[0][U_TRACTOR_TARGET] = known ? command->tractor_steering : now->tractor_steering;
-        component->u[0][U_TRAILER_TARGET] = known ? component->sign * command->trailer_steering : now->trailer_steering;
-        component->duration[0][0] = i == 0 ? oldest_acts(component, count) : component->sample_time;
-        motion(component, 0, 1);
+        move(component, i == 0 ? oldest_acts(component, count) : component->sample_time,
+             known ? command->tractor_steering : now->tractor_steering,
+             known ? component->sign * command->trailer_steering : now->trailer_steering);
     }
     give_estimate(component, then);
     return 0;
 }
 
-/* Remember the newest command, and give the one that acts during most of the sample that now begins: all NaN as long as
- * none has arrived at the actuators. */
+/* A command of so many samples ago, 0 for the newest. */
+static inline const struct drawbar_command *sent_before(const struct component *component, int32_t samples)
+{
+    return &component->under_way[MOST_COMMANDS - 1 - samples];
+}
+
+/* Remember the newest command, and give the one that acts in the mean of the sample that now begins: two commands act, one
+ * after the other, unless the dead time is a whole number of samples. All NaN as long as none has arrived at the actuators. */
 int UNIT(sent)(struct component *component, const struct drawbar_command *newest, struct drawbar_command *acting)
 {
     static const struct drawbar_command nothing = {(double)NAN, (double)NAN, (double)NAN, (double)NAN};
     struct drawbar_command *commands = component->under_way;
-    const int32_t count = commands_under_way(component);
-    const int soon = count > 0 && oldest_acts(component, count) < 0.5 * component->sample_time;
-    const int32_t back = count - soon;     /* the one that acts was sent so many samples ago */
+    const double samples = fmin(component->dead_time / component->sample_time, MOST_COMMANDS - 2.0);
+    const int32_t later = (int32_t)(samples + WHOLE_SAMPLES);
+    const double share = fmax(samples - later, 0.0);
 
     memmove(&commands[0], &commands[1], (MOST_COMMANDS - 1) * sizeof *commands);
     commands[MOST_COMMANDS - 1] = *newest;
     component->sent += component->sent < MOST_COMMANDS;
-    *acting = component->sent > back ? commands[MOST_COMMANDS - 1 - back] : nothing;
+    *acting = component->sent > later ? *sent_before(component, later) : nothing;
+    if (component->sent > later + 1) {
+        const struct drawbar_command *earlier = sent_before(component, later + 1);
+        acting->tractor_steering += share * (earlier->tractor_steering - acting->tractor_steering);
+        acting->trailer_steering += share * (earlier->trailer_steering - acting->trailer_steering);
+        acting->speed += share * (earlier->speed - acting->speed);
+    }
     return 0;
 }
 

@@ -50,7 +50,7 @@ static void give_estimate(const struct component *work, struct drawbar_estimate 
 """
 
 
-def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float, *, found: bool = False) -> Unit | None:
+def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float) -> Unit | None:
     """Return what remembers the commands under way and moves estimates forward through them; None without dead time.
 
     The speed stays as it is estimated: a drive is slower than any dead time.
@@ -59,20 +59,32 @@ def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float,
         vehicle: lag, rates, sign and dead time of the actuators.
         model: of the whole vehicle, articulated or tricycle.
         sample_time: s.
-        found: dead time and lags are found during the run; then there is always a unit.
     """
-    count = math.ceil(round(vehicle.dead_time / sample_time, 9))
-    if not count and not found:
+    if not _samples(vehicle, sample_time):
         return None
+    return found_dead_time_unit(vehicle, model, sample_time, body_lag=0.0)
+
+
+def found_dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float, *, body_lag: float) -> Unit:
+    """Return the same for dead times and lags that are found during the run, the vehicle's until then.
+
+    body_lag: by how much the bodies turn later than their wheels stand, s.
+    """
     driven = actuated(vehicle, model)
     settings = {
         "dead_time": vehicle.dead_time,
+        "body_lag": body_lag,
         "sample_time": sample_time,
         "sign": vehicle.joint_sign,
         "constants": [each.value for each in driven.constants],
     }
-    source = _source(driven, len(model.constants), max(count + 1, _ROOM))
+    source = _source(driven, len(model.constants), max(_samples(vehicle, sample_time) + 1, _ROOM))
     return Unit(name="predictor", source=source, configure=lambda workspace: workspace.write(settings))
+
+
+def _samples(vehicle: VehicleParameters, sample_time: float) -> int:
+    """Return the samples within which all of the stated dead time passes."""
+    return math.ceil(round(vehicle.dead_time / sample_time, 9))
 
 
 def actuated(vehicle: VehicleParameters, model: Model) -> Model:

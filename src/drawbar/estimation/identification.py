@@ -32,7 +32,7 @@ def identify(
     Raises:
         CompilerError: the component could not be compiled.
     """
-    unit = actuation_unit(vehicle, settings.model_copy(update={"memory": _FOREVER}), sample_time, speed=0.0)
+    unit = actuation_unit(vehicle, settings.model_copy(update={"memory": _FOREVER}), sample_time)
     file = build(unit.name, {f"{unit.name}.c": unit.hosted_text()})
     component, library = Component(unit, file), load(file)
     own = ctypes.c_void_p(component.live.memory.ctypes.data)

@@ -119,6 +119,33 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     return status;
 }
 
+/* Let the newest sample's inputs be those that a command tells, and the states behind it what follows from them, by the
+ * linearisation, whose defects stay what they are. */
+static void follow(struct component *component, const struct drawbar_command *acting)
+{
+    struct rti *rti = &component->rti;
+    const int k = component->window.newest - 1;
+    double *u = INPUT(rti->z, k), told[NU], moved[ND] = {0.0};
+
+    memcpy(told, u, sizeof told);
+    model_told_inputs(&component->model, STATE(rti->z, k), acting, told);
+    for (int i = 0; i < ND; ++i)
+        for (int a = 0; a < NU; ++a)
+            moved[i] += rti->qp.B[k][i][a] * (told[a] - u[a]);
+    memcpy(u, told, sizeof told);
+    for (int j = k + 1; ; ++j) {
+        double next[ND] = {0.0};
+        for (int i = 0; i < ND; ++i)
+            STATE(rti->z, j)[i] += moved[i];
+        if (j == N)
+            return;
+        for (int i = 0; i < ND; ++i)
+            for (int m = 0; m < ND; ++m)
+                next[i] += rti->qp.A[j][i][m] * moved[m];
+        memcpy(moved, next, sizeof moved);
+    }
+}
+
 /* Slide the window; the newest stage knows what the command does to the steering until the next one (NULL: nobody
  * tells). */
 static void go_on(struct component *component, const struct drawbar_command *acting)
@@ -137,6 +164,8 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
 {
     go_on(component, acting);
     WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
+    if (acting != NULL)
+        follow(component, acting);
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
 }
 
@@ -148,6 +177,8 @@ int UNIT(skip)(struct component *component, const struct drawbar_command *acting
     go_on(component, acting);
     rti_linearise(&component->rti);
     rti_reweighted(&component->rti);
+    if (acting != NULL)
+        follow(component, acting);
     return component->prepared = component->window.absorbed;
 }
 

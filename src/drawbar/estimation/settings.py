@@ -284,3 +284,7 @@ class ActuationSettings(Settings):
     """for how long it may last before the run ends, s"""
     settling: Positive = 1.0
     """time constant with which the dead time and lags that are planned with follow what is known, s"""
+
+    def body_lag_at(self, speed: float) -> float:
+        """Return by how much the bodies turn later than their wheels stand, at a set speed (m/s), s."""
+        return self.body_lag * min(max(speed - 1.0, 0.0), 1.0)

@@ -23,7 +23,7 @@ from drawbar.control.tube.tube import Tubes, tubes_of
 from drawbar.estimation.actuation import actuation_unit
 from drawbar.estimation.alignment import alignment_unit
 from drawbar.estimation.articulated import ArticulatedEstimation
-from drawbar.estimation.dead_time import dead_time_unit
+from drawbar.estimation.dead_time import dead_time_unit, found_dead_time_unit
 from drawbar.estimation.description import EstimationModel
 from drawbar.estimation.extended_kalman import extended_kalman_unit
 from drawbar.estimation.ideal import IDEAL_UNIT
@@ -148,15 +148,18 @@ def _controllers(configuration: Configuration, tubes: Tubes | None) -> list[Unit
 
 
 def _actuation(configuration: Configuration) -> Unit:
-    speed, sample_time = configuration.speed, configuration.sample_time
-    return actuation_unit(configuration.vehicle, configuration.actuation, sample_time, speed=speed)
+    return actuation_unit(configuration.vehicle, configuration.actuation, configuration.sample_time)
 
 
 def _predictor(configuration: Configuration) -> Unit | None:
     tricycles = isinstance(configuration.estimator, TricycleEstimatorSettings)
     model = tricycle if tricycles else articulated
-    vehicle, identified = configuration.vehicle, configuration.actuation.identify
-    return dead_time_unit(vehicle, model(vehicle), configuration.sample_time, found=identified)
+    vehicle, settings, sample_time = configuration.vehicle, configuration.actuation, configuration.sample_time
+    if not settings.identify:
+        return dead_time_unit(vehicle, model(vehicle), sample_time)
+    return found_dead_time_unit(
+        vehicle, model(vehicle), sample_time, body_lag=settings.body_lag_at(configuration.speed)
+    )
 
 
 def _guidance(configuration: Configuration) -> Unit:

@@ -231,7 +231,7 @@ struct drawbar_body_actuation {
 struct drawbar_actuation {
     struct drawbar_body_actuation tractor; /* front wheels */
     struct drawbar_body_actuation trailer; /* actuated joint */
-    double dead_time;                   /* for which is planned, s */
+    double dead_time;                   /* for which is planned, beside `actuation.body_lag`, s */
     double tractor_lag;                 /* for which is planned, s */
     double trailer_lag;                 /* for which is planned, s */
 };
