@@ -132,8 +132,10 @@ static void follow(struct component *component, const struct drawbar_command *ac
     for (int i = 0; i < ND; ++i)
         for (int a = 0; a < NU; ++a)
             moved[i] += rti->qp.B[k][i][a] * (told[a] - u[a]);
+    if (!all_finite(moved, ND))
+        return;
     memcpy(u, told, sizeof told);
-    for (int j = k + 1; ; ++j) {
+    for (int j = k + 1; all_finite(moved, ND); ++j) {
         double next[ND] = {0.0};
         for (int i = 0; i < ND; ++i)
             STATE(rti->z, j)[i] += moved[i];
