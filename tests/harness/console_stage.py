@@ -32,7 +32,7 @@ from drawbar.messages import ControllerState, Fixes, encode
 from drawbar.safety.causes import Cause
 from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import Engagement, Situation
-from drawbar.safety.gate_report import Actuation, Counts, gate_state
+from drawbar.safety.gate_report import Actuation, Asked, Counts, gate_state
 from drawbar.safety.settings import SafetySettings
 
 HOST = "test"
@@ -95,14 +95,12 @@ class Stage:
         none = Actuation(tractor=None, trailer=None, speed=None)
         state = gate_state(
             self.time,
-            self.sequence,
             self.engagement,
             self.desk,
             none,
-            (math.nan, math.nan),
+            Asked(angles=(math.nan, math.nan), speed_limit=1.0),
             sorted(causes, key=lambda cause: cause.value),
-            Counts(),
-            speed_limit=1.0,
+            Counts(states=self.sequence),
             valid=1.0,
         )
         self.desk.show(state.sequence, state.time)

@@ -13,6 +13,7 @@ from drawbar.experiment.document import RESULTS_NAME, write_report, write_result
 from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, load_experiment
 from drawbar.experiment.measure import Runs, measure
 from drawbar.experiment.measured import REPORT_NAME, ByCase, Figures, MeasuredExperiment, NotDrivenError
+from drawbar.experiment.parts import Part
 from drawbar.experiment.progress import RunsProgress
 
 
@@ -57,14 +58,21 @@ def _conduct(console: Console, client: Client, experiment: Experiment, seeds: in
     )
     if not runs:  # the results in the folder stay
         return measured
-    report = analysis.report if all(each.results for each in runs.values()) else table_of_means
-    try:
-        write_results(measured, list(report(measured)))
-    except NotDrivenError as missing:
-        console.print(f"{experiment.folder.name}: its own tables need {missing.args[0]!r}; all means instead")
-        write_results(measured, table_of_means(measured))
+    write_results(measured, _tables(console, analysis, measured))
     _print_outcome(console, measured, experiment.folder / RESULTS_NAME)
     return measured
+
+
+def _tables(console: Console, analysis: Analysis, measured: MeasuredExperiment) -> list[Part]:
+    """Return the experiment's own tables and pictures; the means where these need a case that has no result."""
+    missing = [case for case, runs in measured.runs.items() if not runs.results]
+    try:
+        if not missing:
+            return list(analysis.report(measured))
+    except NotDrivenError as error:
+        missing = [error.args[0]]
+    console.print(f"{measured.experiment.folder.name}: no result of {', '.join(missing)}: means, not its own tables")
+    return table_of_means(measured)
 
 
 def _figures(analysis: Analysis, runs: Runs, seeds: int) -> list[Figures]:

@@ -45,7 +45,7 @@ class Section:
     along_path: bool = True
 
 
-def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
+def _views(log: Columns) -> list[Section]:
     whose = "True positions." if log.has_truth else "A real machine: estimated positions, the truth is not known."
     return [
         Section(
@@ -64,6 +64,11 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
             figure=scene_figure(log),
             along_path=False,
         ),
+    ]
+
+
+def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
+    return [
         Section(
             name="errors",
             title="Distance from the path",
@@ -160,5 +165,5 @@ def all_sections(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
         figure=solve_time_figure(log),
         along_path=False,
     )
-    sections = [*_driving(log, errors), *_steering(log), *_estimates(log), solving]
+    sections = [*_views(log), *_driving(log, errors), *_steering(log), *_estimates(log), solving]
     return [section for section in sections if section.figure["data"]]

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from drawbar.messages import GateState, SupervisorState, nanoseconds
 from drawbar.protocols.actuator import SteeringReport
@@ -46,10 +47,22 @@ class Actuation:
         return sum(1 << bit for bit, report in enumerate(reports) if report is not None and report.engaged)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What is asked of the actuators at a tick."""
+
+    angles: tuple[float, float]
+    """of tractor and trailer, rad; they mean something while the gate steers"""
+    speed_limit: float
+    """fastest that the vehicle may drive, m/s"""
+
+
 @dataclass(slots=True)
 class Counts:
     """What the gate counts, since its start."""
 
+    states: int = 0
+    """records published"""
     clips: int = 0
     rejects: int = 0
     dropped: int = 0
@@ -57,25 +70,27 @@ class Counts:
 
 def gate_state(
     now: float,
-    sequence: int,
     engagement: Engagement,
     desk: Desk,
     actuation: Actuation,
-    set_points: tuple[float, float],
+    asked: Asked,
     causes: Sequence[Cause],
     counts: Counts,
     *,
-    speed_limit: float,
     valid: float,
 ) -> GateState:
-    """Return the record of a tick at `now`, s, which means something for `valid` s; set points in rad, limit in m/s."""
-    steers, time = engagement.steers, nanoseconds(now)
+    """Return the record of a tick at `now`, s, which means something for `valid` s."""
+    time = nanoseconds(now)
+    tractor, trailer = (
+        _steering(report, angle if engagement.steers else math.nan)
+        for report, angle in zip((actuation.tractor, actuation.trailer), asked.angles, strict=True)
+    )
     return GateState(
-        sequence=sequence,
+        sequence=counts.states % COUNTS,
         time=time,
         valid_until=time + nanoseconds(valid),
         state=engagement.state,
-        steers=steers,
+        steers=engagement.steers,
         engaged=actuation.engaged,
         stop=2 if engagement.hurries(now) else int(engagement.state in (STOPPING, SupervisorState.FAULT)),
         armed=engagement.armed(now),
@@ -86,13 +101,13 @@ def gate_state(
         since=nanoseconds(engagement.since),
         refusals=_refusals(engagement, causes),
         remaining=engagement.remaining(now),
-        tractor_angle=math.nan if actuation.tractor is None else actuation.tractor.angle,
-        tractor_angle_time=0 if actuation.tractor is None else nanoseconds(actuation.tractor.angle_time),
-        trailer_angle=math.nan if actuation.trailer is None else actuation.trailer.angle,
-        trailer_angle_time=0 if actuation.trailer is None else nanoseconds(actuation.trailer.angle_time),
-        tractor_set_point=set_points[0] if steers and actuation.tractor is not None else math.nan,
-        trailer_set_point=set_points[1] if steers and actuation.trailer is not None else math.nan,
-        speed_limit=speed_limit,
+        tractor_angle=tractor.angle,
+        tractor_angle_time=tractor.time,
+        trailer_angle=trailer.angle,
+        trailer_angle_time=trailer.time,
+        tractor_set_point=tractor.set_point,
+        trailer_set_point=trailer.set_point,
+        speed_limit=asked.speed_limit,
         set_speed=desk.set_speed,
         nudge=desk.nudge,
         clips=counts.clips % COUNTS,
@@ -100,6 +115,22 @@ def gate_state(
         dropped=counts.dropped % COUNTS,
         line=desk.line,
     )
+
+
+class _Steering(NamedTuple):
+    """What a record says of one steering."""
+
+    angle: float = math.nan
+    """measured, rad"""
+    time: int = 0
+    """of the angle, ns"""
+    set_point: float = math.nan
+    """rad"""
+
+
+def _steering(report: SteeringReport | None, set_point: float) -> _Steering:
+    """Return what a record says of a steering; without an actuator nothing is known or given."""
+    return _Steering() if report is None else _Steering(report.angle, nanoseconds(report.angle_time), set_point)
 
 
 def _refusals(engagement: Engagement, causes: Sequence[Cause]) -> tuple[int, ...]:

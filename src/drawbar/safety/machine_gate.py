@@ -30,7 +30,7 @@ from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import DEGRADED, STOPPING, Engagement, Situation
 from drawbar.safety.envelope import Bounds, Envelope
 from drawbar.safety.following import Following
-from drawbar.safety.gate_report import COUNTS, Actuation, Counts, gate_state
+from drawbar.safety.gate_report import Actuation, Asked, Counts, gate_state
 from drawbar.safety.selftest import limits_hold
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.watch import Watch
@@ -63,7 +63,7 @@ class Gate:
         self._followings = (Following(settings.drive), Following(settings.drive))
         self._taken: set[int] = set()  # actuators that have said that they steer since they were asked to
         self._speed = self._degraded_speed = 0.0
-        self._counts, self._clips_in_a_row, self._sequence = Counts(), 0, 0
+        self._counts, self._clips_in_a_row = Counts(), 0
         self._suspended_before = suspended_time()
 
     def hear(self, now: float) -> bool:
@@ -220,18 +220,16 @@ class Gate:
         counts = replace(self._counts, dropped=self._counts.dropped + self.wires.dropped)
         state = gate_state(
             now,
-            self._sequence,
             self.engagement,
             self._desk,
             actuation,
-            self._envelope.angles,
+            Asked(angles=self._envelope.angles, speed_limit=self.speed_limit),
             causes,
             counts,
-            speed_limit=self.speed_limit,
             valid=self._settings.engage.seen,
         )
         record = encode(state)
         self._desk.show(state.sequence, state.time)
         self.controller.send(record)
         self.channel.publish(record)
-        self._sequence = (self._sequence + 1) % COUNTS
+        self._counts.states += 1

@@ -6,6 +6,7 @@ late as the step can bear it, so that the autopilot goes on by prediction. All i
 """
 
 import math
+from dataclasses import replace
 
 from drawbar.messages import Fixes, GateState
 from drawbar.signals import FixQuality, Measurement
@@ -48,42 +49,57 @@ class Sampler:
                 self.dropped += 1
                 return None
         self._last = fixes.epoch
-        return self._measurement(fixes)
+        return self._measured(fixes)
 
     def miss(self) -> Measurement:
         """Return the measurement of the sample that is due, without a fix."""
         self._last += self._period
-        return self._measurement(None)
+        return self._without_fix()
 
-    def _measurement(self, fixes: Fixes | None) -> Measurement:
+    def _without_fix(self) -> Measurement:
+        """Return what is known at the sample besides what the receivers say: the steering."""
         assert self._start is not None
-        steering, nan = self._gate, math.nan
+        nan, gate = math.nan, self._gate
         return Measurement(
             time=(self._last - self._start) * 1e-9,
-            tractor_x=fixes.tractor_x if fixes else nan,
-            tractor_y=fixes.tractor_y if fixes else nan,
-            trailer_x=fixes.trailer_x if fixes else nan,
-            trailer_y=fixes.trailer_y if fixes else nan,
-            hitch_angle=fixes.hitch_angle if fixes else nan,
-            speed=_speed(fixes) if fixes else nan,
-            tractor_steering=steering.tractor_angle if steering else nan,
-            trailer_steering=steering.trailer_angle if steering else nan,
-            tractor_fix_deviation=fixes.tractor_deviation if fixes else nan,
-            trailer_fix_deviation=fixes.trailer_deviation if fixes else nan,
-            tractor_roll=fixes.tractor_roll if fixes else nan,
-            tractor_pitch=fixes.tractor_pitch if fixes else nan,
-            tractor_yaw_rate=fixes.tractor_yaw_rate if fixes else nan,
-            trailer_roll=fixes.trailer_roll if fixes else nan,
-            trailer_pitch=fixes.trailer_pitch if fixes else nan,
-            trailer_yaw_rate=fixes.trailer_yaw_rate if fixes else nan,
-            hitch_angle_age=self._age(fixes.hitch_angle_time if fixes else 0),
-            speed_age=self._age(fixes.wheel_speed_time if fixes else 0),
-            tractor_steering_age=self._age(steering.tractor_angle_time if steering else 0),
-            trailer_steering_age=self._age(steering.trailer_angle_time if steering else 0),
-            tractor_attitude_age=self._age(fixes.tractor_attitude_time if fixes else 0),
-            trailer_attitude_age=self._age(fixes.trailer_attitude_time if fixes else 0),
-            tractor_fix_quality=FixQuality(fixes.tractor_quality if fixes else FixQuality.NONE),
-            trailer_fix_quality=FixQuality(fixes.trailer_quality if fixes else FixQuality.NONE),
+            tractor_x=nan,
+            tractor_y=nan,
+            trailer_x=nan,
+            trailer_y=nan,
+            hitch_angle=nan,
+            speed=nan,
+            tractor_steering=gate.tractor_angle if gate else nan,
+            trailer_steering=gate.trailer_angle if gate else nan,
+            tractor_steering_age=self._age(gate.tractor_angle_time) if gate else 0.0,
+            trailer_steering_age=self._age(gate.trailer_angle_time) if gate else 0.0,
+            tractor_fix_quality=FixQuality.NONE,
+            trailer_fix_quality=FixQuality.NONE,
+        )
+
+    def _measured(self, fixes: Fixes) -> Measurement:
+        """Return the measurement of a sample that has an epoch."""
+        return replace(
+            self._without_fix(),
+            tractor_x=fixes.tractor_x,
+            tractor_y=fixes.tractor_y,
+            trailer_x=fixes.trailer_x,
+            trailer_y=fixes.trailer_y,
+            hitch_angle=fixes.hitch_angle,
+            hitch_angle_age=self._age(fixes.hitch_angle_time),
+            speed=_speed(fixes),
+            speed_age=self._age(fixes.wheel_speed_time),
+            tractor_fix_deviation=fixes.tractor_deviation,
+            trailer_fix_deviation=fixes.trailer_deviation,
+            tractor_roll=fixes.tractor_roll,
+            tractor_pitch=fixes.tractor_pitch,
+            tractor_yaw_rate=fixes.tractor_yaw_rate,
+            tractor_attitude_age=self._age(fixes.tractor_attitude_time),
+            trailer_roll=fixes.trailer_roll,
+            trailer_pitch=fixes.trailer_pitch,
+            trailer_yaw_rate=fixes.trailer_yaw_rate,
+            trailer_attitude_age=self._age(fixes.trailer_attitude_time),
+            tractor_fix_quality=FixQuality(fixes.tractor_quality),
+            trailer_fix_quality=FixQuality(fixes.trailer_quality),
         )
 
     def _age(self, time: int) -> float:
