@@ -15,7 +15,7 @@ from drawbar.codegen import Workspace, build
 from drawbar.codegen.cache import runtime_sources
 from drawbar.control.settings import Coupling
 from drawbar.control.subsystem import coupling_settings
-from drawbar.errors import HardwareError
+from drawbar.errors import SignalError
 from drawbar.exchange import Layout, headers
 from drawbar.signals import (
     BodySteering,
@@ -161,7 +161,7 @@ def test_a_value_that_is_no_number_is_refused_by_name():
     layout = Layout(Measurement)
     for wrong in ({"hitch_angle": None}, {"speed": "1.0"}, {"tractor_fix_quality": 1.0}):
         ((name, value),) = wrong.items()
-        with pytest.raises(HardwareError, match=re.escape(f"Measurement: {name} = {value!r}: a number is needed")):
+        with pytest.raises(SignalError, match=re.escape(f"Measurement: {name} = {value!r}: a number is needed")):
             layout.pack(layout.buffer(), dataclasses.replace(measurement, **wrong))
-    with pytest.raises(HardwareError, match=r"Measurement: .*format requires"):
+    with pytest.raises(SignalError, match=r"Measurement: .*format requires"):
         layout.pack(layout.buffer(), dataclasses.replace(measurement, tractor_fix_quality=2**40))

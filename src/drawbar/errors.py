@@ -29,6 +29,10 @@ class CompilerError(DrawbarError):
     """No C compiler was found, or it refused the generated code."""
 
 
+class SignalError(DrawbarError):
+    """A signal holds something that is no number, or one that its field cannot hold."""
+
+
 class StorageError(DrawbarError):
     """A log or report cannot be written, or not any further: the disk is full or gone."""
 

@@ -19,7 +19,7 @@ from struct import error as StructError  # noqa: N812 -- a class
 from typing import Any, get_args, get_type_hints
 
 from drawbar.declared_words import declared_words
-from drawbar.errors import HardwareError
+from drawbar.errors import SignalError
 from drawbar.signals import (
     Actuation,
     Array,
@@ -95,19 +95,19 @@ class Layout:
         """Write a signal into a buffer.
 
         Raises:
-            HardwareError: a value is no number.
+            SignalError: a value is no number, or beyond its field.
         """
         try:
             self.struct.pack_into(buffer, offset, *self._values(signal))
         except StructError as error:
             raise self._refusal(signal, error) from error
 
-    def _refusal(self, signal: Any, error: StructError) -> HardwareError:
+    def _refusal(self, signal: Any, error: StructError) -> SignalError:
         """Return what says which values are no numbers."""
         given = zip(_leaves(self.kind), self._values(signal), strict=True)
         allowed = [(place, Real if issubclass(leaf, float) else Integral, value) for (place, leaf), value in given]
         wrong = [f"{place} = {value!r}" for place, number, value in allowed if not isinstance(value, number)]
-        return HardwareError(
+        return SignalError(
             f"{self.kind.__name__}: {', '.join(wrong) or error}: a number is needed; NaN stands for one that "
             f"is missing, and a quality is a whole number."
         )

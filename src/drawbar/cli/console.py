@@ -4,36 +4,20 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
 from drawbar.cli.options import console as terminal
-from drawbar.errors import ConfigurationError, HardwareError
-
-if TYPE_CHECKING:
-    from drawbar.driving.console_orders import ConsoleOrders
-
-Host = Annotated[str, typer.Option(help="address to listen at; other than this computer's own needs TLS and passwords")]
-Port = Annotated[int, typer.Option(min=0, max=65535, help="0: a free one")]
-Names = Annotated[list[str] | None, typer.Option("--name", help="a host name by which browsers ask for the pages")]
-Language = Annotated[Literal["en", "de"], typer.Option(help="of a browser that asks for none of these")]
-Certificate = Annotated[str | None, typer.Option(help="of TLS, a PEM file")]
-Key = Annotated[str | None, typer.Option(help="of the certificate, a PEM file")]
-Passwords = Annotated[str | None, typer.Option(help="file of users, made by drawbar console-user")]
-Audit = Annotated[str | None, typer.Option(help="file to which is added who asked for what")]
+from drawbar.cli.pages import Pages, address, takes_pages
+from drawbar.errors import HardwareError
 
 
+@takes_pages
 def console(
-    host: Host = "127.0.0.1",
-    port: Port = 8080,
-    name: Names = None,
-    language: Language = "en",
-    certificate: Certificate = None,
-    key: Key = None,
-    passwords: Passwords = None,
-    audit: Audit = None,
     drive: Annotated[Path | None, typer.Option(help="folder of the drive's sockets; default: the newest drive")] = None,
+    *,
+    pages: Pages,
 ) -> None:
     """Serve the operator's pages for a drive that is on already; `drawbar drive --console` does both."""
     from drawbar.driving.orders import CONSOLE, ORDERS_NAME, Orders
@@ -47,19 +31,11 @@ def console(
         raise HardwareError(f"{folder} is not the folder of a drive that is on; start one with drawbar drive")
     if Path(known.socket(CONSOLE)).exists():
         raise HardwareError(f"the drive in {folder} has a console already; open that one, or end it")
-    orders = console_orders(
-        runs=str(Path(known.run).parent),
+    orders = pages.orders(
         folder=known.folder,
         configuration=known.configuration,
+        runs=str(Path(known.run).parent),
         stand_ins=known.stand_ins,
-        host=host,
-        port=port,
-        name=name,
-        language=language,
-        certificate=certificate,
-        key=key,
-        passwords=passwords,
-        audit=audit,
     )
     terminal.print(f"the console is at {address(orders)}; Ctrl-C ends it, and not the drive", soft_wrap=True)
     try:
@@ -85,64 +61,6 @@ def console_user(
     password = typer.prompt("password", hide_input=True, confirmation_prompt=True)
     save_user(file, name, Rank[rank.upper()], password)
     terminal.print(f"{file}: {name} is {rank}; a running console knows it after its next start")
-
-
-def console_orders(*, host: str, port: int, name: list[str] | None, **others: str | bool | None) -> "ConsoleOrders":
-    """Return a console's orders.
-
-    Args:
-        host: address to listen at.
-        port: to listen at; 0: a free one.
-        name: host names by which browsers ask for the pages.
-        others: fields of ConsoleOrders.
-
-    Raises:
-        ConfigurationError: the console cannot or must not be started so.
-    """
-    from importlib.util import find_spec
-
-    from drawbar.console.passwords import load_users
-    from drawbar.driving.console_orders import ConsoleOrders
-    from drawbar.extras import install_command
-
-    missing = [name for name in ("nicegui", "pyproj", "shapefile", "shapely") if find_spec(name) is None]
-    if missing:
-        raise ConfigurationError(
-            f"the console needs what is not installed here ({', '.join(missing)}); install it with: "
-            f"{install_command('console')}"
-        )
-    place = {"host": host, "port": free_port(host, port), "names": tuple(name or ())}
-    orders = ConsoleOrders.model_validate(others | place)
-    orders.check()
-    if orders.passwords is not None:
-        load_users(Path(orders.passwords))
-    return orders
-
-
-def address(orders: "ConsoleOrders") -> str:
-    """Return where a browser finds the console."""
-    host = f"[{orders.host}]" if ":" in orders.host else orders.host
-    return f"http{'s' if orders.certificate else ''}://{host}:{orders.port}/"
-
-
-def free_port(host: str, port: int = 0) -> int:
-    """Return a port that nobody uses now; 0: any.
-
-    Raises:
-        HardwareError: the address is not one of this computer, or the port is taken.
-    """
-    import socket
-
-    kind = socket.AF_INET6 if ":" in host else socket.AF_INET
-    try:
-        with socket.socket(kind, socket.SOCK_STREAM) as each:
-            each.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does: a port just given back
-            each.bind((host, port))
-            return int(each.getsockname()[1])
-    except OSError as error:
-        raise HardwareError(
-            f"{host}:{port} cannot be listened at ({error.strerror}); give an address of this computer and a free port"
-        ) from None
 
 
 def _is_on(folder: Path) -> bool:

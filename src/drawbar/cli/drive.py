@@ -1,26 +1,14 @@
 """`drawbar drive`: drive a real machine, or stand-ins of all its devices on this computer."""
 
 import time
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.console import (
-    Audit,
-    Certificate,
-    Host,
-    Key,
-    Language,
-    Names,
-    Passwords,
-    Port,
-    address,
-    console_orders,
-    free_port,
-)
 from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
 
@@ -31,6 +19,7 @@ if TYPE_CHECKING:
     from drawbar.driving.crew import Crew
 
 
+@takes_pages
 def drive(
     configuration: ConfigurationName = "articulated",
     changes: Annotated[
@@ -52,35 +41,16 @@ def drive(
     with_console: Annotated[
         bool, typer.Option("--console", help="serve the operator's pages, and engage there")
     ] = False,
-    host: Host = "127.0.0.1",
-    port: Port = 8080,
-    name: Names = None,
-    language: Language = "en",
-    certificate: Certificate = None,
-    key: Key = None,
-    passwords: Passwords = None,
-    audit: Audit = None,
+    *,
+    pages: Pages,
 ) -> None:
     """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
     from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.crew import Crew
 
     config, stand_ins = _configured(configuration, changes or [])
-    orders = None
-    if with_console:
-        orders = console_orders(
-            folder="",  # this and the next: known to the crew
-            configuration="",
-            runs=str(out.parent if out else "runs"),
-            host=host,
-            port=port,
-            name=name,
-            language=language,
-            certificate=certificate,
-            key=key,
-            passwords=passwords,
-            audit=audit,
-        )
+    runs = str(out.parent if out else "runs")
+    orders = pages.orders(folder="", configuration="", runs=runs) if with_console else None  # the crew knows the rest
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
@@ -145,20 +115,13 @@ def _report(folder: FilePath, *, shadow: bool) -> None:
 
 def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, seconds: float) -> bool:
     """Show the drive until it is over; return whether it failed."""
-    from rich.live import Live
-
-    from drawbar.driving.crew import LOSSES
-    from drawbar.driving.display import headline, picture
     from drawbar.driving.front_end import FrontEnd, Keyboard
-    from drawbar.driving.orders import CONSOLE
+    from drawbar.driving.terminal import Terminal
     from drawbar.messages import SupervisorState
 
     front, end = FrontEnd(crew, demonstrates=demonstrates), time.monotonic() + (seconds or float("inf"))
-    live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
-    told: SupervisorState | None = None
-    lost: list[str] = []
     try:
-        with live or nullcontext(), Keyboard() as keyboard:
+        with Terminal(console, crew, front) as terminal, Keyboard() as keyboard:
             while time.monotonic() < end and not (demonstrates and front.is_over):
                 front.wait(0.05)
                 interrupts.heed()
@@ -167,18 +130,9 @@ def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, second
                     front.press(key)
                 if "q" in keys:
                     break
-                if front.state is not None and front.state.state is not told:
-                    told = front.state.state
-                    console.print(headline(front.state))
-                if live is not None:
-                    live.update(picture(front.state, front.controller, front.refusal), refresh=True)
-                lost, before = crew.ended(), lost
-                spared = LOSSES if front.drove else {CONSOLE: LOSSES[CONSOLE]}  # nothing engages without a recorder
-                if not spared.keys() >= set(lost):
-                    console.print(f"ended: {', '.join(lost)}: {crew.words()}", style="bold red")
+                terminal.show()
+                if not terminal.tell_losses():
                     return True
-                for name in set(lost).difference(before):
-                    console.print(f"{LOSSES[name]}: {crew.words()}", style="bold red", soft_wrap=True)
     except KeyboardInterrupt:
         console.print("interrupted: the gate lets go of the steering")
     finally:

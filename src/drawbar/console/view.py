@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
+from drawbar.driving.display import BAD, GOOD, WORRIED
 from drawbar.driving.operator import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
@@ -21,9 +22,6 @@ _SAME = 1e-6
 """lines that are nearer are the same, m"""
 _BAR = 0.3
 """lateral error at the ends of the light bar, m"""
-_GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
-_WARN = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
-_BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
 _SYMBOLS = {
     SupervisorState.BOOT: "…",
     SupervisorState.SELFTEST: "…",
@@ -98,7 +96,7 @@ def board(
     return Board(
         word=words(state.name),
         symbol=_SYMBOLS[state],
-        tone="good" if state in _GOOD else "warn" if state in _WARN else "bad" if state in _BAD else "idle",
+        tone="good" if state in GOOD else "warn" if state in WORRIED else "bad" if state in BAD else "idle",
         detail=_detail(gate, words),
         brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= _STANDS,
         steers=driving,

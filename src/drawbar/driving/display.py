@@ -9,9 +9,10 @@ from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.signals import FixQuality
 
-_GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
-_WORRIED = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
-_BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
+GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
+WORRIED = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
+BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
+"""the states that have a colour, by how well it goes"""
 _MEANINGS = {
     SupervisorState.BOOT: "starting",
     SupervisorState.SELFTEST: "testing itself",
@@ -40,10 +41,9 @@ def picture(state: GateState | None, controller: ControllerState | None, refusal
 
 def headline(state: GateState) -> Text:
     """Return the state in one line, with its cause."""
-    style = "green" if state.state in _GOOD else "yellow" if state.state in _WORRIED else "bold red"
-    text = Text(
-        f"{state.state.name}: {_MEANINGS[state.state]}", style=style if state.state in _GOOD + _WORRIED + _BAD else ""
-    )
+    known = {GOOD: "green", WORRIED: "yellow", BAD: "bold red"}
+    style = next((style for states, style in known.items() if state.state in states), "")
+    text = Text(f"{state.state.name}: {_MEANINGS[state.state]}", style=style)
     if state.cause:
         text.append(f" ({BY_CODE[state.cause].sentence})")
     if math.isfinite(state.remaining):

@@ -85,7 +85,10 @@ class Autopilot:
         self.library.recall(memory)
 
     def give(self, estimate: Estimate) -> None:
-        """Give the next sample's estimate to an autopilot whose estimator is ideal."""
+        """Give the next sample's estimate to an autopilot whose estimator is ideal.
+
+        Raises SignalError where the estimate holds what is no number.
+        """
         estimator = self.library.components["estimator"]
         for structure in (estimator.live, estimator.settings):  # a run that begins takes over its settings
             _ESTIMATE.pack(structure.memory, estimate)
@@ -94,6 +97,9 @@ class Autopilot:
         """Return a status and the command to send; where there is a new one the status is OK, see record().flags.
 
         Whatever a controller of the user's own raises comes out here.
+
+        Raises:
+            SignalError: the measurement holds what is no number.
         """
         _MEASUREMENT.pack(self._given, measurement)
         status = self._feedback()

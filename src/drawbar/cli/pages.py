@@ -1,0 +1,104 @@
+"""Pages: how the operator's pages are served, options of `drawbar console` and `drawbar drive --console` alike."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import wraps
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from drawbar.errors import ConfigurationError, HardwareError
+
+if TYPE_CHECKING:
+    from drawbar.driving.console_orders import ConsoleOrders
+
+_HOST = typer.Option(help="address to listen at; other than this computer's own needs TLS and passwords")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pages:
+    """The options; each field is one."""
+
+    host: Annotated[str, _HOST] = "127.0.0.1"
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0: a free one")] = 8080
+    name: Annotated[list[str] | None, typer.Option(help="a host name by which browsers ask for the pages")] = None
+    language: Annotated[Literal["en", "de"], typer.Option(help="of a browser that asks for none of these")] = "en"
+    certificate: Annotated[str | None, typer.Option(help="of TLS, a PEM file")] = None
+    key: Annotated[str | None, typer.Option(help="of the certificate, a PEM file")] = None
+    passwords: Annotated[str | None, typer.Option(help="file of users, made by drawbar console-user")] = None
+    audit: Annotated[str | None, typer.Option(help="file to which is added who asked for what")] = None
+
+    def orders(self, *, folder: str, configuration: str, runs: str, stand_ins: bool = False) -> "ConsoleOrders":
+        """Return the orders of a console that serves the pages of a drive; the arguments are as in ConsoleOrders.
+
+        Raises:
+            ConfigurationError: the console cannot or must not be started so.
+            HardwareError: the address is not one of this computer, or the port is taken.
+        """
+        from drawbar.console.passwords import load_users
+        from drawbar.driving.console_orders import ConsoleOrders
+
+        _require_console()
+        given = asdict(self)
+        given |= {"names": tuple(given.pop("name") or ()), "port": free_port(self.host, self.port)}
+        orders = ConsoleOrders(folder=folder, configuration=configuration, runs=runs, stand_ins=stand_ins, **given)
+        orders.check()
+        if orders.passwords is not None:
+            load_users(Path(orders.passwords))
+        return orders
+
+
+def takes_pages(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command that has the fields of Pages as options, in place of its last parameter, `pages`."""
+    options = signature(Pages).parameters
+    own = [each for each in signature(command).parameters.values() if each.name != "pages"]
+
+    @wraps(command)
+    def flat(**given: Any) -> None:
+        pages = Pages(**{name: given.pop(name) for name in options})
+        command(**given, pages=pages)
+
+    flat.__signature__ = signature(command).replace(parameters=[*own, *options.values()])  # type: ignore[attr-defined]
+    return flat
+
+
+def _require_console() -> None:
+    """Raise ConfigurationError where the console's packages are not installed."""
+    from importlib.util import find_spec
+
+    from drawbar.extras import install_command
+
+    missing = [name for name in ("nicegui", "pyproj", "shapefile", "shapely") if find_spec(name) is None]
+    if missing:
+        raise ConfigurationError(
+            f"the console needs what is not installed here ({', '.join(missing)}); install it with: "
+            f"{install_command('console')}"
+        )
+
+
+def address(orders: "ConsoleOrders") -> str:
+    """Return where a browser finds the console."""
+    host = f"[{orders.host}]" if ":" in orders.host else orders.host
+    return f"http{'s' if orders.certificate else ''}://{host}:{orders.port}/"
+
+
+def free_port(host: str, port: int = 0) -> int:
+    """Return a port that nobody uses now; 0: any.
+
+    Raises:
+        HardwareError: the address is not one of this computer, or the port is taken.
+    """
+    import socket
+
+    kind = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        with socket.socket(kind, socket.SOCK_STREAM) as each:
+            each.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does: a port just given back
+            each.bind((host, port))
+            return int(each.getsockname()[1])
+    except OSError as error:
+        raise HardwareError(
+            f"{host}:{port} cannot be listened at ({error.strerror}); give an address of this computer and a free port"
+        ) from None

@@ -1,0 +1,57 @@
+"""Terminal: what the operator is shown of a drive, line by line, and below these a picture of how it is now."""
+
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.live import Live
+
+from drawbar.driving.crew import LOSSES, Crew
+from drawbar.driving.display import headline, picture
+from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.orders import CONSOLE
+from drawbar.messages import SupervisorState
+
+
+class Terminal:
+    """Shows a drive while it is a context; the picture only where the console is a terminal."""
+
+    def __init__(self, console: Console, crew: Crew, front: FrontEnd) -> None:
+        """Take where to show it, the processes and what is heard of them."""
+        self._console, self._crew, self._front = console, crew, front
+        self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
+        self._told: SupervisorState | None = None
+        self._lost: list[str] = []
+
+    def show(self) -> None:
+        """Show how the drive is; a state that is new gets a line."""
+        front = self._front
+        if front.state is not None and front.state.state is not self._told:
+            self._told = front.state.state
+            self._console.print(headline(front.state))
+        if self._live is not None:
+            self._live.update(picture(front.state, front.controller, front.refusal), refresh=True)
+
+    def tell_losses(self) -> bool:
+        """Say which processes have ended; return whether the drive goes on without them."""
+        lost, before = self._crew.ended(), self._lost
+        self._lost = lost
+        # nothing engages without a recorder
+        spared = LOSSES if self._front.drove else {CONSOLE: LOSSES[CONSOLE]}
+        if not spared.keys() >= set(lost):
+            self._console.print(f"ended: {', '.join(lost)}: {self._crew.words()}", style="bold red")
+            return False
+        for name in set(lost).difference(before):
+            self._console.print(f"{LOSSES[name]}: {self._crew.words()}", style="bold red", soft_wrap=True)
+        return True
+
+    def __enter__(self) -> Self:
+        if self._live is not None:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._live is not None:
+            self._live.stop()
