@@ -243,3 +243,15 @@ class Bench:
     def drive(self):
         """Drive: the gate is active."""
         return self.ready().engage().run(2.0)
+
+
+def driving(settings=None, **names):
+    """Return a bench whose gate steers."""
+    bench = Bench(settings, **names).drive()
+    assert bench.state is SupervisorState.ACTIVE, (bench.cause, bench.shown.refusals)
+    return bench
+
+
+def told(bench):
+    """Return what the last frames say."""
+    return bench.transport.written[-2:]

@@ -22,14 +22,19 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 TESTS = {
-    "engagement": ("test_engagement.py", "test_machine_gate.py"),
-    "conditions": ("test_machine_gate.py", "test_safety_settings.py", "test_engagement.py"),
-    "envelope": ("test_envelope.py", "test_machine_gate.py"),
-    "following": ("test_envelope.py", "test_machine_gate.py"),
-    "speeds": ("test_envelope.py", "test_machine_gate.py"),
-    "desk": ("test_desk.py", "test_machine_gate.py"),
-    "machine_gate": ("test_machine_gate.py", "test_safety_settings.py", "test_desk.py"),
-    "watch": ("test_machine_gate.py", "test_safety_settings.py", "test_watch.py"),
+    "engagement": (
+        "test_engagement.py",
+        "test_engagement_sequences.py",
+        "test_gate_endings.py",
+        "test_machine_gate.py",
+    ),
+    "conditions": ("test_gate_endings.py", "test_machine_gate.py", "test_safety_settings.py", "test_engagement.py"),
+    "envelope": ("test_envelope.py", "test_selftest.py", "test_machine_gate.py", "test_gate_endings.py"),
+    "following": ("test_following.py", "test_gate_endings.py", "test_machine_gate.py"),
+    "speeds": ("test_speeds.py", "test_gate_endings.py", "test_machine_gate.py"),
+    "desk": ("test_desk.py", "test_machine_gate.py", "test_gate_endings.py"),
+    "machine_gate": ("test_machine_gate.py", "test_gate_endings.py", "test_safety_settings.py", "test_desk.py"),
+    "watch": ("test_machine_gate.py", "test_gate_endings.py", "test_safety_settings.py", "test_watch.py"),
 }
 """the tests that are tried on each module's mutants"""
 LIMIT = 120

@@ -10,7 +10,10 @@ COVERED = (
     *("envelope", "following", "speeds", "machine_gate", "gate_report", "gate_process", "wires", "channels"),
     *("engagement", "conditions", "causes", "desk", "watch", "selftest"),
 )
-TESTS = ("engagement", "envelope", "machine_gate", "desk", "gate_channels", "watch", "gate_loop")
+TESTS = (
+    *("engagement", "engagement_sequences", "envelope", "selftest", "speeds", "following"),
+    *("machine_gate", "gate_endings", "desk", "gate_channels", "watch", "gate_loop"),
+)
 
 
 def test_every_branch_is_taken(tmp_path):

@@ -4,13 +4,10 @@ import math
 from itertools import product
 
 import pytest
-from hypothesis import settings as hypothesis_settings
-from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from engagements import SETTINGS, SEVERITY, SILENCE, brought_to
 
 from drawbar.messages import Action, SupervisorState
 from drawbar.safety.causes import Cause, Response
-from drawbar.safety.conditions import Observation, present
 from drawbar.safety.engagement import (
     ACTIVE,
     BOOT,
@@ -33,11 +30,6 @@ from drawbar.safety.engagement import (
     Situation,
     transition,
 )
-from drawbar.safety.settings import SafetySettings
-
-SETTINGS = SafetySettings()
-SEVERITY = {ACTIVE: 0, DEGRADED: 1, STOPPING: 2, STOPPED: 2, OVERRIDE: 3, FAULT: 4, ESTOP: 5}
-"""of states in which something is wrong"""
 
 # written down independently of the table: which events end which states, and where
 STEER_ENDS = {Event.OVERRIDE: OVERRIDE, Event.FAULT: FAULT, Event.EMERGENCY: ESTOP}
@@ -56,8 +48,6 @@ EXPECTED = {
     FAULT: {Event.ACKNOWLEDGE: SELFTEST, Event.EMERGENCY: ESTOP},
     ESTOP: {Event.ACKNOWLEDGE: SELFTEST},
 }
-SILENCE = present(Observation(), SETTINGS)
-"""causes of total silence"""
 LONGEST = 10.0
 """after which no state may steer without a sound of anybody, s"""
 
@@ -86,34 +76,6 @@ def test_only_an_acknowledgement_makes_it_less_severe():
         after = transition(state, event)
         assert SEVERITY.get(after, -1) >= SEVERITY[state]
     assert set(TABLE) == set(SupervisorState)
-
-
-def brought_to(state, *, settings=SETTINGS):
-    """Return a supervisor that has come to a state by what it went by, at time 100 s."""
-    ways = {
-        BOOT: "", SELFTEST: "b", STANDBY: "bs", READY: "bsm", ENGAGING: "bsme", ACTIVE: "bsmet", DEGRADED: "bsmetw",
-        STOPPING: "bsmetx", STOPPED: "bsmetxr", OVERRIDE: "bsmeto", FAULT: "bsmetf", ESTOP: "bq",
-    }  # fmt: skip
-    engagement = Engagement(settings)
-    time = 0.0
-    for step in ways[state]:
-        time += {"s": 1.0625, "m": 2.0625, "t": 1.0625}.get(step, 0.0625)
-        given = {
-            "e": {"actions": frozenset({Action.ENGAGE})},
-            "t": {"taken": True},
-            "w": {"causes": (Cause.FIX_LOST,)},
-            "x": {"actions": frozenset({Action.STOP})},
-            "r": {"actions": frozenset({Action.RELEASE})},
-            "o": {"overridden": True},
-            "f": {"causes": (Cause.SILENT,)},
-            "q": {"actions": frozenset({Action.EMERGENCY})},
-        }.get(step, {})
-        engagement.update(time, Situation(**{"causes": (), **given}))
-    assert engagement.state is state
-    shift = 100.0 - time
-    for name in ("since", "_unmet", "_worried", "_moved"):
-        setattr(engagement, name, getattr(engagement, name) + shift)
-    return engagement
 
 
 @pytest.mark.parametrize("state", list(SupervisorState), ids=lambda each: each.name)
@@ -373,76 +335,3 @@ def test_the_emergency_stop_counts_as_tried():
     engagement.update(100.1, Situation(causes=(), actions=frozenset({Action.EMERGENCY})))
     engagement.update(100.2, Situation(causes=()))
     assert engagement.emergency_tried
-
-
-class Supervised(RuleBasedStateMachine):
-    """Random causes, actions, actuators and times."""
-
-    def __init__(self):
-        super().__init__()
-        self.engagement, self.time = Engagement(SETTINGS), 0.0
-        self.asked_to_engage = False
-        self.before = self.engagement.state
-        self.acknowledged = False
-
-    def update(self, seconds, **given):
-        self.time += seconds
-        situation = Situation(**{"causes": (), **given})
-        self.before, since = self.engagement.state, self.engagement.since
-        self.acknowledged = Action.ACKNOWLEDGE in situation.actions
-        self.released = Action.RELEASE in situation.actions
-        if Action.ENGAGE in situation.actions and self.before is READY:
-            self.asked_to_engage = True
-        self.engagement.update(self.time, situation)
-        if self.engagement.state is self.before:
-            assert self.engagement.since == since or self.before in (FAULT, ESTOP)
-        self.check(situation)
-
-    def check(self, situation):
-        after = self.engagement.state
-        if after in STEERING and self.before not in STEERING:
-            assert self.asked_to_engage
-            assert self.before is READY
-            assert not any(cause.refuses for cause in situation.causes)
-        if self.engagement.steers:
-            assert not any(cause.response is Response.RELEASE for cause in situation.causes)
-            assert not situation.overridden
-        if self.before in SEVERITY and self.before is not DEGRADED and not self.acknowledged and not self.released:
-            assert SEVERITY.get(after, -1) >= SEVERITY[self.before]
-        if Action.EMERGENCY in situation.actions:
-            assert after is ESTOP
-        if not self.engagement.steers:
-            self.asked_to_engage = False
-
-    @rule(seconds=st.sampled_from([0.05, 0.5, 2.0, 11.0]), taken=st.booleans(), standing=st.booleans())
-    def quiet(self, seconds, taken, standing):
-        self.update(seconds, taken=taken, standing=standing)
-
-    @rule(causes=st.lists(st.sampled_from(list(Cause)), max_size=3), overridden=st.booleans())
-    def trouble(self, causes, overridden):
-        self.update(0.05, causes=tuple(causes), overridden=overridden, taken=True)
-
-    @rule(actions=st.frozensets(st.sampled_from(list(Action)), min_size=1), standing=st.booleans())
-    def operator(self, actions, standing):
-        self.update(0.05, actions=actions, standing=standing)
-
-    @precondition(lambda self: self.engagement.state is READY)
-    @rule()
-    def engage(self):
-        self.update(0.05, actions=frozenset({Action.ENGAGE}))
-
-    @rule()
-    def silence(self):
-        for _ in range(240):
-            self.update(0.05, causes=SILENCE)
-        assert not self.engagement.steers
-
-    @invariant()
-    def steering_states_are_those(self):
-        assert self.engagement.steers == (self.engagement.state in (ENGAGING, ACTIVE, DEGRADED, STOPPING))
-
-
-Supervised.TestCase.settings = hypothesis_settings(
-    derandomize=True, max_examples=60, stateful_step_count=40, deadline=None, database=None
-)
-TestSupervised = Supervised.TestCase

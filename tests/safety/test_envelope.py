@@ -1,7 +1,6 @@
 """The envelope of the gate's process: what is refused, what is limited, and that nominal driving is neither."""
 
 import math
-from dataclasses import replace
 
 import pytest
 from gate_bench import BOUNDS
@@ -9,12 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.messages import CommandMessage, Mode
-from drawbar.safety import envelope, selftest
 from drawbar.safety.envelope import LOST, SEQUENCES, Bounds, Envelope
-from drawbar.safety.following import Following
-from drawbar.safety.selftest import limits_hold
-from drawbar.safety.settings import DriveSettings, EnvelopeSettings, SafetySettings
-from drawbar.safety.speeds import Speeds
+from drawbar.safety.settings import EnvelopeSettings, SafetySettings
 
 SETTINGS = SafetySettings()
 LIMITS = SETTINGS.envelope
@@ -32,9 +27,6 @@ def begun(angles=(0.0, 0.0), time=10.0, given=SETTINGS, bounds=BOUNDS):
     envelope = Envelope(given, bounds)
     envelope.begin(time, angles)
     return envelope
-
-
-# --- admission
 
 
 def test_a_fresh_command_is_admitted_once():
@@ -85,9 +77,6 @@ def test_an_expired_command_does_not_keep_later_ones_out():
     envelope = Envelope(SETTINGS, BOUNDS)
     assert not envelope.admit(command(sequence=1), 11.0)
     assert envelope.admit(command(time=11.0, sequence=2), 11.0)
-
-
-# --- limits
 
 
 @pytest.mark.parametrize(
@@ -232,171 +221,3 @@ def test_nominal_driving_is_not_limited(simulate, name):
         limited = envelope.limit(asked, measured, abs(record.measurement.speed))
         in_a_row = in_a_row + 1 if limited.clipped else 0
         assert in_a_row < LIMITS.clips
-
-
-# --- self-test
-
-
-def test_limits_that_limit_pass_the_selftest():
-    assert limits_hold(SETTINGS, BOUNDS)
-    assert limits_hold(SETTINGS, replace(BOUNDS, tractor_limit=0.1, trailer_limit=0.1))
-
-
-@pytest.mark.parametrize(
-    ("method", "result"),
-    [("admit", lambda self, *a: True), ("admit", lambda self, *a: False), ("angle_cap", lambda self, v: 9.0)],
-)
-def test_limits_that_do_not_limit_fail_the_selftest(monkeypatch, method, result):
-    monkeypatch.setattr(Envelope, method, result)
-    loose = SafetySettings(envelope=EnvelopeSettings(steering_reach=3.1, steering_rate=3.1, lateral_jerk=1e3))
-    assert not limits_hold(loose, BOUNDS)
-
-
-@pytest.mark.parametrize("name", ["_clamped", "_towards"])
-def test_a_limit_that_lets_everything_through_fails_the_selftest(monkeypatch, name):
-    monkeypatch.setattr(envelope, name, lambda *given: given[1] if len(given) == 3 else given[0])
-    assert not limits_hold(SETTINGS, BOUNDS)
-
-
-def test_records_that_are_not_checked_fail_the_selftest(monkeypatch):
-    monkeypatch.setattr(selftest, "decode", lambda *given: None)
-    assert not limits_hold(SETTINGS, BOUNDS)
-
-
-# --- speeds
-
-
-def test_the_largest_recent_speed_counts():
-    speeds = Speeds(SETTINGS)
-    assert speeds.largest(10.0) == 4.2
-    assert not speeds.known(10.0)
-    for index, value in enumerate([2.0, 1.0, 1.0, 1.0, 1.0, 1.0]):
-        speeds.add(10.0 + 0.1 * index, "wheels", value)
-    speeds.add(10.5, "receiver", -1.2)
-    assert speeds.known(10.5)
-    assert speeds.largest(10.5) == 2.0
-    assert speeds.last == -1.2
-    speeds.add(10.6, "wheels", 1.0)
-    assert speeds.largest(10.6) == 1.2, "six of each source"
-
-
-def test_old_or_missing_speeds_do_not_count():
-    speeds = Speeds(SETTINGS)
-    speeds.add(10.0, "wheels", 1.0)
-    speeds.add(10.2, "receiver", math.nan)
-    assert speeds.last == 1.0
-    assert speeds.known(10.5)
-    assert speeds.largest(10.0) == 1.0
-    assert speeds.fresh(10.5) == {"wheels": 1.0}
-    assert not speeds.known(10.51)
-    assert speeds.largest(10.51) == pytest.approx(1.0 + 1.5 * 0.51)
-    speeds.add(10.6, "receiver", 0.5)
-    assert speeds.largest(10.6) == 0.5, "what the wheels said is too old"
-
-
-@pytest.mark.parametrize(("receiver", "known"), [(1.5, True), (1.51, False), (0.5, True), (0.49, False), (-1.0, True)])
-def test_sources_that_disagree_are_not_believed(receiver, known):
-    speeds = Speeds(SETTINGS)
-    speeds.add(10.0, "wheels", 1.0)
-    speeds.add(10.0, "receiver", receiver)
-    assert speeds.known(10.0) is known
-
-
-def test_while_it_is_not_known_it_grows_no_faster_than_the_vehicle_can():
-    speeds = Speeds(SETTINGS)
-    for tick in range(6):
-        speeds.add(10.0 + 0.2 * tick, "wheels", 2.0)
-        assert speeds.largest(10.0 + 0.2 * tick) == (2.0 if tick == 0 else 2.1)
-        speeds.add(10.0 + 0.2 * tick, "receiver", 2.1 if tick < 5 else 3.9)
-    assert not speeds.known(11.0)
-    assert speeds.largest(11.0) == pytest.approx(2.1)
-    assert speeds.largest(12.0) == pytest.approx(3.6)
-    assert speeds.largest(13.0) == 4.2
-    speeds.add(13.0, "wheels", 3.9)
-    speeds.add(13.0, "receiver", 3.9)
-    assert speeds.largest(13.0) == 3.9
-
-
-def test_it_stands_only_for_certain():
-    speeds = Speeds(SETTINGS)
-    assert not speeds.stands(10.0, 0.05)
-    speeds.add(10.0, "wheels", 0.05)
-    assert speeds.stands(10.0, 0.05)
-    speeds.add(10.0, "receiver", -0.06)
-    assert not speeds.stands(10.0, 0.05)
-    assert not speeds.stands(11.0, 0.05)
-
-
-# --- following
-
-
-def followed(angle_at, set_point_at, seconds=2.0, **settings):
-    following = Following(DriveSettings(**settings))
-    for tick in range(round(seconds / 0.05) + 1):
-        time = 0.05 * tick
-        following.add(time, set_point_at(time) * DEGREE, angle_at(time) * DEGREE)
-    return following
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_steering_that_does_not_move_is_stuck(sign):
-    stuck = followed(lambda t: 0.0, lambda t: sign * 3.6)
-    assert stuck.stuck
-    assert not stuck.reversed
-    assert not followed(lambda t: 0.0, lambda t: sign * 3.6, 0.55).stuck, "not yet for long enough"
-    assert not followed(lambda t: 0.0, lambda t: sign * 3.4).stuck, "so near it need not move"
-    assert not followed(lambda t: sign * 1.0 * t, lambda t: sign * 6.0).stuck, "it moves"
-    assert followed(lambda t: sign * 0.7 * t, lambda t: sign * 6.0).stuck
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_stuck_steering_does_not_hide_behind_a_set_point_that_changes_sides(sign):
-    assert followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
-    assert not followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.6 < 0.2 else 1.0)).stuck, "it is seldom far off"
-    assert not followed(lambda t: 2.0 * math.sin(8.0 * t), lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_steering_that_rests_less_far_off_is_stuck_after_longer(sign):
-    assert followed(lambda t: 0.04 * math.sin(8.0 * t), lambda t: sign * 2.5, 2.5).stuck
-    assert followed(lambda t: 0.0, lambda t: sign * (2.5 if t % 0.8 < 0.4 else -2.5), 2.5).stuck, "it changes sides"
-    assert not followed(lambda t: 0.0, lambda t: sign * 2.5, 2.3).stuck, "not yet for long enough"
-    assert not followed(lambda t: 0.0, lambda t: sign * 2.2, 9.0).stuck, "a dead band"
-    assert not followed(lambda t: round(0.5 * math.sin(t)), lambda t: 0.5 * math.sin(t), 9.0).stuck, "a coarse sensor"
-
-    def moves(t):
-        return 0.1 * math.sin(4.0 * t)
-
-    assert not followed(moves, lambda t: sign * 3.0 + moves(t), 9.0).stuck, "it is 3° off, and moves as its set point"
-
-
-def test_however_long_a_steering_may_take_it_is_seen():
-    assert followed(lambda t: 0.0, lambda t: 3.6, 61.0, stuck_time=60.0, stuck_angle=3.5 * DEGREE).stuck
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_steering_that_moves_away_is_reversed(sign):
-    assert followed(lambda t: -sign * 12.0 * t, lambda t: sign * 1.5, 0.4).reversed
-    assert not followed(lambda t: -sign * 12.0 * t, lambda t: sign * 1.5, 0.25).reversed, "not yet for long enough"
-    assert not followed(lambda t: -sign * 12.0 * t, lambda t: sign * 0.9 - sign * 12.0 * t, 0.4).reversed, "it follows"
-    assert not followed(lambda t: sign * 12.0 * t, lambda t: sign * 30.0, 1.5).reversed
-    assert not followed(lambda t: -sign * 6.0 * t, lambda t: sign * 1.5, 1.5).reversed, "it drifts slowly"
-    late = followed(lambda t: -sign * (30.0 * min(t, 0.15) - 2.0 * max(t - 0.15, 0.0)), lambda t: sign * 1.5, 0.4)
-    assert not late.reversed, "it has turned round"
-    off = followed(lambda t: sign * (3.0 + 12.0 * t), lambda t: sign * 12.0 * t, 1.5)
-    assert not off.reversed, "it is 3° off, and moves as its set point does"
-    assert not off.stuck
-
-
-def test_what_was_seen_stays_until_it_is_forgotten():
-    following = followed(lambda t: 0.0, lambda t: 5.0)
-    following.add(2.05, 0.0, 0.0)
-    assert following.stuck
-    following.reset()
-    assert not following.stuck
-    following.add(3.0, 5.0 * DEGREE, 0.0)
-    assert not following.stuck
-    turned = followed(lambda t: -12.0 * t, lambda t: 1.5, 0.6)
-    assert turned.reversed
-    turned.reset()
-    assert not turned.reversed

@@ -51,7 +51,7 @@ class SteerBoard(SteeringActuator[bytes]):
 
         Args:
             board: where replies come from; all else is dropped.
-            max_angle: largest set point either way, rad; larger ones are clamped and counted in `clamped`.
+            max_angle: largest set point either way, rad; larger ones are clamped.
             inverted: the board's positive angle is to the left, as a joint's sensor may be mounted.
             own: `address:port` of this computer's own sockets, whose broadcasts it may hear itself.
 
@@ -65,8 +65,6 @@ class SteerBoard(SteeringActuator[bytes]):
         self.dropped: dict[str, int] = {}
         self.let_go: dict[str, int] = {}
         """how often the steering was let go unasked, by cause"""
-        self.clamped = 0
-        """set points beyond `max_angle`"""
         self._heard = HeardBoard(address=board, inverted=inverted, own=frozenset(own))
         self._max_angle = max_angle
         self._sign = -1.0 if inverted else 1.0
@@ -200,7 +198,6 @@ class SteerBoard(SteeringActuator[bytes]):
         if not self._steering:  # where the wheel is: a board that steered all the same would not move it
             return SteerCommand(steer=False, angle=self._heard.wire_angle, speed=speed)
         angle = min(max(request.angle, -self._max_angle), self._max_angle)
-        self.clamped += angle != request.angle
         return SteerCommand(steer=True, angle=self._sign * angle, speed=speed)
 
     def _note_sent(self, time: float) -> None:

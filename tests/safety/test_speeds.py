@@ -1,0 +1,71 @@
+"""The vehicle's speed as the gate knows it: which source counts, for how long, and whether it stands."""
+
+import math
+
+import pytest
+
+from drawbar.safety.settings import SafetySettings
+from drawbar.safety.speeds import Speeds
+
+SETTINGS = SafetySettings()
+
+
+def test_the_largest_recent_speed_counts():
+    speeds = Speeds(SETTINGS)
+    assert speeds.largest(10.0) == 4.2
+    assert not speeds.known(10.0)
+    for index, value in enumerate([2.0, 1.0, 1.0, 1.0, 1.0, 1.0]):
+        speeds.add(10.0 + 0.1 * index, "wheels", value)
+    speeds.add(10.5, "receiver", -1.2)
+    assert speeds.known(10.5)
+    assert speeds.largest(10.5) == 2.0
+    assert speeds.last == -1.2
+    speeds.add(10.6, "wheels", 1.0)
+    assert speeds.largest(10.6) == 1.2, "six of each source"
+
+
+def test_old_or_missing_speeds_do_not_count():
+    speeds = Speeds(SETTINGS)
+    speeds.add(10.0, "wheels", 1.0)
+    speeds.add(10.2, "receiver", math.nan)
+    assert speeds.last == 1.0
+    assert speeds.known(10.5)
+    assert speeds.largest(10.0) == 1.0
+    assert speeds.fresh(10.5) == {"wheels": 1.0}
+    assert not speeds.known(10.51)
+    assert speeds.largest(10.51) == pytest.approx(1.0 + 1.5 * 0.51)
+    speeds.add(10.6, "receiver", 0.5)
+    assert speeds.largest(10.6) == 0.5, "what the wheels said is too old"
+
+
+@pytest.mark.parametrize(("receiver", "known"), [(1.5, True), (1.51, False), (0.5, True), (0.49, False), (-1.0, True)])
+def test_sources_that_disagree_are_not_believed(receiver, known):
+    speeds = Speeds(SETTINGS)
+    speeds.add(10.0, "wheels", 1.0)
+    speeds.add(10.0, "receiver", receiver)
+    assert speeds.known(10.0) is known
+
+
+def test_while_it_is_not_known_it_grows_no_faster_than_the_vehicle_can():
+    speeds = Speeds(SETTINGS)
+    for tick in range(6):
+        speeds.add(10.0 + 0.2 * tick, "wheels", 2.0)
+        assert speeds.largest(10.0 + 0.2 * tick) == (2.0 if tick == 0 else 2.1)
+        speeds.add(10.0 + 0.2 * tick, "receiver", 2.1 if tick < 5 else 3.9)
+    assert not speeds.known(11.0)
+    assert speeds.largest(11.0) == pytest.approx(2.1)
+    assert speeds.largest(12.0) == pytest.approx(3.6)
+    assert speeds.largest(13.0) == 4.2
+    speeds.add(13.0, "wheels", 3.9)
+    speeds.add(13.0, "receiver", 3.9)
+    assert speeds.largest(13.0) == 3.9
+
+
+def test_it_stands_only_for_certain():
+    speeds = Speeds(SETTINGS)
+    assert not speeds.stands(10.0, 0.05)
+    speeds.add(10.0, "wheels", 0.05)
+    assert speeds.stands(10.0, 0.05)
+    speeds.add(10.0, "receiver", -0.06)
+    assert not speeds.stands(10.0, 0.05)
+    assert not speeds.stands(11.0, 0.05)
