@@ -9,21 +9,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drawbar.message_records import LAYOUTS, Flaw, decode, encode
 from drawbar.messages import (
     KINDS,
-    LAYOUTS,
     Action,
     CommandMessage,
     ControllerState,
-    Flaw,
     GateState,
     Heartbeat,
     Mode,
     OperatorMessage,
     Role,
     SupervisorState,
-    decode,
-    encode,
 )
 
 COMMAND = CommandMessage(

@@ -94,8 +94,21 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
     driven = [case for case in measured.cases if " m/s, " in case]
     variants = list(dict.fromkeys(case.partition(": ")[2] for case in driven))
     yield Text(text=_summary(measured, driven))
-    rows = [_row(measured, variant, [case for case in driven if case.endswith(f": {variant}")]) for variant in variants]
+    yield _driven_table(measured, driven, variants)
+    yield _engaging_table(
+        measured, [case for case in measured.cases if case not in driven and not case.startswith(LONG)]
+    )
     yield Table(
+        name="refused",
+        caption="Configurations that are refused.",
+        header=["fault", "what is given", "what drawbar says"],
+        rows=[[name, f"`{change}`", _refusal(change)] for name, change in REFUSED],
+    )
+
+
+def _driven_table(measured: MeasuredExperiment, driven: Sequence[str], variants: Sequence[str]) -> Table:
+    rows = [_row(measured, variant, [case for case in driven if case.endswith(f": {variant}")]) for variant in variants]
+    return Table(
         name="faults",
         caption="Every fault on straight and curve, all speeds and seeds. Observed: runs by response. Times from the "
         "fault on until the gate's state changed, until no board turned its wheel, until it stood: the longest, "
@@ -120,21 +133,17 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
         ],
         rows=rows,
     )
-    others = [case for case in measured.cases if case not in driven and not case.startswith(LONG)]
-    yield Table(
+
+
+def _engaging_table(measured: MeasuredExperiment, cases: Sequence[str]) -> Table:
+    return Table(
         name="before-engaging",
         caption="The same before it is engaged, with an operator who engages as soon as that is possible.",
         header=["fault", "expected", "observed"],
         rows=[
             [case.replace(": " + NO_FAULT, "").removeprefix("before engaging: "), *_responses(measured, [case])]
-            for case in others
+            for case in cases
         ],
-    )
-    yield Table(
-        name="refused",
-        caption="Configurations that are refused.",
-        header=["fault", "what is given", "what drawbar says"],
-        rows=[[name, f"`{change}`", _refusal(change)] for name, change in REFUSED],
     )
 
 

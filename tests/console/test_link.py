@@ -16,7 +16,8 @@ from drawbar.console.drawing import Lines, moving, standing
 from drawbar.driving.letters import Step, pack
 from drawbar.driving.orders import CONSOLE
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.messages import Action, OperatorMessage, decode
+from drawbar.message_records import decode
+from drawbar.messages import Action, OperatorMessage
 from drawbar.recording.log import encode_special
 from drawbar.simulation import build_path
 

@@ -23,7 +23,8 @@ from drawbar.driving.mail import MOST_KEPT, Mailbox
 from drawbar.driving.operator import changed_speed
 from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.geometry import LocalFrame
-from drawbar.messages import GateState, SupervisorState, encode
+from drawbar.message_records import encode
+from drawbar.messages import GateState, SupervisorState
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes, is_drive, open_drive
 from drawbar.recording.header import run_header

@@ -8,7 +8,8 @@ from drawbar.console.link import Link
 from drawbar.console.visitors import Rank, Visitor
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, GATE
-from drawbar.messages import Action, SupervisorState, encode
+from drawbar.message_records import encode
+from drawbar.messages import Action, SupervisorState
 
 LONGEST = 90.0
 """time until something happens on a busy machine, s"""

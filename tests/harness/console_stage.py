@@ -28,7 +28,8 @@ from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.demonstration import with_stand_ins
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.messages import ControllerState, Fixes, encode
+from drawbar.message_records import encode
+from drawbar.messages import ControllerState, Fixes
 from drawbar.safety.causes import Cause
 from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import Engagement, Situation

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+from drawbar.message_records import decode, encode
 from drawbar.messages import (
     Action,
     CommandMessage,
@@ -13,8 +14,6 @@ from drawbar.messages import (
     OperatorMessage,
     Role,
     SupervisorState,
-    decode,
-    encode,
 )
 from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport

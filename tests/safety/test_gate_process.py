@@ -23,7 +23,8 @@ import pytest
 from drawbar.driving.guard_main import OFF
 from drawbar.driving.orders import GateOrders
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
-from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState, decode, encode
+from drawbar.message_records import decode, encode
+from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
 from drawbar.safety.channels import controller_pair
 from drawbar.safety.gate_process import ENDED, FAILED, GONE
 from drawbar.safety.settings import SafetySettings

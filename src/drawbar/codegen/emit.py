@@ -153,16 +153,6 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
     """
     varying = _entries(inputs, outputs, varying=True)
     program = _program(inputs, varying)
-    gather = []
-    for index, (argument, element) in enumerate(program.gathered):
-        source = inputs[argument]
-        value = source.place.format(k=f"(k < {source.rows} ? k : {source.rows} - 1)", i=element)
-        gather.append(f"in[{index}][lane] = {value};")
-    scatter = []
-    for output in outputs:
-        lines = [f"{entry.place} = out[{i}][lane];" for i, entry in enumerate(varying) if entry.owner is output]
-        if lines:
-            scatter.append(f"if (k < {output.rows}) {{\n                {_join(lines, 16)}\n            }}")
     return f"""
 static void {name}({arguments}, int first, int count)
 {{
@@ -172,18 +162,38 @@ static void {name}({arguments}, int first, int count)
         const int lanes = count - base < LANES ? count - base : LANES;
         EACH_LANE (int lane = 0; lane < LANES; ++lane) {{
             const int k = base + (lane < lanes ? lane : lanes - 1);
-            {_join(gather, 12)}
+            {_join(_gather(inputs, program.gathered), 12)}
         }}
         for (int lane = 0; lane < LANES; ++lane) {{
             {_join(program.lanes, 12)}
         }}
         for (int lane = 0; lane < lanes; ++lane) {{
             const int k = base + lane;
-            {_join(scatter, 12)}
+            {_join(_scatter(outputs, varying), 12)}
         }}
     }}
 }}
 """
+
+
+def _gather(inputs: list[Input], gathered: list[tuple[int, int]]) -> list[str]:
+    """Return the lines that fetch one lane's numbers; beyond an input's last row that row is read again."""
+    lines = []
+    for index, (argument, element) in enumerate(gathered):
+        source = inputs[argument]
+        value = source.place.format(k=f"(k < {source.rows} ? k : {source.rows} - 1)", i=element)
+        lines.append(f"in[{index}][lane] = {value};")
+    return lines
+
+
+def _scatter(outputs: list[Output], varying: list[_Entry]) -> list[str]:
+    """Return the lines that store one lane's results, in the rows that each output has."""
+    blocks = []
+    for output in outputs:
+        lines = [f"{entry.place} = out[{i}][lane];" for i, entry in enumerate(varying) if entry.owner is output]
+        if lines:
+            blocks.append(f"if (k < {output.rows}) {{\n                {_join(lines, 16)}\n            }}")
+    return blocks
 
 
 def _join(lines: list[str], indent: int) -> str:

@@ -72,7 +72,7 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     from drawbar.driving.mail import Mailbox
     from drawbar.driving.orders import CONSOLE, GATE, Orders
     from drawbar.driving.place import local_frame
-    from drawbar.messages import encode
+    from drawbar.message_records import encode
     from drawbar.simulation import build_path
 
     orders.check()

@@ -18,7 +18,8 @@ from drawbar.driving.letters import Step, Sureness, unpack
 from drawbar.driving.operator import Operator
 from drawbar.driving.pushing import STOPPED, Pushing
 from drawbar.machine.hardware.bare_valve import Motion
-from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage, decode
+from drawbar.message_records import decode
+from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage
 from drawbar.recording.log import decode_step
 from drawbar.safety.desk import ALWAYS
 from drawbar.safety.engagement import STEERING

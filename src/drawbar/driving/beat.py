@@ -1,7 +1,8 @@
 """Beat: a process tells the gate that it is alive, at 4 Hz."""
 
 from drawbar.driving.mail import Mailbox
-from drawbar.messages import Heartbeat, Role, SupervisorState, encode
+from drawbar.message_records import encode
+from drawbar.messages import Heartbeat, Role, SupervisorState
 
 PERIOD = 250_000_000
 """ns"""

@@ -21,7 +21,8 @@ from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, FRONT_END, GATE, RECORDER, Orders
 from drawbar.driving.wiggled import has_passed
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import ControllerState, Fixes, GateState, Message, Role, decode, encode
+from drawbar.message_records import decode, encode
+from drawbar.messages import ControllerState, Fixes, GateState, Message, Role
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order
 from drawbar.recording.log import encode_special
@@ -60,17 +61,8 @@ def main() -> int:
         now = time.monotonic_ns()
         if now >= look and not controller.engaged:
             look, controller.wiggled = now + _LOOK, has_passed(configuration)
-        for data in arrived(gate):
-            state = decode(data, GateState)
-            if isinstance(state, GateState):
-                words.repeat(data)
-                beat.state = state.state
-                loop.hear_gate(state)
-            words.gate_is_gone |= not data
-        for data in mailbox.receive():
-            fixes = decode(data, Fixes)
-            if isinstance(fixes, Fixes):
-                loop.hear_fixes(fixes)
+        _hear_gate(gate, words, beat, loop)
+        _hear_receivers(mailbox, loop)
         if now >= loop.due:
             loop.pass_time(now)
         beat.pass_time(now)
@@ -79,6 +71,23 @@ def main() -> int:
     words.tell_done()
     mailbox.close()
     return 0
+
+
+def _hear_gate(gate: socket.socket, words: "Words", beat: Beat, loop: ControlLoop) -> None:
+    for data in arrived(gate):
+        state = decode(data, GateState)
+        if isinstance(state, GateState):
+            words.repeat(data)
+            beat.state = state.state
+            loop.hear_gate(state)
+        words.gate_is_gone |= not data
+
+
+def _hear_receivers(mailbox: Mailbox, loop: ControlLoop) -> None:
+    for data in mailbox.receive():
+        fixes = decode(data, Fixes)
+        if isinstance(fixes, Fixes):
+            loop.hear_fixes(fixes)
 
 
 class Words:

@@ -15,7 +15,8 @@ from drawbar.driving.crew import Crew
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.operator import DemonstrationOperator, Operator, changed_speed
 from drawbar.driving.orders import FRONT_END, GATE
-from drawbar.messages import Action, ControllerState, GateState, SupervisorState, decode, encode
+from drawbar.message_records import decode, encode
+from drawbar.messages import Action, ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 
 LOOK = 200_000_000

@@ -15,7 +15,8 @@ from pathlib import Path
 from drawbar.driving.ending import Ending, told
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GUARD, GateOrders
-from drawbar.messages import GateState, decode
+from drawbar.message_records import decode
+from drawbar.messages import GateState
 from drawbar.protocols.agopengps.steering import SteerCommand
 from drawbar.realtime import prepare, say
 from drawbar.safety.settings import TimingSettings

@@ -1,6 +1,6 @@
 """Letters: what the processes of a drive send to its recorder or console, as datagrams with a kind in front.
 
-Records of `messages.py` go as they are; they begin with their own mark. All times are monotonic, ns.
+Records of `message_records.py` go as they are; they begin with their own mark. All times are monotonic, ns.
 """
 
 import struct

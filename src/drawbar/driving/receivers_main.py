@@ -20,7 +20,8 @@ from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.messages import Role, encode, nanoseconds, seconds
+from drawbar.message_records import encode
+from drawbar.messages import Role, nanoseconds, seconds
 from drawbar.protocols.ntrip import gga_sentence
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes

@@ -16,8 +16,9 @@ from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import GATE, RECORDER, Orders
 from drawbar.driving.place import local_frame
 from drawbar.errors import DrawbarError
+from drawbar.message_records import Flaw, decode
 from drawbar.messages import KINDS as RECORDS
-from drawbar.messages import Flaw, GateState, Message, Role, decode
+from drawbar.messages import GateState, Message, Role
 from drawbar.realtime import say
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Order, RawBytes

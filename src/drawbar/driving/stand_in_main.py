@@ -24,7 +24,8 @@ from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
 from drawbar.machine.stand_in.machine import BARE_VALVE, SENSORS, Driver, StandInMachine
-from drawbar.messages import GateState, SupervisorState, decode
+from drawbar.message_records import decode
+from drawbar.messages import GateState, SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
 from drawbar.transports.can_listener import unpacked

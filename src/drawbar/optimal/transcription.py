@@ -202,19 +202,12 @@ def _control(
 ) -> Transcription:
     """Add the states of output bounds and of changes; a free first state is bounded before all others."""
     model, held = problem.model, problem.intervals_per_sample
-    intervals, changes = problem.horizon * held, {change_name(name) for name in problem.change_bounds}
+    intervals = problem.horizon * held
     p_next = ca.SX.sym("p_next", model.p.numel())
     added = augment(problem, step, p_next)
     x = ca.vertcat(model.x, added.x)
     nx, free = x.numel(), len(problem.initial_weights)
     first = [("", range(free), Bound(lower=-math.inf, upper=math.inf))] if free else []
-    columns = [(j, each.name, problem.bounds.get(each.name)) for j, each in enumerate(model.states)]
-    columns += [(len(model.states) + j, name, bound) for j, name, bound in added.bounds]
-    states = [
-        (name, range(nx + j, (intervals + 1) * nx, nx * (held if name in changes else 1)), bound)
-        for j, name, bound in columns
-        if bound
-    ]
     next_state, output = ca.vertcat(step, added.next_state), ca.vertcat(model.output, added.output)
     if held > 1:
         next_state, output = ca.substitute([next_state, output], [model.u], [added.applied])
@@ -236,9 +229,25 @@ def _control(
         free_initial=bool(free),
         added=bool(added.states),
         arrival=False,
-        bounded=(*first, *states, *_bounded_inputs(problem, (intervals + 1) * nx, held)),
+        bounded=(
+            *first,
+            *_bounded_states(problem, added, nx),
+            *_bounded_inputs(problem, (intervals + 1) * nx, held),
+        ),
         names=_extended(model.names, added),
     )
+
+
+def _bounded_states(problem: ControlProblem, added: Augmentation, nx: int) -> list[tuple[str, range, Bound]]:
+    """Return name, places and bound of every bounded state behind the first stage; a change counts once a sample."""
+    held, changes = problem.intervals_per_sample, {change_name(name) for name in problem.change_bounds}
+    own = problem.model.states
+    columns = [(j, each.name, problem.bounds.get(each.name)) for j, each in enumerate(own)]
+    columns += [(len(own) + j, name, bound) for j, name, bound in added.bounds]
+    end = (problem.horizon * held + 1) * nx
+    return [
+        (name, range(nx + j, end, nx * (held if name in changes else 1)), bound) for j, name, bound in columns if bound
+    ]
 
 
 def _extended(names: Mapping[str, tuple[str, ...]], added: Augmentation) -> dict[str, tuple[str, ...]]:

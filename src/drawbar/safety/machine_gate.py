@@ -9,17 +9,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from drawbar.messages import (
-    Action,
-    CommandMessage,
-    ControllerState,
-    Flaw,
-    Heartbeat,
-    Mode,
-    OperatorMessage,
-    decode,
-    encode,
-)
+from drawbar.message_records import Flaw, decode, encode
+from drawbar.messages import Action, CommandMessage, ControllerState, Heartbeat, Mode, OperatorMessage
 from drawbar.protocols.actuator import SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedReport, SpeedRequest
 from drawbar.realtime import suspended_time

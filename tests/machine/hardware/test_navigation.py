@@ -20,7 +20,8 @@ from drawbar.machine.stand_in.machine import BODIES, StandInMachine
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.world import TICK, World
-from drawbar.messages import Fixes, decode, encode
+from drawbar.message_records import decode, encode
+from drawbar.messages import Fixes
 from drawbar.signals import Command, Measurement, Pose, Truth
 from drawbar.simulation import build_path
 

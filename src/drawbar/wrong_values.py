@@ -1,0 +1,44 @@
+"""Wrong values: what pydantic finds in a configuration, told to its user by key, value and what is allowed."""
+
+import reprlib
+from typing import Any
+
+_REASONS = {
+    "missing": "is missing; add it",
+    "union_tag_not_found": "{discriminator} is missing; add it",
+    "union_tag_invalid": "{discriminator} = {tag!r} is not one of {expected_tags}",
+    "model_type": "must be a section with keys",
+    "model_attributes_type": "must be a section with keys",
+    "tuple_type": "must be a list",
+    "too_short": "must hold at least {min_length} value(s)",
+    "string_pattern_mismatch": "must be one character long or more, without slashes and control characters",
+}
+"""where pydantic's own words would be those of a programmer"""
+
+
+def explained(problem: Any, data: dict[str, Any]) -> str:
+    """Return one line: key, what was given, what is allowed."""
+    kind, context, key = problem["type"], problem.get("ctx", {}), _key(problem, data)
+    message = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if "discriminator" in context:  # pydantic names the key, or the function that finds it
+        context["discriminator"] = repr(context["discriminator"].strip("'_()"))
+    reason = _REASONS[kind].format(**context) if kind in _REASONS else message
+    # a whole section is not shown: its message says what is wrong in it
+    whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")
+    given = "" if whole else f" = {reprlib.repr(problem['input'])}"
+    return f"  {key or 'configuration'}{given}: {reason}."
+
+
+def _key(problem: Any, data: Any) -> str:
+    """Return the dotted key of a problem in the data, without the names of models that pydantic puts between.
+
+    For `loc` ("estimator", "articulated", "window") and data {"estimator": {"window": 1}} this is "estimator.window".
+    """
+    parts = []
+    for part in problem["loc"]:
+        if (isinstance(data, dict) and part in data) or (isinstance(data, list) and isinstance(part, int)):
+            data = data[part]
+            parts.append(part)
+    if problem["type"] == "missing":
+        parts.append(problem["loc"][-1])
+    return ".".join(map(str, parts))
