@@ -33,6 +33,7 @@ from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.wires import Wire
 from drawbar.signals import StepRecord, Truth
+from drawbar.vehicle.parameters import VehicleParameters
 
 STEP = 5_000_000
 """of the clock, ns"""
@@ -69,7 +70,7 @@ class Rehearsal:
             safety: of the gate.
             shadow: the gate only listens to the actuators.
         """
-        vehicle, frame = configuration.vehicle, LocalFrame(latitude=50.87, longitude=4.7)
+        frame = LocalFrame(latitude=50.87, longitude=4.7)
         self.now = 0
         """ns"""
         self.stopped: set[Part] = set()
@@ -83,21 +84,10 @@ class Rehearsal:
         self._lines = {line: MemoryTransport() for line in (*BODIES, SENSORS)}
         self._navigation = self._build_navigation(configuration.devices, frame)
         self.wires = {body: MemoryTransport() for body in self.machine.boards}
-        wires = [self._board_wire(body) for body in self.wires]
-        if configuration.devices is not None and configuration.devices.isobus is not None:
-            limit = safety.envelope.speed if configuration.devices.speed == "isobus" else None
-            wires.append(isobus_wire(configuration.devices.isobus, limit, MemoryBus(bus, lambda: self.time)))
+        wires = self._build_wires(configuration.devices, safety, bus)
         self._controller_channel, self._desk = MemoryChannel(), MemoryDesk()
-        self.gate = Gate(
-            safety,
-            Bounds(
-                wheelbase=vehicle.wheelbase,
-                tractor_limit=vehicle.tractor_steering_limit,
-                trailer_limit=vehicle.trailer_steering_limit,
-            ),
-            [listened(wire) for wire in wires] if shadow else wires,
-            self._controller_channel,  # type: ignore[arg-type]
-            self._desk,  # type: ignore[arg-type]
+        self.gate = self._build_gate(
+            safety, configuration.vehicle, [listened(wire) for wire in wires] if shadow else wires
         )
         self._guard = Guard(safety.timing)
         self._tick, self._due, self._look = safety.timing.tick, 0.0, 0.0
@@ -122,6 +112,22 @@ class Rehearsal:
             transport="file:memory", hitch_counts=HITCH_COUNTS, hitch_angles=HITCH_ANGLES, pulses_per_metre=PULSES
         )
         return Navigation(tractor, trailer, frame, SensorLine(self._lines[SENSORS], board))
+
+    def _build_wires(self, devices: DeviceSettings | None, safety: SafetySettings, bus: list[MemoryBus]) -> list[Wire]:
+        """Return the gate's wires to the boards, and to the valves where there is an ISOBUS."""
+        wires = [self._board_wire(body) for body in self.wires]
+        if devices is not None and devices.isobus is not None:
+            limit = safety.envelope.speed if devices.speed == "isobus" else None
+            wires.append(isobus_wire(devices.isobus, limit, MemoryBus(bus, lambda: self.time)))
+        return wires
+
+    def _build_gate(self, safety: SafetySettings, vehicle: VehicleParameters, wires: list[Wire]) -> Gate:
+        bounds = Bounds(
+            wheelbase=vehicle.wheelbase,
+            tractor_limit=vehicle.tractor_steering_limit,
+            trailer_limit=vehicle.trailer_steering_limit,
+        )
+        return Gate(safety, bounds, wires, self._controller_channel, self._desk)  # type: ignore[arg-type]
 
     def _board_wire(self, body: str) -> Wire:
         board = SteerBoard(board=f"192.168.{5 + BODIES.index(body)}.126", max_angle=math.radians(45.0))

@@ -118,15 +118,8 @@ def _source_files(
     configuration: Configuration, components: Sequence[Component], precision: Precision
 ) -> tuple[dict[str, str], Memory]:
     """Return all that is the same for every target, by its place in the folder, and what its state takes."""
-    names = {component.name for component in components}
-    version = f"{__version__} {configuration_hash(configuration)[:16]}"
-    constants = {
-        **({"DRAWBAR_CENTRALISED": ""} if "controller" in names else {}),
-        **({"DRAWBAR_IDENTIFIED": ""} if "actuation" in names else {}),
-        **({"DRAWBAR_DEAD_TIME": ""} if "predictor" in names else {}),
-        "DRAWBAR_STEP_SETTINGS": _initialiser(step_settings(configuration)),
-        "DRAWBAR_VERSION": f'"drawbar {version}"',
-    }
+    configuration_mark = configuration_hash(configuration)[:16]
+    constants = _constants(configuration, components, f"{__version__} {configuration_mark}")
     texts = {f"{component.name}.c": sources.component_text(component) for component in components}
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
@@ -139,14 +132,13 @@ def _source_files(
         memory = single_memory(components, {**every, **single(sizes)})
         sizes = single(_sizes(memory, configuration, constants))
     every |= sizes
-    listed = " ".join(f"src/{name}" for name in sorted(texts))
     number = re.match(r"\d+(?:\.\d+){0,3}", __version__)
     marks = {
         "NAME": configuration.name,
         "VERSION": __version__,
         "NUMBER": number[0] if number else "0",
-        "HASH": version.split()[1],
-        "SOURCES": listed,
+        "HASH": configuration_mark,
+        "SOURCES": " ".join(f"src/{name}" for name in sorted(texts)),
     }
     files = {
         **{f"{'include' if name in sources.PUBLIC else 'src'}/{name}": text for name, text in sorted(every.items())},
@@ -155,6 +147,18 @@ def _source_files(
         "example/main.c": main,
     }
     return files, memory
+
+
+def _constants(configuration: Configuration, components: Sequence[Component], version: str) -> dict[str, str]:
+    """Return what the step is compiled with besides sizes, by the name of its macro."""
+    names = {component.name for component in components}
+    return {
+        **({"DRAWBAR_CENTRALISED": ""} if "controller" in names else {}),
+        **({"DRAWBAR_IDENTIFIED": ""} if "actuation" in names else {}),
+        **({"DRAWBAR_DEAD_TIME": ""} if "predictor" in names else {}),
+        "DRAWBAR_STEP_SETTINGS": _initialiser(step_settings(configuration)),
+        "DRAWBAR_VERSION": f'"drawbar {version}"',
+    }
 
 
 def _sizes(memory: Memory, configuration: Configuration, constants: Mapping[str, str]) -> dict[str, str]:

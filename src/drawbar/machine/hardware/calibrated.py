@@ -28,13 +28,13 @@ class Calibrated:
     """why it is not to be used, each with what to do; empty: use it"""
 
     @classmethod
-    def unknown(cls, unit: str, residual_unit: str, refusals: Sequence[str]) -> Self:
+    def unknown(cls, unit: str, residual_unit: str, refusals: Sequence[str], *, samples: int = 0) -> Self:
         """Return what stands for a number that the records do not tell."""
         return cls(
             value=math.nan,
             deviation=math.inf,
             residual=math.nan,
-            samples=0,
+            samples=samples,
             unit=unit,
             residual_unit=residual_unit,
             refusals=tuple(refusals),

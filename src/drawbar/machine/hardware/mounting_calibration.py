@@ -129,7 +129,24 @@ def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
         )
         return AntennaPlace(forward=nothing, left=nothing)
     times, x, y, speeds, angles = (column[stretches] for column in (time, *columns))
-    measured = x + 1j * y
+    place, deviations, residual = _fit(times, x + 1j * y, speeds, angles, wheelbase)
+    refusals = _turning_refusals((speeds * np.tan(angles) / wheelbase).ravel(), times.shape[1])
+    if not residual <= _EXPLAINED:
+        refusals.append(
+            f"the wheels explain the track to {residual:.2f} m only, {_EXPLAINED} m at most; calibrate the front "
+            f"wheels first, and drive where they do not slip"
+        )
+    seconds = len(stretches) * _STRETCH
+    return AntennaPlace(
+        forward=_found(place[0], deviations[0], residual, seconds, refusals),
+        left=_found(place[1], deviations[1], residual, seconds, refusals),
+    )
+
+
+def _fit(
+    times: Floats, measured: NDArray[Any], speeds: Floats, angles: Floats, wheelbase: float
+) -> tuple[Floats, Floats, float]:
+    """Return f and l that explain the tracks (k, m) best, their standard deviations, and the rms of what is left, m."""
 
     def left_over(parameters: Floats) -> Floats:
         speed, to_left, to_right, offset, forward, left = parameters
@@ -145,17 +162,7 @@ def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
     residual = float(np.sqrt(np.mean(left_over(fit.x) ** 2)))
     per_second = times.shape[1] / _STRETCH  # errors of a position last a second and more
     deviations = residual * np.sqrt(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac)) * max(per_second, 1.0))
-    refusals = _turning_refusals((speeds * np.tan(angles) / wheelbase).ravel(), times.shape[1])
-    if not residual <= _EXPLAINED:
-        refusals.append(
-            f"the wheels explain the track to {residual:.2f} m only, {_EXPLAINED} m at most; calibrate the front "
-            f"wheels first, and drive where they do not slip"
-        )
-    seconds = len(stretches) * _STRETCH
-    return AntennaPlace(
-        forward=_found(fit.x[4], deviations[4], residual, seconds, refusals),
-        left=_found(fit.x[5], deviations[5], residual, seconds, refusals),
-    )
+    return fit.x[4:], deviations[4:], residual
 
 
 def _stretches(time: Floats, places: NDArray[Any]) -> NDArray[np.int64]:

@@ -1,6 +1,5 @@
 """Zero of a wheel-angle sensor from recorded driving (docs/calibration.md)."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -41,15 +40,8 @@ def zero_from_straight(
     way = float((np.abs(speed[1:]) * np.diff(time))[moving[1:]].sum()) if len(time) > 1 else 0.0
     mean, curvature = blocks(time[moving], count[moving], rate[moving] / speed[moving], length=BLOCK)
     if len(mean) < 5:
-        return Calibrated(
-            value=math.nan,
-            deviation=math.inf,
-            residual=math.nan,
-            samples=len(mean),
-            unit="counts",
-            residual_unit="counts",
-            refusals=(f"{len(mean)} s at {SLOW} to {FAST} m/s; drive {STRAIGHT_WAY:.0f} m straight at 1 to 2 m/s",),
-        )
+        refusal = f"{len(mean)} s at {SLOW} to {FAST} m/s; drive {STRAIGHT_WAY:.0f} m straight at 1 to 2 m/s"
+        return Calibrated.unknown("counts", "counts", [refusal], samples=len(mean))
     columns = [np.ones(len(mean))] + ([curvature] if curvature.std() > 1e-6 else [])
     fit = linear_fit(np.column_stack(columns), mean)
     refusals = []

@@ -79,15 +79,7 @@ def dead_band(runs: Sequence[Sequence[PushRecord]]) -> Calibrated:
 
 
 def _no_dead_band(refusals: tuple[str, ...]) -> Calibrated:
-    return Calibrated(
-        value=math.nan,
-        deviation=math.inf,
-        residual=math.nan,
-        samples=0,
-        unit="of the full drive",
-        residual_unit="of the full drive",
-        refusals=refusals,
-    )
+    return Calibrated.unknown("of the full drive", "of the full drive", refusals)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
