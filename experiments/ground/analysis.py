@@ -10,6 +10,7 @@ from drawbar.experiment.task import Result
 
 PRODUCT = "articulated"
 BODIES = ("tractor", "trailer")
+MEANS = tuple(f"{body} mean" for body in BODIES)
 BEGINS = 5.0
 """way along the path that is left out at the start, m"""
 STRAIGHT = "straight"
@@ -105,16 +106,11 @@ def _comparators(measured: MeasuredExperiment) -> Table:
         caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; "
         "in brackets how many runs came to the end, where not all did.",
         header=["", *cases],
-        rows=[[variant, *(_pair(measured, f"{case}: {variant}") for case in cases)] for variant in _compared(measured)],
+        rows=[
+            [variant, *(measured.means(f"{case}: {variant}", MEANS) for case in cases)]
+            for variant in _compared(measured)
+        ],
     )
-
-
-def _pair(measured: MeasuredExperiment, name: str) -> str:
-    if name not in measured.runs:
-        return ""
-    text = " / ".join(f"{measured.statistic(name, f'{body} mean').mean:.1f}" for body in BODIES)
-    finished = measured.finished(name)
-    return text if finished == f"{measured.seeds}/{measured.seeds}" else f"{text} ({finished})"
 
 
 def _nearer(measured: MeasuredExperiment) -> str:

@@ -10,6 +10,7 @@ from drawbar.experiment.task import Result
 
 PRODUCT = "articulated"
 BODIES = ("tractor", "trailer")
+MEANS = tuple(f"{body} mean" for body in BODIES)
 BEGINS = 5.0
 """way along the path that is left out at the start, m"""
 VALIDATION = {
@@ -70,7 +71,7 @@ def report(measured: MeasuredExperiment) -> Iterator[Part]:
         caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; "
         "in brackets how many runs came to the end, where not all did.",
         header=["", *cases],
-        rows=[[variant, *(_pair(measured, f"{case}: {variant}") for case in cases)] for variant in compared],
+        rows=[[variant, *(measured.means(f"{case}: {variant}", MEANS) for case in cases)] for variant in compared],
     )
 
 
@@ -82,11 +83,3 @@ def _row(measured: MeasuredExperiment, variant: str) -> list[str]:
         largest = measured.statistic(case, f"{body} largest").largest
         cells += [f"{mean:.1f} / {high:.1f} / {largest:.0f} ({spread:.1f})", validated]
     return [*cells, *(f"{measured.statistic(case, name).mean:.2f}" for name in ("masked", "roll"))]
-
-
-def _pair(measured: MeasuredExperiment, name: str) -> str:
-    if name not in measured.runs:
-        return ""
-    text = " / ".join(f"{measured.statistic(name, f'{body} mean').mean:.1f}" for body in BODIES)
-    finished = measured.finished(name)
-    return text if finished == f"{measured.seeds}/{measured.seeds}" else f"{text} ({finished})"

@@ -154,21 +154,11 @@ def _comparators(measured: MeasuredExperiment) -> Table:
         caption="Largest distance from the path, tractor / trailer, cm, mean over the seeds; in brackets how many runs "
         "came to the end, where not all did.",
         header=["", *cases],
-        rows=[[variant, *(_pair(measured, case, variant) for case in cases)] for variant in _variants(measured)],
+        rows=[
+            [variant, *(measured.means(_name(case, variant), LARGEST) for case in cases)]
+            for variant in _variants(measured)
+        ],
     )
-
-
-def _pair(measured: MeasuredExperiment, case: str, variant: str) -> str:
-    name = _name(case, variant)
-    if name not in measured.runs:
-        return ""
-    return _told(measured, name, " / ".join(f"{measured.statistic(name, figure).mean:.1f}" for figure in LARGEST))
-
-
-def _told(measured: MeasuredExperiment, name: str, text: str) -> str:
-    """Return the text, with how many runs came to the end where not all did."""
-    finished = measured.finished(name)
-    return text if finished == f"{measured.seeds}/{measured.seeds}" else f"{text} ({finished})"
 
 
 def _events(measured: MeasuredExperiment) -> Table:
@@ -182,7 +172,9 @@ def _events(measured: MeasuredExperiment) -> Table:
 
 
 def _worst(measured: MeasuredExperiment, name: str) -> str:
-    return _told(measured, name, " / ".join(f"{measured.statistic(name, figure).largest:.0f}" for figure in LARGEST))
+    return measured.with_finished(
+        name, " / ".join(f"{measured.statistic(name, figure).largest:.0f}" for figure in LARGEST)
+    )
 
 
 def _nearer(measured: MeasuredExperiment) -> str:

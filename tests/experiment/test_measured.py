@@ -106,6 +106,14 @@ def test_an_expected_case_must_come_to_the_end(measured: MeasuredExperiment, sho
     )
 
 
+def test_means_tell_how_many_runs_came_to_the_end_where_not_all_did(measured: MeasuredExperiment) -> None:
+    figures = ("tractor all", "trailer all")
+    text = " / ".join(f"{measured.statistic('slow', figure).mean:.1f}" for figure in figures)
+    assert measured.means("slow", figures) == text
+    assert measured.means("fast", figures) == ""
+    assert dataclasses.replace(measured, seeds=2).means("slow", figures) == f"{text} (1/1)"
+
+
 def test_statistics_and_names_of_figures(measured: MeasuredExperiment, short_result) -> None:
     mean = 100.0 * short_result.metrics.error_m.trailer["all"].mean
     assert measured.statistic("slow", "trailer all").mean == pytest.approx(mean)

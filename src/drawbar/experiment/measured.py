@@ -82,6 +82,17 @@ class MeasuredExperiment:
         """Return how many runs of a case came to the end of the path, of how many."""
         return f"{sum(result.metrics.finished for result in self.runs[case].results)}/{len(self.figures[case])}"
 
+    def means(self, case: str, figures: Sequence[str]) -> str:
+        """Return the means of figures, as of tractor and trailer; empty for a case that was not driven."""
+        if case not in self.runs:
+            return ""
+        return self.with_finished(case, " / ".join(f"{self.statistic(case, figure).mean:.1f}" for figure in figures))
+
+    def with_finished(self, case: str, text: str) -> str:
+        """Return a text about a case, with how many of its runs came to the end of the path where not all did."""
+        finished = self.finished(case)
+        return text if finished == f"{self.seeds}/{self.seeds}" else f"{text} ({finished})"
+
     def verdicts(self) -> list[Verdict]:
         """Return every expectation beside what came out."""
         return [
