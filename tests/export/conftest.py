@@ -25,8 +25,6 @@ MEASUREMENT, COMMAND, ESTIMATE, DIAGNOSTICS = map(Layout, (Measurement, Command,
 class Library:
     """An exported library, loaded into this process, with one state."""
 
-    ADDRESS = ctypes.c_void_p
-
     def __init__(self, file: Path) -> None:
         self.file = file
         self.functions = ctypes.CDLL(str(file))

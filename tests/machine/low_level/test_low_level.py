@@ -1,7 +1,6 @@
 """The laws of drawbar_actuate, by the very C: position loop, speed cascade, faults."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -24,7 +23,6 @@ LOOP = PositionLoopSettings(
     dead_band_left=0.1, dead_band_right=0.2, compensation=1.0, full_rate_left=0.5, full_rate_right=0.4, stop_zone=0.002
 )
 GIVEN = ActuateInput(time=0.0, measured_speed=1.0, steer=(True, False), drive=True)
-Ticks = Callable[..., list[ActuateOutput]]
 
 
 def front(loop: PositionLoopSettings = LOOP, **changes: float) -> LowLevel:
