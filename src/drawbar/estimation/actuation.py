@@ -24,11 +24,35 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
         settings: of the search.
         sample_time: s.
     """
+    values: dict[str, ArrayLike] = {
+        "limits": (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit),
+        "sign": vehicle.joint_sign,
+        "sample_time": sample_time,
+        "settling": -np.expm1(-sample_time / settings.settling),
+        "odd": settings.odd,
+        "patience": settings.patience,
+        "dead_time": _guess(vehicle, settings),
+        "lags": 2 * [vehicle.steering_lag],
+        **_grid(vehicle, settings, sample_time),
+        **_bank("FRONT_WHEELS", vehicle, settings, vehicle.tractor_steering_rate),
+        **_bank("TRAILER_JOINT", vehicle, settings, vehicle.trailer_steering_rate),
+    }
+    return Unit(name="actuation", source='#include "actuation.h"', configure=lambda workspace: workspace.write(values))
+
+
+def bank_lags() -> Floats:
+    """Return the lags of the bank's members, s."""
+    lags: Floats = _FASTEST * np.power(_RATIO, np.arange(_LAGS), dtype=np.float64)
+    return lags
+
+
+def _grid(vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float) -> dict[str, ArrayLike]:
+    """Return what both banks share: dead times and lags of their members, and how they are judged."""
     parts = max(1, round(sample_time / _STEP))
     part = sample_time / parts
     delays = max(1, min(round(_STEP / part), (_PAST - parts) // _DEAD_TIMES)) * np.arange(_DEAD_TIMES)
     lags = bank_lags()
-    values: dict[str, ArrayLike] = {
+    return {
         "grid.part": part,
         "grid.parts": parts,
         "grid.delays": delays,
@@ -42,35 +66,20 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
         "grid.prior_dead_time": _guess(vehicle, settings),
         "grid.prior_dead_time_deviation": settings.guess_deviation,
         "grid.prior_lag_deviation": settings.lag_deviation,
-        "limits": (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit),
-        "sign": vehicle.joint_sign,
-        "sample_time": sample_time,
-        "settling": -np.expm1(-sample_time / settings.settling),
-        "odd": settings.odd,
-        "patience": settings.patience,
-        "dead_time": _guess(vehicle, settings),
-        "lags": 2 * [vehicle.steering_lag],
     }
-    for bank, rate in (
-        ("FRONT_WHEELS", vehicle.tractor_steering_rate),
-        ("TRAILER_JOINT", vehicle.trailer_steering_rate),
-    ):
-        known = {
-            "prior_lag": vehicle.steering_lag,
-            "rate": rate,
-            "dead_time": _guess(vehicle, settings),
-            "dead_time_deviation": settings.guess_deviation,
-            "lag": vehicle.steering_lag,
-            "lag_deviation": settings.lag_deviation * vehicle.steering_lag,
-        }
-        values |= {f"banks[{bank}].{name}": value for name, value in known.items()}
-    return Unit(name="actuation", source='#include "actuation.h"', configure=lambda workspace: workspace.write(values))
 
 
-def bank_lags() -> Floats:
-    """Return the lags of the bank's members, s."""
-    lags: Floats = _FASTEST * np.power(_RATIO, np.arange(_LAGS), dtype=np.float64)
-    return lags
+def _bank(name: str, vehicle: VehicleParameters, settings: ActuationSettings, rate: float) -> dict[str, ArrayLike]:
+    """Return what one steering's bank begins with; rate: of that steering at most, rad/s."""
+    known: dict[str, ArrayLike] = {
+        "prior_lag": vehicle.steering_lag,
+        "rate": rate,
+        "dead_time": _guess(vehicle, settings),
+        "dead_time_deviation": settings.guess_deviation,
+        "lag": vehicle.steering_lag,
+        "lag_deviation": settings.lag_deviation * vehicle.steering_lag,
+    }
+    return {f"banks[{name}].{key}": value for key, value in known.items()}
 
 
 def _guess(vehicle: VehicleParameters, settings: ActuationSettings) -> float:
