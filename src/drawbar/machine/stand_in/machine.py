@@ -32,6 +32,8 @@ HITCH_ANGLES = tuple((counts - 2048.0) / 1600.0 for counts in HITCH_COUNTS)
 """rad"""
 PULSES = 100.0
 """of its encoder, per metre"""
+_OLDEST = 600.0
+"""age of corrections that receivers tell at most, s"""
 _REPORTS = 0.04
 """between two sentences of the sensor board, s"""
 _BEGAN = datetime.datetime(2026, 6, 1, 6, 0, tzinfo=datetime.UTC)
@@ -52,7 +54,9 @@ class StandInSettings:
     speed_sigma: float = 0.02
     """standard deviation of the speed over ground, m/s"""
     correction_age: float = 1.0
-    """s"""
+    """of receivers that have corrections of their own, s"""
+    holds: float = 60.0
+    """how long a receiver keeps its RTK fix without corrections, s"""
 
 
 class Driver:
@@ -150,6 +154,8 @@ class StandInMachine:
         self._leaving: deque[tuple[float, str, bytes]] = deque()
         self.quality = dict.fromkeys(BODIES, FixQuality.FIXED)
         """what the receivers report"""
+        self.corrected: dict[str, float] = {}
+        """when corrections came last, s, by body; only of receivers that have no RTK fix without"""
         self.silent: set[str] = set()
         """devices that are not heard: `sensors`, `tractor board`, `trailer board`"""
 
@@ -232,13 +238,14 @@ class StandInMachine:
             ("trailer", measured.trailer_x, measured.trailer_y),
         ):
             known = math.isfinite(x + y)
+            age = time - self.corrected[body] if body in self.corrected else moved.correction_age
             latitude, longitude = (float(each) for each in self._frame.level(x, y)) if known else (0.0, 0.0)
             report = Report(
                 time=_BEGAN + datetime.timedelta(seconds=round(time, 3)),
                 latitude=latitude,
                 longitude=longitude,
                 height=0.0,
-                quality=self.quality[body] if known else FixQuality.NONE,
+                quality=self._quality(body, age) if known else FixQuality.NONE,
                 sigma_east=moved.sigma,
                 sigma_north=moved.sigma,
                 speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
@@ -247,6 +254,10 @@ class StandInMachine:
                 pitch=-getattr(measured, f"{body}_pitch"),  # nose up there
                 inertial_yaw=self._yaws[body],
                 yaw_rate=getattr(measured, f"{body}_yaw_rate"),
-                correction_age=moved.correction_age,
+                correction_age=min(age, _OLDEST),
             )
             self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]
+
+    def _quality(self, body: str, age: float) -> FixQuality:
+        """Return how good a receiver says that its fix is, with corrections of an age, s."""
+        return min(self.quality[body], FixQuality.SINGLE if age > self._settings.holds else FixQuality.FIXED)

@@ -83,6 +83,10 @@ class SteerBoard(SteeringActuator[bytes]):
         self._off_frames = 0
         self._hello = -math.inf
 
+    def is_board(self, source: str) -> bool:
+        """Return whether `source`, an `address:port`, is the board."""
+        return self._heard.is_board(source)
+
     # What comes in
 
     def receive(self, time: float, frame: bytes, source: str = "") -> None:
