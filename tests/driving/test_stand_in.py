@@ -104,6 +104,7 @@ def test_receivers_have_no_rtk_fix_without_the_corrections_that_they_wait_for(co
     assert any("no RTK fix" in problem for problem in without.problems)
     assert "fix fixed" in "; ".join(findings["tractor receiver"].facts)
     assert "fix fixed" in "; ".join(findings["trailer receiver"].facts)
+    assert "wheels 0.00 m/s" in findings["sensor board"].facts, "it stands where a drive can begin"
     assert findings["corrections"].facts == ["RTCM 1005, 1077"]
     assert "scan: steer board 192.168.5.126" in findings["tractor board"].facts
     assert "scan: steer board 192.168.6.126" in findings["trailer board"].facts

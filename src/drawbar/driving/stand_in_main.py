@@ -30,11 +30,15 @@ from drawbar.machine.stand_in.caster import Caster
 from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
 from drawbar.machine.stand_in.machine import BARE_VALVE, BODIES, SENSORS, Driver, StandInMachine
 from drawbar.messages import GateState, SupervisorState, decode
+from drawbar.protocols.agopengps.steer_board import SET_POINT
 from drawbar.protocols.rtcm import RtcmFramer
 from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
 from drawbar.transports.can_listener import unpacked
 from drawbar.transports.open import open_can
+
+_GONE = 1.0
+"""without a word of who commands the steerings, s"""
 
 
 class DataLine:
@@ -187,6 +191,8 @@ class StandIns:
         lines |= {SENSORS: devices.sensors.transport} if devices.sensors else {}
         boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
         self._lines = {name: _line(address) for name, address in lines.items()}
+        self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
+        self._commanded = dict.fromkeys(self.boards, -math.inf)
         self._corrected: dict[str, tuple[DataLine, RtcmFramer]] = {}
         self._caster: Caster | None = None
         if devices.corrections is not None:
@@ -194,7 +200,12 @@ class StandIns:
         self._valve = DataLine(devices.bare_valve.transport) if devices.bare_valve else None
         if self._valve is not None:
             self._lines[BARE_VALVE] = self._valve
-        self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
+
+    @property
+    def commanded(self) -> float:
+        """When all steerings have been commanded last, even if only not to steer, s."""
+        valves = self._machine.can.valves.values() if self._machine.can else ()
+        return min([*self._commanded.values(), *(valve.heard for valve in valves)])
 
     def _correct(self, settings: CorrectionsSettings) -> None:
         """Let the receivers that can be sent corrections need them, and be the caster where it is to be here."""
@@ -210,6 +221,8 @@ class StandIns:
         """Do everything up to a time, s since the start."""
         for body, line in self.boards.items():
             for data, port in line.receive():
+                if data.startswith(SET_POINT):
+                    self._commanded[body] = now
                 self._send(self._machine.receive(now, body, data, port))
         if self._valve is not None and self._machine.valve is not None:
             self._machine.valve.receive(now, self._valve.receive())
@@ -272,8 +285,9 @@ def serve(
     start, isobus = time.monotonic(), configuration.devices.isobus if configuration.devices else None
     bus = open_can(isobus.bus, lambda: time.monotonic() - start) if isobus else None
     machine = stand_in_machine(configuration, path, local_frame(configuration), 0, bus, firmware)
+    machine.driver.wait = Driver.WAIT if orders.stand_ins else Driver.WAIT_UNTOLD
     plan = FaultPlan(faults, machine)
-    lamp, ending = Mailbox(orders.socket(DRIVER)), Ending()
+    lamp, ending, seen = Mailbox(orders.socket(DRIVER)), Ending(), -math.inf
     try:
         stand_ins = StandIns(configuration, machine)
     except HardwareError as error:
@@ -284,7 +298,10 @@ def serve(
             state = decode(data, GateState)
             if isinstance(state, GateState):
                 _tell(machine.driver, state)
-        stand_ins.advance(time.monotonic() - start)
+                seen = time.monotonic() - start
+        now = time.monotonic() - start
+        machine.driver.attend(now, attended=now - max(seen, stand_ins.commanded) < _GONE)
+        stand_ins.advance(now)
         for words in plan.look():
             tell(words)
         wait = machine.next_time - (time.monotonic() - start)

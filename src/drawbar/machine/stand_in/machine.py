@@ -67,7 +67,9 @@ class Driver:
     PUSHED = 0.8
     """while a bare valve is calibrated, m/s"""
     WAIT = 5.0
-    """for which the vehicle stands at first, s"""
+    """for which the vehicle stands at first, once somebody is there who could steer, s"""
+    WAIT_UNTOLD = 15.0
+    """the same where no lamp tells to stand until the emergency stop has been tried, s"""
     ACCELERATION, DECELERATION = 0.5, 1.5
     """m/s²"""
     REACTION = 0.7
@@ -77,12 +79,27 @@ class Driver:
 
     def __init__(self, speed: float) -> None:
         """Take the speed at which to drive, m/s."""
-        self._speed, self._let_go = speed, math.inf
+        self._speed, self._let_go, self._came = speed, math.inf, 0.0
+        self.wait = self.WAIT
+        """for which it stands at first, s"""
         self.steered = False
         """the boards have steered since it began"""
         self.speed = 0.0
         self.told_to_stop = False
         """by the display"""
+
+    def attend(self, time: float, *, attended: bool) -> None:
+        """Stand while nobody is there who could steer, and begin again with the next who is; without this, creep.
+
+        Args:
+            time: s.
+            attended: somebody commands the steerings, even if only not to steer, or shows the lamp.
+        """
+        if attended:
+            self._came = min(self._came, time)
+        elif not self.steered or self.speed == 0.0:
+            self._came = math.inf
+            self.begin_again()
 
     def begin_again(self) -> None:
         """Creep once more, after the boards have let go and the vehicle stands."""
@@ -102,7 +119,7 @@ class Driver:
             self._let_go = math.inf
         else:
             self._let_go = min(self._let_go, time)
-        wish = self._speed if steered or self.steered else self.CREEP if time >= self.WAIT else 0.0
+        wish = self._speed if steered or self.steered else self.CREEP if time >= self._came + self.wait else 0.0
         if self.told_to_stop:
             self._let_go = min(self._let_go, time)
         if time - self._let_go >= self.REACTION:
