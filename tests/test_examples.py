@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from drawbar import build_autopilot, build_path, drive, read_log, replay
 from drawbar.geometry import Floats
 from drawbar.optimal import ControlSolver
 from drawbar.signals import SolverStatus
@@ -75,7 +76,12 @@ def test_prints_what_the_tutorial_shows(page: Path, place: int) -> None:
     printed = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True).stdout
     shown = re.findall(r"```text\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
     assert len(shown) == len(PAGES[page])
-    for ours, theirs in zip(printed.split(), shown[place].split(), strict=True):
+    assert_alike(printed, shown[place])
+
+
+def assert_alike(printed: str, shown: str) -> None:
+    """Compare words, and numbers up to their last digits."""
+    for ours, theirs in zip(printed.split(), shown.split(), strict=True):
         try:  # compilers round the last digits differently
             value, last_digit = float(theirs.strip("[]")), 10.0 ** -len(theirs.strip("[]").partition(".")[2])
             assert float(ours.strip("[]")) == pytest.approx(value, abs=2.0 * last_digit)
@@ -160,6 +166,36 @@ def test_do_mpc_finds_what_drawbar_finds() -> None:
     steering, _ = example.run(example.with_do_mpc(), 25)
     truth, _ = example.run(example.with_drawbar(converged=True), 25)
     np.testing.assert_allclose(steering, truth, rtol=0.0, atol=1e-6)
+
+
+OWN_MACHINE, ITS_PAGE = ROOT / "examples" / "own_machine.py", ROOT / "docs" / "own-machine.md"
+
+
+def test_the_own_machine_is_driven_logged_and_replayed_as_its_page_shows(tmp_path: Path) -> None:
+    printed = subprocess.run([sys.executable, OWN_MACHINE, tmp_path], capture_output=True, text=True, check=True).stdout
+    (shown,) = re.findall(r"```text\n(.*?)```", ITS_PAGE.read_text("utf-8"), re.DOTALL)
+    assert_alike(printed.replace(str(tmp_path), "runs/own-machine"), shown)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["log.mcap", "map.svg", "metrics.json", "report.html"]
+    assert replay(read_log(tmp_path / "log.mcap")).differences == ()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_own_machine_truly_stays_on_its_line_and_is_stopped(seed: int) -> None:
+    example = _imported(OWN_MACHINE)
+    machine, autopilot = example.OwnMachine(seed), build_autopilot(example.CONFIGURATION)
+    path, _ = build_path(example.CONFIGURATION)
+    autopilot.begin(path)
+    places = np.array([machine.state[:2] for _ in drive(machine, autopilot, time_limit=120.0)])
+    _, errors = path.project_track(*places.T, 0.0, behind=1.0, ahead=3.0)
+    assert np.abs(errors).max() < 0.08
+    assert machine.clock == pytest.approx(7060.0, abs=3.0)
+    assert machine.wanted[2] == 0.0
+
+
+def test_the_page_quotes_the_own_machine() -> None:
+    blocks = re.findall(r"```python\n(.*?)```", ITS_PAGE.read_text("utf-8"), re.DOTALL)
+    assert len(blocks) == 5
+    assert all(block in OWN_MACHINE.read_text("utf-8") for block in blocks)
 
 
 def test_the_comparison_quotes_its_program() -> None:

@@ -62,15 +62,18 @@ def drive(
 
     Raises:
         RunAborted: the run ended before the path did.
-        HardwareError: the first measurement lacks a position.
-        PathError: the vehicle stands too far from where the run is to begin.
+        HardwareError: the machine reports no measurements, or its first one lacks a time or a position.
+        PathError: the vehicle stands too far from where the run is to begin, or the autopilot has no path.
+        EndOfMeasurements: the machine has no more of them.
     """
-    begin = math.nan
+    if not isinstance(machine, Machine):
+        raise HardwareError(f"{type(machine).__name__} is no machine; let it inherit from drawbar.Machine.")
+    begin, before = math.nan, Status.OK
     with machine:
         while True:
-            measurement = machine.read()
+            measurement = _measured(machine)
             if math.isnan(begin):
-                begin = measurement.time
+                begin = _first_time(measurement)
             if estimate is not None:
                 autopilot.give(estimate())
             status, command = autopilot.feedback(measurement)
@@ -80,16 +83,36 @@ def drive(
             if between is not None:
                 between()
             autopilot.prepare()
-            if status in (Status.POSITION, Status.START):
-                raise _refusal(autopilot, measurement)
+            if status in (Status.POSITION, Status.START, Status.NO_PATH):
+                raise _refusal(status, autopilot, measurement)
             record = autopilot.record(machine.truth() if isinstance(machine, MachineWithTruth) else None)
             yield record
             if status.has_ended:
-                raise RunAborted(_reason(status, record, autopilot))
+                raise RunAborted(_reason(status, before, record, autopilot))
             if measurement.time - begin > time_limit:
                 raise RunAborted(
                     f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log."
                 )
+            before = status
+
+
+def _measured(machine: Machine) -> Measurement:
+    """Return the machine's next measurement, once it is seen to be one."""
+    measurement: object = machine.read()
+    if not isinstance(measurement, Measurement):
+        raise HardwareError(
+            f"{type(machine).__name__}.read() returned {repr(measurement)[:60]}; it must return a drawbar.Measurement."
+        )
+    return measurement
+
+
+def _first_time(first: Measurement) -> float:
+    """Return the time of the first measurement, s."""
+    if not math.isfinite(first.time):
+        raise HardwareError(
+            f"The first measurement has time = {first.time}; give seconds of the machine's own clock, from any zero."
+        )
+    return first.time
 
 
 def longest_time(length: float, speed: float) -> float:
@@ -257,8 +280,10 @@ def _bounded_errors(configuration: Configuration, kind: str, seed: int) -> Calla
     return BoundedSequence(errors.draw, bounds, seed=seed, worst=worst).draw
 
 
-def _refusal(autopilot: Autopilot, first: Measurement) -> DrawbarError:
+def _refusal(status: Status, autopilot: Autopilot, first: Measurement) -> DrawbarError:
     """Return the error that says why a run cannot begin."""
+    if status is Status.NO_PATH:
+        return PathError("the autopilot has no path; call autopilot.begin(path) before it drives")
     if not np.isfinite([first.tractor_x, first.tractor_y, first.trailer_x, first.trailer_y]).all():
         return HardwareError(
             f"The first measurement lacks a position (tractor {first.tractor_x}, {first.tractor_y}; "
@@ -279,8 +304,8 @@ def _far_from_start(autopilot: Autopilot, tractor_x: float, tractor_y: float) ->
     )
 
 
-def _reason(status: Status, record: StepRecord, autopilot: Autopilot) -> str:
-    """Say why a run has ended."""
+def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autopilot) -> str:
+    """Say why a run has ended; `before`: the status of the step before its last."""
     at = f"At {record.measurement.time:.1f} s"
     if status is Status.OFF_COURSE:
         return (
@@ -288,6 +313,8 @@ def _reason(status: Status, record: StepRecord, autopilot: Autopilot) -> str:
         )
     if status is Status.BLIND:
         return f"{at} neither antenna had had a valid fix for more than {BLIND:.0f} s or {BLIND_WAY:.0f} m."
+    if status is Status.STOPPED and before is Status.TIME:
+        return f"{at} the machine's time stamps had not increased, or were not finite, for {PATIENCE} s."
     if status is Status.STOPPED:
         return f"{at} the gate had had no valid command to let pass for {PATIENCE} s."
     if status is Status.UNSOLVED:

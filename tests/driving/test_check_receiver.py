@@ -27,7 +27,7 @@ def facts_of(monkeypatch, **changes):
     monkeypatch.setattr(check, "open_transport", lambda _: line)
     monkeypatch.setattr(check, "_looks", lambda _: iter([10.0, 11.0]))
     settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
-    return check._receiver("tractor receiver", settings, frame, 1.0).facts
+    return check._receiver("tractor receiver", settings, frame, 1.0, None).facts
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

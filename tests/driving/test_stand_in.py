@@ -1,16 +1,24 @@
 """`drawbar stand-in` with faults, and a drive against it: two programs, real sockets on loopback, real time."""
 
+import socket
 import subprocess
 import sys
+import time
+from contextlib import contextmanager
 
 import pytest
 from patience import ENGAGE, PATIENT, watch
 
 from drawbar.config import load_configuration
+from drawbar.driving.check import check
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.demonstration import free_ports, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.place import local_frame
+from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.messages import SupervisorState
+from drawbar.protocols.agopengps.network import HELLO
+from drawbar.recording.drive_records import RawBytes, open_drive
 from drawbar.safety.causes import Cause
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
@@ -30,13 +38,22 @@ def configuration(tmp_path):
 @pytest.fixture
 def stand_in(configuration, tmp_path):
     """Return the file in which a stand-in with faults says what happens."""
+    with served(configuration[1], tmp_path, *FAULTS) as words:
+        yield words
+
+
+@contextmanager
+def served(file, tmp_path, *options):
+    """Let the program run, its words in a file."""
     words = tmp_path / "stand-in.txt"
-    command = [sys.executable, "-m", "drawbar", "stand-in", str(configuration[1]), *FAULTS]
-    with words.open("wb") as file:
-        process = subprocess.Popen(command, stdout=file, stderr=file)
-    yield words
-    process.terminate()
-    assert process.wait(10.0) == 0
+    command = [sys.executable, "-m", "drawbar", "stand-in", str(file), *options]
+    with words.open("wb") as output:
+        process = subprocess.Popen(command, stdout=output, stderr=output)
+    try:
+        yield words
+    finally:
+        process.terminate()
+        assert process.wait(10.0) == 0, words.read_text()
 
 
 def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent(configuration, stand_in, tmp_path):
@@ -50,6 +67,80 @@ def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent
         assert state.cause in (Cause.STEERING_LOST.value, Cause.LET_GO.value, Cause.SILENT.value)
         assert "front wheels' board says nothing" in stand_in.read_text()
         front.close()
+
+
+@pytest.fixture
+def corrected(configuration, monkeypatch):
+    """Return the configuration with corrections from a caster on this computer, and its file."""
+    whole, file = configuration
+    monkeypatch.setenv("LOGIN", "farmer:s3cret")
+    (port,) = free_ports(socket.SOCK_STREAM, 1)
+    caster = CorrectionsSettings(host="127.0.0.1", port=port, mount="VRS", credentials="environment:LOGIN")
+    whole = whole.model_copy(update={"devices": whole.devices.model_copy(update={"corrections": caster})})
+    file.write_text(whole.to_toml(), "utf-8")
+    return whole, file
+
+
+def test_a_drive_with_aio_26_boards_and_corrections_from_the_stand_ins_caster(corrected, tmp_path):
+    configuration, file = corrected
+    with served(file, tmp_path, "--boards", "aio-26"), Crew(configuration, tmp_path, stand_ins=False) as crew:
+        front = FrontEnd(crew, demonstrates=True)
+        state = watch(front, lambda front: front.state and front.state.state is SupervisorState.ACTIVE, ENGAGE)
+        assert state.steers
+        front.close()
+    with open_drive(tmp_path / "log.mcap") as records:
+        sent = {record.device for record in records if isinstance(record, RawBytes) and record.data[:1] == b"\xd3"}
+    assert sent == {"tractor_receiver", "trailer_receiver"}
+
+
+def test_receivers_have_no_rtk_fix_without_the_corrections_that_they_wait_for(corrected, tmp_path):
+    configuration, file = corrected
+    with served(file, tmp_path):
+        devices, frame = configuration.devices, local_frame(configuration)
+        alone = devices.model_copy(update={"corrections": None})
+        without = heard(lambda: next(check(alone, frame, 1.0)))
+        findings = {finding.device: finding for finding in check(devices, frame, 3.0)}
+    assert "fix single" in "; ".join(without.facts)
+    assert any("no RTK fix" in problem for problem in without.problems)
+    assert "fix fixed" in "; ".join(findings["tractor receiver"].facts)
+    assert "fix fixed" in "; ".join(findings["trailer receiver"].facts)
+    assert "wheels 0.00 m/s" in findings["sensor board"].facts, "it stands where a drive can begin"
+    assert findings["corrections"].facts == ["RTCM 1005, 1077"]
+    assert "scan: steer board 192.168.5.126" in findings["tractor board"].facts
+    assert "scan: steer board 192.168.6.126" in findings["trailer board"].facts
+
+
+@pytest.mark.parametrize(("firmware", "unasked"), [("aio-v4", False), ("aio-26", True)])
+def test_the_firmware_of_its_boards_can_be_chosen(configuration, tmp_path, firmware, unasked):
+    board = configuration[0].devices.tractor_board
+    with served(configuration[1], tmp_path, "--boards", firmware), socket.socket(type=socket.SOCK_DGRAM) as computer:
+        computer.bind(board.listening)
+        computer.settimeout(0.5)
+        end = time.monotonic() + ENGAGE
+        replies = []
+        while not replies and time.monotonic() < end:
+            computer.sendto(HELLO, board.destination)
+            replies = received(computer, 20)
+    assert (len(replies) == 20) == unasked, "only an AiO_26 reports at 100 Hz by itself"
+
+
+def received(computer, most):
+    """Return the datagrams that come until there is a pause."""
+    came = []
+    while len(came) < most:
+        try:
+            came.append(computer.recv(100))
+        except OSError:  # a pause, or nobody is there yet
+            break
+    return came
+
+
+def heard(look):
+    """Look at a device until its program has begun; return what was found."""
+    end = time.monotonic() + ENGAGE
+    while not (finding := look()).heard:
+        assert time.monotonic() < end
+    return finding
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import threading
 import time
 
 import pytest
+from board_server import BoardServer
 from typer.testing import CliRunner
 
 from drawbar.cli.main import app
@@ -17,7 +18,6 @@ from drawbar.driving.wiggle import TRAVEL, Phase, WiggleRun, carry_out
 from drawbar.errors import StorageError
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.aio_v4 import AioV4
-from drawbar.machine.stand_in.board_server import BoardServer
 from drawbar.machine.stand_in.wheel import HeldWheel, MotorWheel
 from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.safety.wires import Wire, Wires

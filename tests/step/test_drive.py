@@ -1,14 +1,20 @@
 """The loop around the step: when a run ends, why, and what the machine is told at last."""
 
+import math
 from dataclasses import replace
 from itertools import islice
+from types import SimpleNamespace
 
 import pytest
+from mcap.reader import make_reader
 
 from drawbar.errors import HardwareError, PathError
 from drawbar.machine.base import Machine
+from drawbar.recording.log import read_log
+from drawbar.recording.recorder import Recorder
 from drawbar.signals import Status
 from drawbar.simulation import RunAborted, Simulation, drive
+from drawbar.step.build import build_autopilot
 
 
 class Watched(Machine):
@@ -127,3 +133,86 @@ def test_whatever_breaks_the_loop_the_machine_is_told_to_stop(build, monkeypatch
                 steps.close()
                 raise Interrupted
     assert machine.told[-2:] == ["stop", "close"]
+
+
+def bare(_) -> None:
+    return None
+
+
+def as_dictionary(m):
+    return {"time": m.time}
+
+
+def later(change, samples=20):
+    """Let a machine report rightly at first."""
+    count = iter(range(samples))
+    return lambda m: change(m) if next(count, None) is None else m
+
+
+@pytest.mark.parametrize("change", [bare, as_dictionary], ids=lambda change: change.__name__)
+@pytest.mark.parametrize("samples", [0, 20])
+def test_a_machine_that_reports_no_measurement_is_told_and_stopped(build, change, samples):
+    machine, steps = driven(short(build), later(change, samples))
+    given = repr(change(SimpleNamespace(time=0.0)))[:6]
+    with pytest.raises(HardwareError, match=rf"Watched\.read\(\) returned {given}.*must return a drawbar\.Measurement"):
+        list(steps)
+    assert machine.told[-2:] == ["stop", "close"]
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf])
+def test_a_first_measurement_without_a_time_is_told(build, time):
+    machine, steps = driven(short(build), lambda m: replace(m, time=time))
+    with pytest.raises(HardwareError, match=f"first measurement has time = {time}; give seconds"):
+        next(steps)
+    assert machine.told == ["stop", "close"]
+
+
+@pytest.mark.parametrize(
+    "stamp",
+    [lambda time: 3.0, lambda time: 8.0 - time, lambda time: time - 100.0, lambda time: math.nan],
+    ids=["stands still", "runs backwards", "was set back", "is lost"],
+)
+def test_a_clock_that_does_not_go_on_ends_the_run_and_is_named(build, stamp, tmp_path):
+    simulation = short(build)
+    machine, steps = driven(simulation, later(lambda m: replace(m, time=stamp(m.time))))
+    log = Recorder(tmp_path / "log.mcap", simulation.header())
+    with pytest.raises(RunAborted, match=r"time stamps had not increased, or were not finite, for 1\.0 s"), log:  # noqa: PT012
+        for record in steps:
+            log.write(record)
+    assert machine.told[-3:] == [0.0, "stop", "close"]
+    assert 20 < len(read_log(tmp_path / "log.mcap").records) < 30
+
+
+def test_a_clock_below_zero_is_as_good_as_any(build, tmp_path):
+    simulation = short(build)
+    _, steps = driven(simulation, lambda m: replace(m, time=m.time - 7e4))
+    with Recorder(tmp_path / "log.mcap", simulation.header()) as log:
+        for record in islice(steps, 20):
+            log.write(record)
+    with (tmp_path / "log.mcap").open("rb") as file:
+        assert [message.log_time for _, _, message in make_reader(file).iter_messages()] == [
+            pytest.approx(step * 200_000_000, abs=100) for step in range(20)
+        ]
+    assert read_log(tmp_path / "log.mcap").records[0].measurement.time == -7e4
+
+
+def test_what_is_no_machine_and_an_autopilot_without_a_path_are_refused(build):
+    simulation = short(build)
+    with pytest.raises(HardwareError, match=r"SimpleNamespace is no machine; let it inherit from drawbar\.Machine"):
+        next(drive(SimpleNamespace(), simulation.autopilot, time_limit=1.0))  # type: ignore[arg-type]
+    machine = Watched(simulation.machine)
+    with pytest.raises(PathError, match=r"no path; call autopilot\.begin\(path\)"):
+        next(drive(machine, build_autopilot(simulation.configuration), time_limit=1.0))
+    assert machine.told == [0.0, "stop", "close"]
+
+
+def test_a_machine_that_forgets_to_stop_cannot_be_made():
+    class Unstoppable(Machine):
+        def read(self):
+            raise NotImplementedError
+
+        def write(self, command):
+            raise NotImplementedError
+
+    with pytest.raises(TypeError, match=r"abstract method '?stop'?"):
+        Unstoppable()

@@ -103,3 +103,15 @@ def test_dead_port_of_the_other_end_disturbs_nothing() -> None:
         assert computer.read() == []
     assert computer.connected
     computer.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system chooses one network")
+def test_a_broadcast_goes_out_on_every_network_that_takes_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    board, computer = listening(host="0.0.0.0"), listening(host="0.0.0.0", broadcast=True)
+    names = socket.if_nameindex()
+    (loopback,) = (number for number, name in names if name == "lo")
+    monkeypatch.setattr(socket, "if_nameindex", lambda: [(loopback, "lo"), (99999, "gone"), (loopback, "lo")])
+    computer.write_everywhere(b"scan", board.port)
+    assert [piece.data for piece in until(board.read)] == [b"scan", b"scan"]
+    for each in (board, computer):
+        each.close()

@@ -2,7 +2,7 @@
 
 import tempfile
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -85,10 +85,15 @@ def stand_in(
             metavar="NAME[@20s]", help="break something, so long after it has first been steered; list: what there is"
         ),
     ] = None,
+    boards: Annotated[Literal["aio-v4", "aio-26"], typer.Option(help="firmware of the steer boards")] = "aio-v4",
 ) -> None:
-    """Be the machine: the simulated one behind the receivers, boards and sensors that the configuration names."""
+    """Be the machine: the simulated one behind the devices that the configuration names.
+
+    Receivers, boards, sensors, ISOBUS, and the caster of corrections where its host is this computer (127.0.0.1).
+    """
     from drawbar.driving.orders import Orders
     from drawbar.driving.stand_in_main import serve
+    from drawbar.driving.stand_ins import Firmware
     from drawbar.machine.stand_in.faults import FAULTS, LIST, planned_fault
 
     if LIST in (fault or []):
@@ -102,7 +107,10 @@ def stand_in(
         file.write_text(config.to_toml(), "utf-8")
         console.print("the simulated machine is there; end it by Ctrl-C")
         orders = Orders(folder=folder, run=folder, configuration=str(file))
-        raise SystemExit(serve(orders, faults, lambda words: console.print(f"fault: {words}", soft_wrap=True)))
+        firmware = Firmware(boards)
+        raise SystemExit(
+            serve(orders, faults, lambda words: console.print(f"fault: {words}", soft_wrap=True), firmware)
+        )
 
 
 def _with_devices(name: str, changes: list[str] | None) -> "Configuration":

@@ -1,6 +1,6 @@
 """Check: listens to every device of a configuration for a few seconds, and says what was heard and what is missing.
 
-Nothing is moved: boards and valves are only told that nobody steers, which is what makes boards answer.
+Nothing is moved: boards are asked where they are, boards and valves told that nobody steers, which makes boards answer.
 """
 
 import math
@@ -11,13 +11,17 @@ from dataclasses import dataclass, field
 from drawbar.driving.actuators import isobus_wire
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
-from drawbar.machine.hardware.corrections.corrections import open_corrections
+from drawbar.machine.hardware.board_scan import BoardScan
+from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
+from drawbar.machine.hardware.corrections.receivers import correct
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.protocols.actuator import Readiness, SteeringRequest
+from drawbar.protocols.agopengps.frame import STEER_BOARD
+from drawbar.protocols.agopengps.network import ScanReply
 from drawbar.protocols.bare_valve import ValveBoard
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.sensors import SensorFault
@@ -33,6 +37,10 @@ _LOOK = 0.02
 """between two looks at a device, s"""
 _TICK = 0.1
 """between two words to a board, s"""
+_SCAN = 1.0
+"""for which answers to a scan are waited for, s"""
+_ASK_AGAIN = 0.4
+"""between two scans, s"""
 _OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
 _STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
 
@@ -55,19 +63,18 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float) -> Iterato
     Raises:
         DrawbarError: a transport cannot be opened.
     """
-    yield _receiver("tractor receiver", devices.tractor_receiver, frame, seconds)
-    yield _receiver("trailer receiver", devices.trailer_receiver, frame, seconds)
-    for name, board in (("tractor board", devices.tractor_board), ("trailer board", devices.trailer_board)):
-        if board is not None:
-            yield _board(name, board, seconds)
+    corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
+    yield _receiver("tractor receiver", devices.tractor_receiver, frame, seconds, corrections)
+    yield _receiver("trailer receiver", devices.trailer_receiver, frame, seconds, corrections)
+    boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
+    yield from _boards({name: board for name, board in boards.items() if board is not None}, seconds)
     if devices.isobus is not None:
         yield from _isobus(devices.isobus, seconds, drives=devices.speed == "isobus")
     if devices.sensors is not None:
         yield _sensors(devices.sensors, seconds)
     if devices.bare_valve is not None:
         yield _bare_valve(devices.bare_valve, seconds)
-    if devices.corrections is not None:
-        corrections = open_corrections(devices.corrections)
+    if corrections is not None:
         for now in _looks(seconds):
             corrections.advance(now)
         status = corrections.status(time.monotonic())
@@ -90,11 +97,15 @@ def _silent(finding: Finding, transport: Transport) -> None:
     finding.problems.append(f"nothing was heard{why}: check its power, its cable and its transport")
 
 
-def _receiver(name: str, settings: ReceiverSettings, frame: LocalFrame, seconds: float) -> Finding:
+def _receiver(
+    name: str, settings: ReceiverSettings, frame: LocalFrame, seconds: float, corrections: Corrections | None
+) -> Finding:
     finding, epochs = Finding(device=name), list[Epoch]()
     receiver = Receiver(open_transport(settings.transport), settings)
     for now in _looks(seconds):
         epochs += receiver.poll(now)
+        if corrections is not None:
+            correct(corrections, now, receiver, [receiver])
     finding.heard = bool(epochs)
     if not epochs:
         _silent(finding, receiver.transport)
@@ -125,6 +136,52 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
         finding.problems.append("it reports no speed: let it send VTG or RMC (NMEA), PVT (UBX, SBF)")
     if not math.isfinite(last.correction_age):
         finding.problems.append("it reports no age of its corrections: engaging needs it")
+
+
+def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[Finding]:
+    """Ask all boards where they are, then listen to those that the configuration names."""
+    found = _scan(list(boards.values()), min(seconds, _SCAN))
+    named = {source for board in boards.values() for source in found if board.actuator().is_board(source)}
+    strangers = {source: reply for source, reply in found.items() if source not in named}
+    for name, board in boards.items():
+        finding = _board(name, board, seconds)
+        answers = [reply for source, reply in found.items() if board.actuator().is_board(source)]
+        finding.facts += [f"scan: {reply.kind} {reply.address}" for reply in answers]
+        finding.problems += [_elsewhere(reply) for reply in answers if not reply.address.startswith(f"{reply.subnet}.")]
+        if not finding.heard:
+            finding.problems += [_perhaps(reply) for reply in strangers.values() if reply.board == STEER_BOARD]
+        yield finding
+    if strangers:
+        facts = [f"{reply.kind} {reply.address}" for reply in strangers.values()]
+        yield Finding(device="other boards that answer the scan", heard=True, facts=sorted(facts))
+
+
+def _scan(boards: list[SteerBoardSettings], seconds: float) -> dict[str, ScanReply]:
+    """Return what boards answer to the question where they are, by their `address:port`."""
+    found: dict[str, ScanReply] = {}
+    for listen in {board.listening for board in boards}:
+        scan = BoardScan(listen, [board.destination for board in boards if board.listening == listen])
+        asked = 0.0
+        for now in _looks(seconds):
+            if now - asked >= _ASK_AGAIN:
+                asked = now
+                scan.ask()
+            scan.poll()
+        scan.close()
+        found |= scan.found
+    return found
+
+
+def _elsewhere(reply: ScanReply) -> str:
+    network = reply.address.rpartition(".")[0]
+    return (
+        f"it has the address {reply.address} and hears this computer from {reply.subnet}.*: give this computer's "
+        f"network card an address in {network}.*"
+    )
+
+
+def _perhaps(reply: ScanReply) -> str:
+    return f"a steer board answers the scan from {reply.address}: if it is this one, write that as its address"
 
 
 def _board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:

@@ -23,9 +23,9 @@ def with_stand_ins(configuration: Configuration) -> Configuration:
         ConfigurationError: the vehicle steers farther than a board may.
     """
     vehicle = configuration.vehicle
-    streams = _free_ports(socket.SOCK_STREAM, 4)
+    streams = free_ports(socket.SOCK_STREAM, 4)
     receivers = [ReceiverSettings(transport=f"tcp://127.0.0.1:{port}") for port in streams[:2]]
-    ports = _free_ports(socket.SOCK_DGRAM, 4)
+    ports = free_ports(socket.SOCK_DGRAM, 4)
     limits = [_board_limit(body, getattr(vehicle, f"{body}_steering_limit")) for body in ("tractor", "trailer")]
     boards = [
         SteerBoardSettings(address=f"127.0.0.1:{board}", listen=f"127.0.0.1:{listen}", max_angle=limit)
@@ -73,7 +73,7 @@ def without_stand_ins(configuration: Configuration) -> Configuration:
     return configuration.model_copy(update={"devices": None, "safety": safety})
 
 
-def _free_ports(kind: int, count: int) -> list[int]:
+def free_ports(kind: int, count: int) -> list[int]:
     """Return ports of 127.0.0.1 that nobody uses now."""
     sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]
     for each in sockets:

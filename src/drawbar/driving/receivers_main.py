@@ -3,7 +3,6 @@
 `python -m drawbar.driving.receivers_main`, with its orders on standard input.
 """
 
-import math
 import select
 import sys
 import time
@@ -15,23 +14,20 @@ from drawbar.driving.letters import Device, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECEIVERS, RECORDER, Orders
 from drawbar.driving.place import local_frame
-from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
+from drawbar.machine.hardware.corrections.corrections import open_corrections
+from drawbar.machine.hardware.corrections.receivers import correct
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
 from drawbar.messages import Role, nanoseconds, seconds
-from drawbar.protocols.ntrip import gga_sentence
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
-from drawbar.signals import FixQuality
 from drawbar.transports.base import Received
 from drawbar.transports.open import open_transport
 from drawbar.transports.tapped import Direction, TappedTransport
 
-_GGA = {FixQuality.DIFFERENTIAL: 2, FixQuality.FIXED: 4, FixQuality.FLOAT: 5}
-"""quality in a GGA sentence"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
 _TOGETHER = 32
@@ -67,7 +63,7 @@ def main() -> int:
             mailbox.post(orders.socket(RECORDER), record)
         beat.pass_time(now)
         if corrections is not None:
-            _correct(corrections, tractor, trailer)
+            correct(corrections, time.monotonic(), tractor, (tractor, trailer))
         lines = [tractor.transport, trailer.transport, *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in lines) if each >= 0]
         most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
@@ -77,27 +73,6 @@ def main() -> int:
         if each is not None:
             each.close()
     return 0
-
-
-def _correct(corrections: Corrections, tractor: Receiver, trailer: Receiver) -> None:
-    """Give the caster the tractor's position, and both receivers what it sends."""
-    epoch = tractor.last
-    if epoch is not None and epoch.has_fix:
-        sentence = gga_sentence(
-            time_of_day=epoch.utc % 86400.0,
-            latitude=math.radians(epoch.latitude),
-            longitude=math.radians(epoch.longitude),
-            quality=_GGA.get(epoch.reported, 1),
-            satellites=epoch.satellites or 12,
-            dilution=epoch.hdop if math.isfinite(epoch.hdop) else 1.0,
-            height=epoch.height if math.isfinite(epoch.height) else 0.0,
-            separation=0.0,
-        )
-        corrections.position(sentence)
-    data = corrections.advance(time.monotonic())
-    if data:
-        tractor.transport.write(data)
-        trailer.transport.write(data)
 
 
 def _receivers(devices: DeviceSettings) -> tuple[tuple[ReceiverSettings, Device], tuple[ReceiverSettings, Device]]:

@@ -1,9 +1,11 @@
 """The stand-in as a program: the simulated machine behind real sockets, in real time.
 
 `python -m drawbar.driving.stand_in_main`, its orders on standard input. It serves what the configuration's `devices`
-name: a receiver at `tcp://` listens there, one at `udp://` is sent to; a board answers at its address.
+name: a receiver at `tcp://` listens there, one at `udp://` is sent to; a board answers at its address, and so does a
+caster whose address is this computer's.
 """
 
+import math
 import select
 import socket
 import sys
@@ -17,19 +19,27 @@ from drawbar.driving.ending import Ending, told
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import DRIVER, Orders
 from drawbar.driving.place import local_frame
-from drawbar.driving.stand_ins import stand_in_machine
+from drawbar.driving.stand_in_caster import is_here, stand_in_caster
+from drawbar.driving.stand_ins import Firmware, stand_in_machine
 from drawbar.errors import HardwareError
+from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.receiver import CAN
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
+from drawbar.machine.stand_in.caster import Caster
 from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
-from drawbar.machine.stand_in.machine import BARE_VALVE, SENSORS, Driver, StandInMachine
+from drawbar.machine.stand_in.machine import BARE_VALVE, BODIES, SENSORS, Driver, StandInMachine
 from drawbar.message_records import decode
 from drawbar.messages import GateState, SupervisorState
+from drawbar.protocols.agopengps.steer_board import SET_POINT
+from drawbar.protocols.rtcm import RtcmFramer
 from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
 from drawbar.transports.can_listener import unpacked
 from drawbar.transports.open import open_can
+
+_GONE = 1.0
+"""without a word of who commands the steerings, s"""
 
 
 class DataLine:
@@ -83,6 +93,11 @@ class DataLine:
             with suppress(OSError):  # nothing, or it has gone; `send` sees that
                 came += peer.recv(4096)
         return came
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether it takes in what is sent to it."""
+        return self._listens
 
     def close(self) -> None:
         """Close all sockets."""
@@ -177,18 +192,44 @@ class StandIns:
         lines |= {SENSORS: devices.sensors.transport} if devices.sensors else {}
         boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
         self._lines = {name: _line(address) for name, address in lines.items()}
+        self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
+        self._commanded = dict.fromkeys(self.boards, -math.inf)
+        self._corrected: dict[str, tuple[DataLine, RtcmFramer]] = {}
+        self._caster: Caster | None = None
+        if devices.corrections is not None:
+            self._correct(devices.corrections)
         self._valve = DataLine(devices.bare_valve.transport) if devices.bare_valve else None
         if self._valve is not None:
             self._lines[BARE_VALVE] = self._valve
-        self.boards = {body: BoardLine(settings) for body, settings in boards.items() if settings is not None}
+
+    @property
+    def commanded(self) -> float:
+        """When all steerings have been commanded last, even if only not to steer, s."""
+        valves = self._machine.can.valves.values() if self._machine.can else ()
+        return min([*self._commanded.values(), *(valve.heard for valve in valves)])
+
+    def _correct(self, settings: CorrectionsSettings) -> None:
+        """Let the receivers that can be sent corrections need them, and be the caster where it is to be here."""
+        for body in BODIES:
+            line = self._lines[body]
+            if isinstance(line, DataLine) and line.is_heard:
+                self._corrected[body] = (line, RtcmFramer())
+                self._machine.corrected[body] = -math.inf
+        if is_here(settings):
+            self._caster = stand_in_caster(settings)
 
     def advance(self, now: float) -> None:
         """Do everything up to a time, s since the start."""
         for body, line in self.boards.items():
             for data, port in line.receive():
+                if data.startswith(SET_POINT):
+                    self._commanded[body] = now
                 self._send(self._machine.receive(now, body, data, port))
         if self._valve is not None and self._machine.valve is not None:
             self._machine.valve.receive(now, self._valve.receive())
+        for body, (receiver, framer) in self._corrected.items():
+            if framer.feed(receiver.receive()):
+                self._machine.corrected[body] = now
         heard, sent = self._machine.advance(now)
         for name, data in heard:
             if name in self._lines:
@@ -205,6 +246,8 @@ class StandIns:
             line.close()
         for board in self.boards.values():
             board.close()
+        if self._caster is not None:
+            self._caster.stop()
 
 
 def _tell(driver: Driver, state: GateState) -> None:
@@ -221,13 +264,19 @@ def main() -> int:
     return serve(Orders.model_validate_json(sys.stdin.read()))
 
 
-def serve(orders: Orders, faults: Sequence[PlannedFault] = (), tell: Callable[[str], None] = lambda words: None) -> int:
+def serve(
+    orders: Orders,
+    faults: Sequence[PlannedFault] = (),
+    tell: Callable[[str], None] = lambda words: None,
+    firmware: Firmware = Firmware.AIO_V4,
+) -> int:
     """Be the machine until told to end; return an exit code.
 
     Args:
         orders: what is stood in for.
         faults: of the machine.
         tell: is given what happens when one begins.
+        firmware: of all boards.
 
     Raises:
         ConfigurationError: the machine does not have the device that one is a fault of.
@@ -236,9 +285,10 @@ def serve(orders: Orders, faults: Sequence[PlannedFault] = (), tell: Callable[[s
     path, _ = build_path(configuration)
     start, isobus = time.monotonic(), configuration.devices.isobus if configuration.devices else None
     bus = open_can(isobus.bus, lambda: time.monotonic() - start) if isobus else None
-    machine = stand_in_machine(configuration, path, local_frame(configuration), 0, bus)
+    machine = stand_in_machine(configuration, path, local_frame(configuration), 0, bus, firmware)
+    machine.driver.wait = Driver.WAIT if orders.stand_ins else Driver.WAIT_UNTOLD
     plan = FaultPlan(faults, machine)
-    lamp, ending = Mailbox(orders.socket(DRIVER)), Ending()
+    lamp, ending, seen = Mailbox(orders.socket(DRIVER)), Ending(), -math.inf
     try:
         stand_ins = StandIns(configuration, machine)
     except HardwareError as error:
@@ -249,7 +299,10 @@ def serve(orders: Orders, faults: Sequence[PlannedFault] = (), tell: Callable[[s
             state = decode(data, GateState)
             if isinstance(state, GateState):
                 _tell(machine.driver, state)
-        stand_ins.advance(time.monotonic() - start)
+                seen = time.monotonic() - start
+        now = time.monotonic() - start
+        machine.driver.attend(now, attended=now - max(seen, stand_ins.commanded) < _GONE)
+        stand_ins.advance(now)
         for words in plan.look():
             tell(words)
         wait = machine.next_time - (time.monotonic() - start)

@@ -1,11 +1,14 @@
 """Stand-ins of all devices of a configuration: the simulated machine behind receivers and boards, without wires."""
 
 import math
+from enum import Enum
 
 from drawbar.config import Configuration
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.machine.stand_in.aio_26 import Aio26
 from drawbar.machine.stand_in.aio_v4 import AioV4
 from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import StandInBoard
@@ -20,8 +23,20 @@ from drawbar.simulation import build_machine
 from drawbar.transports.base import CanBus
 
 
+class Firmware(Enum):
+    """Of the steer boards that are stood in for."""
+
+    AIO_V4 = "aio-v4"
+    AIO_26 = "aio-26"
+
+
 def stand_in_machine(
-    configuration: Configuration, path: Path, frame: LocalFrame, seed: int, bus: CanBus | None = None
+    configuration: Configuration,
+    path: Path,
+    frame: LocalFrame,
+    seed: int,
+    bus: CanBus | None = None,
+    firmware: Firmware = Firmware.AIO_V4,
 ) -> StandInMachine:
     """Return the configuration's simulated machine behind the devices that it names, receivers and boards by default.
 
@@ -31,6 +46,7 @@ def stand_in_machine(
         frame: of the path.
         seed: of everything random.
         bus: its end of the ISOBUS, where the devices name one.
+        firmware: of all boards.
     """
     ticking, devices = configuration.model_copy(update={"sample_time": TICK}), configuration.devices
     boards: dict[str, tuple[StandInBoard, HeldWheel]] = {}
@@ -38,9 +54,10 @@ def stand_in_machine(
     for index, body in enumerate(BODIES):
         receiver = getattr(devices, f"{body}_receiver") if devices else ReceiverSettings(transport="file:memory")
         encoders[body] = nmea2000(int(receiver.sender or 0x20 + index)) if receiver.is_on_can else _nmea
-        if devices is None or getattr(devices, f"{body}_board") is not None:
+        settings = getattr(devices, f"{body}_board") if devices else None
+        if devices is None or settings is not None:
             wheel = HeldWheel()
-            boards[body] = (AioV4(wheel, subnet=f"192.168.{5 + index}"), wheel)
+            boards[body] = (_board(firmware, wheel, f"192.168.{5 + index}", settings), wheel)
     isobus = devices.isobus if devices is not None else None
     can = None
     if isobus is not None and devices is not None:
@@ -57,6 +74,14 @@ def stand_in_machine(
         seed,
         StandInBareValve(devices.bare_valve) if devices is not None and devices.bare_valve is not None else None,
     )
+
+
+def _board(firmware: Firmware, wheel: HeldWheel, subnet: str, settings: SteerBoardSettings | None) -> StandInBoard:
+    if firmware is Firmware.AIO_V4:
+        return AioV4(wheel, subnet=subnet)
+    board = Aio26(wheel, subnet=subnet)
+    board.computer_port = settings.listening[1] if settings else board.computer_port
+    return board
 
 
 def _nmea(report: Report) -> list[bytes]:

@@ -17,7 +17,7 @@ def run_header(
     configuration: Configuration,
     path: Path,
     drivable: "DrivablePath | None",
-    seed: int,
+    seed: int = 0,
     frame: LocalFrame | None = None,
 ) -> RunHeader:
     """Describe a run that starts now.
@@ -26,7 +26,7 @@ def run_header(
         configuration: of the run.
         path: to drive along.
         drivable: how a recorded line was made drivable, None for other paths.
-        seed: of everything random.
+        seed: of everything random; a real machine has none.
         frame: of the path, where it is known otherwise than by its line.
     """
     frame = frame or (drivable.frame if drivable else None)

@@ -1,5 +1,6 @@
 """Writes every control step to a log that survives a crash: MCAP in compressed chunks, flushed after each step."""
 
+import math
 import os
 import time
 from contextlib import suppress
@@ -15,6 +16,8 @@ from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome
 from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
 
+_LATEST = 2**64 - 1
+"""the last time that MCAP can hold, ns"""
 JSON = "jsonschema"
 """how schemas of JSON are written"""
 
@@ -41,6 +44,7 @@ class Recorder:
         Raises StorageError when the file cannot be created.
         """
         self._file, self._steps = Path(file), 0
+        self._time, self._zero = 0, math.nan
         try:
             self._stream = self._file.open("wb")
             try:
@@ -62,7 +66,7 @@ class Recorder:
         self._channel = self._writer.add_channel(STEP_TOPIC, "json", schema)
 
     def write(self, record: StepRecord) -> None:
-        """Append one step; its time is that of its measurement.
+        """Append one step; its time is that of its measurement, counted from the first one where that is negative.
 
         Raises StorageError when it cannot be written; the steps before it are.
         """
@@ -71,13 +75,21 @@ class Recorder:
                 self._channel,
                 self._encoder.encode(record),
                 sequence=record.step,
-                log_time=round(record.measurement.time * 1e9),
+                log_time=self._log_time(record.measurement.time),
                 publish_time=time.time_ns(),
             )
             self._writer.flush()
         except OSError as error:
             raise self._full(error) from error
         self._steps += 1
+
+    def _log_time(self, seconds: float) -> int:
+        """Return a time as MCAP holds it, ns from zero on; the last one again where a clock tells none."""
+        if math.isfinite(seconds):
+            if math.isnan(self._zero):
+                self._zero = min(seconds, 0.0)
+            self._time = min(max(round((seconds - self._zero) * 1e9), 0), _LATEST)
+        return self._time
 
     def __enter__(self) -> Self:
         return self

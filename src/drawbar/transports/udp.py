@@ -5,6 +5,7 @@ import socket
 import struct
 import sys
 import time
+from contextlib import suppress
 
 from drawbar.errors import HardwareError
 from drawbar.transports.address import UdpAddress
@@ -13,8 +14,13 @@ from drawbar.transports.clock import Clock, StampConverter
 
 SO_TIMESTAMPNS = 35
 """Linux; Python has no name for it"""
+IP_PKTINFO = 8
+"""the same; says by which interface a datagram leaves"""
+EVERYONE = "255.255.255.255"
 STAMP = struct.Struct("@ll")
 """seconds and nanoseconds of the wall clock"""
+_BY_INTERFACE = struct.Struct("@iII")
+"""number of the interface, then addresses that the system is to choose"""
 LONGEST = 65536
 AT_ONCE = 1000
 """datagrams that one call of `read` takes at most"""
@@ -81,6 +87,19 @@ class UdpTransport(Transport):
             return False
         self.trouble = ""
         return True
+
+    def write_everywhere(self, data: bytes, port: int) -> None:
+        """Broadcast one datagram to a port, on every network of this computer that takes it.
+
+        Off Linux only on the network that the system prefers.
+        """
+        ways: list[list[tuple[int, int, bytes]]] = [[]]
+        if sys.platform == "linux":
+            numbers = [number for number, _ in socket.if_nameindex()]
+            ways = [[(socket.IPPROTO_IP, IP_PKTINFO, _BY_INTERFACE.pack(number, 0, 0))] for number in numbers]
+        for way in ways:
+            with suppress(OSError):  # an interface that is down, or has no address
+                self._socket.sendmsg([data], way, 0, (EVERYONE, port))
 
     def close(self) -> None:
         """Close the socket."""

@@ -6,11 +6,11 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+from board_server import BoardServer
 
 from drawbar.errors import HardwareError
 from drawbar.machine.stand_in.aio_26 import Aio26
 from drawbar.machine.stand_in.aio_v4 import AioV4
-from drawbar.machine.stand_in.board_server import BoardServer
 from drawbar.machine.stand_in.wheel import HeldWheel, MotorWheel
 from drawbar.protocols.actuator import SteeringRequest
 from drawbar.protocols.agopengps.network import HELLO

@@ -118,9 +118,16 @@ class SteerBoardSettings(Settings):
         return f"{network}.{STEER_HOST}" if last == "255" else self.address
 
     @property
+    def listening(self) -> tuple[str, int]:
+        """Host and port that replies are taken at."""
+        host, _, port = self.listen.partition(":")
+        return host, int(port or COMPUTER_PORT)
+
+    @property
     def ear(self) -> str:
         """Address of a socket for `drawbar.transports` that hears the board, and sends to nobody."""
-        return f"udp://{self.listen}" + ("" if ":" in self.listen else f":{COMPUTER_PORT}")
+        host, port = self.listening
+        return f"udp://{host}:{port}"
 
     @property
     def transport(self) -> str:
@@ -147,7 +154,7 @@ def refuse_equal_boards(boards: Sequence[SteerBoardSettings]) -> None:
                 raise ConfigurationError(
                     f"two steer boards have one address ({other.address} and {board.address}, replies from "
                     f"{other.source} and {board.source}): both would obey every set point; give each board a network "
-                    "of its own (drawbar's operator command sets a board's subnet)"
+                    "of its own, as AgOpenGPS's AgIO sets it"
                 )
 
 

@@ -32,6 +32,8 @@ HITCH_ANGLES = tuple((counts - 2048.0) / 1600.0 for counts in HITCH_COUNTS)
 """rad"""
 PULSES = 100.0
 """of its encoder, per metre"""
+_OLDEST = 600.0
+"""age of corrections that receivers tell at most, s"""
 _REPORTS = 0.04
 """between two sentences of the sensor board, s"""
 _BEGAN = datetime.datetime(2026, 6, 1, 6, 0, tzinfo=datetime.UTC)
@@ -52,7 +54,9 @@ class StandInSettings:
     speed_sigma: float = 0.02
     """standard deviation of the speed over ground, m/s"""
     correction_age: float = 1.0
-    """s"""
+    """of receivers that have corrections of their own, s"""
+    holds: float = 60.0
+    """how long a receiver keeps its RTK fix without corrections, s"""
 
 
 class Driver:
@@ -63,7 +67,9 @@ class Driver:
     PUSHED = 0.8
     """while a bare valve is calibrated, m/s"""
     WAIT = 5.0
-    """for which the vehicle stands at first, s"""
+    """for which the vehicle stands at first, once somebody is there who could steer, s"""
+    WAIT_UNTOLD = 15.0
+    """the same where no lamp tells to stand until the emergency stop has been tried, s"""
     ACCELERATION, DECELERATION = 0.5, 1.5
     """m/s²"""
     REACTION = 0.7
@@ -73,12 +79,27 @@ class Driver:
 
     def __init__(self, speed: float) -> None:
         """Take the speed at which to drive, m/s."""
-        self._speed, self._let_go = speed, math.inf
+        self._speed, self._let_go, self._came = speed, math.inf, 0.0
+        self.wait = self.WAIT
+        """for which it stands at first, s"""
         self.steered = False
         """the boards have steered since it began"""
         self.speed = 0.0
         self.told_to_stop = False
         """by the display"""
+
+    def attend(self, time: float, *, attended: bool) -> None:
+        """Stand while nobody is there who could steer, and begin again with the next who is; without this, creep.
+
+        Args:
+            time: s.
+            attended: somebody commands the steerings, even if only not to steer, or shows the lamp.
+        """
+        if attended:
+            self._came = min(self._came, time)
+        elif not self.steered or self.speed == 0.0:
+            self._came = math.inf
+            self.begin_again()
 
     def begin_again(self) -> None:
         """Creep once more, after the boards have let go and the vehicle stands."""
@@ -98,7 +119,7 @@ class Driver:
             self._let_go = math.inf
         else:
             self._let_go = min(self._let_go, time)
-        wish = self._speed if steered or self.steered else self.CREEP if time >= self.WAIT else 0.0
+        wish = self._speed if steered or self.steered else self.CREEP if time >= self._came + self.wait else 0.0
         if self.told_to_stop:
             self._let_go = min(self._let_go, time)
         if time - self._let_go >= self.REACTION:
@@ -150,6 +171,8 @@ class StandInMachine:
         self._leaving: deque[tuple[float, str, bytes]] = deque()
         self.quality = dict.fromkeys(BODIES, FixQuality.FIXED)
         """what the receivers report"""
+        self.corrected: dict[str, float] = {}
+        """when corrections came last, s, by body; only of receivers that have no RTK fix without"""
         self.silent: set[str] = set()
         """devices that are not heard: `sensors`, `tractor board`, `trailer board`"""
 
@@ -232,13 +255,14 @@ class StandInMachine:
             ("trailer", measured.trailer_x, measured.trailer_y),
         ):
             known = math.isfinite(x + y)
+            age = time - self.corrected[body] if body in self.corrected else moved.correction_age
             latitude, longitude = (float(each) for each in self._frame.level(x, y)) if known else (0.0, 0.0)
             report = Report(
                 time=_BEGAN + datetime.timedelta(seconds=round(time, 3)),
                 latitude=latitude,
                 longitude=longitude,
                 height=0.0,
-                quality=self.quality[body] if known else FixQuality.NONE,
+                quality=self._quality(body, age) if known else FixQuality.NONE,
                 sigma_east=moved.sigma,
                 sigma_north=moved.sigma,
                 speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
@@ -247,6 +271,10 @@ class StandInMachine:
                 pitch=-getattr(measured, f"{body}_pitch"),  # nose up there
                 inertial_yaw=self._yaws[body],
                 yaw_rate=getattr(measured, f"{body}_yaw_rate"),
-                correction_age=moved.correction_age,
+                correction_age=min(age, _OLDEST),
             )
             self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]
+
+    def _quality(self, body: str, age: float) -> FixQuality:
+        """Return how good a receiver says that its fix is, with corrections of an age, s."""
+        return min(self.quality[body], FixQuality.SINGLE if age > self._settings.holds else FixQuality.FIXED)

@@ -58,6 +58,8 @@ class StandInValve(Component):
         self._master: int | None = None
         """whoever may engage it, or steers"""
         self._target: float | None = None
+        self.heard = -math.inf
+        """when it was commanded last, even if only not to steer, s"""
         self._exit_reason = ExitReason.NONE
         self._command_time = self._moved = -math.inf
         node.attach(self)
@@ -79,7 +81,9 @@ class StandInValve(Component):
         command = decode_command(message.data)
         if command is None:
             self.dropped["length"] += 1
-        elif self.engaged:
+            return
+        self.heard = time
+        if self.engaged:
             self._follow(time, message.source, command)
         elif command.intention is Intention.NOT_INTENDED:
             self._master, self._exit_reason = message.source, ExitReason.NONE

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from drawbar.protocols.agopengps.frame import COMPUTER, Frame, Pgn, byte, pack
+from drawbar.protocols.agopengps.frame import COMPUTER, STEER_BOARD, Frame, Pgn, byte, pack
 
 BOARD_PORT = 8888
 """where boards listen"""
@@ -28,15 +28,23 @@ def encode_subnet(first: int, second: int, third: int) -> bytes:
     return pack(COMPUTER, Pgn.SUBNET, b"\xc9\xc9" + bytes(numbers))
 
 
+_KINDS = {STEER_BOARD: "steer board", 0x7B: "machine board", 0x79: "IMU board", 0x78: "GNSS board"}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanReply:
     """Where a board is (203)."""
 
     board: int
-    """its source byte: 7E steer, 7B machine, 79 IMU, 78 GNSS"""
+    """its source byte"""
     address: str
     subnet: str
     """the first three numbers of the asker's address"""
+
+    @property
+    def kind(self) -> str:
+        """What kind of board it is, in words."""
+        return _KINDS.get(self.board, f"board of kind {self.board:02X}")
 
 
 def decode_scan_reply(frame: Frame) -> ScanReply | None:

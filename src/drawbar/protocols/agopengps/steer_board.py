@@ -34,7 +34,8 @@ OFF_FRAMES = 3
 MASTER_GONE = 2.0
 """silence of another computer after which it counts as gone, s"""
 
-_SET_POINT = PREFIX + bytes((COMPUTER, Pgn.STEER))
+SET_POINT = PREFIX + bytes((COMPUTER, Pgn.STEER))
+"""how a datagram with a set point begins"""
 _EXPECTED = frozenset((Pgn.STEER_HELLO_REPLY, Pgn.SCAN_REPLY, Pgn.SENSOR, Pgn.TEXT))
 
 
@@ -81,11 +82,15 @@ class SteerBoard(SteeringActuator[bytes]):
         self._off_frames = 0
         self._hello = -math.inf
 
+    def is_board(self, source: str) -> bool:
+        """Return whether `source`, an `address:port`, is the board."""
+        return self._heard.is_board(source)
+
     # What comes in
 
     def receive(self, time: float, frame: bytes, source: str = "") -> None:
         """Take in one datagram of any content from `source`, an `address:port`."""
-        if frame[:4] == _SET_POINT:  # whatever follows: AIO v4 obeys broken ones too
+        if frame[:4] == SET_POINT:  # whatever follows: AIO v4 obeys broken ones too
             self._count_unless(self._heard.take_master(time, source), "set point for another network")
         elif not self._heard.is_board(source):
             self._count_unless(False, "other sender")

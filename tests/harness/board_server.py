@@ -80,11 +80,11 @@ class BoardServer:
             except OSError:  # nobody there, or no room: lost, as on a wire
                 continue
 
-    def run(self, stop: threading.Event, pace: float = 1.0) -> None:
-        """Poll until `stop` is set, waiting between ticks; the clock runs `pace` times as fast as time."""
+    def run(self, stop: threading.Event) -> None:
+        """Poll until `stop` is set, waiting between ticks."""
         while not stop.is_set():
             wait = max(self.board.next_tick - self._clock(), 0.0)
-            select.select([self._socket], [], [], min(wait, self.board.TICK) / pace)
+            select.select([self._socket], [], [], min(wait, self.board.TICK))
             self.poll()
 
     def close(self) -> None:
