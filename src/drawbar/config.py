@@ -102,9 +102,9 @@ class TuningSettings(Settings):
     error: Literal["mean", "rms", "max"] = "mean"
     """statistic of the distance from the path over a run, m, mean of both bodies; the effort is the mean |steering
     rate|, rad/s, mean of both bodies"""
-    seeds: Annotated[int, Field(ge=1)] = 5
+    seeds: Annotated[int, Field(ge=1, le=1000)] = 5
     """runs of a trial, with the seeds 0, 1, …"""
-    fresh_seeds: Annotated[int, Field(ge=2)] = 10
+    fresh_seeds: Annotated[int, Field(ge=2, le=1000)] = 10
     """runs of everything that the search found, with the seeds that follow: what it owes to luck does not come again"""
 
 

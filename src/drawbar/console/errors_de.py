@@ -194,6 +194,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}: extends = {1} ist nicht erlaubt; eine mitgelieferte Konfiguration nennen ({2}) oder eine Datei im "
         "selben Ordner, die nicht auf dieser aufbaut.",
     "has no key {}; its keys are: {}": "kennt {0} nicht; bekannt sind: {1}",
+    "{}a number must be 0, or from {} to {} to either side of it":
+        "{0}eine Zahl muss 0 sein oder auf einer Seite davon {1} bis {2}",
     "{} is not a length in metres up to {} m; millimetres? {} mm = {} m":
         "{0} m ist zu lang, höchstens {1} m; sind das Millimeter? {2} mm = {3} m",
     "{} is not an angle in radians within ±π; degrees? {}° = {} rad":

@@ -8,7 +8,18 @@ from pydantic import Field, ValidationError, model_validator
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
 from drawbar.machine.low_level.settings import LowLevelSettings
-from drawbar.settings import Angle, NonNegative, NonNegativeAngle, Offset, Positive, PositiveAngle, Settings, Speed
+from drawbar.settings import (
+    Angle,
+    DeadTime,
+    Length,
+    NonNegative,
+    NonNegativeAngle,
+    Offset,
+    Positive,
+    PositiveAngle,
+    Settings,
+    Speed,
+)
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -26,7 +37,7 @@ class ActuatorSettings(Settings):
     """mechanical stop of the front wheels, rad"""
     trailer_stop: PositiveAngle = math.radians(31.7)
     """mechanical stop of the actuated joint, rad"""
-    dead_time: NonNegative = 0.0
+    dead_time: DeadTime = 0.0
     """between a command and the first reaction of any actuator, a multiple of the integration step, s"""
     lag_factor: Positive = 1.0
     """true lag of both cylinders per the one that `vehicle.steering_lag` states"""
@@ -151,9 +162,9 @@ class TerrainSettings(Settings):
 class BodySettings(Settings):
     """How both bodies stand on the ground, see machine/attitude.py."""
 
-    tractor_track: Positive = 1.2
+    tractor_track: Length = 1.2
     """between the wheels of the rear axle, m"""
-    trailer_track: Positive = 1.2
+    trailer_track: Length = 1.2
     """between the trailer's wheels, m"""
     tractor_suspension: Positive = 0.1
     """time constant with which roll and pitch follow the ground, s"""
