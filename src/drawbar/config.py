@@ -21,7 +21,7 @@ from drawbar.control.settings import (
     TricycleControllerSettings,
     TubeSettings,
 )
-from drawbar.errors import ConfigurationError
+from drawbar.errors import ConfigurationError, demand, demand_path
 from drawbar.estimation.settings import (
     ActuationSettings,
     ArticulatedEstimatorSettings,
@@ -227,7 +227,14 @@ def load_configuration(source: str | os.PathLike[str], changes: Sequence[str] = 
     Raises:
         ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; says which and why.
     """
-    data, origin = _resolved(os.fspath(source), ())
+    name = source if isinstance(source, str) else str(demand_path("source", source, ConfigurationError))
+    if (
+        isinstance(changes, str)
+        or not isinstance(changes, Sequence)
+        or not all(isinstance(change, str) for change in changes)
+    ):
+        raise ConfigurationError(f"changes must be texts KEY=VALUE, got {changes!r}; give ['speed=1.5'], for example.")
+    data, origin = _resolved(name, ())
     return _changed(_validated(data, origin), changes, origin)
 
 
@@ -243,6 +250,12 @@ def recorded_configuration(text: str, changes: Sequence[str], origin: str) -> Co
         ConfigurationError: this version of drawbar does not know it any more, or a change is wrong; says which and why.
     """
     return _changed(_validated(tomllib.loads(text), origin), changes, origin)
+
+
+def demand_configuration(configuration: object) -> None:
+    """Raise ConfigurationError where an argument is no configuration, such as the name of one."""
+    advice = 'give what load_configuration returns, such as load_configuration("articulated")'
+    demand("configuration", configuration, Configuration, advice, ConfigurationError)
 
 
 def _changed(configuration: Configuration, changes: Sequence[str], origin: str) -> Configuration:
