@@ -161,7 +161,8 @@ def test_a_wrong_value_is_refused_by_key_value_and_what_is_allowed(change: str) 
 )
 def test_an_unknown_key_is_refused_beside_the_known_ones(change: str, section: str, key: str, known: str) -> None:
     message = refusal("articulated", change)
-    assert f"{section}: has no key {key}; its keys are: " in message
+    meant = " (did you mean wheelbase?)" if key == "wheelbse" else ""
+    assert f"{section}: has no key {key}{meant}; its keys are: " in message
     assert known in message
 
 

@@ -72,8 +72,10 @@ def test_an_absurd_number_is_told_what_is_allowed() -> None:
 
 
 def test_unknown_keys_are_told_beside_the_known_ones() -> None:
-    with pytest.raises(ValidationError, match=r"has no key widht, hight; its keys are: length, weight"):
-        Section.model_validate({"widht": 1.0, "hight": 2.0, "length": 1.0})
+    with pytest.raises(
+        ValidationError, match=r"has no key lenght \(did you mean length\?\), colour; its keys are: length, weight"
+    ):
+        Section.model_validate({"lenght": 1.0, "colour": 2.0})
 
 
 def test_a_section_does_not_change() -> None:

@@ -3,7 +3,6 @@
 import os
 import tomllib
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -32,6 +31,7 @@ from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.misspelt import meant
 from drawbar.safety.sanity import SanitySettings
 from drawbar.safety.settings import SafetySettings
 from drawbar.settings import Angle, Settings, Speed
@@ -336,10 +336,8 @@ def _read(source: str) -> tuple[str, str]:
 
 def _unknown(place: str, source: str) -> ConfigurationError:
     """Return what says that nothing has this name; the place is where it was given."""
-    near = get_close_matches(source, shipped_names(), n=1)
-    meant = f" (did you mean {near[0]}?)" if near else ""
     return ConfigurationError(
-        f"{place}: is neither a file nor a shipped configuration{meant}; "
+        f"{place}: is neither a file nor a shipped configuration{meant(source, shipped_names())}; "
         f"give a TOML file or one of: {', '.join(shipped_names())}."
     )
 

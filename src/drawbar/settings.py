@@ -6,6 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from drawbar.misspelt import meant
+
 SMALLEST, LARGEST = 1e-12, 1e9
 """Magnitudes of a number that is not zero: squares and inverse squares are finite in single precision too, and whole
 numbers are those of C."""
@@ -22,7 +24,8 @@ class Settings(BaseModel):
         """Refuse unknown keys before `extra` does, to say which ones there are."""
         unknown = [key for key in data if key not in cls.model_fields] if isinstance(data, dict) else []
         if unknown:
-            raise ValueError(f"has no key {', '.join(unknown)}; its keys are: {', '.join(cls.model_fields)}")
+            named = ", ".join(f"{key}{meant(key, cls.model_fields)}" for key in unknown)
+            raise ValueError(f"has no key {named}; its keys are: {', '.join(cls.model_fields)}")
         return data
 
     @field_validator("*")

@@ -124,7 +124,8 @@ ERRORS_DE: Mapping[str, str] = {
     "from: remove the point, or correct the origin":
         "{0}: Breite {1}°, Länge {2}° liegt mehr als {3} km von Breite {4}°, Länge {5}° entfernt: den Punkt "
         "entfernen, oder eine Linie dieses Feldes wählen",
-    "{}: has no line {}; its lines are: {}": "{0}: hat keine Linie {1}; seine Linien: {2}",
+    "{}: has no line {}{}; its lines are: {}": "{0}: hat keine Linie {1}{2}; seine Linien: {3}",
+    " (did you mean {}?)": " (gemeint: {0}?)",
     "{}: holds {} lines: {}; choose one with --track NAME or path.track":
         "{0}: enthält {1} Linien: {2}; eine davon wählen",
     "{}: has {} lines named {}; give them different names": "{0}: hat {1} Linien namens {2}; verschieden benennen",

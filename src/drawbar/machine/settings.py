@@ -290,6 +290,15 @@ class SimulatedMachineSettings(Settings):
     @model_validator(mode="after")
     def _dead_time_on_grid(self) -> Self:
         demand_whole_steps("actuators.dead_time", self.actuators.dead_time, self.step)
+        lags = {f"hydrostat.{name}": getattr(self.hydrostat, name) for name in ("speed_lag", "pedal_lag")}
+        if self.low_level.kind == "valve":
+            lags |= {"low_level.front.lag": self.low_level.front.lag, "low_level.joint.lag": self.low_level.joint.lag}
+        for name, lag in lags.items():
+            if not lag >= 0.5 * self.step:
+                raise ValueError(
+                    f"{name} = {lag} s is less than half of step = {self.step} s, which cannot follow it; raise it, or "
+                    f"lower step"
+                )
         if self.low_level.kind == "valve":
             demand_whole_steps("low_level.dead_time", self.low_level.dead_time, self.step)
         return self
