@@ -13,6 +13,8 @@ give only what differs; `--set KEY=VALUE` changes single values. `drawbar config
 of a configuration, `drawbar config NAME --toml` the whole file, `drawbar events` what may be put into
 `machine.events`.
 
+Every number is 0, or of a magnitude from 1e-12 to 1e9, whatever else is allowed.
+
 This page is made from the code by `python docs/configuration_page.py`; "list of number" means a TOML list, "table of
 number" a TOML table with names of your own.
 """

@@ -1,4 +1,5 @@
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
@@ -15,25 +16,34 @@ class Section(Settings):
     limit: PositiveAngle = 0.1
     noise: NonNegativeAngle = 0.0
     horizon: Horizon = 10
+    count: int = 0
+    pair: tuple[float, ...] = ()
+    table: Mapping[str, float] = {}
 
 
 ALLOWED: dict[str, list[Any]] = {
-    "length": [1e-300, 1e300, 2],
-    "weight": [0.0, 1e300],
+    "length": [1e-12, 1e9, 2],
+    "weight": [0.0, -0.0, 1e9],
     "share": [0.0, 1.0],
     "yaw": [-math.pi, 0.0, math.pi],
     "limit": [1e-9, math.pi],
     "noise": [0.0, math.pi],
     "horizon": [2, 1000],
+    "count": [-1_000_000_000, 1_000_000_000],
+    "pair": [(0.0, -1e9, 1e-12)],
+    "table": [{"a": 0.0, "b": -1e-12}],
 }
 REFUSED: dict[str, list[Any]] = {
-    "length": [0.0, -1.0, "1", True, None],
+    "length": [0.0, -1.0, "1", True, None, 5e-324, 0.9e-12, 1.1e9, 1e300],
     "weight": [-1e-300],
     "share": [-0.01, 1.01],
     "yaw": [3.15, -3.15, 30.0],
     "limit": [0.0, -0.1, 3.15],
     "noise": [-0.1, 3.15],
     "horizon": [1, 0, -1, 1001, 2.0, True, "10"],
+    "count": [1_000_000_001, -(10**300), 10**400],
+    "pair": [(1.0, -1e300), (1e-300, 0.0)],
+    "table": [{"a": 1.0, "b": 1e300}, {"a": -5e-324}],
 }
 
 
@@ -56,9 +66,16 @@ def test_an_angle_in_degrees_is_told_in_radians() -> None:
         Section(yaw=30.0)
 
 
+def test_an_absurd_number_is_told_what_is_allowed() -> None:
+    with pytest.raises(ValidationError, match=r"a number must be 0, or from 1e-12 to 1e\+09 to either"):
+        Section(length=1e300)
+
+
 def test_unknown_keys_are_told_beside_the_known_ones() -> None:
-    with pytest.raises(ValidationError, match=r"has no key widht, hight; its keys are: length, weight"):
-        Section.model_validate({"widht": 1.0, "hight": 2.0, "length": 1.0})
+    with pytest.raises(
+        ValidationError, match=r"has no key lenght \(did you mean length\?\), colour; its keys are: length, weight"
+    ):
+        Section.model_validate({"lenght": 1.0, "colour": 2.0})
 
 
 def test_a_section_does_not_change() -> None:

@@ -3,7 +3,6 @@
 import os
 import tomllib
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -21,7 +20,7 @@ from drawbar.control.settings import (
     TricycleControllerSettings,
     TubeSettings,
 )
-from drawbar.errors import ConfigurationError
+from drawbar.errors import ConfigurationError, demand, demand_path
 from drawbar.estimation.settings import (
     ActuationSettings,
     ArticulatedEstimatorSettings,
@@ -32,6 +31,7 @@ from drawbar.guidance.settings import GuidanceSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.misspelt import meant
 from drawbar.safety.sanity import SanitySettings
 from drawbar.safety.settings import SafetySettings
 from drawbar.settings import Angle, Settings, Speed
@@ -102,9 +102,9 @@ class TuningSettings(Settings):
     error: Literal["mean", "rms", "max"] = "mean"
     """statistic of the distance from the path over a run, m, mean of both bodies; the effort is the mean |steering
     rate|, rad/s, mean of both bodies"""
-    seeds: Annotated[int, Field(ge=1)] = 5
+    seeds: Annotated[int, Field(ge=1, le=1000)] = 5
     """runs of a trial, with the seeds 0, 1, …"""
-    fresh_seeds: Annotated[int, Field(ge=2)] = 10
+    fresh_seeds: Annotated[int, Field(ge=2, le=1000)] = 10
     """runs of everything that the search found, with the seeds that follow: what it owes to luck does not come again"""
 
 
@@ -227,7 +227,14 @@ def load_configuration(source: str | os.PathLike[str], changes: Sequence[str] = 
     Raises:
         ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; says which and why.
     """
-    data, origin = _resolved(os.fspath(source), ())
+    name = source if isinstance(source, str) else str(demand_path("source", source, ConfigurationError))
+    if (
+        isinstance(changes, str)
+        or not isinstance(changes, Sequence)
+        or not all(isinstance(change, str) for change in changes)
+    ):
+        raise ConfigurationError(f"changes must be texts KEY=VALUE, got {changes!r}; give ['speed=1.5'], for example.")
+    data, origin = _resolved(name, ())
     return _changed(_validated(data, origin), changes, origin)
 
 
@@ -243,6 +250,12 @@ def recorded_configuration(text: str, changes: Sequence[str], origin: str) -> Co
         ConfigurationError: this version of drawbar does not know it any more, or a change is wrong; says which and why.
     """
     return _changed(_validated(tomllib.loads(text), origin), changes, origin)
+
+
+def demand_configuration(configuration: object) -> None:
+    """Raise ConfigurationError where an argument is no configuration, such as the name of one."""
+    advice = 'give what load_configuration returns, such as load_configuration("articulated")'
+    demand("configuration", configuration, Configuration, advice, ConfigurationError)
 
 
 def _changed(configuration: Configuration, changes: Sequence[str], origin: str) -> Configuration:
@@ -323,10 +336,8 @@ def _read(source: str) -> tuple[str, str]:
 
 def _unknown(place: str, source: str) -> ConfigurationError:
     """Return what says that nothing has this name; the place is where it was given."""
-    near = get_close_matches(source, shipped_names(), n=1)
-    meant = f" (did you mean {near[0]}?)" if near else ""
     return ConfigurationError(
-        f"{place}: is neither a file nor a shipped configuration{meant}; "
+        f"{place}: is neither a file nor a shipped configuration{meant(source, shipped_names())}; "
         f"give a TOML file or one of: {', '.join(shipped_names())}."
     )
 

@@ -1,5 +1,9 @@
 """The errors drawbar raises at its edges; inside the control loop a status is returned instead."""
 
+import os
+from pathlib import Path
+from reprlib import repr as short
+
 
 class DrawbarError(Exception):
     """Base of every error a user is meant to read: says what was given, what is allowed and what to do."""
@@ -39,3 +43,16 @@ class StorageError(DrawbarError):
 
 class HardwareError(DrawbarError):
     """A machine did not answer as its interface promises."""
+
+
+def demand(what: str, value: object, kind: type, advice: str, error: type[DrawbarError] = DrawbarError) -> None:
+    """Raise an error where an argument is of another type than is needed."""
+    if not isinstance(value, kind):
+        raise error(f"{what} must be a {kind.__name__}, got {short(value)}; {advice}.")
+
+
+def demand_path(what: str, value: object, error: type[DrawbarError] = DrawbarError) -> Path:
+    """Return the path of a file or folder that is given as text or path; raise an error for anything else."""
+    if not isinstance(value, str | bytes | os.PathLike):
+        raise error(f"{what} must be the name of a file or folder, got {short(value)}; give a text or a Path.")
+    return Path(os.fsdecode(value))

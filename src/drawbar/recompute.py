@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drawbar.config import recorded_configuration
+from drawbar.errors import demand
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.machine.base import EndOfMeasurements
 from drawbar.machine.replayed import ReplayedMachine
@@ -60,6 +61,7 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
     Raises:
         DrawbarError: the recorded configuration, or the changed one, cannot be built.
     """
+    demand("log", log, RunLog, "give what read_log() returned")
     configuration = recorded_configuration(log.header.configuration, changes, "the log's configuration")
     autopilot = build_autopilot(configuration)
     autopilot.begin(log.header.path.path())

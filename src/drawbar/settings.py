@@ -1,13 +1,20 @@
 """The base of every configuration section, and the kinds of numbers a configuration may hold."""
 
 import math
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from drawbar.misspelt import meant
+
+SMALLEST, LARGEST = 1e-12, 1e9
+"""Magnitudes of a number that is not zero: squares and inverse squares are finite in single precision too, and whole
+numbers are those of C."""
 
 
 class Settings(BaseModel):
-    """A frozen section of a configuration: unknown keys, missing keys, NaN and infinity are refused."""
+    """A frozen section of a configuration: unknown keys, missing keys, NaN, infinity, absurd numbers are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -17,8 +24,31 @@ class Settings(BaseModel):
         """Refuse unknown keys before `extra` does, to say which ones there are."""
         unknown = [key for key in data if key not in cls.model_fields] if isinstance(data, dict) else []
         if unknown:
-            raise ValueError(f"has no key {', '.join(unknown)}; its keys are: {', '.join(cls.model_fields)}")
+            named = ", ".join(f"{key}{meant(key, cls.model_fields)}" for key in unknown)
+            raise ValueError(f"has no key {named}; its keys are: {', '.join(cls.model_fields)}")
         return data
+
+    @field_validator("*")
+    @classmethod
+    def _of_sane_magnitude(cls, value: Any) -> Any:
+        """Refuse numbers with which nobody can compute, those of lists and tables included."""
+        for place, number in _numbers(value):
+            if number and not SMALLEST <= abs(number) <= LARGEST:
+                raise ValueError(f"{place}a number must be 0, or from {SMALLEST:g} to {LARGEST:g} to either side of it")
+        return value
+
+
+def _numbers(value: Any) -> Iterator[tuple[str, float]]:
+    """Yield the number that a value is, or all that it holds, each with its name in a table and a colon.
+
+    Sections within the value have looked at their own numbers.
+    """
+    if isinstance(value, int | float):
+        yield "", value
+    elif isinstance(value, Mapping):
+        yield from ((f"{name} = {each}: ", each) for name, each in value.items() if isinstance(each, int | float))
+    elif isinstance(value, tuple):
+        yield from (found for each in value for found in _numbers(each))
 
 
 def radians(value: float) -> float:
@@ -54,6 +84,8 @@ def metres_per_second(value: float) -> float:
 
 Positive = Annotated[float, Field(gt=0.0)]
 NonNegative = Annotated[float, Field(ge=0.0)]
+DeadTime = Annotated[float, Field(ge=0.0, le=5.0)]
+"""Of a simulated actuator, s: commands are kept for so long."""
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Length = Annotated[float, Field(gt=0.0), AfterValidator(metres)]
 """A length of a vehicle's part or a distance near it, m; one above 30 m is taken for millimetres and refused."""

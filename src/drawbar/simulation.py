@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterator
-from numbers import Integral
+from numbers import Integral, Real
 from pathlib import Path as FilePath
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from drawbar.bounded import BoundedSequence, Draw
-from drawbar.config import Configuration
+from drawbar.config import Configuration, demand_configuration
 from drawbar.control.tube.adversary import worst_signs
-from drawbar.errors import ConfigurationError, DrawbarError, HardwareError, PathError
+from drawbar.errors import ConfigurationError, DrawbarError, HardwareError, PathError, demand
 from drawbar.estimation.ideal import ideal_estimate
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.geometry import Floats, wrap
@@ -65,9 +65,12 @@ def drive(
         HardwareError: the machine reports no measurements, or its first one lacks a time or a position.
         PathError: the vehicle stands too far from where the run is to begin, or the autopilot has no path.
         EndOfMeasurements: the machine has no more of them.
+        DrawbarError: machine or autopilot is none, or the time limit no positive number.
     """
-    if not isinstance(machine, Machine):
-        raise HardwareError(f"{type(machine).__name__} is no machine; let it inherit from drawbar.Machine.")
+    demand("machine", machine, Machine, "give a subclass of drawbar.Machine")
+    demand("autopilot", autopilot, Autopilot, "give what build_autopilot() returned")
+    if not (isinstance(time_limit, Real) and time_limit > 0.0):
+        raise DrawbarError(f"time_limit = {time_limit!r} is not allowed; give a positive number of seconds.")
     begin, before = math.nan, Status.OK
     with machine:
         while True:
@@ -136,6 +139,9 @@ class Simulation:
             ConfigurationError: the configuration contradicts itself, or the seed is none.
             CompilerError: the control step could not be compiled.
         """
+        demand_configuration(configuration)
+        if path is not None:
+            demand("path", path, Path, "give one that build_path() made, or Path.through()", PathError)
         given: Any = seed
         if not (isinstance(given, Integral) and int(given) >= 0):
             raise ConfigurationError(f"seed = {seed!r} is not allowed; give a whole number of 0 or more.")
@@ -206,6 +212,7 @@ def build_path(configuration: Configuration) -> "tuple[Path, DrivablePath | None
     Raises:
         PathError: the line cannot be read or driven.
     """
+    demand_configuration(configuration)
     path, drivable = _shaped_path(configuration)
     demand_steering(
         path, configuration.vehicle, speed=configuration.speed, tolerance=configuration.guidance.path_tolerance

@@ -151,5 +151,7 @@ def test_experiments_are_found_by_name_by_path_and_all(
         (tmp_path / "experiments" / name / "experiment.toml").write_text(two_cases, "utf-8")
     assert [folder.name for folder in find_experiments("all")] == ["first", "second"]
     assert find_experiments("second") == [Path("experiments/second")]
-    with pytest.raises(ConfigurationError, match=r"third: is no experiment .* first, second"):
+    with pytest.raises(ConfigurationError, match=r"third: is no experiment, .* first, second"):
         find_experiments("third")
+    with pytest.raises(ConfigurationError, match=r"frist: is no experiment \(did you mean first\?\), which"):
+        find_experiments("frist")

@@ -1,12 +1,18 @@
 """`drawbar export` as its user sees it."""
 
 import json
+import signal
+import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from drawbar.cli import main as cli
+from drawbar.errors import CompilerError
+from drawbar.export import export
+from drawbar.export.targets import Target
 from drawbar.optimal.transcription import CONTROL_ITERATIONS, ESTIMATION_ITERATIONS
 
 Drawbar = Callable[..., tuple[int, str]]
@@ -62,6 +68,44 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
     code, said = drawbar("articulated", "--out", "library")
     assert (code, "src/mine.c" in said) == (2, True)
     assert (folder / "src" / "mine.c").read_text("utf-8") == "mine"
+
+
+def left_behind(folder: Path) -> dict[str, bytes]:
+    return {str(file.relative_to(folder)): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+
+
+def test_an_export_that_was_killed_does_not_block_the_next(drawbar: Drawbar, tmp_path) -> None:
+    program = """
+import os, signal, sys
+import drawbar.export.export as export
+from drawbar.cli.main import main
+def killed(target, folder):
+    (folder / "lib" / target.name).mkdir(parents=True)
+    (folder / "lib" / target.name / "half.o").write_text("half")
+    os.kill(os.getpid(), signal.SIGTERM)
+export.build_target = killed
+sys.argv = ["drawbar", "export", "articulated", "--out", "library", "--target", "cortex-m7"]
+main()
+"""
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=False)
+    assert done.returncode == -signal.SIGTERM
+    assert list((tmp_path / "library").rglob("half.o"))
+    assert drawbar("articulated", "--out", "library")[0] == 0
+    assert not list((tmp_path / "library").rglob("half.o"))
+
+
+def test_an_export_that_fails_leaves_the_earlier_one(drawbar: Drawbar, tmp_path, monkeypatch) -> None:
+    assert drawbar("articulated", "--out", "library")[0] == 0
+    before = left_behind(tmp_path / "library")
+
+    def refused(target: Target, folder: Path) -> None:
+        (folder / "lib").mkdir()
+        raise CompilerError("refused")
+
+    monkeypatch.setattr(export, "build_target", refused)
+    code, said = drawbar("articulated", "--out", "library", "--target", "cortex-m7", "--set", "speed=0.8")
+    assert (code, "refused" in said) == (2, True)
+    assert left_behind(tmp_path / "library") == before
 
 
 REFUSED = {

@@ -115,6 +115,11 @@ def test_a_triple_of_several_targets_is_refused_with_their_names() -> None:
         find_target("thumb-freestanding-eabihf")
 
 
+def test_the_nearest_target_is_suggested() -> None:
+    with pytest.raises(ConfigurationError, match=r"no such target \(did you mean windows-x86_64\?\); there are"):
+        find_target("windows-x86-64")
+
+
 def test_an_unknown_target_is_refused_with_the_list() -> None:
     with pytest.raises(ConfigurationError, match=r"'sparc'.* linux-x86_64 \(x86_64-linux-gnu\).* cortex-m7"):
         find_target("sparc")

@@ -12,6 +12,12 @@ from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
 LOSS = {"kind": "gps_loss", "start": 1.0, "duration": 2.0}
 
 
+@pytest.mark.parametrize("name", ["speed_lag", "pedal_lag"])
+def test_a_lag_that_the_step_cannot_follow_is_refused(name: str) -> None:
+    with pytest.raises(ValidationError, match=rf"hydrostat\.{name} = 0\.004 s is less than half of step = 0\.01 s"):
+        SimulatedMachineSettings.model_validate({"hydrostat": {name: 0.004}})
+
+
 def test_events_are_read_by_their_kind_from_a_list() -> None:
     """As a TOML array of tables delivers them."""
     bump = {"kind": "bump", "start": 3.0, "lateral": 0.05}

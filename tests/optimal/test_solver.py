@@ -80,9 +80,9 @@ def test_writing_in_place_is_allowed() -> None:
     assert (solver.workspace.array("y") == 2.0).all()
 
 
-@pytest.mark.parametrize("phase", ["feedback", "shift", "advance"])
+@pytest.mark.parametrize("phase", ["feedback", "shift", "advance", "solve", "residuals"])
 def test_a_phase_before_start_is_refused(phase: str) -> None:
-    with pytest.raises(SolverError, match=re.escape("call start() before the first feedback()")):
+    with pytest.raises(SolverError, match=re.escape("call start() before the first feedback(), advance() or solve()")):
         getattr(controller(), phase)()
 
 
@@ -101,12 +101,55 @@ def test_a_trajectory_of_ones_own_may_be_prepared_instead() -> None:
     assert solver.feedback() == SolverStatus.SOLVED
 
 
+@pytest.mark.parametrize("value", [np.nan, 1e300])
 @pytest.mark.parametrize("name", ["initial", "p"])
-def test_start_needs_finite_numbers(name: str) -> None:
+def test_start_needs_finite_numbers(name: str, value: float) -> None:
     solver = controller()
-    getattr(solver, name).flat[0] = np.nan
-    with pytest.raises(SolverError, match=re.escape(f"start() needs finite numbers in {name}")):
+    getattr(solver, name).flat[0] = value
+    with pytest.raises(SolverError, match=re.escape(f"start() needs {name} written, which must be ")):
         solver.start()
+
+
+@pytest.mark.parametrize("wrong", ["rest", [[0.0], [0.0, 1.0]], np.zeros(3), np.full((N + 1, 2), 1e300), {}])
+def test_a_start_that_is_no_trajectory_is_refused_and_writes_nothing(wrong: Any) -> None:
+    solver = controller()
+    with pytest.raises(SolverError, match=re.escape(f"start(): x must be an array ({N + 1}, 2) of finite numbers")):
+        solver.start(x=wrong)
+    with pytest.raises(SolverError, match=re.escape(f"start(): u must be an array ({N}, 1) of finite numbers")):
+        solver.start(x=np.ones((N + 1, 2)), u=wrong)
+    assert not solver.x.any()
+
+
+@pytest.mark.parametrize("value", [1.1e12, 1e300, np.inf, -np.inf])
+def test_a_measurement_beyond_all_numbers_is_refused_and_then_missing(value: float) -> None:
+    prior = np.array([0.0, 0.5, 0.0])
+    solver, masked = estimator(prior), estimator(prior)
+    for sample in range(3 * N):
+        for each, wrong in ((solver, value), (masked, np.nan)):
+            each.y[each.newest] = (wrong if sample == N + 1 else 0.25 * sample, 0.0)
+            before = each.x.copy()
+            status = each.feedback()
+            if each is solver and sample == N + 1:
+                assert status == SolverStatus.BAD_INPUT
+                np.testing.assert_array_equal(each.x, before)
+            else:
+                assert status == SolverStatus.SOLVED
+            assert each.advance() == SolverStatus.SOLVED
+    np.testing.assert_allclose(solver.x, masked.x, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["y", "p", "initial"])
+def test_what_a_controller_cannot_compute_with_is_refused_and_leaves_nothing_behind(name: str) -> None:
+    solver = controller()
+    solver.start()
+    assert solver.feedback() == SolverStatus.SOLVED
+    plan = solver.x.copy()
+    array = getattr(solver, name)
+    array.flat[-1] = 1e300
+    assert solver.feedback() == SolverStatus.BAD_INPUT
+    np.testing.assert_array_equal(solver.x, plan)
+    array.flat[-1] = 0.0
+    assert solver.prepare() == solver.feedback() == SolverStatus.SOLVED
 
 
 def test_bounds_of_every_stage_are_written_by_name() -> None:
@@ -152,9 +195,13 @@ def test_another_array_for_a_bound_is_refused() -> None:
     ("prior", "complaint"),
     [
         (None, "An estimator needs a prior: a first guess of position, speed, drag"),
-        (np.zeros(2), "The prior must be 3 finite numbers, position, speed, drag; got [0.0, 0.0]"),
+        (np.zeros(2), "The prior must be 3 finite numbers within ±1e+12, position, speed, drag; got [0.0, 0.0]"),
         (np.zeros((3, 1)), "The prior must be 3 finite numbers"),
         (np.array([0.0, np.nan, 0.0]), "The prior must be 3 finite numbers"),
+        (np.array([0.0, 1e300, 0.0]), "The prior must be 3 finite numbers within ±1e+12"),
+        ("still", "got 'still'"),
+        ([0.0, [1.0], 2.0], "got [0.0, [1.0], 2.0]"),
+        ({"position": 0.0}, "got {'position': 0.0}"),
     ],
 )
 def test_a_prior_that_is_none_is_refused(prior: Any, complaint: str) -> None:
@@ -182,9 +229,17 @@ def test_an_arrival_cost_of_ones_own() -> None:
     np.testing.assert_array_equal(solver.root, root)
 
 
-@pytest.mark.parametrize("root", [np.zeros((2, 2)), np.tril(np.ones((3, 3))), np.full((3, 3), np.nan)])
-def test_a_root_that_is_none_is_refused(root: Any) -> None:
-    with pytest.raises(SolverError, match=re.escape("root must be (3, 3), finite and upper triangular")):
+@pytest.mark.parametrize(
+    ("root", "complaint"),
+    [
+        (np.zeros((2, 2)), "root must be an array (3, 3) of finite numbers"),
+        (np.full((3, 3), np.nan), "root must be an array (3, 3) of finite numbers"),
+        ("round", "upper triangular; got 'round'"),
+        (np.tril(np.ones((3, 3))), "root must be upper triangular"),
+    ],
+)
+def test_a_root_that_is_none_is_refused(root: Any, complaint: str) -> None:
+    with pytest.raises(SolverError, match=re.escape(complaint)):
         estimator().set_arrival_cost(PRIOR, root)
 
 

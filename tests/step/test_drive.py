@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from mcap.reader import make_reader
 
-from drawbar.errors import HardwareError, PathError
+from drawbar.errors import DrawbarError, HardwareError, PathError
 from drawbar.machine.base import Machine
 from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
@@ -198,7 +198,7 @@ def test_a_clock_below_zero_is_as_good_as_any(build, tmp_path):
 
 def test_what_is_no_machine_and_an_autopilot_without_a_path_are_refused(build):
     simulation = short(build)
-    with pytest.raises(HardwareError, match=r"SimpleNamespace is no machine; let it inherit from drawbar\.Machine"):
+    with pytest.raises(DrawbarError, match=r"machine must be a Machine, got namespace\(\)"):
         next(drive(SimpleNamespace(), simulation.autopilot, time_limit=1.0))  # type: ignore[arg-type]
     machine = Watched(simulation.machine)
     with pytest.raises(PathError, match=r"no path; call autopilot\.begin\(path\)"):

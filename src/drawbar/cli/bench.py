@@ -5,11 +5,13 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import console
+from drawbar.cli.options import console, written
 
 
 def bench(
-    json: Annotated[FilePath | None, typer.Option(help="also write the figures to this file")] = None,
+    json: Annotated[
+        FilePath | None, typer.Option(parser=written, metavar="PATH", help="also write the figures to this file")
+    ] = None,
 ) -> None:
     """Measure the solvers: phases, floor, bounds, growth, other solvers beside them, and the whole step in C."""
     from drawbar.benchmark.bench import run_benchmark

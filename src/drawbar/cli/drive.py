@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.options import ConfigurationName, console, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
@@ -26,7 +26,10 @@ def drive(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. speed=0.8"),
     ] = None,
-    out: Annotated[FilePath | None, typer.Option(help="folder for log and report; default: a new one in runs/")] = None,
+    out: Annotated[
+        FilePath | None,
+        typer.Option(parser=written, metavar="PATH", help="folder for log and report; default: a new one in runs/"),
+    ] = None,
     by_hand: Annotated[
         bool, typer.Option("--by-hand", help="with stand-ins: engage by the keys, as on a machine")
     ] = False,

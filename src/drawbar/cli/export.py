@@ -5,13 +5,13 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.options import ConfigurationName, console, written
 from drawbar.export.targets import TARGETS, Precision, find_target
 
 
 def export(
     configuration: ConfigurationName,
-    out: Annotated[FilePath, typer.Option(help="folder for the library")],
+    out: Annotated[FilePath, typer.Option(parser=written, metavar="PATH", help="folder for the library")],
     targets: Annotated[
         list[str] | None,
         typer.Option("--target", metavar="TARGET", help=f"build for {', '.join(target.name for target in TARGETS)}"),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import RunLogFile, console, refuse_to_replace
+from drawbar.cli.options import RunLogFile, console, refuse_to_replace, written
 from drawbar.errors import DrawbarError
 
 if TYPE_CHECKING:
@@ -23,9 +23,15 @@ def group() -> None:
 @log.command()
 def export(
     file: RunLogFile,
-    csv: Annotated[FilePath | None, typer.Option(help="table of all numbers of all steps")] = None,
-    ros2: Annotated[FilePath | None, typer.Option(help="MCAP with standard ROS 2 messages")] = None,
-    geojson: Annotated[FilePath | None, typer.Option(help="path and tracks in WGS84")] = None,
+    csv: Annotated[
+        FilePath | None, typer.Option(parser=written, metavar="PATH", help="table of all numbers of all steps")
+    ] = None,
+    ros2: Annotated[
+        FilePath | None, typer.Option(parser=written, metavar="PATH", help="MCAP with standard ROS 2 messages")
+    ] = None,
+    geojson: Annotated[
+        FilePath | None, typer.Option(parser=written, metavar="PATH", help="path and tracks in WGS84")
+    ] = None,
 ) -> None:
     """Write a log's content in other formats."""
     from drawbar.recording.log import read_log

@@ -36,6 +36,13 @@ Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
 
 
+def written(text: str) -> FilePath:
+    """Return the path of what is to be written; an empty one would be the working directory."""
+    if not text:
+        raise typer.BadParameter("is empty; name a file or folder, or leave the option out")
+    return FilePath(text)
+
+
 def agreed(*questions: str) -> bool:
     """Ask the operator before something is moved; return whether every answer is yes."""
     for question in questions:

@@ -5,13 +5,15 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, configured, console, refuse_to_replace
+from drawbar.cli.options import ConfigurationName, configured, console, refuse_to_replace, written
 from drawbar.errors import DrawbarError
 
 
 def path(
     configuration: ConfigurationName,
-    out: Annotated[FilePath, typer.Option(help="file for the table: .csv, or .h for a C array")],
+    out: Annotated[
+        FilePath, typer.Option(parser=written, metavar="PATH", help="file for the table: .csv, or .h for a C array")
+    ],
     line: Annotated[
         str | None,
         typer.Option("--path", help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: its own"),

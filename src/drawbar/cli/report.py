@@ -5,13 +5,16 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import RunLogFile, console
+from drawbar.cli.options import RunLogFile, console, written
 from drawbar.errors import DrawbarError
 
 
 def report(
     log: RunLogFile,
-    out: Annotated[FilePath | None, typer.Option(help="folder for the report; default: beside the log")] = None,
+    out: Annotated[
+        FilePath | None,
+        typer.Option(parser=written, metavar="PATH", help="folder for the report; default: beside the log"),
+    ] = None,
 ) -> None:
     """Make report, metrics and map of a run from its log; a log that a crash or a full disk cut off will do."""
     from drawbar.report.console import summary

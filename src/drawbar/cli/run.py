@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, compiling, configured, console
+from drawbar.cli.options import ConfigurationName, compiling, configured, console, written
 from drawbar.errors import DrawbarError, StorageError
 
 if TYPE_CHECKING:
@@ -28,7 +28,10 @@ def run(
         typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. vehicle.wheelbase=1.5"),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all randomness in the simulated machine")] = 0,
-    out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: a new one in runs/")] = None,
+    out: Annotated[
+        FilePath | None,
+        typer.Option(parser=written, metavar="PATH", help="folder for the results; default: a new one in runs/"),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite the run that is in the folder")] = False,
 ) -> None:
     """Drive a whole run in simulation and report on it."""

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console
+from drawbar.cli.options import ConfigurationName, console, written
 
 
 def tube(
@@ -18,7 +18,10 @@ def tube(
         list[FilePath] | None,
         typer.Option("--from-log", metavar="RUN.mcap", help="compare a recorded run with the declared bounds"),
     ] = None,
-    out: Annotated[FilePath | None, typer.Option(help="folder for the pictures; default: runs/NAME-tube")] = None,
+    out: Annotated[
+        FilePath | None,
+        typer.Option(parser=written, metavar="PATH", help="folder for the pictures; default: runs/NAME-tube"),
+    ] = None,
 ) -> None:
     """Compute the invariant sets of both bodies and what they leave of every bound."""
     from drawbar.config import load_configuration

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import Cluster, ConfigurationName, Jobs, console, one_cluster
+from drawbar.cli.options import Cluster, ConfigurationName, Jobs, console, one_cluster, written
 
 
 def tune(
@@ -25,7 +25,10 @@ def tune(
     seed: Annotated[int, typer.Option(min=0, help="of the search")] = 0,
     jobs: Jobs = None,
     cluster: Cluster = "",
-    out: Annotated[FilePath | None, typer.Option(help="folder for the results; default: runs/NAME-tune")] = None,
+    out: Annotated[
+        FilePath | None,
+        typer.Option(parser=written, metavar="PATH", help="folder for the results; default: runs/NAME-tune"),
+    ] = None,
 ) -> None:
     """Search weights or look-ahead for the least error and the least steering; the same command goes on."""
     from drawbar.experiment.extras import require_extras

@@ -124,7 +124,8 @@ ERRORS_DE: Mapping[str, str] = {
     "from: remove the point, or correct the origin":
         "{0}: Breite {1}°, Länge {2}° liegt mehr als {3} km von Breite {4}°, Länge {5}° entfernt: den Punkt "
         "entfernen, oder eine Linie dieses Feldes wählen",
-    "{}: has no line {}; its lines are: {}": "{0}: hat keine Linie {1}; seine Linien: {2}",
+    "{}: has no line {}{}; its lines are: {}": "{0}: hat keine Linie {1}{2}; seine Linien: {3}",
+    " (did you mean {}?)": " (gemeint: {0}?)",
     "{}: holds {} lines: {}; choose one with --track NAME or path.track":
         "{0}: enthält {1} Linien: {2}; eine davon wählen",
     "{}: has {} lines named {}; give them different names": "{0}: hat {1} Linien namens {2}; verschieden benennen",
@@ -194,6 +195,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}: extends = {1} ist nicht erlaubt; eine mitgelieferte Konfiguration nennen ({2}) oder eine Datei im "
         "selben Ordner, die nicht auf dieser aufbaut.",
     "has no key {}; its keys are: {}": "kennt {0} nicht; bekannt sind: {1}",
+    "{}a number must be 0, or from {} to {} to either side of it":
+        "{0}eine Zahl muss 0 sein oder auf einer Seite davon {1} bis {2}",
     "{} is not a length in metres up to {} m; millimetres? {} mm = {} m":
         "{0} m ist zu lang, höchstens {1} m; sind das Millimeter? {2} mm = {3} m",
     "{} is not an angle in radians within ±π; degrees? {}° = {} rad":

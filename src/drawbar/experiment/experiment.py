@@ -16,6 +16,7 @@ from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.alteration import Alteration, find_alteration
 from drawbar.experiment.task import Task
+from drawbar.misspelt import meant
 from drawbar.settings import Positive, Settings
 
 FILE_NAME = "experiment.toml"
@@ -181,8 +182,10 @@ def find_experiments(name: str) -> list[Path]:
         if (folder / FILE_NAME).is_file():
             return [folder]
     listed = ", ".join(folder.name for folder in known) or "none; run the command where drawbar's repository lies"
+    near = meant(name, [folder.name for folder in known])
     raise ConfigurationError(
-        f"{name}: is no experiment (a folder with {FILE_NAME}). Give a folder, `all`, or one of {FOLDER}/: {listed}."
+        f"{name}: is no experiment{near}, which is a folder with {FILE_NAME}. Give a folder, `all`, or one of "
+        f"{FOLDER}/: {listed}."
     )
 
 

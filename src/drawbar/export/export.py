@@ -19,12 +19,14 @@ from drawbar.export.memory import Memory
 from drawbar.export.precision import single, single_memory, single_text
 from drawbar.export.recording import measurement_table, path_table, record
 from drawbar.export.targets import Precision, Target
-from drawbar.export.toolchain import Built, build_target
+from drawbar.export.toolchain import build_target
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
 from drawbar.step.library import StepSettings
 
 _FOLDERS = ("include", "src", "example", "lib")
+_UNFINISHED = ".unfinished"
+"""folder beside them in which an export grows; that of one that was killed is thrown away"""
 _SEED = 0
 """of the simulated run whose measurements go with the example"""
 
@@ -37,7 +39,8 @@ def export_library(
 ) -> None:
     """Write the library's sources, its example and its manifest, and build it for each target.
 
-    The folder is new, empty, or that of an earlier export, which its manifest tells, and which is replaced.
+    The folder is new, empty, or that of an earlier export, which its manifest tells, and which is replaced once all is
+    built.
 
     Raises:
         ConfigurationError: a component of the configuration exists in simulation only.
@@ -56,17 +59,19 @@ def export_library(
         "example/path.csv": path_table(simulation.path),
         "example/measurements.csv": measurement_table(record(simulation)),
     }
+    unfinished = folder / _UNFINISHED
     try:
-        for name in _FOLDERS:
-            shutil.rmtree(folder / name, ignore_errors=True)
+        shutil.rmtree(unfinished, ignore_errors=True)
         for name, text in files.items():
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_text(text, "utf-8", newline="\n")
-        _write_manifest(folder, manifest(configuration, precision, components, memory, []))
-        builds = _built(folder, targets)
-        _write_manifest(folder, manifest(configuration, precision, components, memory, builds))
+            (unfinished / name).parent.mkdir(parents=True, exist_ok=True)
+            (unfinished / name).write_text(text, "utf-8", newline="\n")
+        builds = [build_target(target, unfinished) for target in targets]
+        _write_manifest(unfinished, manifest(configuration, precision, components, memory, builds))
+        _replace(folder, unfinished)
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
 
 
 def _require_room(folder: Path) -> None:
@@ -79,21 +84,21 @@ def _require_room(folder: Path) -> None:
     except (OSError, ValueError, KeyError, TypeError):
         written = set()
     places = [folder / name for name in _FOLDERS] if written else [folder]
-    found = (file for place in places for file in place.rglob("*") if not file.is_dir())
-    other = next((name for file in found if (name := file.relative_to(folder).as_posix()) not in written), None)
+    found = (file.relative_to(folder) for place in places for file in place.rglob("*") if not file.is_dir())
+    foreign = (file for file in found if file.as_posix() not in written and file.parts[0] != _UNFINISHED)
+    other = next((file.as_posix() for file in foreign), None)
     if other is not None:
         raise DrawbarError(
             f"{folder}: holds files that no earlier export wrote ({other}); choose another --out folder, or empty it."
         )
 
 
-def _built(folder: Path, targets: Sequence[Target]) -> list[Built]:
-    """Build the library for each target; where one cannot be built, none is left."""
-    try:
-        return [build_target(target, folder) for target in targets]
-    except BaseException:
-        shutil.rmtree(folder / "lib", ignore_errors=True)
-        raise
+def _replace(folder: Path, finished: Path) -> None:
+    """Put a finished export in the place of an earlier one."""
+    for name in _FOLDERS:
+        shutil.rmtree(folder / name, ignore_errors=True)
+    for made in finished.iterdir():
+        made.replace(folder / made.name)
 
 
 def _write_manifest(folder: Path, content: dict[str, Any]) -> None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from drawbar.errors import ConfigurationError
+from drawbar.misspelt import meant
 
 FLAGS = (
     "-std=c99",
@@ -112,6 +113,7 @@ def find_target(name: str) -> Target:
     if len(found) == 1:
         return found[0]
     known = ", ".join(f"{target.name} ({target.triple})" for target in TARGETS)
+    near = "" if found else meant(name, [target.name for target in TARGETS])
     raise ConfigurationError(
-        f"--target {name!r}: {'several targets' if found else 'no such target'}; there are {known}."
+        f"--target {name!r}: {'several targets' if found else 'no such target'}{near}; there are {known}."
     )

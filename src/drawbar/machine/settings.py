@@ -8,7 +8,18 @@ from pydantic import Field, ValidationError, model_validator
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
 from drawbar.machine.low_level.settings import LowLevelSettings
-from drawbar.settings import Angle, NonNegative, NonNegativeAngle, Offset, Positive, PositiveAngle, Settings, Speed
+from drawbar.settings import (
+    Angle,
+    DeadTime,
+    Length,
+    NonNegative,
+    NonNegativeAngle,
+    Offset,
+    Positive,
+    PositiveAngle,
+    Settings,
+    Speed,
+)
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -26,7 +37,7 @@ class ActuatorSettings(Settings):
     """mechanical stop of the front wheels, rad"""
     trailer_stop: PositiveAngle = math.radians(31.7)
     """mechanical stop of the actuated joint, rad"""
-    dead_time: NonNegative = 0.0
+    dead_time: DeadTime = 0.0
     """between a command and the first reaction of any actuator, a multiple of the integration step, s"""
     lag_factor: Positive = 1.0
     """true lag of both cylinders per the one that `vehicle.steering_lag` states"""
@@ -151,9 +162,9 @@ class TerrainSettings(Settings):
 class BodySettings(Settings):
     """How both bodies stand on the ground, see machine/attitude.py."""
 
-    tractor_track: Positive = 1.2
+    tractor_track: Length = 1.2
     """between the wheels of the rear axle, m"""
-    trailer_track: Positive = 1.2
+    trailer_track: Length = 1.2
     """between the trailer's wheels, m"""
     tractor_suspension: Positive = 0.1
     """time constant with which roll and pitch follow the ground, s"""
@@ -279,6 +290,15 @@ class SimulatedMachineSettings(Settings):
     @model_validator(mode="after")
     def _dead_time_on_grid(self) -> Self:
         demand_whole_steps("actuators.dead_time", self.actuators.dead_time, self.step)
+        lags = {f"hydrostat.{name}": getattr(self.hydrostat, name) for name in ("speed_lag", "pedal_lag")}
+        if self.low_level.kind == "valve":
+            lags |= {"low_level.front.lag": self.low_level.front.lag, "low_level.joint.lag": self.low_level.joint.lag}
+        for name, lag in lags.items():
+            if not lag >= 0.5 * self.step:
+                raise ValueError(
+                    f"{name} = {lag} s is less than half of step = {self.step} s, which cannot follow it; raise it, or "
+                    f"lower step"
+                )
         if self.low_level.kind == "valve":
             demand_whole_steps("low_level.dead_time", self.low_level.dead_time, self.step)
         return self

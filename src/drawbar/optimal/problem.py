@@ -8,9 +8,13 @@ from typing import Any
 
 import casadi as ca
 
-from drawbar.errors import SolverError
+from drawbar.errors import SolverError, demand
 from drawbar.vehicle.integrators import Integrator
 from drawbar.vehicle.model import Model, Variable
+
+LONGEST_HORIZON, MOST_INTERVALS = 10_000, 100
+"""samples of a horizon, and integration steps in an interval; shooting intervals in a sample: code and memory grow with
+them"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +94,7 @@ class ControlProblem:
     what it should be"""
 
     def __post_init__(self) -> None:
+        _check_model(self.model)
         _check_time(self)
         _check_intervals(self.intervals_per_sample)
         model = self.model
@@ -104,7 +109,7 @@ class ControlProblem:
                 f"terminal_weights: {', '.join(map(repr, weighed))} of {model.name!r} depends on an input, which "
                 f"the last stage does not have; leave it out, or give 0.0."
             )
-        if self.initial_weights:
+        if self.initial_weights != {}:
             _check_values("initial_weights", self.initial_weights, model.states)
         _check_values("change_weights", self.change_weights, model.inputs, required=())
         _check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs, "output": model.outputs})
@@ -193,6 +198,7 @@ class EstimationProblem:
     """of an adaptive integrator: estimated error that a step may have, relative to one unit of a state plus its size"""
 
     def __post_init__(self) -> None:
+        _check_model(self.model)
         _check_time(self)
         model, estimated = self.model, self.estimated
         _check_values("weights", self.weights, model.outputs)
@@ -226,6 +232,10 @@ def _check_numbers(what: str, **given: Any) -> None:
         raise SolverError(f"{what}: numbers are allowed, got {', '.join(wrong)}; give numbers.")
 
 
+def _check_model(model: Any) -> None:
+    demand("model", model, Model, "give one that declare() or Model(...) made", SolverError)
+
+
 def _check_time(problem: ControlProblem | EstimationProblem) -> None:
     horizon, sample_time, steps = problem.horizon, problem.sample_time, problem.integration_steps
     if not (isinstance(horizon, Integral) and isinstance(steps, Integral)):
@@ -239,6 +249,11 @@ def _check_time(problem: ControlProblem | EstimationProblem) -> None:
         raise SolverError(f"integrator = {problem.integrator!r} is none of {allowed}; give one of these.")
     if horizon < 2 or steps < 1:
         raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
+    if horizon > LONGEST_HORIZON or steps > LONGEST_HORIZON:
+        raise SolverError(
+            f"horizon and integration_steps must be at most {LONGEST_HORIZON}, got {horizon} and {steps}; take longer "
+            f"samples."
+        )
     if problem.integrator == Integrator.ADAPTIVE and steps < 2:
         raise SolverError(
             f"An adaptive integrator needs integration_steps, the most that it may try, of at least 2, got {steps}; "
@@ -251,8 +266,8 @@ def _check_time(problem: ControlProblem | EstimationProblem) -> None:
 
 
 def _check_intervals(intervals: Any) -> None:
-    if not (isinstance(intervals, Integral) and int(intervals) >= 1):
-        raise SolverError(f"intervals_per_sample must be a whole number of at least 1, got {intervals!r}.")
+    if not (isinstance(intervals, Integral) and 1 <= int(intervals) <= MOST_INTERVALS):
+        raise SolverError(f"intervals_per_sample must be a whole number from 1 to {MOST_INTERVALS}, got {intervals!r}.")
 
 
 def _check_values(

@@ -7,6 +7,7 @@ import numpy as np
 from drawbar.codegen import Workspace, build
 from drawbar.errors import SolverError
 from drawbar.geometry import Floats
+from drawbar.optimal.given import given_array
 from drawbar.optimal.problem import ControlProblem, EstimationProblem
 from drawbar.optimal.residuals import Residuals, Solution, residuals
 from drawbar.optimal.settings import write_settings
@@ -155,21 +156,25 @@ class ControlSolver(RealTimeIteration):
             u: (N, nu) inputs, likewise; None: zero.
 
         Raises:
-            SolverError: a trajectory of another size; one, `initial` or `p` holds a value that is not finite.
+            SolverError: a trajectory of another size; one, `initial` or `p` holds what is not finite or beyond 1e12.
         """
-        first = {
-            "x": np.tile(self.initial, (len(self.x), 1)) if x is None else np.asarray(x, np.float64),
-            "u": np.zeros_like(self.u) if u is None else np.asarray(u, np.float64),
-        }
-        for name, values in {"initial": self.initial, "p": self.p, **first}.items():
-            if not np.isfinite(values).all():
-                raise SolverError(f"start() needs finite numbers in {name}, which is {values.tolist()}.")
-        for name, own in (("x", self.x), ("u", self.u)):
-            if first[name].shape != own.shape:
-                raise SolverError(f"start() needs {name} of {own.shape}, got {first[name].shape}.")
-            own[:] = first[name]
+        initial = given_array("start() needs initial written, which", self.initial, self.initial.shape)
+        given_array("start() needs p written, which", self.p, self.p.shape)
+        first_x = np.tile(initial, (len(self.x), 1)) if x is None else given_array("start(): x", x, self.x.shape)
+        first_u = np.zeros_like(self.u) if u is None else given_array("start(): u", u, self.u.shape)
+        self.x[:], self.u[:] = first_x, first_u
         self._applied[:] = np.repeat(self.u[:, self._remembered], self.problem.intervals_per_sample, axis=0)
         self.prepare()
+
+    def residuals(self) -> Residuals:
+        """Return by how much the trajectory misses the optimum; see RealTimeIteration.
+
+        Raises:
+            SolverError: there is no trajectory: start() comes first.
+        """
+        if self.feedback == self._not_started:
+            self._not_started()
+        return super().residuals()
 
     def advance(self) -> None:
         """Move the plan on by one sample and prepare the next feedback."""
@@ -186,7 +191,7 @@ class ControlSolver(RealTimeIteration):
     def _not_started(self) -> int:
         raise SolverError(
             "The solver has no trajectory to start from: write initial and p, then call start() before the first "
-            "feedback() or advance() (or write a trajectory into x and u and call prepare())."
+            "feedback(), advance() or solve() (or write a trajectory into x and u and call prepare())."
         )
 
 
@@ -194,7 +199,9 @@ class EstimationSolver(RealTimeIteration):
     """Real-time iteration for an EstimationProblem.
 
     Each sample: write row `newest` of `y`, NaN where a value is missing; feedback(); read row `newest` of `x`; then
-    advance(). The window fills from its first row on. `lower` and `upper` hold the bounds of each bounded variable:
+    advance(). The window fills from its first row on. A value beyond 1e12 is refused: feedback() returns BAD_INPUT and
+    moves nothing, advance() takes the value for missing. What is smaller is believed, however far off: mask outliers
+    with NaN, or begin anew with restart(). `lower` and `upper` hold the bounds of each bounded variable:
     (N+1,) of a state, (1,) of a parameter, (N,) of an input.
     """
 
@@ -206,7 +213,8 @@ class EstimationSolver(RealTimeIteration):
             prior: (nx + np,) first guess of states and parameters.
 
         Raises:
-            SolverError: the problem is none of estimation; the prior is missing, of another size, or not finite.
+            SolverError: the problem is none of estimation; the prior is missing, of another size, not finite, or
+                beyond 1e12.
             CompilerError: no compiler, or it refused the code.
         """
         _check_kind(problem, EstimationProblem)
@@ -224,7 +232,7 @@ class EstimationSolver(RealTimeIteration):
         self.prior: Floats = _read_only(array("prior"))
         """(nx + np,) what the window's first state should be; read only"""
         if self.restart(prior) != SolverStatus.SOLVED:
-            raise SolverError(f"The model cannot be linearised at the prior {np.asarray(prior).tolist()}.")
+            raise SolverError(f"The model cannot be linearised at the prior {self.prior.tolist()}; give another.")
 
     @property
     def newest(self) -> int:
@@ -241,7 +249,7 @@ class EstimationSolver(RealTimeIteration):
             How the preparation of the first feedback went.
 
         Raises:
-            SolverError: the prior is of another size, or not finite.
+            SolverError: the prior is of another size, not finite, or beyond 1e12.
         """
         contiguous = self._checked(prior)
         return SolverStatus(self._restart(contiguous.ctypes.data))
@@ -257,12 +265,12 @@ class EstimationSolver(RealTimeIteration):
             How the preparation of the next feedback went.
 
         Raises:
-            SolverError: prior or root are of another size, not finite, or the root is not upper triangular.
+            SolverError: prior or root are of another size, not finite, beyond 1e12; the root is not upper triangular.
         """
-        root = np.asarray(root, np.float64)
-        if root.shape != self.root.shape or not np.isfinite(root).all() or np.tril(root, -1).any():
-            raise SolverError(f"root must be {self.root.shape}, finite and upper triangular, got {root.tolist()}.")
-        self.workspace.write({"prior": self._checked(prior), "root": root})
+        upper = given_array("root", root, self.root.shape, "upper triangular")
+        if np.tril(upper, -1).any():
+            raise SolverError(f"root must be upper triangular, got {upper.tolist()}; give R of R'R by Cholesky.")
+        self.workspace.write({"prior": self._checked(prior), "root": upper})
         return SolverStatus(self.prepare())
 
     def advance(self) -> SolverStatus:
@@ -276,12 +284,7 @@ class EstimationSolver(RealTimeIteration):
         return SolverStatus(absorbed or prepared)
 
     def _checked(self, prior: Floats) -> Floats:
-        checked = np.ascontiguousarray(prior, np.float64)
-        if checked.shape != self.prior.shape or not np.isfinite(checked).all():
-            raise SolverError(
-                f"The prior must be {len(self.prior)} finite numbers, {_names(self.problem)}; got {checked.tolist()}."
-            )
-        return checked
+        return given_array("The prior", prior, self.prior.shape, _names(self.problem))
 
 
 def _check_kind(problem: object, kind: type) -> None:

@@ -23,7 +23,7 @@ from mcap.records import Attachment, Metadata
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import DrawbarError, demand_path
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.recording.stream import WHOLE, Logged, LoggedMessage, read_records
@@ -310,7 +310,7 @@ def read_log(file: str | os.PathLike[str]) -> RunLog:
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
     """
-    with open_log(Path(file)) as log:
+    with open_log(demand_path("file", file)) as log:
         messages = [(decode_step(message.data), message.publish_time * 1e-9) for message in log.steps]
         return RunLog(
             header=log.header,

@@ -4,13 +4,12 @@ import math
 import os
 import time
 from contextlib import suppress
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 import msgspec
 
-from drawbar.errors import StorageError
+from drawbar.errors import StorageError, demand, demand_path
 from drawbar.recording.chunks import LEVEL, ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
 from drawbar.recording.schema import json_schema
@@ -41,10 +40,11 @@ class Recorder:
     def __init__(self, file: str | os.PathLike[str], header: RunHeader) -> None:
         """Create the file and write what is known before the first step.
 
-        Raises StorageError when the file cannot be created.
+        Raises StorageError when the file cannot be created, DrawbarError where an argument is none.
         """
-        self._file, self._steps = Path(file), 0
+        self._file, self._steps = demand_path("file", file), 0
         self._time, self._zero = 0, math.nan
+        demand("header", header, RunHeader, "give that of Simulation.header() or run_header()")
         try:
             self._stream = self._file.open("wb")
             try:

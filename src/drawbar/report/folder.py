@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from drawbar.errors import StorageError
+from drawbar.errors import StorageError, demand_path
 from drawbar.recording.columns import read_columns
 from drawbar.recording.log import LOG_NAME
 from drawbar.report.metrics import Metrics, compute_metrics
@@ -23,8 +23,8 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
         DrawbarError: the log cannot be read.
         StorageError: a file cannot be written; what was there before is still there.
     """
-    folder = Path(folder)
-    log = read_columns(Path(log_file or folder / LOG_NAME))
+    folder = demand_path("folder", folder)
+    log = read_columns(demand_path("log_file", log_file or folder / LOG_NAME))
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
     picture = render_picture(log, errors).encode()

@@ -33,6 +33,8 @@ struct rti {
 #ifndef INTERVALS
 #define INTERVALS 1                        /* shooting intervals in a sample; the inputs of its first are applied */
 #endif
+#define LARGEST_INPUT 1e12                 /* of measurements, references, parameters, first states: with squares of
+                                            * what is more no number in the trajectory would count any longer */
 #define SMALL_STEP 1e-3                    /* of the largest in the trajectory */
 #define WORK union bounds_work             /* what a feedback borrows, see workspace.h */
 
@@ -118,15 +120,20 @@ static int rti_prepare(struct rti *s)
     return s->status = s->qp.factored ? SOLVED : NOT_FINITE;
 }
 
+/* Whether no number is beyond what can be computed with. A NaN passes where it is a missing value. */
+static int rti_within(const double *values, size_t count, int may_be_missing)
+{
+    int beyond = 0;
+
+    for (size_t i = 0; i < count; ++i)
+        beyond |= fabs(values[i]) > LARGEST_INPUT || (!may_be_missing && isnan(values[i]));
+    return !beyond;
+}
+
 static int rti_inputs_valid(const struct rti *s)
 {
-    const double *y = &s->y[0][0];
-    int infinite = 0;
-
-    for (int i = 0; i < (N + 1) * NY; ++i)
-        infinite |= fabs(y[i]) == INFINITY;
-    return !infinite && bounds_exist(&s->qp) && all_finite(&s->p[0][0], (N + 1) * NP)
-        && (FREE_INITIAL ? all_finite(s->prior, NX) : all_finite(s->initial, NX) && all_finite(y, (N + 1) * NY));
+    return rti_within(&s->y[0][0], (N + 1) * NY, FREE_INITIAL) && bounds_exist(&s->qp)
+        && rti_within(&s->p[0][0], (N + 1) * NP, 0) && (FREE_INITIAL ? all_finite(s->prior, NX) : rti_within(s->initial, NX, 0));
 }
 
 /* The gradient of half the sum of squares along the trajectory, and the way that is left to the given first state. */

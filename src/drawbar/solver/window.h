@@ -39,11 +39,20 @@ static int window_restart(struct window *window, struct rti *rti, const double *
     return rti_prepare(rti);
 }
 
+/* Take measurements that feedback refused out of the newest row: they are missing. */
+static void window_drop_refused(struct rti *rti, int row)
+{
+    for (int i = 0; i < NY; ++i)
+        if (!(fabs(rti->y[row][i]) <= LARGEST_INPUT))
+            rti->y[row][i] = NAN;
+}
+
 /* Make room for the next sample. When the oldest stage cannot be absorbed, the arrival cost starts anew: the first
  * prior's deviations around the present estimate of the window's new first state. */
 static int window_slide(struct window *window, struct rti *rti)
 {
     window->absorbed = SOLVED;
+    window_drop_refused(rti, window->newest);
     if (window->newest < N) {
         ++window->newest;
         return SOLVED;

@@ -3,7 +3,7 @@
 import ctypes
 
 from drawbar.control.external import External
-from drawbar.errors import PathError
+from drawbar.errors import DrawbarError, PathError, demand
 from drawbar.exchange import Layout
 from drawbar.guidance.path import Path
 from drawbar.signals import Command, Estimate, Measurement, Status, StepRecord, Truth
@@ -60,6 +60,7 @@ class Autopilot:
         self.path = path
 
     def _set_path(self, function: str, path: Path, *arguments: object, at: float = 0.0) -> None:
+        demand("path", path, Path, "give one that build_path() made, or Path.through()", PathError)
         nodes = path.nodes  # the library keeps no copy
         status = self.library.call(function, ctypes.c_void_p(nodes.ctypes.data), len(nodes), *arguments)
         _require(Status(status), path, at)
@@ -115,8 +116,8 @@ class Autopilot:
 
         truth: of a simulated machine at the time of the measurement.
         """
-        assert self._measurement is not None
-        assert self._command is not None
+        if self._measurement is None or self._command is None:
+            raise DrawbarError("There is no step to record yet; call feedback() first.")
         return self._reader.read(self._number, self._measurement, self._command, truth)
 
 

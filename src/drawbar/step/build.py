@@ -3,7 +3,7 @@
 import math
 
 from drawbar.codegen import Unit
-from drawbar.config import Configuration
+from drawbar.config import Configuration, demand_configuration
 from drawbar.control.ancillary import ancillary_unit
 from drawbar.control.articulated import articulated_tractor_unit, articulated_trailer_unit
 from drawbar.control.centralised_articulated import centralised_articulated_unit
@@ -52,9 +52,10 @@ def build_autopilot(configuration: Configuration) -> Autopilot:
 
     Raises:
         TubeError: the declared disturbances leave nothing of a bound.
-        ConfigurationError: there is no such controller.
+        ConfigurationError: there is no such controller, or this is no configuration.
         CompilerError: the control step could not be compiled.
     """
+    demand_configuration(configuration)
     horizon, units = configuration.controller.horizon, units_of(configuration)
     external = next((unit.external for unit in units if isinstance(unit, ExternalUnit)), None)
     return Autopilot(StepLibrary(units, step_settings(configuration), horizon), horizon, external)

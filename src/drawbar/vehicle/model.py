@@ -73,6 +73,9 @@ class Model:
     """numbers in the expressions that are data"""
 
     def __post_init__(self) -> None:
+        _check_variables(
+            self.name, states=self.states, inputs=self.inputs, parameters=self.parameters, outputs=self.outputs
+        )
         pairs = (
             ("states", self.states, self.x),
             ("states", self.states, self.derivative),
@@ -137,6 +140,17 @@ class Model:
                 )
 
 
+def _check_variables(name: object, **declared: object) -> None:
+    """Refuse what declares no model."""
+    if not isinstance(name, str):
+        raise ModelError(f"The name of a model must be a text, got {name!r}.")
+    for what, given in declared.items():
+        if not (isinstance(given, tuple) and all(isinstance(each, Variable) for each in given)):
+            raise ModelError(
+                f"Model {name!r}: {what} must be a tuple of Variable, got {given!r}; give variables(name=unit, ...)."
+            )
+
+
 def column(constants: tuple[Constant, ...]) -> Any:
     """Return the constants' symbols as a column."""
     return ca.vertcat(*(each.symbol for each in constants)) if constants else ca.SX(0, 1)
@@ -175,6 +189,9 @@ def declare(
     Raises:
         ModelError: the expressions do not fit the variables.
     """
+    _check_variables(name, states=states, inputs=inputs, parameters=parameters, outputs=outputs)
+    if not callable(equations):
+        raise ModelError(f"Model {name!r}: equations must be a function (x, u, p), got {equations!r}; give such a one.")
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     derivative, output = equations(x, u, p)
     used = {s.element_hash() for s in ca.symvar(ca.vertcat(derivative, output))}

@@ -1,6 +1,7 @@
 """The whole physics machine: sensors on leaning masts, randomness, how a configuration chooses it, refusals."""
 
 import math
+import re
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -180,19 +181,25 @@ def test_configurations_of_before_are_the_simulated_machine() -> None:
         (["machine.kind=physics", "machine.ground.steering_offset=0.1"], "has no key ground"),
         (["machine.kind=physics", "machine.events=[{kind='bump', start=1.0}]"], "'gps_loss', 'gps_jump', 'gps_float'"),
         (["machine.kind=physics", "machine.actuators.dead_time=0.005"], "not a multiple"),
+        (["machine.kind=physics", "machine.trailer.track=1200"], "millimetres? 1200 mm"),
         (["machine.kind=physics", "machine.tractor.mass=100.0"], "leaves nothing for its frame"),
         (["machine.kind=physics", "bounded_errors.ground.tractor_crab=0.01"], "bounded_errors.ground needs"),
         (["machine.kind=physics", "speed=3.5"], "above machine.hydrostat.full_speed"),
     ],
 )
 def test_impossible_configurations_are_refused(changes: list[str], reason: str) -> None:
-    with pytest.raises(ConfigurationError, match=reason.replace("(", r"\(")):
+    with pytest.raises(ConfigurationError, match=re.escape(reason)):
         load_configuration("articulated", changes)
 
 
 def test_machine_that_tips_over_is_refused(build: Build) -> None:
     with pytest.raises(ConfigurationError, match="would tip over"):
         build(tractor={"ahead": 0.02})
+
+
+def test_bodies_that_mujoco_refuses_are_told(build: Build) -> None:
+    with pytest.raises(ConfigurationError, match=r"inertia must satisfy .*; give them lengths"):
+        build(tractor={"track": 1e-6})
 
 
 def test_diverged_physics_is_refused(build: Build, drive: Drive) -> None:

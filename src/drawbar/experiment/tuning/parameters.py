@@ -9,6 +9,7 @@ import tomli_w
 
 from drawbar.config import Configuration, load_configuration
 from drawbar.errors import ConfigurationError
+from drawbar.misspelt import meant
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?"
 _RANGE = re.compile(rf"(?P<key>[^=\s]+)=(?P<low>{_NUMBER})\.\.(?P<high>{_NUMBER})(?P<log>:log)?")
@@ -135,7 +136,10 @@ def _own_value(key: str, data: Any) -> float:
         if not isinstance(data, Mapping) or name not in data:
             where = ".".join(sections[:depth])
             there = f"its keys are: {', '.join(data)}" if isinstance(data, Mapping) else "it is a value"
-            raise ConfigurationError(f"--parameters {key}: {where or 'the configuration'} has no key {name}; {there}.")
+            near = meant(name, data) if isinstance(data, Mapping) else ""
+            raise ConfigurationError(
+                f"--parameters {key}: {where or 'the configuration'} has no key {name}{near}; {there}."
+            )
         data = data[name]
     if isinstance(data, bool) or not isinstance(data, int | float):
         raise ConfigurationError(f"--parameters {key}: is {data!r}, and no number; only numbers can be searched.")

@@ -10,6 +10,7 @@ import numpy as np
 
 from drawbar.errors import PathError
 from drawbar.geometry import Floats, LocalFrame
+from drawbar.misspelt import meant
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -105,7 +106,8 @@ def choose(source: Path, names: list[str], wanted: str | None) -> int:
     listed = ", ".join(map(repr, names)) or "none"
     found = [index for index, name in enumerate(names) if wanted in (None, name)]
     if not found:
-        raise PathError(f"{source}: has no line {wanted or ''!r}; its lines are: {listed}")
+        near = meant(wanted or "", names)
+        raise PathError(f"{source}: has no line {wanted or ''!r}{near}; its lines are: {listed}")
     times = Counter(names[index] for index in found)
     for name, count in times.most_common(1):
         if count > 1:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drawbar.settings import NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
+from drawbar.settings import DeadTime, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
 
 _DeadBand = Annotated[float, Field(ge=0.0, lt=1.0)]
 _Drive = Annotated[float, Field(gt=0.0, le=1.0)]
@@ -84,7 +84,7 @@ class LowLevelSettings(Settings):
 
     kind: Literal["lag", "valve"] = "lag"
     """lag: closed loops, simulated as what they amount to; valve: valves and a pedal motor under `drawbar_actuate`"""
-    dead_time: NonNegative = 0.04
+    dead_time: DeadTime = 0.04
     """between a drive and the first reaction, a multiple of the integration step, s"""
     sensor_step: PositiveAngle = math.radians(0.1)
     """resolution of the loops' own angle sensors, rad"""

@@ -45,7 +45,8 @@ class Multibody:
     ) -> None:
         """Put it on the ground, at rest, the trailer straight behind.
 
-        vehicle is as it truly is. Raises ConfigurationError when the machine cannot stand, or MuJoCo is not installed.
+        vehicle is as it truly is. Raises ConfigurationError when the machine cannot stand or is none, or MuJoCo is not
+        installed.
         """
         if not min(static_loads(vehicle, settings)) > 0.0:
             raise ConfigurationError(
@@ -53,7 +54,13 @@ class Multibody:
                 "machine.tractor.ahead, machine.trailer.ahead or their masses"
             )
         self._mujoco, self._settings, self._terrain = engine(), settings, terrain
-        self._model = self._mujoco.MjModel.from_xml_string(mjcf(vehicle, settings))
+        try:
+            self._model = self._mujoco.MjModel.from_xml_string(mjcf(vehicle, settings))
+        except ValueError as error:
+            raise ConfigurationError(
+                f"MuJoCo makes no machine of machine.tractor and machine.trailer ({str(error).splitlines()[0]}); give "
+                f"them lengths and masses that bodies can have"
+            ) from error
         self._data = data = self._mujoco.MjData(self._model)
         self._warnings = data.warning.number
         self._forces = Forces(vehicle, settings)

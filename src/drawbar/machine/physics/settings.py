@@ -17,7 +17,7 @@ from drawbar.machine.settings import (
     TerrainSettings,
     demand_whole_steps,
 )
-from drawbar.settings import NonNegative, Positive, PositiveAngle, Settings
+from drawbar.settings import Length, NonNegative, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
 
 
 class TractorBodySettings(Settings):
@@ -25,23 +25,23 @@ class TractorBodySettings(Settings):
 
     mass: Positive = 700.0
     """of everything, wheels included, kg"""
-    ahead: NonNegative = 0.55
+    ahead: NonNegativeLength = 0.55
     """centre of all mass ahead of the rear axle, m"""
-    height: Positive = 0.6
+    height: Length = 0.6
     """centre of all mass above level ground, m"""
-    track: Positive = 1.2
+    track: Length = 1.2
     """between the wheels of the rear axle, m"""
-    front_track: Positive = 1.1
+    front_track: Length = 1.1
     """between the wheels of the front axle, m"""
-    radius: Positive = 0.45
+    radius: Length = 0.45
     """of the rear wheels, unloaded, m"""
-    front_radius: Positive = 0.3
+    front_radius: Length = 0.3
     """of the front wheels, unloaded, m"""
     wheel_mass: Positive = 35.0
     """of one rear wheel, kg"""
     front_wheel_mass: Positive = 18.0
     """of one front wheel, kg"""
-    hitch_height: Positive = 0.4
+    hitch_height: Length = 0.4
     """of the free joint RJ1 above level ground, m"""
     axle_swing: PositiveAngle = math.radians(12.0)
     """how far the front axle swings about the tractor's long axis to either side, rad"""
@@ -52,13 +52,13 @@ class TrailerBodySettings(Settings):
 
     mass: Positive = 800.0
     """of everything behind RJ2, wheels included, kg"""
-    ahead: float = 0.1
+    ahead: Offset = 0.1
     """centre of all mass ahead of the axle, m"""
-    height: Positive = 0.7
+    height: Length = 0.7
     """centre of all mass above level ground, m"""
-    track: Positive = 1.2
+    track: Length = 1.2
     """between the wheels, m"""
-    radius: Positive = 0.35
+    radius: Length = 0.35
     """of the wheels, unloaded, m"""
     wheel_mass: Positive = 25.0
     """of one wheel, kg"""
@@ -78,7 +78,7 @@ class TyreSettings(Settings):
     ground that creeps it is 1 / terrain.creep, where that is less"""
     friction: Positive = 0.8
     """largest force along the ground per wheel load"""
-    relaxation: Positive = 0.3
+    relaxation: Length = 0.3
     """way that a wheel rolls until its slip is built up, on firm ground, m; on ground that creeps it is shorter, as
     `cornering` is less: the carcass stays as stiff"""
     rolling_resistance: NonNegative = 0.03

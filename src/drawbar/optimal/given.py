@@ -1,0 +1,43 @@
+"""Arrays that a caller gives a solver, checked: numbers, their count, and no more than can be computed with."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from drawbar.errors import SolverError
+from drawbar.geometry import Floats
+
+LARGEST_INPUT = 1e12
+"""magnitude of measurements, references, parameters and first states, as in solver/rti.h"""
+
+
+def given_array(what: str, values: Any, shape: Sequence[int], names: str = "") -> Floats:
+    """Return what a caller gives, as contiguous numbers of this shape; `names` is what they are of, for the message.
+
+    Raises SolverError when it is something else, or holds what is not finite or beyond 1e12.
+    """
+    try:
+        array = np.ascontiguousarray(values, np.float64)
+    except (TypeError, ValueError):
+        array = None
+    if array is None or array.shape != tuple(shape) or not (np.abs(array) <= LARGEST_INPUT).all():
+        raise SolverError(
+            f"{what} must be {_size(shape)} within ±{LARGEST_INPUT:g}{f', {names}' if names else ''}; got "
+            f"{_shown(values, array)}."
+        )
+    return array
+
+
+def _size(shape: Sequence[int]) -> str:
+    return f"{shape[0]} finite numbers" if len(shape) == 1 else f"an array {tuple(shape)} of finite numbers"
+
+
+def _shown(values: Any, array: Floats | None) -> str:
+    """Return what was given, long arrays by their shape and what is wrong in them."""
+    if array is None:
+        return repr(values)[:100]
+    wrong = array[~(np.abs(array) <= LARGEST_INPUT)]
+    if array.size <= 20:
+        return str(array.tolist())
+    return f"shape {array.shape}" + (f" with {wrong[0]}" if wrong.size else "")
