@@ -1,5 +1,6 @@
 """Standard output that cannot be written is one message."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -17,3 +18,25 @@ def test_a_full_disk_behind_standard_output_is_one_message(arguments):
             [sys.executable, "-m", "drawbar", *arguments], stdout=full, stderr=subprocess.PIPE, text=True, check=False
         )
     assert (done.returncode, done.stderr) == (2, "error: output cannot be written: No space left on device\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes standard output as a shell does by >&-")
+@pytest.mark.parametrize("closed", [">&-", ">&- <&-", ">&- 2>&-"])
+def test_closed_standard_files_are_as_the_null_device(closed, tmp_path):
+    out = tmp_path / "path.csv"
+    command = f"exec '{sys.executable}' -m drawbar path articulated --out '{out}' {closed}"
+    done = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert out.read_text("utf-8").startswith("arc_length,")
+
+
+def test_a_reader_that_goes_away_ends_nothing():
+    program = (
+        "import sys; from drawbar.cli.options import console; sys.stdin.readline();"
+        "console.print('x'); console.print('y'); print('done', file=sys.stderr)"
+    )
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen([sys.executable, "-c", program], **pipes) as process:
+        process.stdout.close()
+        _, error = process.communicate(b"\n")
+    assert (process.returncode, error.decode()) == (0, "done\n")
