@@ -1,6 +1,7 @@
 """What a terminal can show: tables that fit its width and lose no column, plainer letters for those it lacks."""
 
 import codecs
+import os
 import sys
 import unicodedata
 from collections.abc import Sequence
@@ -84,6 +85,28 @@ def _groups(widths: Sequence[int], room: int) -> list[range]:
         if all(sum(widths[index] + _GAP for index in group) <= room for group in groups):
             return groups
     return [range(index, index + 1) for index in range(len(widths))]
+
+
+def open_what_is_closed() -> None:
+    """Put the null device in the place of standard input, output and error where the caller has closed them.
+
+    A log that is opened would get such a number, and what libraries print would land in it.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(number)
+    sys.stdin = sys.stdin or os.fdopen(0)
+    sys.stdout = sys.stdout or os.fdopen(1, "w")
+    sys.stderr = sys.stderr or os.fdopen(2, "w")
+
+
+class Output(Console):
+    """Standard output; where nobody reads it any more, what is driven goes on without."""
+
+    def on_broken_pipe(self) -> None:
+        """Let all that is printed from now on go nowhere."""
+        self.quiet = True
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def degrade_output() -> None:

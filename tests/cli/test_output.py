@@ -1,5 +1,6 @@
 """Output that cannot be written is one message."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -45,3 +46,25 @@ def test_an_empty_name_of_what_is_to_be_written_is_refused(arguments, tmp_path, 
     assert done.exit_code == 2
     assert f"Invalid value for '{arguments[-2]}': is empty; name a file or folder" in done.output
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes standard output as a shell does by >&-")
+@pytest.mark.parametrize("closed", [">&-", ">&- <&-", ">&- 2>&-"])
+def test_closed_standard_files_are_as_the_null_device(closed, tmp_path):
+    out = tmp_path / "path.csv"
+    command = f"exec '{sys.executable}' -m drawbar path articulated --out '{out}' {closed}"
+    done = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert out.read_text("utf-8").startswith("arc_length,")
+
+
+def test_a_reader_that_goes_away_ends_nothing():
+    program = (
+        "import sys; from drawbar.cli.options import console; sys.stdin.readline();"
+        "console.print('x'); console.print('y'); print('done', file=sys.stderr)"
+    )
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen([sys.executable, "-c", program], **pipes) as process:
+        process.stdout.close()
+        _, error = process.communicate(b"\n")
+    assert (process.returncode, error.decode()) == (0, "done\n")

@@ -170,6 +170,12 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
         "(all) => all.filter((each) => each.offsetHeight && Math.min(each.offsetWidth, each.offsetHeight) < 48).length"
     )
     assert page.locator("button").evaluate_all(small) == 0
+    page.set_viewport_size({"width": 640, "height": 300})  # a small phone on its side, less what the browser takes
+    page.wait_for_function("innerWidth === 640")
+    assert page.locator(".controls .q-btn").evaluate_all(cut) == 0
+    too_wide = "(all) => all.filter((each) => each.offsetParent && each.scrollWidth > each.clientWidth).length"
+    assert page.locator(".controls .value").evaluate_all(too_wide) == 0
+    page.set_viewport_size(screenshots.PHONE)
     press_until(page, word(page, "Stopped"), "STOP")
     look_at_the_other_pages(drive, page)
     elsewhere = [url for url in page.asked if not url.startswith((drive, "data:"))]
@@ -232,6 +238,15 @@ def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, somebody_els
     page.evaluate("window.socket.disconnect()")
     page.locator("body.old-picture .old", has_text="OLD PICTURE").wait_for()
     assert page.locator("body:not(.old-picture)").count() == 0
+    page.locator("#popup[aria-hidden=false]").wait_for(state="attached")
+    assert page.locator("#popup").evaluate("(each) => getComputedStyle(each).display") == "none"
+
+
+def test_a_lost_connection_is_told_in_german_too(drive, somebody_else):
+    page = _page(somebody_else)
+    page.goto(f"{drive}language/de")
+    page.goto(f"{drive}fields")
+    assert "Verbindung verloren" in page.locator("#popup").text_content()
 
 
 def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(drive, page, somebody_else):

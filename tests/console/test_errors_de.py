@@ -126,8 +126,8 @@ def test_every_text_takes_its_values_over(key):
 
 
 def test_values_are_translated_and_numbers_get_commas():
-    text = "a.kml: the boundary has 2 point(s); it needs at least 3"
-    assert Words("de").message(text) == "a.kml: die Grenze hat 2 Punkt(e); mindestens 3 sind nötig"
+    text = "a.kml: the boundary has 2 different point(s); it needs at least 3"
+    assert Words("de").message(text) == "a.kml: die Grenze hat 2 verschiedene(n) Punkt(e); mindestens 3 sind nötig"
     assert Words("en").message(text) == text
     assert "0,42 m" in Words("de").message("A and B are 0.42 m apart; 1 m are needed: drive on, then set B")
     assert Words("de").message("something else: 1.5") == "something else: 1.5"
@@ -141,7 +141,7 @@ def test_values_are_translated_and_numbers_get_commas():
         ("foto.zip", b"\xff\xd8\xff", "foto.zip: lässt sich nicht entpacken"),
         ("leer.kml", b"<kml><Document/></kml>", "leer.kml: enthält weder eine Linie noch eine Grenze"),
         ("Höfe.json", b"{", "Höfe.json: ist kein gültiges JSON"),
-        ("kurz.csv", "line,latitude,longitude\nSüd,50.87,4.7\n".encode(), "kurz.csv: Linie „Süd“ hat 1 Punkt(e)"),
+        ("kurz.csv", "line,latitude,longitude\nSüd,50.87,4.7\n".encode(), "kurz.csv: enthält weder eine Linie noch"),
     ],
 )
 def test_a_wrong_file_is_refused_in_german_by_its_own_name(name, data, told):

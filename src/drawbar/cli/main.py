@@ -26,7 +26,7 @@ from drawbar.cli.tube import tube
 from drawbar.cli.tune import tune
 from drawbar.cli.version import version_text
 from drawbar.errors import DrawbarError
-from drawbar.terminal import degrade_output
+from drawbar.terminal import degrade_output, open_what_is_closed
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EPIPE)
@@ -64,6 +64,7 @@ def _show(error: str) -> None:
 
 def main() -> None:
     """Run the command line; every expected error is one message and exit code 2, an interrupt one line and 130."""
+    open_what_is_closed()
     degrade_output()
     try:
         try:

@@ -7,15 +7,15 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from drawbar.configurations import shipped_names
 from drawbar.errors import DrawbarError
+from drawbar.terminal import Output
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
 
-console = Console(highlight=False, markup=False)  # names of files and lines may hold brackets
+console = Output(highlight=False, markup=False)  # names of files and lines may hold brackets
 
 ConfigurationName = Annotated[
     str, typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}")

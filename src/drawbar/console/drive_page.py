@@ -38,10 +38,13 @@ class DrivePage:
             scene = standing | {"trail": list(link.trail), "lines": lines(self._offset)}
             texts = {key: words(key) for key in _TEXTS}
             self._instruments = Instruments(scene, texts, lambda seen: link.drawn(visitor, seen))
-            self._why = ui.element("section").classes("why")  # a small screen shows all of it while it has the focus
-            self._why.props(f'tabindex=0 aria-label="{words("why_not")}" aria-live=polite')
-            with ui.element("footer").classes("controls"):
-                self._build_controls()
+            with ui.element("div").classes("side"):
+                self._why = ui.element("section").classes(
+                    "why"
+                )  # a small screen shows all of it while it has the focus
+                self._why.props(f'tabindex=0 aria-label="{words("why_not")}" aria-live=polite')
+                with ui.element("footer").classes("controls"):
+                    self._build_controls()
         self.refresh()
 
     def refresh(self) -> None:

@@ -13,14 +13,21 @@ ERRORS_DE: Mapping[str, str] = {
     # files of fields
     "{}: is of none of the types {}, .csv, .kmz and .zip; give one of these":
         "{0}: hat keinen der Typen {1}, .csv, .kmz und .zip; eine solche Datei wählen",
-    "{}: holds neither a line nor a boundary": "{0}: enthält weder eine Linie noch eine Grenze; andere Datei wählen",
+    "{}: holds neither a line nor a boundary but {}":
+        "{0}: enthält weder eine Linie noch eine Grenze, sondern: {1}; andere Datei wählen",
+    "nothing": "nichts",
+    "hole": "Loch",
+    "waypoint {}": "Wegpunkt {0}",
+    "polygon": "Fläche",
+    "line '{}' of {} point(s)": "Linie „{0}“ mit {1} Punkt(en)",
     "{}: holds no field; a folder of AgOpenGPS, TASKDATA.XML, or .shp, .kml, .gpx, .geojson, .csv":
         "{0}: enthält kein Feld; möglich sind ein Ordner von AgOpenGPS, TASKDATA.XML, .shp, .kml, .gpx, .geojson, .csv",
     "{}: cannot be unpacked: {}; pack it again": "{0}: lässt sich nicht entpacken ({1}); neu packen",
     "{} cannot be the name of a file ({}); rename it": "{0} kann keine Datei heißen ({1}); umbenennen",
     "{}: holds more than {} files or {} MiB; pack the field alone":
         "{0}: enthält mehr als {1} Dateien oder {2} MiB; das Feld allein packen",
-    "{} has {} point(s); it needs at least {}": "{0} hat {1} Punkt(e); mindestens {2} sind nötig",
+    "{} has {} different point(s); it needs at least {}":
+        "{0} hat {1} verschiedene(n) Punkt(e); mindestens {2} sind nötig",
     "{}, point {}: latitude {}, longitude {}; degrees within ±90 and ±180 are needed":
         "{0}, Punkt {1}: Breite {2}, Länge {3}; Grad innerhalb von ±90 und ±180 sind nötig",
     "{}: line '{}'": "{0}: Linie „{1}“",
@@ -39,6 +46,13 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: {} is no longitude,latitude in degrees": "{0}: {1} ist nicht Länge,Breite in Grad",
     "{}: has no {}.prj beside it, so that nobody knows its projection; export it too":
         "{0}: {1}.prj fehlt daneben, die Projektion ist unbekannt; mit exportieren",
+    "{}: has no {}.dbf beside it, with the names of its lines; export it too":
+        "{0}: {1}.dbf mit den Namen der Linien fehlt daneben; mit exportieren",
+    "{}: is no projection of the ground but {}; export in WGS84":
+        "{0}: keine Projektion der Erdoberfläche ({1}); in WGS84 exportieren",
+    "{}: refers to {}.XML, which is not beside it; give the folder TASKDATA as .zip":
+        "{0}: verweist auf {1}.XML, die daneben fehlt; den Ordner TASKDATA als .zip wählen",
+    "{}: is no table: {}; export it again": "{0}: ist keine Tabelle ({1}); neu exportieren",
     "{}: cannot be read as a shapefile: {}; export it again": "{0}: ist kein lesbares Shapefile ({1}); neu exportieren",
     "{}: is no projection that is known: {}; export in WGS84": "{0}: unbekannte Projektion ({1}); in WGS84 exportieren",
     "{}: declares a document type (DOCTYPE), which no such file needs; export it again without":
@@ -48,7 +62,8 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: {} of <{}> is {}; a number in degrees is needed": "{0}: {1} von <{2}> ist {3}; eine Zahl in Grad ist nötig",
     "{}: is a binary file; give a text file": "{0}: ist keine Textdatei; die richtige Datei wählen",
     "{}: is empty; a line needs at least two points": "{0}: ist leer; eine Linie hat mindestens zwei Punkte",
-    "{}: byte {} is not UTF-8 text; give a text file": "{0}: Byte {1} ist kein Text (UTF-8); die richtige Datei wählen",
+    "{}: byte {} is not UTF-8 text; give a text file, saved as UTF-8":
+        "{0}: Byte {1} ist kein Text (UTF-8); eine Textdatei wählen, als UTF-8 gespeichert",
     "{}: cannot be read: {}; give an existing file": "{0}: nicht lesbar ({1}); eine vorhandene Datei wählen",
     "{}: {} is {}; a number like -12.5 is needed": "{0}: {1} ist {2}; eine Zahl wie -12.5 ist nötig",
     "the latitude": "die Breite",
@@ -92,7 +107,11 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS exportieren",
     "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these":
         "{0}: ist weder Ordner eines AgOpenGPS-Feldes noch Datei des Typs {1}; eines davon wählen",
+    "{}:{}: is {}; finite coordinates in m are needed": "{0}:{1}: ist {2}; endliche Koordinaten in m sind nötig",
+    "{}:{}: the file ends within the origin; export the field from AgOpenGPS again":
+        "{0}:{1}: die Datei endet im Ursprung; das Feld neu aus AgOpenGPS exportieren",
     # lines
+    "line {}: A and B are {} m apart; {} m are needed": "Linie {0}: A und B liegen {1} m auseinander; {2} m sind nötig",
     "A and B are {} m apart; {} m are needed: drive on, then set B":
         "A und B liegen {0} m auseinander; {1} m sind nötig: weiterfahren, dann B setzen",
     "the heading is {}; give degrees from 0 (north) to 360, clockwise":

@@ -54,7 +54,7 @@ class ExchangeCard:
         lines = sum(len(field.lines) for field in fields)
         tell(self._words("imported", fields=", ".join(field.name for field in fields), lines=lines), good=True)
         if left_out:
-            tell(self._words("left_out", what=", ".join(left_out)))
+            tell(self._words("left_out", what=", ".join(map(self._words.message, left_out))))
 
     def _give(self) -> None:
         field = self._shown()

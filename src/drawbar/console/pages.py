@@ -2,6 +2,7 @@
 
 import traceback
 from collections.abc import Mapping
+from copy import copy
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -134,7 +135,9 @@ class Pages:
         visitor: Visitor = request.scope[VISITOR]
         words = self._words(request)
         ui.add_head_html('<link rel="stylesheet" href="/drawbar/console.css"><script src="/drawbar/menu.js"></script>')
-        ui.add_head_html(f'<script>document.documentElement.lang = "{words.language}"</script>')
+        client = ui.context.client
+        client.page = copy(client.page)  # the page of this browser alone
+        client.page.language = "de" if words.language == "de" else "en-US"
         return visitor, words
 
     async def _form(self, request: Request) -> Response:

@@ -1,5 +1,6 @@
 """Terminal: what the operator is shown of a drive, line by line, and below these a picture of how it is now."""
 
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
@@ -28,7 +29,8 @@ class Terminal:
         front = self._front
         if front.state is not None and front.state.state is not self._told:
             self._told = front.state.state
-            self._console.print(headline(front.state))
+            with suppress(OSError):  # a full disk, say, does not end a drive
+                self._console.print(headline(front.state))
         if self._live is not None:
             self._live.update(picture(front.state, front.controller, front.refusal), refresh=True)
 
@@ -42,7 +44,8 @@ class Terminal:
             self._console.print(f"ended: {', '.join(lost)}: {self._crew.words()}", style="bold red")
             return False
         for name in set(lost).difference(before):
-            self._console.print(f"{LOSSES[name]}: {self._crew.words()}", style="bold red", soft_wrap=True)
+            with suppress(OSError):
+                self._console.print(f"{LOSSES[name]}: {self._crew.words()}", style="bold red", soft_wrap=True)
         return True
 
     def __enter__(self) -> Self:

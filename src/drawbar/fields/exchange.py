@@ -76,11 +76,13 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
     with tempfile.TemporaryDirectory(prefix="drawbar-import-") as folder:
         try:
             paths = unpack(name, data, Path(folder))
-            fields = [field for path in paths for field in read_fields(path, frame) if not field.is_empty]
+            found = [field for path in paths for field in read_fields(path, frame)]
         except PathError as error:  # nobody knows the folder
             raise PathError(str(error).replace(f"{folder}/", "")) from None
+    fields = [field for field in found if not field.is_empty]
     if not fields:
-        raise PathError(f"{name}: holds neither a line nor a boundary")
+        besides = ", ".join(each for field in found for each in field.left_out) or "nothing"
+        raise PathError(f"{name}: holds neither a line nor a boundary but {besides}")
     if all(path.suffix.lower() == ".shp" for path in paths):
         boundary = next((field.boundary for field in fields if field.boundary is not None), None)
         lines = [(line.name, [(p[0], p[1]) for p in line.points.tolist()]) for field in fields for line in field.lines]
@@ -94,7 +96,7 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
 def unpack(name: str, data: bytes, folder: Path) -> list[Path]:
     """Put a file that was handed over into an empty folder; return what there is to read.
 
-    Of an archive only the last part of each name is used, with the folder before it for fields of AgOpenGPS.
+    Names of an archive that lead out of it are cut; hidden files in it, such as those of macOS, are not looked at.
 
     Raises:
         PathError: the archive is broken, too large, or holds nothing that can be read.
@@ -108,26 +110,30 @@ def unpack(name: str, data: bytes, folder: Path) -> list[Path]:
         return [folder / plain]
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            entries = [each for each in archive.infolist() if not each.is_dir()]
+            entries = archive.infolist()
             if len(entries) > _MOST or sum(each.file_size for each in entries) > _LARGEST:
                 raise PathError(f"{plain}: holds more than {_MOST} files or {_LARGEST >> 20} MiB; pack the field alone")
             for entry in entries:
-                parts = PurePosixPath(entry.filename.replace("\\", "/")).parts[-2:]
-                target = folder.joinpath(*(part for part in parts if part not in ("/", "..", ".")))
-                target.parent.mkdir(exist_ok=True)
-                with archive.open(entry) as file:
-                    target.write_bytes(file.read(entry.file_size))
-    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, EOFError) as error:
+                entry.filename = entry.filename.replace("\\", "/")
+                archive.extract(entry, folder)
+    except PathError:
+        raise
+    except Exception as error:  # of whatever kind: a damaged archive fails anywhere in zipfile and its decompressors
         raise PathError(f"{plain}: cannot be unpacked: {error}; pack it again") from None
     return _readable(folder, plain)
 
 
 def _readable(folder: Path, name: str) -> list[Path]:
-    files = sorted(each for each in folder.rglob("*") if each.is_file())
+    """Return folders of AgOpenGPS and other files; of .xml only task data, unless there is nothing but other .xml.
+
+    Programs put .xml files of their own beside a shapefile, and AgOpenGPS its fields in other formats below a field.
+    """
+    files = sorted(each for each in folder.rglob("*") if each.is_file() and not each.name.startswith("."))
     fields = sorted({each.parent for each in files if each.name.lower() == _ORIGIN})
-    others = [each for each in files if each.suffix.lower() in (*_READERS, ".csv") and each.parent not in fields]
-    tasks = [each for each in others if each.name.lower() == _TASK_DATA]
-    found = [*fields, *(tasks or others)]
+    known = [each for each in files if each.suffix.lower() in (*_READERS, ".csv") and not {*fields} & {*each.parents}]
+    tasks = [each for each in known if each.name.lower() == _TASK_DATA]
+    others = [each for each in known if each.suffix.lower() != ".xml"]
+    found = [*fields, *(tasks or others)] or known
     if not found:
         raise PathError(
             f"{name}: holds no field; a folder of AgOpenGPS, TASKDATA.XML, or .shp, .kml, .gpx, .geojson, .csv"

@@ -12,9 +12,10 @@ from drawbar.geometry import Floats, LocalFrame
 
 Degrees = Sequence[tuple[float, float]]
 """latitude and longitude of each point"""
-_FEWEST = {"line": 2, "boundary": 3}
+_FEWEST_OF_LINE, _FEWEST_OF_RING = 2, 3
+"""different points"""
 _LONGEST = 100
-"""characters of a name"""
+"""bytes of a name"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +76,7 @@ def make_field(
     """Return a field of what a source holds, checked.
 
     Lines without a name are called by their place; of equal names the later ones get a number. A closed ring loses its
-    last point.
+    last point. Lines of fewer than two different points are left out.
 
     Args:
         source: file or page, for errors.
@@ -88,29 +89,35 @@ def make_field(
         PathError: a coordinate is none on Earth, or points are too few; says which.
     """
     taken: Counter[str] = Counter()
-    found = []
+    found, besides = [], [*left_out]
     for index, (given, degrees) in enumerate(lines, 1):
         plain = _plain(given) or f"line {index}"
         taken[plain] += 1
         unique = plain if taken[plain] == 1 else f"{plain} ({taken[plain]})"
-        found.append(FieldLine(name=unique, points=_checked(source, "line", unique, degrees)))
-    ring = None
-    if boundary is not None:
-        ring = _checked(source, "boundary", "", boundary)
-        ring = ring[:-1] if len(ring) > 3 and (ring[0] == ring[-1]).all() else ring
-    return Field(name=_plain(name) or "field", lines=tuple(found), boundary=ring, left_out=tuple(left_out))
+        points = _on_earth(f"{source}: line '{unique}'", degrees)
+        if (different := len(np.unique(points, axis=0))) >= _FEWEST_OF_LINE:
+            found.append(FieldLine(name=unique, points=points))
+        else:
+            besides.append(f"line '{unique}' of {different} point(s)")
+    ring = _ring(f"{source}: the boundary", boundary) if boundary is not None else None
+    return Field(name=_plain(name) or "field", lines=tuple(found), boundary=ring, left_out=tuple(besides))
 
 
 def _plain(name: str) -> str:
     """Return a name that can be that of a file, and a row of one."""
-    return " ".join(re.sub(r"[/\\\x00-\x1f]", " ", name).split()).lstrip(". ")[:_LONGEST]
+    plain = " ".join(re.sub(r"[/\\\x00-\x1f\x7f-\x9f]", " ", name).split()).lstrip(". ")
+    return plain.encode("utf-8", "ignore")[:_LONGEST].decode("utf-8", "ignore")
 
 
-def _checked(source: str, what: str, name: str, degrees: Degrees) -> Floats:
+def _ring(place: str, degrees: Degrees) -> Floats:
+    ring = _on_earth(place, degrees)
+    if (different := len(np.unique(ring, axis=0))) < _FEWEST_OF_RING:
+        raise PathError(f"{place} has {different} different point(s); it needs at least {_FEWEST_OF_RING}")
+    return ring[:-1] if len(ring) > 3 and (ring[0] == ring[-1]).all() else ring
+
+
+def _on_earth(place: str, degrees: Degrees) -> Floats:
     points = np.array(degrees, dtype=np.float64).reshape(-1, 2)
-    place = f"{source}: line '{name}'" if what == "line" else f"{source}: the boundary"
-    if len(points) < _FEWEST[what]:
-        raise PathError(f"{place} has {len(points)} point(s); it needs at least {_FEWEST[what]}")
     for bad in np.flatnonzero(~((np.abs(points) <= (89.999, 180.0)).all(axis=1)))[:1]:
         raise PathError(
             f"{place}, point {bad + 1}: latitude {points[bad, 0]:z.10g}, longitude {points[bad, 1]:z.10g}; "

@@ -84,11 +84,13 @@ def with_ends(line: Floats, ring: Floats | None, source: str) -> Floats:
         source: the line's name, for errors.
 
     Raises:
-        PathError: the line does not cross the field.
+        PathError: the line is too short to have a direction, or does not cross the field.
     """
     if len(line) != 2:
         return line
     length = float(np.hypot(*(line[1] - line[0])))
+    if not length >= _SHORTEST:
+        raise PathError(f"line {source!r}: A and B are {length:.2f} m apart; {_SHORTEST:g} m are needed")
     ahead = (line[1] - line[0]) / length
     if ring is None:
         return np.array([line[0], line[1] + AHEAD * ahead])

@@ -158,6 +158,7 @@ def test_a_folder_that_is_no_field_is_refused(tmp_path: Path, missing: str) -> N
         (b"StartFix\n132.5,-87.1\n", r"Field\.txt:2: origin '132\.5,-87\.1'"),
         (b"StartFix\nnan,-87.1\n", r"Field\.txt:2: origin 'nan,-87\.1'"),
         (b"StartFix\n32,5,-87\n", r"Field\.txt:2: .*2 numbers .*with decimal points"),
+        (b"StartFix\n50.8642,4.67", r"Field\.txt:2: the file ends within the origin"),
     ],
 )
 def test_a_field_without_a_readable_origin_is_refused(tmp_path: Path, content: bytes, reason: str) -> None:

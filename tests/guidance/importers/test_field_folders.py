@@ -53,6 +53,12 @@ def test_boundary_of_several_pieces_gives_the_one_with_the_point(tmp_path: Path)
         load_line(field, "outside")
 
 
+def test_boundary_with_a_point_that_is_none_is_refused(tmp_path: Path) -> None:
+    field = folder(tmp_path, ABLines=STRAIGHTS, Boundary=SQUARE.replace("\n100,-50,0", "\n100,nan,0"))
+    with pytest.raises(PathError, match=r"Boundary\.txt:5: is '100,nan,0'; finite coordinates"):
+        load_line(field, "AB 0°")
+
+
 @pytest.mark.parametrize("count", ["nan", "inf", "4.5"])
 def test_boundary_announces_a_whole_number_of_points(tmp_path: Path, count: str) -> None:
     field = folder(tmp_path, ABLines=STRAIGHTS, Boundary=SQUARE.replace("4\n", f"{count}\n", 1))

@@ -1,4 +1,7 @@
-"""CSV of lines: "line,latitude,longitude" in degrees, or, as `path.file` takes it, "x,y" in m of the drive's frame."""
+"""CSV of lines: "line,latitude,longitude" in degrees, or, as `path.file` takes it, "x,y" in m of the drive's frame.
+
+Columns are separated by comma, semicolon or tabulator; with the latter two a decimal comma is understood.
+"""
 
 import csv
 import io
@@ -10,7 +13,7 @@ from drawbar.errors import PathError
 from drawbar.fields.field import Degrees, Field, make_field
 from drawbar.fields.lines import on_earth
 from drawbar.geometry import LocalFrame
-from drawbar.guidance.importers.csv import read_csv
+from drawbar.guidance.importers.csv import read_csv, separator_of
 from drawbar.guidance.importers.text import number, read_text
 
 _HEADER = ["line", "latitude", "longitude"]
@@ -18,7 +21,12 @@ _HEADER = ["line", "latitude", "longitude"]
 
 def read(path: Path, frame: LocalFrame) -> tuple[Field, ...]:
     """Return the lines of a file; x and y count from the frame's origin. Raises PathError with the row."""
-    rows = list(csv.reader(io.StringIO(read_text(path))))
+    text = read_text(path).lstrip()
+    separator = separator_of(text.splitlines()[0])
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline=None), delimiter=separator))
+    except csv.Error as error:
+        raise PathError(f"{path}: is no table: {error}; export it again") from None
     if [cell.strip().lower() for cell in rows[0]] != _HEADER:
         line = read_csv(path, None)
         points = on_earth(np.column_stack([line.x, line.y]), frame)
@@ -30,7 +38,8 @@ def read(path: Path, frame: LocalFrame) -> tuple[Field, ...]:
         place = f"{path}:{index}"
         if len(row) != len(_HEADER):
             raise PathError(f"{place}: {row!r} has {len(row)} cells; {','.join(_HEADER)} is needed")
-        point = number(row[1], place, "the latitude"), number(row[2], place, "the longitude")
+        latitude, longitude = (cell if separator == "," else cell.replace(",", ".") for cell in row[1:])
+        point = number(latitude, place, "the latitude"), number(longitude, place, "the longitude")
         lines.setdefault(row[0], []).append(point)
     found: list[tuple[str, Degrees]] = list(lines.items())
     return (make_field(str(path), path.stem, found),)

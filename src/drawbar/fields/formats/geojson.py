@@ -1,4 +1,4 @@
-"""GeoJSON (RFC 7946): lines as LineStrings with their "name", the boundary as a Polygon."""
+"""GeoJSON (RFC 7946): lines as LineStrings with their "name", the boundary as a Polygon, alone or in a MultiPolygon."""
 
 import json
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Any
 from drawbar.errors import PathError
 from drawbar.fields.field import Degrees, Field, make_field
 from drawbar.geometry import Floats
-from drawbar.guidance.importers.geojson import features_of, name_of, position
+from drawbar.guidance.importers.geojson import features_of, name_of, position, require_wgs84
 
 
 def read(path: Path) -> tuple[Field, ...]:
@@ -18,18 +18,30 @@ def read(path: Path) -> tuple[Field, ...]:
     name, features = features_of(path)
     for index, feature in enumerate(features):
         geometry: Any = feature.get("geometry") if isinstance(feature, dict) and "geometry" in feature else feature
-        kind = geometry.get("type") if isinstance(geometry, dict) else None
         place = f"{path}, feature {index}"
-        called = name_of(feature, "")
+        if not isinstance(geometry, dict):  # a feature without a place, or none at all
+            continue
+        for member in (feature, geometry):
+            require_wgs84(member, place)
+        kind, called = geometry.get("type"), name_of(feature, "")
         if kind == "LineString":
             lines.append((called, _degrees(geometry.get("coordinates"), place)))
         elif kind == "MultiLineString":
             lines += [(called, _degrees(part, place)) for part in _list(geometry, place)]
-        elif kind == "Polygon" and boundary is None:
-            boundary = _degrees(next(iter(_list(geometry, place)), None), place)
+        elif kind in ("Polygon", "MultiPolygon") and boundary is None:
+            boundary, besides = _edge(geometry, place)
+            left_out += besides
         else:
             left_out.append(f"{kind} {called}".strip())
     return (make_field(str(path), name or path.stem, lines, boundary, left_out),)
+
+
+def _edge(geometry: dict[str, Any], place: str) -> tuple[Degrees, list[str]]:
+    """Return the edge of a polygon, or of the first of several, and what else is there."""
+    polygons = _list(geometry, place) if geometry["type"] == "MultiPolygon" else [_list(geometry, place)]
+    rings = polygons[0] if polygons and isinstance(polygons[0], list) else []
+    edge = _degrees(rings[0] if rings else None, place)
+    return edge, ["hole"] * (len(rings) - 1) + ["Polygon"] * (len(polygons) - 1)
 
 
 def _list(geometry: Any, place: str) -> list[Any]:

@@ -6,13 +6,16 @@ libraries that there are have one author and model the whole task file, of which
 """
 
 import math
+import re
 from pathlib import Path
 from typing import Literal
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from drawbar.errors import PathError
 from drawbar.fields.field import Degrees, Field, make_field
+from drawbar.fields.formats.beside import beside
 from drawbar.fields.formats.xml import attribute, parse, require_root
 from drawbar.fields.formats.xml import write as write_xml
 from drawbar.fields.lines import AHEAD, on_earth, on_plane
@@ -21,23 +24,35 @@ from drawbar.geometry import LocalFrame
 _ROOT = "ISO11783_TaskData"
 _AB, _A_AND_HEADING, _CURVE = "1", "2", "3"
 _KINDS = {_AB: "A-B", _A_AND_HEADING: "A+", _CURVE: "curve", "4": "pivot", "5": "spiral"}
+_OF_PARTFIELDS = re.compile(r"PFD\d{5}")
 _GUIDANCE = "5"
 """type of a line string: guidance pattern"""
-_BOUNDARY, _EXTERIOR = "1", "1"
-"""types of a polygon and of its line string"""
+_BOUNDARY, _EXTERIOR, _INTERIOR = "1", "1", "2"
+"""types of a polygon and of its line strings"""
 _A, _B, _OTHER, _POINT = "6", "7", "2", "9"
 """types of points; version 3 knows neither A nor B"""
 
 
 def read(path: Path) -> tuple[Field, ...]:
-    """Return all partfields of a TASKDATA.XML that hold a line or a boundary; pivots and spirals are left out.
+    """Return all partfields of a TASKDATA.XML, and of the files that it refers to; pivots and spirals are left out.
 
     Patterns of one name but another type are told apart by the type in brackets. Raises PathError with the partfield.
     """
     root = parse(path)
     require_root(root, _ROOT, path, "ISOXML")
-    fields = [_field(partfield, path) for partfield in root.findall("PFD")]
-    return tuple(field for field in fields if field.lines or field.boundary is not None)
+    return tuple(_field(partfield, path) for each in (root, *_further(root, path)) for partfield in each.findall("PFD"))
+
+
+def _further(root: Element, path: Path) -> list[Element]:
+    """Return the roots of the files of partfields that a task file refers to; raises PathError where one is missing."""
+    roots = []
+    for name in filter(_OF_PARTFIELDS.fullmatch, (each.get("A", "") for each in root.findall("XFR"))):
+        file = beside(path, f"{name}.XML")
+        if file is None:
+            raise PathError(f"{path}: refers to {name}.XML, which is not beside it; give the folder TASKDATA as .zip")
+        roots.append(parse(file))
+        require_root(roots[-1], "XFC", file, "a further file of ISOXML")
+    return roots
 
 
 def _field(partfield: Element, path: Path) -> Field:
@@ -61,6 +76,7 @@ def _field(partfield: Element, path: Path) -> Field:
     edges = [each.find(f"LSG[@A='{_EXTERIOR}']") for each in partfield.findall(f"PLN[@A='{_BOUNDARY}']")]
     rings = [each for each in edges if each is not None]
     left_out += ["polygon"] * (len(rings) - 1)
+    left_out += ["hole"] * len(partfield.findall(f"PLN[@A='{_BOUNDARY}']/LSG[@A='{_INTERIOR}']"))
     return make_field(str(path), name, lines, _degrees(rings[0], place) if rings else None, left_out)
 
 

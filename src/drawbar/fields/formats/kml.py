@@ -1,4 +1,4 @@
-"""KML 2.2 and KMZ: Placemarks with a LineString or a Polygon; longitude, latitude, height.
+"""KML 2.2 and KMZ: Placemarks with a LineString, a Polygon or a gx:Track; longitude, latitude, height.
 
 Twenty lines each way on the standard library's XML. The libraries that there are (fastkml, simplekml) model styles,
 overlays and time, of which a field has none.
@@ -20,22 +20,30 @@ def read(path: Path) -> tuple[Field, ...]:
     require_root(root, "kml", path, "KML")
     lines: list[tuple[str, Degrees]] = []
     boundary: Degrees | None = None
-    left_out = []
+    left_out = [f"NetworkLink {text_of(each, 'name')}".strip() for each in root.iter("NetworkLink")]
     for placemark in root.iter("Placemark"):
         name = text_of(placemark, "name")
         place = f"{path}: Placemark {name!r}"
-        found = [each for each in placemark.iter() if each.tag in ("LineString", "Polygon", "Point")]
+        found = [each for each in placemark.iter() if each.tag in ("LineString", "Polygon", "Track", "Point")]
         for shape in found:
             if shape.tag == "LineString":
                 lines.append((name, _degrees(text_of(shape, "coordinates"), place)))
+            elif shape.tag == "Track":
+                lines.append((name, _degrees(_track(shape), place)))
             elif shape.tag == "Polygon" and boundary is None:
                 ring = shape.find("outerBoundaryIs/LinearRing")
                 boundary = _degrees(text_of(ring, "coordinates") if ring is not None else "", place)
+                left_out += ["hole"] * len(shape.findall("innerBoundaryIs/LinearRing"))
             else:
                 left_out.append(f"{shape.tag} {name}".strip())
     document = root.find("Document")
     name = text_of(document, "name") if document is not None else ""
     return (make_field(str(path), name or path.stem, lines, boundary, left_out),)
+
+
+def _track(track: Element) -> str:
+    """Return the places of a gx:Track as other shapes have them, with commas."""
+    return " ".join(",".join((each.text or "").split()) for each in track.findall("coord"))
 
 
 def _degrees(text: str, place: str) -> Degrees:

@@ -11,9 +11,12 @@ import shapefile
 
 from drawbar.errors import PathError
 from drawbar.fields.field import Degrees, Field, FieldLine, make_field
+from drawbar.fields.formats.beside import beside
 from drawbar.geometry import Floats
 
 _NAMES = ("name", "line", "track", "designator", "label")
+_BYTES = "latin-1"
+"""a character for each byte"""
 _WGS84 = (
     'GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984",SPHEROID["WGS_1984",6378137.0,298.257223563]],'
     'PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]]'
@@ -24,14 +27,18 @@ def read(path: Path) -> tuple[Field, ...]:
     """Return the lines of a .shp, or its first polygon as boundary; .dbf and .prj lie beside it.
 
     Raises:
-        PathError: it cannot be read, or has no .prj, without which nobody knows what its numbers are.
+        PathError: it cannot be read, or has no .dbf, or no .prj, without which nobody knows what its numbers are.
     """
     to_degrees = _projection(path)
+    found = {suffix: beside(path, f"{path.stem}.{suffix}") for suffix in ("shp", "shx", "dbf")}
+    if found["dbf"] is None:
+        raise PathError(f"{path}: has no {path.stem}.dbf beside it, with the names of its lines; export it too")
     lines: list[tuple[str, Degrees]] = []
     boundary: Degrees | None = None
     left_out = []
     try:
-        with shapefile.Reader(str(path), encoding="utf-8", encodingErrors="replace") as reader:
+        files = {suffix: io.BytesIO(file.read_bytes()) for suffix, file in found.items() if file is not None}
+        with shapefile.Reader(**files, encoding=_BYTES) as reader:
             for item in reader.iterShapeRecords():
                 name, shape = _name(item.record.as_dict()), item.shape
                 kind = shape.shapeTypeName.removesuffix("Z").removesuffix("M")
@@ -41,23 +48,26 @@ def read(path: Path) -> tuple[Field, ...]:
                     lines += [(name, to_degrees(piece)) for piece in pieces]
                 elif kind == "POLYGON" and boundary is None:
                     boundary = to_degrees(pieces[0])
+                    left_out += ["hole"] * (len(pieces) - 1)
                 else:
                     left_out.append(f"{kind} {name}".strip())
-    except (shapefile.ShapefileException, OSError, ValueError, IndexError) as error:
+    except Exception as error:  # of whatever kind: a damaged file fails anywhere in pyshp
         raise PathError(f"{path}: cannot be read as a shapefile: {error}; export it again") from None
     return (make_field(str(path), path.stem, lines, boundary, left_out),)
 
 
 def _projection(path: Path) -> Callable[[Any], Degrees]:
     """Return what makes latitude and longitude of a file's own coordinates."""
-    beside = next((each for each in path.parent.iterdir() if each.name.lower() == f"{path.stem.lower()}.prj"), None)
-    if beside is None:
+    file = beside(path, f"{path.stem}.prj")
+    if file is None:
         raise PathError(f"{path}: has no {path.stem}.prj beside it, so that nobody knows its projection; export it too")
     try:
-        system = pyproj.CRS.from_wkt(beside.read_text("utf-8", "replace"))
+        system = pyproj.CRS.from_wkt(file.read_text("utf-8", "replace"))
         transformer = pyproj.Transformer.from_crs(system, "EPSG:4326", always_xy=True)
     except pyproj.exceptions.ProjError as error:
-        raise PathError(f"{beside}: is no projection that is known: {error}; export in WGS84") from None
+        raise PathError(f"{file}: is no projection that is known: {error}; export in WGS84") from None
+    if not (system.is_geographic or system.is_projected):
+        raise PathError(f"{file}: is no projection of the ground but {system.type_name}; export in WGS84")
 
     def to_degrees(points: Any) -> Degrees:
         longitude, latitude = transformer.transform([x for x, _ in points], [y for _, y in points])
@@ -68,7 +78,11 @@ def _projection(path: Path) -> Callable[[Any], Degrees]:
 
 def _name(record: dict[str, Any]) -> str:
     named = {key.lower(): value for key, value in record.items() if isinstance(value, str)}
-    return next((named[key] for key in _NAMES if named.get(key)), "")
+    raw = next((named[key] for key in _NAMES if named.get(key)), "").encode(_BYTES)
+    try:
+        return raw.decode()
+    except UnicodeDecodeError:  # of programs from before UTF-8
+        return raw.decode("cp1252", "replace")
 
 
 def write(field: Field) -> bytes:

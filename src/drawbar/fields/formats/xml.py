@@ -1,5 +1,6 @@
 """XML from others: read without entities, which can blow up or fetch files; and written with a declaration."""
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -7,16 +8,18 @@ from drawbar.errors import PathError
 from drawbar.guidance.importers.text import read_text
 
 Element = ElementTree.Element
+_PROLOG = re.compile(r"(?:\s|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)
+"""what may stand before a document type, or before the root where there is none"""
 
 
 def parse(path: Path) -> Element:
-    """Return the root of a UTF-8 document, names without their namespace.
+    """Return the root of a document, names without their namespace.
 
     Raises:
         PathError: it cannot be read, is not XML, or declares a document type, by which entities come in.
     """
-    text = read_text(path)
-    if "<!DOCTYPE" in text.upper():
+    text = read_text(path).lstrip()
+    if _PROLOG.sub("", text, count=1).startswith("<!"):
         raise PathError(
             f"{path}: declares a document type (DOCTYPE), which no such file needs; export it again without"
         )

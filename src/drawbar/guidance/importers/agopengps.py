@@ -16,7 +16,7 @@ from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance.importers.agopengps_lines import FORMATS, FoundLine
 from drawbar.guidance.importers.boundary import Boundary, read_boundary
 from drawbar.guidance.importers.line import RecordedLine, choose, on_frame
-from drawbar.guidance.importers.text import numbers, read_lines
+from drawbar.guidance.importers.text import lines_of, numbers, read_text
 
 _ORIGIN, _BOUNDARY = "Field.txt", "Boundary.txt"
 
@@ -69,7 +69,7 @@ def wgs84_to_plane(latitude: Floats, longitude: Floats, origin: LocalFrame) -> t
     """Return east and north (m, (n,)) on AgOpenGPS's plane of points in degrees; the inverse of plane_to_wgs84."""
     by_latitude, _ = _degree_lengths(np.full_like(latitude, origin.latitude))
     _, by_longitude = _degree_lengths(latitude)
-    return (longitude - origin.longitude) * by_longitude, (latitude - origin.latitude) * by_latitude
+    return _turned(longitude - origin.longitude) * by_longitude, (latitude - origin.latitude) * by_latitude
 
 
 def plane_to_wgs84(east: Floats, north: Floats, origin: LocalFrame) -> tuple[Floats, Floats]:
@@ -79,7 +79,12 @@ def plane_to_wgs84(east: Floats, north: Floats, origin: LocalFrame) -> tuple[Flo
     longitude at the point.
     """
     latitude = origin.latitude + north / _degree_lengths(np.full_like(north, origin.latitude))[0]
-    return latitude, origin.longitude + east / _degree_lengths(latitude)[1]
+    return latitude, _turned(origin.longitude + east / _degree_lengths(latitude)[1])
+
+
+def _turned(longitude: Floats) -> Floats:
+    """Return longitudes within ±180 degrees: a field may lie on the date line."""
+    return longitude - 360.0 * np.round(longitude / 360.0)
 
 
 def _degree_lengths(latitude: Floats) -> tuple[Floats, Floats]:
@@ -108,7 +113,8 @@ def _lines(files: dict[str, Path]) -> tuple[list[FoundLine], list[str]]:
 
 def _frame(file: Path) -> LocalFrame:
     """Return the frame at the field's origin (latitude, longitude in degrees), where its metres count from."""
-    rows = read_lines(file)
+    text = read_text(file)
+    rows = lines_of(text)
     if "StartFix" not in rows[:-1]:
         raise PathError(
             f"{file}: has no row 'StartFix' with the field's origin 'latitude,longitude' below; "
@@ -116,6 +122,8 @@ def _frame(file: Path) -> LocalFrame:
         )
     index = rows.index("StartFix") + 1
     latitude, longitude = numbers(rows[index], 2, f"{file}:{index + 1}")
+    if index + 1 == len(rows) and text[-1] not in "\r\n":
+        raise PathError(f"{file}:{index + 1}: the file ends within the origin; export the field from AgOpenGPS again")
     if not (abs(latitude) < 90.0 and abs(longitude) <= 180.0):
         raise PathError(f"{file}:{index + 1}: origin {rows[index]!r}; degrees within ±90 and ±180 are allowed")
     return LocalFrame(latitude=latitude, longitude=longitude)

@@ -71,5 +71,9 @@ def read_boundary(file: Path) -> Boundary | None:
             f"{file}:{head + 1}: announces {count} points, but {len(rows) - head - 1} rows follow; export the field "
             f"from AgOpenGPS again"
         )
-    points = [numbers(rows[index], 3, f"{file}:{index + 1}")[:2] for index in range(head + 1, head + 1 + count)]
-    return Boundary(source=file, ring=np.array(points))
+    first = head + 1
+    points = [numbers(rows[index], 3, f"{file}:{index + 1}")[:2] for index in range(first, first + count)]
+    ring = np.array(points)
+    for bad in np.flatnonzero(~np.isfinite(ring).all(axis=1))[:1] + first:
+        raise PathError(f"{file}:{bad + 1}: is {rows[bad]!r}; finite coordinates in m are needed")
+    return Boundary(source=file, ring=ring)

@@ -23,12 +23,17 @@ def read_csv(path: Path, track: str | None) -> RecordedLine:
     numbered = enumerate(read_lines(path), start=1)
     rows = [(f"{path}:{index}", text) for index, text in numbered if text and not text.startswith(_COMMENT)]
     first = rows[0][1] if rows else ""
-    separator = next((mark for mark in _SEPARATORS if mark in first), ",")
+    separator = separator_of(first)
     if rows and _is_header(*rows[0], separator):
         rows = rows[1:]
     points = [_point(text, place, separator) for place, text in rows]
     places = [place for place, _ in rows] or [str(path)]
     return RecordedLine.checked(path.stem, np.array(points).reshape(-1, 2), places)
+
+
+def separator_of(row: str) -> str:
+    """Return what separates the columns of a table, by its first row."""
+    return next((mark for mark in _SEPARATORS if mark in row), ",")
 
 
 def _is_header(place: str, text: str, separator: str) -> bool:

@@ -50,7 +50,7 @@ def features_of(path: Path) -> tuple[str, list[Any]]:
         raise PathError(f"{path}: is not valid JSON: {error}") from None
     if _type(document) != "FeatureCollection":
         return "", [document]
-    _require_wgs84(document, str(path))
+    require_wgs84(document, str(path))
     name = document.get("name")
     return name if isinstance(name, str) else "", _list(document, "features", str(path))
 
@@ -70,7 +70,7 @@ def _line(name: str, feature: dict[str, Any], place: str) -> RecordedLine:
     """Return the line of a LineString, its first point being the origin."""
     geometry = _geometry(feature)
     for member in (feature, geometry):
-        _require_wgs84(member, place)
+        require_wgs84(member, place)
     positions = _list(geometry, "coordinates", place)
     places = [f"{place}, position {index}" for index in range(len(positions))]
     degrees = np.array([position(*pair) for pair in zip(positions, places, strict=True)]).reshape(-1, 2)
@@ -97,8 +97,8 @@ def position(given: Any, place: str) -> list[float]:
     return [longitude, latitude]
 
 
-def _require_wgs84(member: dict[str, Any], place: str) -> None:
-    """Refuse coordinates of another reference system than GeoJSON's own."""
+def require_wgs84(member: dict[str, Any], place: str) -> None:
+    """Raise PathError for coordinates of another reference system than GeoJSON's own."""
     if "crs" not in member:
         return
     crs = member["crs"]

@@ -1,21 +1,30 @@
 """Reading text files with errors that name the file and the line."""
 
+import codecs
+import re
 from pathlib import Path
 
 from drawbar.errors import PathError
 
+_DECLARED = re.compile(
+    rb"""<\?xml[^>]*\sencoding=["'](iso-8859-(?:[1-9]|1[013-6])|windows-125[0-8])["']""", re.IGNORECASE
+)
+
 
 def read_text(path: Path) -> str:
-    """Return a UTF-8 text file, a byte order mark removed.
+    """Return a text file, a byte order mark removed.
+
+    It is UTF-8, UTF-16 with its mark, or, of XML, in the alphabet of one byte a character that it declares.
 
     Raises PathError for a file that is missing, unreadable, empty, or not text.
     """
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        data = path.read_bytes()
+        text = data.decode(_encoding(data))
     except OSError as error:
         raise PathError(f"{path}: cannot be read: {error.strerror}; give an existing file") from None
     except UnicodeDecodeError as error:
-        raise PathError(f"{path}: byte {error.start} is not UTF-8 text; give a text file") from None
+        raise PathError(f"{path}: byte {error.start} is not UTF-8 text; give a text file, saved as UTF-8") from None
     if "\0" in text:
         raise PathError(f"{path}: is a binary file; give a text file")
     if not text.strip():
@@ -23,9 +32,21 @@ def read_text(path: Path) -> str:
     return text
 
 
+def _encoding(data: bytes) -> str:
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    declared = _DECLARED.match(data)
+    return declared[1].decode() if declared else "utf-8-sig"
+
+
 def read_lines(path: Path) -> list[str]:
     """Return the stripped lines of a text file, the file's line i at index i - 1. Errors as read_text."""
-    return [line.strip() for line in read_text(path).splitlines()]
+    return lines_of(read_text(path))
+
+
+def lines_of(text: str) -> list[str]:
+    """Return the stripped lines of a text."""
+    return [line.strip() for line in text.splitlines()]
 
 
 def number(text: str, place: str, what: str) -> float:
