@@ -26,8 +26,7 @@ def test_the_regulator_is_where_dynamic_programming_ends(model, name, body):
 
 
 def test_weights_without_a_regulator_are_refused(body):
-    for weights in ({"yaw": 1.0, "command": 1.0}, {"lateral": 1e-16, "yaw": 1e-16, "command": 1e16}):
-        with pytest.raises(TubeError, match="has no regulator"):
-            gain_of("tractor", body("articulated", "tractor").model, BodyTubeSettings(lqr=weights))
+    with pytest.raises(TubeError, match="has no regulator"):
+        gain_of("tractor", body("articulated", "tractor").model, BodyTubeSettings(lqr={"yaw": 1.0, "command": 1.0}))
     with pytest.raises(ConfigurationError, match="no weight of the command"):
         gain_of("tractor", body("articulated", "tractor").model, BodyTubeSettings(lqr={"lateral": 1.0}))
