@@ -79,7 +79,7 @@ class DeadTimePredictor(Alone):
     """Moves estimates through the commands under way."""
 
     def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float, body_lag: float = 0.0) -> None:
-        """Compile the prediction of a vehicle that has a dead time, and whose bodies turn later than its wheels, s."""
+        """Compile the prediction of a vehicle with a dead time, whose tractor turns later than its wheels stand, s."""
         super().__init__(found_dead_time_unit(vehicle, model, sample_time, body_lag=body_lag))
 
     def ahead(self, estimate: Estimate) -> Estimate:

@@ -16,7 +16,7 @@
 
 struct component {
     double dead_time, sample_time;         /* s */
-    double body_lag;                       /* by how much bodies turn later than their wheels stand, s */
+    double body_lag;                       /* by how much the tractor turns later than its wheels stand, s */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double constants[CONSTANTS];           /* of the model with its actuators */
     int32_t sent;                          /* commands so far, up to MOST_COMMANDS */
@@ -31,17 +31,17 @@ struct component {
     SETTING(component, body_lag, 0, 1, 0, 0)                                                                           \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, constants, 0, CONSTANTS, 0, 0)
 
-/* How many commands are under way within the dead time, all but the oldest for a whole sample. */
-static inline int32_t commands_under_way(const struct component *component)
+/* From a command until it turns the tractor, s. */
+static inline double ahead_by(const struct component *component)
 {
-    const double samples = ceil(component->dead_time / component->sample_time - WHOLE_SAMPLES);
-    return (int32_t)fmin(fmax(samples, 0.0), MOST_COMMANDS - 1.0);
+    return component->dead_time + component->body_lag;
 }
 
-/* For how long the oldest of so many commands acts within the dead time, s. */
-static inline double oldest_acts(const struct component *component, int32_t count)
+/* How many commands are under way within that time, all but the oldest for a whole sample. */
+static inline int32_t commands_under_way(const struct component *component)
 {
-    return component->dead_time - (count - 1) * component->sample_time;
+    const double samples = ceil(ahead_by(component) / component->sample_time - WHOLE_SAMPLES);
+    return (int32_t)fmin(fmax(samples, 0.0), MOST_COMMANDS - 1.0);
 }
 
 /* States and parameters of the model from an estimate. */
@@ -51,7 +51,7 @@ static void motion(struct component *work, int first, int count);
 /* What of an estimate moves, from states and outputs of the model. */
 static void give_estimate(const struct component *work, struct drawbar_estimate *estimate);
 
-/* Let the bodies move for a duration (s) while the wheels are driven to these angles, rad. */
+/* Let the vehicle move for a duration (s) while front wheels and joint are driven to these angles, rad. */
 static void move(struct component *component, double duration, double tractor, double trailer)
 {
     component->u[0][U_TRACTOR_TARGET] = tractor;
@@ -60,57 +60,73 @@ static void move(struct component *component, double duration, double tractor, d
     motion(component, 0, 1);
 }
 
-/* The estimate for the moment at which the next command begins to turn the bodies. They turn later than their wheels
- * stand: as the wheels stand now, first, and then as the commands under way move them. The speed stays as it is estimated:
- * a drive is slower than any dead time. Before any command the wheels stay as they are. */
+/* The estimate for the moment at which the next command begins to turn the tractor. The joint turns the trailer at once: it
+ * waits where it is for the tractor. The speed stays as it is estimated: a drive is slower than any dead time. Before any
+ * command the wheels stay as they are. */
 int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now, struct drawbar_estimate *then)
 {
     const int32_t count = commands_under_way(component);
+    double moved = 0.0;
 
     *then = *now;
-    then->time += component->dead_time + component->body_lag;
-    if (!(component->dead_time + component->body_lag > 0.0))
+    then->time += ahead_by(component);
+    if (count == 0)
         return 0;
     take_estimate(component, now);
-    if (component->body_lag > 0.0)
-        move(component, component->body_lag, now->tractor_steering, now->trailer_steering);
     for (int i = 0; i < count; ++i) {
         const struct drawbar_command *command = &component->under_way[MOST_COMMANDS - count + i];
         const int known = i >= count - component->sent;
-        move(component, i == 0 ? oldest_acts(component, count) : component->sample_time,
-             known ? command->tractor_steering : now->tractor_steering,
-             known ? component->sign * command->trailer_steering : now->trailer_steering);
+        const double tractor = known ? command->tractor_steering : now->tractor_steering;
+        const double trailer = known ? component->sign * command->trailer_steering : now->trailer_steering;
+        const double end = ahead_by(component) - (count - 1 - i) * component->sample_time;
+        if (moved < component->body_lag) {
+            const double waiting = fmin(end, component->body_lag) - moved;
+            move(component, waiting, tractor, now->trailer_steering);
+            moved += waiting;
+        }
+        if (moved < end)
+            move(component, end - moved, tractor, trailer);
+        moved = end;
     }
     give_estimate(component, then);
     return 0;
 }
 
-/* A command of so many samples ago, 0 for the newest. */
-static inline const struct drawbar_command *sent_before(const struct component *component, int32_t samples)
+enum { FRONT_WHEELS, TRAILER_JOINT };
+
+/* One steering of the command of so many samples ago, 0 for the newest, rad. */
+static inline double sent_before(const struct component *component, int steering, int32_t samples)
 {
-    return &component->under_way[MOST_COMMANDS - 1 - samples];
+    const struct drawbar_command *command = &component->under_way[MOST_COMMANDS - 1 - samples];
+    return steering == FRONT_WHEELS ? command->tractor_steering : command->trailer_steering;
 }
 
-/* Remember the newest command, and give the one that acts in the mean of the sample that now begins: two commands act, one
- * after the other, unless the dead time is a whole number of samples. All NaN as long as none has arrived at the actuators. */
+/* The command that acts in the mean of the sample that now begins, rad: two act, one after the other, unless the dead time
+ * (s) is a whole number of samples. NaN as long as none has arrived at the actuator. */
+static double acting_in_the_mean(const struct component *component, int steering, double dead_time)
+{
+    const double samples = fmin(dead_time / component->sample_time, MOST_COMMANDS - 2.0);
+    const int32_t whole = (int32_t)(samples + WHOLE_SAMPLES);
+    const double share = fmax(samples - whole, 0.0);
+
+    if (component->sent <= whole)
+        return NAN;
+    const double later = sent_before(component, steering, whole);
+    return component->sent == whole + 1 ? later
+        : later + share * (sent_before(component, steering, whole + 1) - later);
+}
+
+/* Remember the newest command, and give the one that acts on the bodies during the sample that now begins. */
 int UNIT(sent)(struct component *component, const struct drawbar_command *newest, struct drawbar_command *acting)
 {
-    static const struct drawbar_command nothing = {(double)NAN, (double)NAN, (double)NAN, (double)NAN};
     struct drawbar_command *commands = component->under_way;
-    const double samples = fmin(component->dead_time / component->sample_time, MOST_COMMANDS - 2.0);
-    const int32_t later = (int32_t)(samples + WHOLE_SAMPLES);
-    const double share = fmax(samples - later, 0.0);
 
     memmove(&commands[0], &commands[1], (MOST_COMMANDS - 1) * sizeof *commands);
     commands[MOST_COMMANDS - 1] = *newest;
     component->sent += component->sent < MOST_COMMANDS;
-    *acting = component->sent > later ? *sent_before(component, later) : nothing;
-    if (component->sent > later + 1) {
-        const struct drawbar_command *earlier = sent_before(component, later + 1);
-        acting->tractor_steering += share * (earlier->tractor_steering - acting->tractor_steering);
-        acting->trailer_steering += share * (earlier->trailer_steering - acting->trailer_steering);
-        acting->speed += share * (earlier->speed - acting->speed);
-    }
+    *acting = *newest;
+    acting->tractor_steering = acting_in_the_mean(component, FRONT_WHEELS, ahead_by(component));
+    acting->trailer_steering = acting_in_the_mean(component, TRAILER_JOINT, component->dead_time);
     return 0;
 }
 

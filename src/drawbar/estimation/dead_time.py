@@ -68,7 +68,7 @@ def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float)
 def found_dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float, *, body_lag: float) -> Unit:
     """Return the same for dead times and lags that are found during the run, the vehicle's until then.
 
-    body_lag: by how much the bodies turn later than their wheels stand, s.
+    body_lag: by how much the tractor turns later than its wheels stand, s.
     """
     driven = actuated(vehicle, model)
     settings = {

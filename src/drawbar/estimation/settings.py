@@ -266,8 +266,8 @@ class ActuationSettings(Settings):
     guess_deviation: Positive = 0.15
     """of that guess, s"""
     body_lag: Annotated[NonNegative, Field(le=0.5)] = 0.1
-    """with `identify`: by how much the bodies turn later than their wheels stand, s; tyres and inertia cause it, and no
-    steering sensor shows it. It is added to the dead time that is planned with: all of it from `speed` = 2 m/s on,
+    """with `identify`: by how much the tractor turns later than its wheels stand, s; tyres and inertia cause it, and no
+    steering sensor shows it. It is added to the dead time of the front wheels: all of it from `speed` = 2 m/s on,
     nothing up to 1 m/s, in proportion between"""
     lag_deviation: Positive = 0.7
     """of the logarithm of the lags about `vehicle.steering_lag`, before something shows them"""
@@ -286,5 +286,5 @@ class ActuationSettings(Settings):
     """time constant with which the dead time and lags that are planned with follow what is known, s"""
 
     def body_lag_at(self, speed: float) -> float:
-        """Return by how much the bodies turn later than their wheels stand, at a set speed (m/s), s."""
+        """Return by how much the tractor turns later than its wheels stand, at a set speed (m/s), s."""
         return self.body_lag * min(max(speed - 1.0, 0.0), 1.0)
