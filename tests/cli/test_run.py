@@ -242,7 +242,11 @@ def test_a_report_is_made_again_from_a_log_whole_or_cut(drawbar: Drawbar, tmp_pa
     assert code == 0
     assert "stopped: the log just stops" in " ".join(said.split())
     assert {file.name for file in (tmp_path / "again").iterdir()} == {"metrics.json", "report.html", "map.svg"}
-    assert drawbar("report", "nowhere")[0] == 2
+    assert drawbar("report", "nowhere", "--out", "empty")[0] == 2
+    assert not (tmp_path / "empty").exists()
+    (tmp_path / "file").touch()
+    code, said = drawbar("report", "out", "--out", "file/again")
+    assert (code, "cannot be written (Not a directory)" in " ".join(said.split())) == (2, True)
 
 
 def test_a_run_is_named_by_its_folder_or_by_its_log(drawbar: Drawbar) -> None:

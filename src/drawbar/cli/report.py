@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from drawbar.cli.options import RunLogFile, console, written
-from drawbar.errors import DrawbarError
 
 
 def report(
@@ -21,9 +20,5 @@ def report(
     from drawbar.report.folder import write_report
 
     folder = out or log.parent
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DrawbarError(f"{folder}: cannot be made ({error.strerror}); choose another --out folder.") from error
     console.print(summary(write_report(folder, log)))
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)

@@ -17,6 +17,8 @@ REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
 def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str] | None = None) -> Metrics:
     """Read the log in a run's folder, or another, and write metrics.json, report.html and map.svg into the folder.
 
+    The folder is made where it is missing, once the log has been read.
+
     Returns the metrics. Works for a run that crashed or was killed.
 
     Raises:
@@ -30,12 +32,13 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
     picture = render_picture(log, errors).encode()
     contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), picture)
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         for name, content in zip(REPORT_NAMES, contents, strict=True):
             _write_whole(folder / name, content)
     except OSError as error:
         raise StorageError(
-            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: free space, then "
-            f"`drawbar report {folder}`"
+            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: free space or choose another "
+            f"folder, then `drawbar report {folder}`"
         ) from error
     return metrics
 
