@@ -27,12 +27,13 @@ SAMPLE = [
     "S14 midnight",
 ]
 KEPT = {
-    "2 m/s, curve, driven by the bus: S28 hitch sensor reversed": 8.0,
+    "2 m/s, curve, driven by the bus: S28 hitch sensor reversed": 11.0,
     "2 m/s, curve: S23 joint's sensor stuck": 32.0,
     "2 m/s, straight: S7 both antennas drift 0.3 m/s": 30.0,
     "2 m/s, curve: S13 speed in knots": 14.0,
 }
-"""farthest from the path while drawbar steers, cm; it was 119, 66, 41 and 19 before these faults were seen in time"""
+"""farthest from the path while drawbar steers, mean of seeds 0 to 2, cm; seed 0 had 119, 66, 41 and 19 before these
+faults were seen in time"""
 run = cache(run_task)
 
 
@@ -57,10 +58,10 @@ def test_a_fault_ends_as_expected(experiment: Experiment, analysis: ModuleType, 
 def test_the_vehicle_stays_near_its_line_until_it_has_been_let_go_of(
     experiment: Experiment, analysis: ModuleType, case: str
 ) -> None:
-    figures = analysis.figures(run(task_of(experiment, case)))
     (expected,) = experiment.expected[case].values()
-    assert expected.holds(figures["response"]), figures
-    assert figures["steered"] < KEPT[case]
+    each = [analysis.figures(run(task)) for task in experiment.with_cases([case]).tasks(3)[case]]
+    assert all(expected.holds(figures["response"]) for figures in each), each
+    assert np.mean([figures["steered"] for figures in each]) < KEPT[case]
 
 
 def test_a_set_point_beyond_the_envelope_is_seen(experiment: Experiment, analysis: ModuleType) -> None:
