@@ -232,8 +232,8 @@ def test_the_plan_moves_on_by_a_sample_and_its_end_is_predicted(solver: ControlS
             },
             "goes with intervals_per_sample = 1 only, got 2",
         ),
-        ({"intervals_per_sample": 0}, "intervals_per_sample must be a whole number of at least 1, got 0"),
-        ({"intervals_per_sample": 1.5}, "intervals_per_sample must be a whole number of at least 1, got 1.5"),
+        ({"intervals_per_sample": 0}, "intervals_per_sample must be a whole number from 1 to 100, got 0"),
+        ({"intervals_per_sample": 1.5}, "intervals_per_sample must be a whole number from 1 to 100, got 1.5"),
     ],
 )
 def test_what_is_refused(changes: dict[str, Any], complaint: str) -> None:
