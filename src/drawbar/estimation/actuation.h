@@ -34,7 +34,7 @@ struct component {
     LAG_GRID_FIELDS(component, grid) LAG_BANK_FIELDS(component, banks[FRONT_WHEELS])                                   \
     LAG_BANK_FIELDS(component, banks[TRAILER_JOINT]) SETTING(component, limits, 0, STEERED, 0, 0)                      \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
-    SETTING(component, settling, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                                                              \
+    SETTING(component, settling, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                 \
     SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, odd, 0, 1, 0, 0)                                     \
     SETTING(component, patience, 0, 1, 0, 0)
 

@@ -1,9 +1,9 @@
 /* Dead-time compensation: plan from where the commands under way will have taken the vehicle (Smith 1957; Findeisen and
  * Allgoewer 2004 for predictive control).
  *
- * The including unit defines MOST_COMMANDS, how many are remembered; FIRST_LAG, where the lags are among the constants; STATES, INPUTS, PARAMETERS, OUTPUTS and CONSTANTS,
- * the sizes of the model with its actuators; what its elements are called (U_TRACTOR_TARGET, for one); and its functions
- * take_estimate, motion and give_estimate, generated from that model.
+ * The including unit defines MOST_COMMANDS, how many are remembered; FIRST_LAG, where the lags are among the constants;
+ * STATES, INPUTS, PARAMETERS, OUTPUTS and CONSTANTS, the sizes of the model with its actuators; what its elements are called
+ * (U_TRACTOR_TARGET, for one); and its functions take_estimate, motion and give_estimate, generated from that model.
  */
 #ifndef DRAWBAR_DEAD_TIME_H
 #define DRAWBAR_DEAD_TIME_H
@@ -28,8 +28,8 @@ struct component {
 
 #define COMPONENT_FIELDS                                                                                          \
     SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                              \
-    SETTING(component, body_lag, 0, 1, 0, 0)                                                                           \
-    SETTING(component, sign, 0, 1, 0, 0) SETTING(component, constants, 0, CONSTANTS, 0, 0)
+    SETTING(component, body_lag, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                                      \
+    SETTING(component, constants, 0, CONSTANTS, 0, 0)
 
 /* From a command until it turns the tractor, s. */
 static inline double ahead_by(const struct component *component)
@@ -92,31 +92,27 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
     return 0;
 }
 
-enum { FRONT_WHEELS, TRAILER_JOINT };
-
-/* One steering of the command of so many samples ago, 0 for the newest, rad. */
-static inline double sent_before(const struct component *component, int steering, int32_t samples)
+/* The command that acts in the mean of the sample that now begins, where commands act so long after they are sent, s: two
+ * act, one after the other, unless that is a whole number of samples. NaN as long as none has arrived. */
+static struct drawbar_command acting_in_the_mean(const struct component *component, double after)
 {
-    const struct drawbar_command *command = &component->under_way[MOST_COMMANDS - 1 - samples];
-    return steering == FRONT_WHEELS ? command->tractor_steering : command->trailer_steering;
-}
-
-/* The command that acts in the mean of the sample that now begins, rad: two act, one after the other, unless the dead time
- * (s) is a whole number of samples. NaN as long as none has arrived at the actuator. */
-static double acting_in_the_mean(const struct component *component, int steering, double dead_time)
-{
-    const double samples = fmin(dead_time / component->sample_time, MOST_COMMANDS - 2.0);
+    const double samples = fmin(after / component->sample_time, MOST_COMMANDS - 2.0);
     const int32_t whole = (int32_t)(samples + WHOLE_SAMPLES);
     const double share = fmax(samples - whole, 0.0);
+    const struct drawbar_command *later = &component->under_way[MOST_COMMANDS - 1 - whole], *earlier = later - 1;
+    struct drawbar_command mean = *later;
 
-    if (component->sent <= whole)
-        return NAN;
-    const double later = sent_before(component, steering, whole);
-    return component->sent == whole + 1 ? later
-        : later + share * (sent_before(component, steering, whole + 1) - later);
+    if (component->sent <= whole) {
+        mean.tractor_steering = mean.trailer_steering = NAN;
+    } else if (component->sent > whole + 1) {
+        mean.tractor_steering += share * (earlier->tractor_steering - later->tractor_steering);
+        mean.trailer_steering += share * (earlier->trailer_steering - later->trailer_steering);
+    }
+    return mean;
 }
 
-/* Remember the newest command, and give the one that acts on the bodies during the sample that now begins. */
+/* Remember the newest command, and give the one that acts on the bodies during the sample that now begins: on the tractor by
+ * its wheels, later than on the trailer by its joint. */
 int UNIT(sent)(struct component *component, const struct drawbar_command *newest, struct drawbar_command *acting)
 {
     struct drawbar_command *commands = component->under_way;
@@ -124,9 +120,8 @@ int UNIT(sent)(struct component *component, const struct drawbar_command *newest
     memmove(&commands[0], &commands[1], (MOST_COMMANDS - 1) * sizeof *commands);
     commands[MOST_COMMANDS - 1] = *newest;
     component->sent += component->sent < MOST_COMMANDS;
-    *acting = *newest;
-    acting->tractor_steering = acting_in_the_mean(component, FRONT_WHEELS, ahead_by(component));
-    acting->trailer_steering = acting_in_the_mean(component, TRAILER_JOINT, component->dead_time);
+    *acting = acting_in_the_mean(component, component->dead_time);
+    acting->tractor_steering = acting_in_the_mean(component, ahead_by(component)).tractor_steering;
     return 0;
 }
 

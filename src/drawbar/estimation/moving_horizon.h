@@ -119,14 +119,16 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     return status;
 }
 
-/* Let the newest sample's inputs be those that a command tells, and the states behind it what follows from them, by the
- * linearisation, whose defects stay what they are. */
+/* Let the newest sample's inputs be those that a command tells (NULL: nobody tells), and the states behind it what follows
+ * from them, by the linearisation, whose defects stay what they are. */
 static void follow(struct component *component, const struct drawbar_command *acting)
 {
     struct rti *rti = &component->rti;
     const int k = component->window.newest - 1;
     double *u = INPUT(rti->z, k), told[NU], moved[ND] = {0.0};
 
+    if (acting == NULL)
+        return;
     memcpy(told, u, sizeof told);
     model_told_inputs(&component->model, STATE(rti->z, k), acting, told);
     for (int i = 0; i < ND; ++i)
@@ -166,8 +168,7 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
 {
     go_on(component, acting);
     WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
-    if (acting != NULL)
-        follow(component, acting);
+    follow(component, acting);
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
 }
 
@@ -179,8 +180,7 @@ int UNIT(skip)(struct component *component, const struct drawbar_command *acting
     go_on(component, acting);
     rti_linearise(&component->rti);
     rti_reweighted(&component->rti);
-    if (acting != NULL)
-        follow(component, acting);
+    follow(component, acting);
     return component->prepared = component->window.absorbed;
 }
 
