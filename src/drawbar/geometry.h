@@ -1,10 +1,11 @@
-/* Angles, as in geometry.py, rows of numbers that are poses, and time stamps. */
+/* Angles and gravity, as in geometry.py, rows of numbers that are poses, and time stamps. */
 #ifndef DRAWBAR_GEOMETRY_H
 #define DRAWBAR_GEOMETRY_H
 
 #include <math.h>
 
 #define DRAWBAR_PI 3.14159265358979323846
+#define GRAVITY 9.81                       /* m/s^2 */
 
 /* A pose as a row of numbers, m and rad; a sample of a path is one that also has the curvature there, 1/m. */
 enum { AT_X, AT_Y, AT_YAW, AT_CURVATURE };

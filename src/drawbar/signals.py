@@ -528,7 +528,7 @@ class Actuation:
     trailer: BodyActuation = BodyActuation()
     """actuated joint"""
     dead_time: Seconds = 0.0
-    """for which is planned, beside `actuation.body_lag`"""
+    """for which is planned, beside the lag of the body (`actuation.body_lag_per_speed`)"""
     tractor_lag: Seconds = 0.0
     """for which is planned"""
     trailer_lag: Seconds = 0.0

@@ -88,11 +88,6 @@ def test_dead_time_and_lag_are_found_within_a_minute(dead_time: float, lag: floa
     assert told.dead_time == pytest.approx(max(told.tractor.dead_time, told.trailer.dead_time), abs=0.02)
 
 
-@pytest.mark.parametrize(("speed", "more"), [(0.3, 0.0), (1.0, 0.0), (1.5, 0.05), (2.0, 0.1), (3.0, 0.1)])
-def test_plans_reckon_with_bodies_that_lag_from_1_m_s_on(speed: float, more: float) -> None:
-    assert ActuationSettings().body_lag_at(speed) == pytest.approx(more)
-
-
 def test_what_is_known_does_not_depend_on_whether_there_was_time_to_prepare() -> None:
     hurried, prepared = fed(0.2, 0.35, samples=40), fed(0.2, 0.35, samples=40, prepared=True)
     for identification in (hurried, prepared):

@@ -78,9 +78,11 @@ class ExtendedKalmanFilter(Estimator):
 class DeadTimePredictor(Alone):
     """Moves estimates through the commands under way."""
 
-    def __init__(self, vehicle: VehicleParameters, model: Model, sample_time: float, body_lag: float = 0.0) -> None:
-        """Compile the prediction of a vehicle with a dead time, whose tractor turns later than its wheels stand, s."""
-        super().__init__(found_dead_time_unit(vehicle, model, sample_time, body_lag=body_lag))
+    def __init__(
+        self, vehicle: VehicleParameters, model: Model, sample_time: float, body_lag_per_speed: float = 0.0
+    ) -> None:
+        """Compile the prediction of a vehicle with a dead time, whose tractor turns later per speed, s^2/m."""
+        super().__init__(found_dead_time_unit(vehicle, model, sample_time, body_lag_per_speed=body_lag_per_speed))
 
     def ahead(self, estimate: Estimate) -> Estimate:
         """Return the estimate for the moment at which the next command begins to act."""

@@ -10,12 +10,14 @@
 
 #include <math.h>
 #include <string.h>
+#include "geometry.h"
 #include "lanes.h"
 #include "signals.h"
 #include "unit.h"
 
 struct component {
     double dead_time, sample_time;         /* s */
+    double body_lag_per_speed;             /* on firm ground, s^2/m; 0: the tractor turns as its wheels stand, on any ground */
     double body_lag;                       /* by how much the tractor turns later than its wheels stand, s */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double constants[CONSTANTS];           /* of the model with its actuators */
@@ -24,12 +26,22 @@ struct component {
     double x[1][STATES], u[1][INPUTS], p[1][PARAMETERS], duration[1][1], y[1][OUTPUTS];
 };
 
+#define MOST_BODY_LAG 0.3                  /* s */
 #define WHOLE_SAMPLES 1e-9                 /* a dead time that is longer by less is a whole number of samples */
 
 #define COMPONENT_FIELDS                                                                                          \
     SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                              \
-    SETTING(component, body_lag, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                                      \
+    SETTING(component, body_lag_per_speed, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                                      \
     SETTING(component, constants, 0, CONSTANTS, 0, 0)
+
+/* By how much the tractor turns later than its wheels stand, s. On ground that creeps its yaw follows the wheels, and its
+ * side-slip follows the yaw, each with the time constant speed creep / g (docs/theory/identification.md). */
+static inline double lag_of_body(const struct component *component, const struct drawbar_estimate *now)
+{
+    const double speed = now->longitudinal_slip * now->speed, per_speed = component->body_lag_per_speed;
+
+    return per_speed > 0.0 ? clamped(speed * (per_speed + 2.0 * now->creep / GRAVITY), 0.0, MOST_BODY_LAG) : 0.0;
+}
 
 /* From a command until it turns the tractor, s. */
 static inline double ahead_by(const struct component *component)
@@ -65,6 +77,7 @@ static void move(struct component *component, double duration, double tractor, d
  * command the wheels stay as they are. */
 int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now, struct drawbar_estimate *then)
 {
+    component->body_lag = lag_of_body(component, now);
     const int32_t count = commands_under_way(component);
     double moved = 0.0;
 

@@ -62,18 +62,21 @@ def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float)
     """
     if not _samples(vehicle, sample_time):
         return None
-    return found_dead_time_unit(vehicle, model, sample_time, body_lag=0.0)
+    return found_dead_time_unit(vehicle, model, sample_time, body_lag_per_speed=0.0)
 
 
-def found_dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float, *, body_lag: float) -> Unit:
+def found_dead_time_unit(
+    vehicle: VehicleParameters, model: Model, sample_time: float, *, body_lag_per_speed: float
+) -> Unit:
     """Return the same for dead times and lags that are found during the run, the vehicle's until then.
 
-    body_lag: by how much the tractor turns later than its wheels stand, s.
+    body_lag_per_speed: by how much the tractor turns later than its wheels stand, per speed, on firm ground; on ground
+        that creeps it is more. 0: not at all, on any ground. s^2/m
     """
     driven = actuated(vehicle, model)
     settings = {
         "dead_time": vehicle.dead_time,
-        "body_lag": body_lag,
+        "body_lag_per_speed": body_lag_per_speed,
         "sample_time": sample_time,
         "sign": vehicle.joint_sign,
         "constants": [each.value for each in driven.constants],

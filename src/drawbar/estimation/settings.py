@@ -190,7 +190,7 @@ class SlideSettings(Settings):
     """of the slide to the east and to the north at first; 0: none is looked for, rad"""
     walk: NonNegativeAngle = 2e-4
     """by which they may change per sample, rad"""
-    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.2
+    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
     """of the side-slip per side acceleration of a curve at first, rad per g; 0: none is looked for"""
     constant_prior: PositiveAngle = 0.005
     """of what is the same in all headings, rad"""
@@ -265,10 +265,10 @@ class ActuationSettings(Settings):
     costs little, s"""
     guess_deviation: Positive = 0.15
     """of that guess, s"""
-    body_lag: Annotated[NonNegative, Field(le=0.5)] = 0.1
-    """with `identify`: by how much the tractor turns later than its wheels stand, s; tyres and inertia cause it, and no
-    steering sensor shows it. It is added to the dead time of the front wheels: all of it from `speed` = 2 m/s on,
-    nothing up to 1 m/s, in proportion between"""
+    body_lag_per_speed: Annotated[NonNegative, Field(le=0.1)] = 0.03
+    """with `identify`: by how much the tractor turns later than its wheels stand, per speed, on firm ground, s^2/m;
+    tyres and inertia cause it, and no steering sensor shows it. Ground that creeps adds what the estimator knows of it,
+    and the dead time of the front wheels is longer by the sum. 0: by nothing, on any ground"""
     lag_deviation: Positive = 0.7
     """of the logarithm of the lags about `vehicle.steering_lag`, before something shows them"""
     memory: Positive = 60.0
@@ -284,7 +284,3 @@ class ActuationSettings(Settings):
     """for how long it may last before the run ends, s"""
     settling: Positive = 1.0
     """time constant with which the dead time and lags that are planned with follow what is known, s"""
-
-    def body_lag_at(self, speed: float) -> float:
-        """Return by how much the tractor turns later than its wheels stand, at a set speed (m/s), s."""
-        return self.body_lag * min(max(speed - 1.0, 0.0), 1.0)

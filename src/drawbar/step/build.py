@@ -158,9 +158,7 @@ def _predictor(configuration: Configuration) -> Unit | None:
     vehicle, settings, sample_time = configuration.vehicle, configuration.actuation, configuration.sample_time
     if not settings.identify:
         return dead_time_unit(vehicle, model(vehicle), sample_time)
-    return found_dead_time_unit(
-        vehicle, model(vehicle), sample_time, body_lag=settings.body_lag_at(configuration.speed)
-    )
+    return found_dead_time_unit(vehicle, model(vehicle), sample_time, body_lag_per_speed=settings.body_lag_per_speed)
 
 
 def _guidance(configuration: Configuration) -> Unit:

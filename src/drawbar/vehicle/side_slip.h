@@ -7,8 +7,6 @@
 #include "geometry.h"
 #include "signals.h"
 
-#define GRAVITY 9.81                       /* m/s^2 */
-
 /* The side-slip angle (left positive, rad) that slope and curve give an axle with this yaw (rad) on this curvature (1/m), at
  * the estimated speed. */
 static inline double side_slip(const struct drawbar_estimate *estimate, double yaw, double curvature)

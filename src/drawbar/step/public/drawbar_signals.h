@@ -231,7 +231,8 @@ struct drawbar_body_actuation {
 struct drawbar_actuation {
     struct drawbar_body_actuation tractor; /* front wheels */
     struct drawbar_body_actuation trailer; /* actuated joint */
-    double dead_time;                   /* for which is planned, beside `actuation.body_lag`, s */
+    double dead_time;                   /* for which is planned, beside the lag of the body
+                                         * (`actuation.body_lag_per_speed`), s */
     double tractor_lag;                 /* for which is planned, s */
     double trailer_lag;                 /* for which is planned, s */
 };
