@@ -98,6 +98,16 @@ def test_the_least_margin_is_that_of_the_steps_with_a_tube(make_run):
     assert math.isnan(margin.trailer)
 
 
+def test_steps_with_the_steering_at_its_limit_are_counted_where_it_is_known(make_run):
+    log = small(make_run)
+    limit = log.header.vehicle.trailer_steering_limit
+    log = with_column(log, "truth.trailer_steering", [limit, -limit + 0.008, limit - 0.01, 0.0])
+    log = with_column(log, "truth.tractor_steering", [math.nan] * 4)
+    share = compute_metrics(log, true_path_errors(log)).at_limit_share
+    assert share.trailer == 0.5
+    assert math.isnan(share.tractor)
+
+
 def test_yaw_error_does_not_see_whole_turns(make_run):
     log = small(make_run)
     log = with_column(log, "truth.tractor.yaw", [0.0, 0.0, 0.0, 0.0])
@@ -169,6 +179,7 @@ def test_the_json_holds_every_promised_key(run):
             "steering_rate_straight_rad_s",
             "ancillary_share",
             "saturated_share",
+            "at_limit_share",
             "tube_margin_min",
             "solver_failures",
             "solve_time_s",

@@ -23,6 +23,8 @@ ALL = "all"
 STRAIGHT = "straight"
 """the class of a figure-eight's straights"""
 
+_AT_LIMIT = math.radians(0.5)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorStatistics:
@@ -98,6 +100,9 @@ class Metrics:
     """signed share of the steering: sum of the ancillary term in the command's direction over sum of |command|"""
     saturated_share: Bodies[float]
     """steps whose command was clipped, of all steps"""
+    at_limit_share: Bodies[float]
+    """steps at which the steering stood within 0.5° of its limit, of all steps: what it cannot reach, nobody controls
+    away"""
     tube_margin_min: Bodies[float]
     """how far inside its tube a body was at the worst: 1 at the centre, negative outside; NaN where none is declared"""
     stale_fixes: int
@@ -177,6 +182,12 @@ def _saturated_share(log: Columns, body: str) -> float:
     return _share(float(log.column(f"{body}_steering.saturated").sum()), log.steps)
 
 
+def _at_limit_share(log: Columns, body: str) -> float:
+    limit = getattr(log.header.vehicle, f"{body}_steering_limit")
+    angles = _present(np.abs(actual_steering(log, body)))
+    return math.nan if np.isnan(angles).any() else float(np.mean(angles >= limit - _AT_LIMIT))
+
+
 def _tube_margin(log: Columns, body: str) -> float:
     return float(_present(log.column(f"{body}_steering.margin")).min())
 
@@ -228,6 +239,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         ),
         ancillary_share=_of_both(_ancillary_share, log),
         saturated_share=_of_both(_saturated_share, log),
+        at_limit_share=_of_both(_at_limit_share, log),
         tube_margin_min=_of_both(_tube_margin, log),
         stale_fixes=_fixes(log, FixStatus.STALE),
         rejected_fixes=_fixes(log, FixStatus.REJECTED),

@@ -70,6 +70,7 @@ def body_rows(metrics: Metrics) -> list[Row]:
         ("on straights", metrics.steering_rate_straight_rad_s, math.degrees(1.0), 1, "°/s"),
         ("ancillary share", metrics.ancillary_share, 100.0, 1, " %"),
         ("clipped commands", metrics.saturated_share, 100.0, 1, " %"),
+        ("steering at its limit", metrics.at_limit_share, 100.0, 1, " %"),
         ("least tube margin", metrics.tube_margin_min, 100.0, 0, " %"),
     )
     return [
