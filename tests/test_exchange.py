@@ -1,4 +1,4 @@
-"""The signals in C are those of signals.py: every member goes by its name through a compiled function and back."""
+"""The signals in C are those of signals/: every member goes by its name through a compiled function and back."""
 
 import ctypes
 import dataclasses

@@ -1,6 +1,7 @@
-"""The signals in C: structures, enumerations and texts printed from signals.py, and the layout of their bytes.
+"""The signals in C: structures, enumerations and texts printed from their declarations, and the layout of their bytes.
 
-`python -m drawbar.exchange` prints the headers anew after a change of signals.py; a test holds them against each other.
+`python -m drawbar.exchange` prints the headers anew after a change of `signals/` or `statuses.py`; a test holds them
+against each other.
 """
 
 import ctypes
@@ -83,7 +84,7 @@ class Layout:
     """The bytes of one C structure without arrays: packed from a signal's fields and unpacked into them."""
 
     def __init__(self, kind: Any) -> None:
-        """Derive the layout from a dataclass of signals.py."""
+        """Derive the layout from a signal's declaration."""
         self.kind = kind
         members = list(_leaves(kind))
         self.struct = Struct("".join("d" if issubclass(leaf, float) else "i" for _, leaf in members))
@@ -268,7 +269,7 @@ def _limits() -> str:
     return "static const double measurement_limits[] = {\n" + "\n".join(limits) + "\n};\n"
 
 
-_NOTE = "/* Generated from signals.py by `python -m drawbar.exchange`; change it there."
+_NOTE = "/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there."
 _PUBLIC = f"""\
 {_NOTE}
  *

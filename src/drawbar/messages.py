@@ -154,15 +154,15 @@ class ControllerState(Message):
     configuration: Count
     """fingerprint of the safety settings that the controller was started with"""
     tractor_quality: Byte
-    """FixQuality of signals.py, debounced"""
+    """FixQuality of statuses.py, debounced"""
     trailer_quality: Byte
-    """FixQuality of signals.py, debounced"""
+    """FixQuality of statuses.py, debounced"""
     wiggled: Byte
     """1: the wiggle test of sign, gain and delay of the actuators has been passed"""
     status: Count
-    """Status of signals.py: how the last step ended"""
+    """Status of statuses.py: how the last step ended"""
     flags: Count
-    """Flag of signals.py: what there is to say of it"""
+    """Flag of statuses.py: what there is to say of it"""
     solved: Count
     """steps in a row up to now of which estimate and plans were solved"""
     overruns: Count
@@ -305,7 +305,7 @@ class Fixes(Message):
     tractor_deviation: Known
     """standard deviation of each coordinate, m"""
     tractor_quality: Byte
-    """FixQuality of signals.py, debounced"""
+    """FixQuality of statuses.py, debounced"""
     tractor_speed: Known
     """over ground, m/s, never negative"""
     tractor_course: Known
@@ -313,7 +313,7 @@ class Fixes(Message):
     tractor_roll: Known
     """right side down positive, rad"""
     tractor_pitch: Known
-    """in the sign of signals.py, rad"""
+    """nose up positive, rad"""
     tractor_yaw_rate: Known = math.nan
     """counter-clockwise, rad/s"""
     tractor_attitude_time: Time = 0
@@ -327,7 +327,7 @@ class Fixes(Message):
     trailer_deviation: Known
     """standard deviation of each coordinate, m"""
     trailer_quality: Byte
-    """FixQuality of signals.py, debounced"""
+    """FixQuality of statuses.py, debounced"""
     trailer_speed: Known
     """over ground, m/s, never negative"""
     trailer_course: Known
@@ -335,7 +335,7 @@ class Fixes(Message):
     trailer_roll: Known
     """right side down positive, rad"""
     trailer_pitch: Known
-    """in the sign of signals.py, rad"""
+    """nose up positive, rad"""
     trailer_yaw_rate: Known = math.nan
     """counter-clockwise, rad/s"""
     trailer_attitude_time: Time = 0

@@ -1,4 +1,4 @@
-/* Generated from signals.py by `python -m drawbar.exchange`; change it there.
+/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there.
  *
  * The signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
  * its next call. */

@@ -11,9 +11,7 @@ from drawbar.safety.conditions import Observation
 from drawbar.safety.engagement import STEERING
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.speeds import Speeds
-
-FIXED = 5
-"""FixQuality.FIXED of signals.py, which needs numpy"""
+from drawbar.statuses import FixQuality
 
 
 @dataclass(slots=True)
@@ -49,8 +47,10 @@ class Watch:
         """Take in a state of the controller that was received at a time, s."""
         self._state, self._state_time = state, time
         qualities = (state.tractor_quality, state.trailer_quality)
-        self._fixed = [time if each >= FIXED else last for each, last in zip(qualities, self._fixed, strict=True)]
-        if min(qualities) < FIXED:
+        self._fixed = [
+            time if each >= FixQuality.FIXED else last for each, last in zip(qualities, self._fixed, strict=True)
+        ]
+        if min(qualities) < FixQuality.FIXED:
             self._fixed_since = math.nan
         elif math.isnan(self._fixed_since):
             self._fixed_since = time

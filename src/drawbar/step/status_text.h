@@ -1,4 +1,4 @@
-/* Generated from signals.py by `python -m drawbar.exchange`; change it there. */
+/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
 #ifndef DRAWBAR_STATUS_TEXT_H
 #define DRAWBAR_STATUS_TEXT_H
 

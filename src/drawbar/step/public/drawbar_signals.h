@@ -1,4 +1,4 @@
-/* Generated from signals.py by `python -m drawbar.exchange`; change it there.
+/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there.
  *
  * The signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
  * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for. */
