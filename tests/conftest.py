@@ -1,6 +1,7 @@
 """Whole runs through the library, driven once per session and shared by the tests that look at them."""
 
 import signal
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -8,7 +9,9 @@ from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
+from short_run import Drawbar
 
+from drawbar.cli import main as cli
 from drawbar.config import load_configuration
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
@@ -52,6 +55,20 @@ class Run:
     def true_errors(self, body: str) -> PathErrors:
         start = float(self.column("reference", body, "progress")[0])
         return project_track(self.path, self.column("truth", body, "x"), self.column("truth", body, "y"), start)
+
+
+@pytest.fixture
+def drawbar(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Drawbar:
+    """Return a function that runs the command line in this process: exit code, and what it said."""
+
+    def drawbar(*arguments: str) -> tuple[int, str]:
+        monkeypatch.setattr(sys, "argv", ["drawbar", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out + captured.err
+
+    return drawbar
 
 
 @pytest.fixture(scope="session")

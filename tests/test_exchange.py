@@ -10,6 +10,7 @@ from itertools import count
 from typing import Any, get_type_hints
 
 import pytest
+from ordinary import measured
 
 from drawbar.codegen import Workspace, build
 from drawbar.codegen.cache import runtime_sources
@@ -146,18 +147,7 @@ def test_nothing_is_the_first_member_of_what_a_zeroed_structure_holds(kind: type
 
 
 def test_a_value_that_is_no_number_is_refused_by_name():
-    nan = float("nan")
-    measurement = Measurement(
-        time=0.0,
-        tractor_x=nan,
-        tractor_y=nan,
-        trailer_x=nan,
-        trailer_y=nan,
-        hitch_angle=nan,
-        speed=nan,
-        tractor_steering=nan,
-        trailer_steering=nan,
-    )
+    measurement = measured()
     layout = Layout(Measurement)
     for wrong in ({"hitch_angle": None}, {"speed": "1.0"}, {"tractor_fix_quality": 1.0}):
         ((name, value),) = wrong.items()

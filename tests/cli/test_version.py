@@ -1,45 +1,32 @@
 """`drawbar --version`, as somebody reports it with a fault."""
 
 import platform
-import sys
 from pathlib import Path
 
 import pytest
+from short_run import Drawbar
 
 from drawbar import __version__
-from drawbar.cli import main as cli
 from drawbar.codegen.compiler import find_compiler
 
 
-def said(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
-    monkeypatch.setattr(sys, "argv", ["drawbar", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    captured = capsys.readouterr()
-    return int(ended.value.code or 0), captured.out + captured.err
+def test_version_is_one_line(drawbar: Drawbar) -> None:
+    assert drawbar("--version") == (0, f"drawbar {__version__}\n")
 
 
-def test_version_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    assert said(monkeypatch, capsys, "--version") == (0, f"drawbar {__version__}\n")
-
-
-def test_verbose_tells_the_surroundings(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_verbose_tells_the_surroundings(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("DRAWBAR_CACHE", str(tmp_path))
-    code, text = said(monkeypatch, capsys, "--version", "--verbose")
+    code, text = drawbar("--version", "--verbose")
     assert code == 0
     for expected in (platform.python_version(), platform.platform(), " ".join(find_compiler()), str(tmp_path)):
         assert expected in text
 
 
-def test_a_missing_compiler_does_not_hide_the_rest(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_missing_compiler_does_not_hide_the_rest(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "/nonexistent/cc")
     find_compiler.cache_clear()
     try:
-        code, text = said(monkeypatch, capsys, "--verbose", "--version")
+        code, text = drawbar("--verbose", "--version")
     finally:
         find_compiler.cache_clear()
     assert code == 0
@@ -47,7 +34,7 @@ def test_a_missing_compiler_does_not_hide_the_rest(
     assert "cache" in text
 
 
-def test_verbose_alone_is_refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    code, text = said(monkeypatch, capsys, "--verbose")
+def test_verbose_alone_is_refused(drawbar: Drawbar) -> None:
+    code, text = drawbar("--verbose")
     assert code == 2
     assert "--version" in text

@@ -5,24 +5,15 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from ordinary import measured
 
 from drawbar.driving.doubts import DOUBTED, Doubts
 from drawbar.safety.sanity import SanitySettings
-from drawbar.signals import FixStatus, Measurement, SolverStatus
+from drawbar.signals import FixStatus, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
 DEGREE = math.pi / 180.0
-SEEN = Measurement(
-    time=0.0,
-    tractor_x=1.0,
-    tractor_y=2.0,
-    trailer_x=3.0,
-    trailer_y=4.0,
-    hitch_angle=0.1,
-    speed=1.0,
-    tractor_steering=0.0,
-    trailer_steering=0.0,
-)
+SEEN = measured(1.0, 2.0, 3.0, 4.0, hitch_angle=0.1, speed=1.0)
 
 
 def step(

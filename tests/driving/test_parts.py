@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from ordinary import believed
 from rich.console import Console
 
 from drawbar.config import load_configuration
@@ -33,7 +34,7 @@ from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
 from drawbar.safety.causes import Cause
-from drawbar.signals import Estimate, Pose, SolverStatus, Status, StepRecord
+from drawbar.signals import Pose, Status, StepRecord
 from drawbar.simulation import build_path
 from drawbar.transports.tapped import Direction
 from drawbar.vehicle.articulated import trailer_antenna
@@ -51,15 +52,7 @@ def gate_state_of(sequence):
 
 
 def estimate_of(x, y, theta, psi, joint):
-    names = ("time", "hitch_angle", "speed", "tractor_steering", "longitudinal_slip", "tractor_slip", "trailer_slip")
-    others = dict.fromkeys((*names, "steering_offset", "tractor_crab", "trailer_crab"), 0.0)
-    return Estimate(
-        tractor=Pose(x=x, y=y, yaw=theta),
-        trailer=Pose(x=0.0, y=0.0, yaw=psi),
-        trailer_steering=joint,
-        status=SolverStatus.SOLVED,
-        **others,
-    )
+    return believed(Pose(x=x, y=y, yaw=theta), Pose(x=0.0, y=0.0, yaw=psi), trailer_steering=joint)
 
 
 def test_certainty_is_what_many_draws_show():

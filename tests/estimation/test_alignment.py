@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from alignment import Alignment
+from ordinary import believed, measured
 
 from drawbar.config import load_configuration
 from drawbar.geometry import arm_offset
 from drawbar.report.path_errors import true_path_errors
-from drawbar.signals import Estimate, FixQuality, Measurement, Pose, SolverStatus
+from drawbar.signals import Estimate, FixQuality, Measurement, Pose
 from drawbar.simulation import Simulation
 from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
 from drawbar.vehicle.sensors import FixSettings, SensorNoise
@@ -23,18 +24,11 @@ SAMPLE = 0.2
 
 
 def estimate(time: float, tractor: Pose, trailer: Pose, **values: float) -> Estimate:
-    slips = dict.fromkeys(("longitudinal_slip", "tractor_slip", "trailer_slip"), 1.0)
-    angles = dict.fromkeys(
-        ("hitch_angle", "tractor_steering", "trailer_steering", "steering_offset", "tractor_crab", "trailer_crab"), 0.0
-    )
-    numbers: dict[str, Any] = {**slips, **angles, "speed": 1.0, **values}
-    return Estimate(time=time, tractor=tractor, trailer=trailer, status=SolverStatus.SOLVED, **numbers)
+    return believed(tractor, trailer, time=time, **{"speed": 1.0, **values})
 
 
 def measurement(time: float, fixes: tuple[float, float, float, float], **values: Any) -> Measurement:
-    names = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
-    others = dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), 0.0)
-    return Measurement(time=time, **dict(zip(names, fixes, strict=True)), **{**others, **values})
+    return measured(*fixes, time=time, **values)
 
 
 def straight(time: float, yaw: float = 0.0, speed: float = 1.0) -> Estimate:

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from estimators import ExtendedKalmanFilter, MovingHorizonEstimator
+from ordinary import measured
 
 from drawbar.estimation.articulated import ArticulatedEstimation
 from drawbar.estimation.settings import ArticulatedEstimatorSettings
-from drawbar.signals import Command, Measurement
+from drawbar.signals import Command
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -21,17 +22,7 @@ def estimation(**vehicle):
     return ArticulatedEstimation(VehicleParameters(**vehicle), SensorNoise(), settings, SAMPLE_TIME)
 
 
-REST = Measurement(
-    time=0.0,
-    tractor_x=2.15,
-    tractor_y=0.0,
-    trailer_x=0.0,
-    trailer_y=0.0,
-    hitch_angle=math.nan,
-    speed=0.0,
-    tractor_steering=0.0,
-    trailer_steering=0.0,
-)
+REST = measured(2.15, 0.0, 0.0, 0.0, hitch_angle=math.nan)
 
 
 def command(tractor, trailer):

@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 from distributed import Client
+from short_run import Drawbar
 
-from drawbar.cli import main as cli
 from drawbar.experiment import command, extras
 from drawbar.experiment.experiment import Experiment
 
@@ -54,17 +54,9 @@ def results(experiment: Experiment) -> str:
 
 
 @pytest.fixture
-def drawbar(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
-    """Return a function that runs the command line in this process: exit code, and what it said."""
-
-    def drawbar(*arguments: str) -> tuple[int, str]:
-        monkeypatch.setattr(sys, "argv", ["drawbar", "experiment", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return int(ended.value.code or 0), captured.out + captured.err
-
-    return drawbar
+def drawbar(drawbar: Drawbar) -> Drawbar:
+    """Return a function that runs an experiment: exit code, and what it said."""
+    return partial(drawbar, "experiment")
 
 
 @pytest.fixture

@@ -4,33 +4,23 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
+from short_run import Drawbar
 
-from drawbar.cli import main as cli
 from drawbar.errors import CompilerError
 from drawbar.export import export
 from drawbar.export.targets import Target
 from drawbar.optimal.transcription import CONTROL_ITERATIONS, ESTIMATION_ITERATIONS
 
-Drawbar = Callable[..., tuple[int, str]]
-
 
 @pytest.fixture
-def drawbar(monkeypatch, capsys, tmp_path) -> Drawbar:
-    """Return a function that runs the command line inside tmp_path: exit code, and what it said."""
-
-    def drawbar(*arguments: str) -> tuple[int, str]:
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["drawbar", "export", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return int(ended.value.code or 0), captured.out + captured.err
-
-    return drawbar
+def drawbar(drawbar: Drawbar, monkeypatch, tmp_path) -> Drawbar:
+    """Return a function that exports inside tmp_path: exit code, and what it said."""
+    monkeypatch.chdir(tmp_path)
+    return partial(drawbar, "export")
 
 
 def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:

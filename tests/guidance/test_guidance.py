@@ -4,11 +4,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from guides import Guidance, LookAhead, Preview
+from ordinary import believed
 
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.path import Path
 from drawbar.guidance.settings import GuidanceSettings
-from drawbar.signals import Estimate, GuidanceStatus, Pose, SolverStatus
+from drawbar.signals import Estimate, GuidanceStatus, Pose
 from drawbar.vehicle.parameters import VehicleParameters
 
 SETTINGS = GuidanceSettings()
@@ -32,22 +33,7 @@ def beside(path: Path, s: float, left: float, turns: int = 0) -> Pose:
 
 
 def estimate(tractor: Pose, trailer: Pose, speed: float = 1.0) -> Estimate:
-    return Estimate(
-        time=3.0,
-        tractor=tractor,
-        trailer=trailer,
-        hitch_angle=0.0,
-        speed=speed,
-        tractor_steering=0.0,
-        trailer_steering=0.0,
-        longitudinal_slip=0.9,
-        tractor_slip=1.0,
-        trailer_slip=1.0,
-        steering_offset=0.0,
-        tractor_crab=0.0,
-        trailer_crab=0.0,
-        status=SolverStatus.SOLVED,
-    )
+    return believed(tractor, trailer, time=3.0, speed=speed, longitudinal_slip=0.9)
 
 
 def along(s: float, left: float = 0.0, turns: int = 0) -> Estimate:

@@ -1,16 +1,16 @@
 """Both kinds of guidance, each by itself."""
 
-import math
 from ctypes import byref
 
 from alone import Alone
 from c_signals import CBodyReference, Real, given
+from ordinary import measured
 
 from drawbar.codegen import Unit
 from drawbar.guidance.guidance import look_ahead_unit, preview_unit
 from drawbar.guidance.path import CPath, Path
 from drawbar.guidance.settings import GuidanceSettings
-from drawbar.signals import Estimate, GuidanceStatus, Measurement, Reference
+from drawbar.signals import Estimate, GuidanceStatus, Reference
 from drawbar.vehicle.parameters import VehicleParameters
 
 Position = tuple[float, float]
@@ -24,10 +24,7 @@ class Guidance(Alone):
         """Begin at an arc length (m) of a path, from where both bodies stand (m)."""
         super().__init__(unit)
         self._stages, self.path = stages, path
-        others = dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), math.nan)
-        first = Measurement(
-            time=0.0, tractor_x=tractor[0], tractor_y=tractor[1], trailer_x=trailer[0], trailer_y=trailer[1], **others
-        )
+        first = measured(*tractor, *trailer)
         self.begun = GuidanceStatus(self.call("begin", byref(CPath(path.nodes)), Real(start), given(first)))
         self._tractor, self._trailer = CBodyReference(), CBodyReference()
 

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ordinary import measured
 from safeguards import CommandGate
 from scipy.integrate import solve_ivp
 
 from drawbar.safety.gate import PATIENCE
-from drawbar.signals import Command, GateVerdict, Measurement
+from drawbar.signals import Command, GateVerdict
 from drawbar.vehicle.parameters import VehicleParameters
 
 SAMPLE = 0.2
@@ -32,17 +33,7 @@ PASSED, LIMITED, REPEATED, STOPPED = GateVerdict
 
 def standing(tractor, trailer, vehicle=VEHICLE):
     """Return a gate in front of a vehicle that stands with its wheels so."""
-    first = Measurement(
-        time=0.5,
-        tractor_x=0.0,
-        tractor_y=0.0,
-        trailer_x=-2.0,
-        trailer_y=0.0,
-        hitch_angle=0.0,
-        speed=0.0,
-        tractor_steering=tractor,
-        trailer_steering=trailer,
-    )
+    first = measured(time=0.5, tractor_steering=tractor, trailer_steering=trailer)
     return CommandGate(vehicle, first, speed_limit=2.0, sample_time=SAMPLE)
 
 

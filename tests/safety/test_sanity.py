@@ -6,23 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ordinary import believed, measured
 from sanity import Sanity
 
 from drawbar.config import load_configuration
 from drawbar.experiment.alteration import InterceptedMachine
 from drawbar.safety.sanity import SanitySettings
-from drawbar.signals import BodyReference, Estimate, FixStatus, Flag, Measurement, Pose, SolverStatus, Status
+from drawbar.signals import BodyReference, Estimate, FixStatus, Flag, Measurement, Pose, Status
 from drawbar.simulation import Simulation
 
 SAMPLE = 0.2
-NUMBERS = ("hitch_angle", "trailer_steering", "longitudinal_slip", "tractor_slip", "trailer_slip", "steering_offset")
-NUMBERS = (*NUMBERS, "tractor_crab", "trailer_crab", "tractor_steering", "speed")
 
 
 def estimate(yaw: float = 0.0, steering: float = 0.0) -> Estimate:
     pose = Pose(x=0.0, y=0.0, yaw=yaw)
-    known = {**dict.fromkeys(NUMBERS, 0.0), "tractor_steering": steering}
-    return Estimate(time=0.0, tractor=pose, trailer=pose, status=SolverStatus.SOLVED, **known)
+    return believed(pose, pose, tractor_steering=steering)
 
 
 def beside(error: float, curvature: float = 0.0) -> BodyReference:
@@ -33,10 +31,8 @@ def beside(error: float, curvature: float = 0.0) -> BodyReference:
 def measurement(k: int, speed: float = 1.0, moved: float | None = None, deviation: float = math.nan) -> Measurement:
     """Return sample k of a vehicle that drives east by the wheels' speed, or so far (m) at this sample."""
     x = SAMPLE * k * speed if moved is None else moved
-    fixes = dict(zip(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), (x, 0.0, x - 2.0, 0.0), strict=True))
     told = dict.fromkeys(("tractor_fix_deviation", "trailer_fix_deviation"), deviation)
-    others = dict.fromkeys(("hitch_angle", "tractor_steering", "trailer_steering"), 0.0)
-    return Measurement(time=SAMPLE * k, speed=speed, **fixes, **others, **told)
+    return measured(x, 0.0, x - 2.0, 0.0, time=SAMPLE * k, speed=speed, **told)
 
 
 def watched(errors: Iterable[float], steerings: Iterable[float] | None = None) -> list[tuple[int, float]]:

@@ -5,18 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ordinary import believed
 from safeguards import Supervisor
 
 from drawbar.safety.supervisor import BLIND, BLIND_WAY, LOST
-from drawbar.signals import BodyReference, Estimate, FixStatus, Pose, SolverStatus, Supervision
+from drawbar.signals import BodyReference, FixStatus, Supervision
 
 LOST_FIX = FixStatus.MISSING
-SOMEWHERE = Pose(x=0.0, y=0.0, yaw=0.0)
-NUMBERS = ("hitch_angle", "speed", "tractor_steering", "trailer_steering", "longitudinal_slip", "tractor_slip")
-NUMBERS = (*NUMBERS, "trailer_slip", "steering_offset", "tractor_crab", "trailer_crab")
-SEEN = Estimate(
-    time=3.0, tractor=SOMEWHERE, trailer=SOMEWHERE, status=SolverStatus.SOLVED, **dict.fromkeys(NUMBERS, 0.0)
-)
+SEEN = believed(time=3.0)
 
 
 def beside(error):

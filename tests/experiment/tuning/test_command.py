@@ -2,17 +2,16 @@
 
 import csv
 import re
-import sys
 import tomllib
-from collections.abc import Callable
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 
 import pytest
 from distributed import Client
 from rich.console import Console
+from short_run import Drawbar
 
-from drawbar.cli import main as cli
 from drawbar.config import TuningSettings
 from drawbar.errors import DrawbarError
 from drawbar.experiment.cluster import Failure
@@ -29,29 +28,17 @@ RANGES = "guidance.look_ahead=0.8..2.0 controller.steering_weight=5..20:log"
 
 
 @pytest.fixture
-def drawbar(
-    cluster: Client, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., tuple[int, str]]:
-    """Return a function that runs the command line in this process: exit code, and what it said."""
+def drawbar(drawbar: Drawbar, cluster: Client, monkeypatch: pytest.MonkeyPatch) -> Drawbar:
+    """Return a function that tunes on the session's cluster: exit code, and what it said."""
     monkeypatch.setattr(command, "open_cluster", lambda address, jobs: nullcontext(cluster))
-
-    def drawbar(*arguments: str) -> tuple[int, str]:
-        monkeypatch.setattr(sys, "argv", ["drawbar", "tune", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return int(ended.value.code or 0), captured.out + captured.err
-
-    return drawbar
+    return partial(drawbar, "tune")
 
 
 def runs_in(folder: Path) -> set[str]:
     return {file.name for file in folder.glob(".runs/*/*.msgpack")}
 
 
-def test_a_search_leaves_its_report_and_goes_on_from_it(
-    drawbar: Callable[..., tuple[int, str]], tmp_path: Path
-) -> None:
+def test_a_search_leaves_its_report_and_goes_on_from_it(drawbar: Drawbar, tmp_path: Path) -> None:
     changes = [text for change in CHANGES for text in ("--set", change)]
     # two ranges behind one option, as the shell hands them over without quotes
     arguments = ("paper", *changes, "--parameters", *RANGES.split(), "--out", str(tmp_path))
@@ -77,9 +64,7 @@ def test_a_search_leaves_its_report_and_goes_on_from_it(
     assert (tmp_path / "results.md").read_text("utf-8") == report
 
 
-def test_an_interrupt_is_told(
-    drawbar: Callable[..., tuple[int, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_an_interrupt_is_told(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
@@ -98,9 +83,7 @@ def test_an_interrupt_is_told(
         (("paper", "--parameters", RANGES, "--out", "/dev/null/x"), "choose another --out folder"),
     ],
 )
-def test_what_is_wrong_is_told(
-    drawbar: Callable[..., tuple[int, str]], arguments: tuple[str, ...], message: str
-) -> None:
+def test_what_is_wrong_is_told(drawbar: Drawbar, arguments: tuple[str, ...], message: str) -> None:
     code, said = drawbar(*arguments)
     assert code == 2
     assert message in said

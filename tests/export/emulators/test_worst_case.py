@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ordinary import measured
 
 from drawbar.export.targets import FLAGS, find_target
 from drawbar.geometry import Floats
@@ -93,17 +94,7 @@ def start(nodes: Floats, beside: float, yaw: float) -> Measurement:
     yaw += along
     tractor = (x - beside * math.sin(along), y + beside * math.cos(along))
     trailer = (tractor[0] - 2.15 * math.cos(yaw), tractor[1] - 2.15 * math.sin(yaw))
-    return Measurement(
-        time=0.0,
-        tractor_x=tractor[0],
-        tractor_y=tractor[1],
-        trailer_x=trailer[0],
-        trailer_y=trailer[1],
-        hitch_angle=0.0,
-        speed=0.0,
-        tractor_steering=0.0,
-        trailer_steering=0.0,
-    )
+    return measured(*tractor, *trailer)
 
 
 def late(measurements: Sequence[Measurement]) -> list[Measurement]:

@@ -1,14 +1,12 @@
 """`drawbar tube` as its user sees it."""
 
 import io
-import sys
 import tomllib
 
 import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
-from drawbar.cli import main as cli
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.recording.recorder import Recorder
@@ -114,12 +112,9 @@ def test_a_controller_without_nominal_state_has_no_tube(tube):
     ],
 )
 def test_the_command_line_says_by_its_exit_code_whether_there_is_a_tube(
-    arguments, code, said, monkeypatch, capsys, tmp_path
+    arguments, code, said, drawbar, monkeypatch, tmp_path
 ):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["drawbar", "tube", *arguments, "--out", "out"])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    captured = capsys.readouterr()
-    assert int(ended.value.code or 0) == code
-    assert said in captured.out + captured.err
+    ended, text = drawbar("tube", *arguments, "--out", "out")
+    assert ended == code
+    assert said in text
