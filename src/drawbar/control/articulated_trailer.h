@@ -150,16 +150,7 @@ static void guess(struct rti *solver)
     iteration_rest(solver);
 }
 
-static double body_command(struct component *component)
-{
-    double *z = component->rti.z;
-    return actuator_follow(&component->actuator, STATE(z, 0)[X_STEERING], &INPUT(z, 0)[U_STEERING_RATE]);
-}
-
-static double body_hold(const struct component *component, double steering)
-{
-    return actuator_hold(&component->actuator, steering);
-}
+#include "actuated_command.h"
 
 static void body_plan(struct component *component)
 {

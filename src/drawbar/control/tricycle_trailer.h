@@ -46,22 +46,6 @@ static void fill(struct component *component, const struct drawbar_estimate *est
     fill_references(&component->rti, reference, estimate->trailer_steering);
 }
 
-static double body_command(struct component *component)
-{
-    return INPUT(component->rti.z, 0)[U_STEERING];
-}
-
-static double body_hold(const struct component *component, double steering)
-{
-    (void)component;
-    return steering;
-}
-
-static void body_plan(struct component *component)
-{
-    pose_plan(&component->subsystem, &component->rti);
-}
-
-#include "subsystem_phases.h"
+#include "tricycle_phases.h"
 
 #endif

@@ -188,7 +188,7 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
 /* Mask what is not to be believed of a measurement, as the sensors report it.
  *
  * expected: x, y (m) of the tractor's antenna and of the trailer's where the estimator expects them at its time;
- * yaw_rate: of the tractor, as its wheels turn it then, rad/s. */
+ * yaw_rate: of the tractor, as its wheels turn it then, rad/s; NaN: not known. */
 static inline void screening_judge(struct screening *s, const struct drawbar_measurement *measurement,
                                    const double *expected, double yaw_rate, struct screened *screened)
 {

@@ -71,11 +71,11 @@ static inline void model_antennas(const struct estimation_model *model, const do
                     antennas + 2);
 }
 
-/* How fast the wheels turn the tractor: not told, since no antenna of this model is suspected. */
+/* How fast the wheels turn the tractor: not known, since the steering angle is an input of this model. */
 static inline double model_yaw_rate(const struct estimation_model *model, const double *state)
 {
     (void)model, (void)state;
-    return 0.0;
+    return (double)NAN;
 }
 
 /* A command tells nothing: the steering angles are inputs, and measured. */

@@ -13,11 +13,12 @@
 
 typedef char state_has_room[sizeof(struct autopilot) <= sizeof(struct drawbar_state) ? 1 : -1];
 
-/* The autopilot in a state, or NULL where there is none. */
-static struct autopilot *autopilot_in(struct drawbar_state *state)
+/* What is wrong with a call: DRAWBAR_OK where the state holds an initialised autopilot and what it needs is given. */
+static int usable(const struct drawbar_state *state, const void *given)
 {
-    struct autopilot *a = (struct autopilot *)state;
-    return a->magic == INITIALISED ? a : NULL;
+    if (state == NULL || given == NULL)
+        return DRAWBAR_NULL;
+    return ((const struct autopilot *)state)->magic == INITIALISED ? DRAWBAR_OK : DRAWBAR_NOT_INITIALISED;
 }
 
 /* The command of a call that was wrong: stand. */
@@ -55,12 +56,11 @@ int drawbar_init(struct drawbar_state *state)
 int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node *nodes, int32_t count)
 {
     const struct path path = {nodes, count};
-    struct autopilot *a;
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, nodes);
 
-    if (state == NULL || nodes == NULL)
-        return DRAWBAR_NULL;
-    if ((a = autopilot_in(state)) == NULL)
-        return DRAWBAR_NOT_INITIALISED;
+    if (refused)
+        return refused;
     if (path_check(&path) >= 0)
         return DRAWBAR_PATH;
     a->path = path;
@@ -71,12 +71,11 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
 
 int drawbar_begin_at(struct drawbar_state *state, double arc_length)
 {
-    struct autopilot *a;
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, state);
 
-    if (state == NULL)
-        return DRAWBAR_NULL;
-    if ((a = autopilot_in(state)) == NULL)
-        return DRAWBAR_NOT_INITIALISED;
+    if (refused)
+        return refused;
     if (a->path.count == 0 || a->begun)
         return a->begun ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
     if (!(arc_length >= 0.0 && arc_length < path_length(&a->path)))
@@ -89,12 +88,11 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
                         double arc_length)
 {
     const struct path path = {nodes, count};
-    struct autopilot *a;
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, nodes);
 
-    if (state == NULL || nodes == NULL)
-        return DRAWBAR_NULL;
-    if ((a = autopilot_in(state)) == NULL)
-        return DRAWBAR_NOT_INITIALISED;
+    if (refused)
+        return refused;
     if (!a->begun || a->ended)
         return DRAWBAR_NO_RUN;
     if (path_check(&path) >= 0)
@@ -110,12 +108,11 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
 
 int drawbar_set_speed(struct drawbar_state *state, double speed)
 {
-    struct autopilot *a;
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, state);
 
-    if (state == NULL)
-        return DRAWBAR_NULL;
-    if ((a = autopilot_in(state)) == NULL)
-        return DRAWBAR_NOT_INITIALISED;
+    if (refused)
+        return refused;
     if (!(speed >= 0.0 && speed <= a->settings.speed))
         return DRAWBAR_RANGE;
     a->wanted_speed = speed;
@@ -124,12 +121,11 @@ int drawbar_set_speed(struct drawbar_state *state, double speed)
 
 int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged)
 {
-    struct autopilot *a;
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, state);
 
-    if (state == NULL)
-        return DRAWBAR_NULL;
-    if ((a = autopilot_in(state)) == NULL)
-        return DRAWBAR_NOT_INITIALISED;
+    if (refused)
+        return refused;
     a->released = !engaged;
     return DRAWBAR_OK;
 }
@@ -137,14 +133,13 @@ int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged)
 int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measurement *measurement,
                      struct drawbar_command *command)
 {
-    struct autopilot *a;
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, command);
 
     if (command == NULL)
         return DRAWBAR_NULL;
-    if (state == NULL)
-        return stand(command, DRAWBAR_NULL);
-    if ((a = autopilot_in(state)) == NULL)
-        return stand(command, DRAWBAR_NOT_INITIALISED);
+    if (refused)
+        return stand(command, refused);
     if (measurement == NULL) {
         drawbar_gate_stand(COMPONENT(a->gate), a->time, command);
         return DRAWBAR_NULL;
@@ -161,12 +156,11 @@ int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measureme
 
 int drawbar_prepare(struct drawbar_state *state)
 {
-    struct autopilot *a;
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, state);
 
-    if (state == NULL)
-        return DRAWBAR_NULL;
-    if ((a = autopilot_in(state)) == NULL)
-        return DRAWBAR_NOT_INITIALISED;
+    if (refused)
+        return refused;
     if (!a->called)
         return DRAWBAR_ORDER;
     if (a->due)
@@ -185,17 +179,9 @@ int drawbar_step(struct drawbar_state *state, const struct drawbar_measurement *
     return status;
 }
 
-/* Whether an initialised autopilot has room given for what is asked of it. */
-static int readable(const struct drawbar_state *state, const void *room)
-{
-    if (state == NULL || room == NULL)
-        return DRAWBAR_NULL;
-    return ((const struct autopilot *)state)->magic == INITIALISED ? DRAWBAR_OK : DRAWBAR_NOT_INITIALISED;
-}
-
 int drawbar_get_estimate(const struct drawbar_state *state, struct drawbar_estimate *estimate)
 {
-    const int status = readable(state, estimate);
+    const int status = usable(state, estimate);
 
     if (status == DRAWBAR_OK)
         *estimate = ((const struct autopilot *)state)->made.estimate;
@@ -204,7 +190,7 @@ int drawbar_get_estimate(const struct drawbar_state *state, struct drawbar_estim
 
 int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_diagnostics *diagnostics)
 {
-    const int status = readable(state, diagnostics);
+    const int status = usable(state, diagnostics);
 
     if (status == DRAWBAR_OK)
         *diagnostics = ((const struct autopilot *)state)->diagnostics;
@@ -213,7 +199,7 @@ int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_di
 
 int drawbar_get_actuation(const struct drawbar_state *state, struct drawbar_actuation *actuation)
 {
-    const int status = readable(state, actuation);
+    const int status = usable(state, actuation);
 
     if (status == DRAWBAR_OK)
         *actuation = ((const struct autopilot *)state)->known;
