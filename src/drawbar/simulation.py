@@ -31,6 +31,7 @@ from drawbar.safety.supervisor import BLIND, BLIND_WAY, LOST
 from drawbar.signals import Estimate, Measurement, Pose, Status, StepRecord
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.build import ENDURANCE, build_autopilot, build_tubes
+from drawbar.termination import heeded_termination
 
 if TYPE_CHECKING:
     from drawbar.guidance.smoothing import DrivablePath
@@ -50,8 +51,8 @@ def drive(
 ) -> Iterator[StepRecord]:
     """Yield the record of every step until the tractor reaches the end of the path.
 
-    The last thing that the machine is told is to stop, whatever ends the loop; close the iterator where it may be left
-    early.
+    The last thing that the machine is told is to stop, whatever ends the loop, SIGTERM included (it raises SystemExit,
+    unless the program handles it); close the iterator where it may be left early.
 
     Args:
         machine: to drive.
@@ -72,7 +73,7 @@ def drive(
     if not (isinstance(time_limit, Real) and time_limit > 0.0):
         raise DrawbarError(f"time_limit = {time_limit!r} is not allowed; give a positive number of seconds.")
     begin, before = math.nan, Status.OK
-    with machine:
+    with heeded_termination(), machine:
         while True:
             measurement = _measured(machine)
             if math.isnan(begin):

@@ -1,6 +1,8 @@
 """The loop around the step: when a run ends, why, and what the machine is told at last."""
 
 import math
+import signal
+from contextlib import closing
 from dataclasses import replace
 from itertools import islice
 from types import SimpleNamespace
@@ -114,25 +116,50 @@ class Interrupted(Exception):  # noqa: N818 -- no mistake
     pass
 
 
+def an_exception(*arguments):
+    raise Interrupted
+
+
+def ctrl_c(*arguments):
+    signal.raise_signal(signal.SIGINT)
+
+
+def sigterm(*arguments):
+    signal.raise_signal(signal.SIGTERM)
+
+
 @pytest.mark.parametrize("place", ["read", "feedback", "write", "prepare", "record", "consumer"])
-def test_whatever_breaks_the_loop_the_machine_is_told_to_stop(build, monkeypatch, place):
+@pytest.mark.parametrize(
+    ("broken", "raised"), [(an_exception, Interrupted), (ctrl_c, KeyboardInterrupt), (sigterm, SystemExit)]
+)
+def test_whatever_breaks_the_loop_the_machine_is_told_to_stop(build, monkeypatch, place, broken, raised):
     simulation = short(build)
     machine, steps = driven(simulation)
     list(islice(steps, 5))
-
-    def broken(*arguments):
-        raise Interrupted
-
     if place in ("read", "write"):
         monkeypatch.setattr(machine, place, broken)
     elif place != "consumer":
         monkeypatch.setattr(simulation.autopilot, place, broken)
-    with pytest.raises(Interrupted):  # noqa: PT012 -- the loop is what is tested
+    with pytest.raises(raised), closing(steps):  # noqa: PT012 -- the loop is what is tested
         for _ in steps:
             if place == "consumer":
-                steps.close()
-                raise Interrupted
+                broken()
     assert machine.told[-2:] == ["stop", "close"]
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+def test_a_program_that_handles_sigterm_itself_goes_on_doing_so(build):
+    heard = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append(number))
+    try:
+        _, steps = driven(short(build))
+        with closing(steps):
+            next(steps)
+            signal.raise_signal(signal.SIGTERM)
+            next(steps)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert heard == [signal.SIGTERM]
 
 
 def bare(_) -> None:

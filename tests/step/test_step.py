@@ -187,10 +187,11 @@ def test_a_solution_in_time_lets_the_vehicle_speed_up_again(driver):
     assert faster[-1] == 1.0
 
 
-def test_a_caller_who_is_always_late_is_slowed_and_stopped(driver):
+@pytest.mark.parametrize("elapsed", [0.6, 0.7, 0.8, 0.9, 1.0, 1.1])
+def test_a_caller_who_is_always_late_is_slowed_and_stopped(driver, elapsed):
     driver.step()
-    ends = statuses(driver, 12, elapsed=0.6)
-    assert ends[0] == Flag.LATE
+    ends = statuses(driver, 12, elapsed=elapsed)
+    assert ends[0] & Flag.LATE
     assert Flag.SLOWED & ends[2]
     assert ends[-1] == Status.OVERDUE
     assert driver.command[3] == 0.0
