@@ -67,7 +67,7 @@ def test_an_angle_in_degrees_is_told_in_radians() -> None:
 
 
 def test_an_absurd_number_is_told_what_is_allowed() -> None:
-    with pytest.raises(ValidationError, match=r"a number must be 0, or from 1e-12 to 1e\+09 to either"):
+    with pytest.raises(ValidationError, match=r"a number must be 0, or from 1e-12 to 1e\+09 with either"):
         Section(length=1e300)
 
 

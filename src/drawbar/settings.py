@@ -34,7 +34,7 @@ class Settings(BaseModel):
         """Refuse numbers with which nobody can compute, those of lists and tables included."""
         for place, number in _numbers(value):
             if number and not SMALLEST <= abs(number) <= LARGEST:
-                raise ValueError(f"{place}a number must be 0, or from {SMALLEST:g} to {LARGEST:g} to either side of it")
+                raise ValueError(f"{place}a number must be 0, or from {SMALLEST:g} to {LARGEST:g} with either sign")
         return value
 
 

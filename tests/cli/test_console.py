@@ -57,5 +57,5 @@ def test_a_port_that_is_taken_is_told_before_anything_starts(taken, tmp_path, op
     if "--console" in option:
         pytest.importorskip("nicegui", reason="the extra `console` is not installed")
     said = refusal("drive", "--out", tmp_path / "run", *option, taken)
-    assert f"127.0.0.1:{taken} cannot be listened at" in said
+    assert f"the console cannot listen at 127.0.0.1:{taken}" in said
     assert not (tmp_path / "run").exists()

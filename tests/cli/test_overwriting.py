@@ -22,7 +22,7 @@ def test_a_log_is_not_replaced_by_its_export(tmp_path, option):
     log.write_bytes(b"a log")
     other.symlink_to(log)
     for run, target in ((log, log), (tmp_path, log), (log, other)):
-        assert f"{option} {target}: is what is read" in refusal("log", "export", run, option, target)
+        assert f"{option} {target}: would overwrite" in refusal("log", "export", run, option, target)
         assert log.read_bytes() == b"a log"
 
 

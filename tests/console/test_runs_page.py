@@ -89,7 +89,7 @@ def test_a_run_is_exported_as_a_table_and_what_cannot_be_is_said(runs):
 
     (table,), told = on_page(runs, test)
     assert table.count(b"\n") == 101
-    assert "no place on Earth" in told
+    assert "not known where on Earth" in told
 
 
 def test_a_run_is_deleted_after_asking_and_the_one_that_is_on_never(runs):

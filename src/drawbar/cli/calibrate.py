@@ -59,7 +59,7 @@ def _in_log(log: FilePath) -> "list[Found]":
     content = read_log(log)
     recorded = recorded_configuration(content.header.configuration, [], str(log))
     if recorded.devices is None:
-        raise ConfigurationError(f"{log}: is the log of no real machine; give the log of a `drawbar drive`")
+        raise ConfigurationError(f"{log}: was not recorded on a machine; give the log of a `drawbar drive`")
     with open_drive(log) as records:
         states = [each for each in records if isinstance(each, GateState) and each.steers]
     return [*evaluate(recorded, HandDrive.of(content)), *dead_bands(states)]

@@ -88,7 +88,7 @@ def refuse_to_replace(option: str, target: FilePath, given: FilePath) -> None:
         given: to be read.
     """
     if target.exists() and given.exists() and target.samefile(given):
-        raise DrawbarError(f"{option} {target}: is what is read, {given}, and would be lost; choose another file.")
+        raise DrawbarError(f"{option} {target}: would overwrite {given}, which is read; choose another file.")
 
 
 def one_cluster(jobs: int | None, cluster: str) -> None:

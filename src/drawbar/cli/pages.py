@@ -100,5 +100,6 @@ def free_port(host: str, port: int = 0) -> int:
             return int(each.getsockname()[1])
     except OSError as error:
         raise HardwareError(
-            f"{host}:{port} cannot be listened at ({error.strerror}); give an address of this computer and a free port"
+            f"the console cannot listen at {host}:{port} ({error.strerror}); "
+            f"give an address of this computer and a free port"
         ) from None

@@ -190,8 +190,8 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: holds no {}; {}": "{0}: {1} fehlt darin; das ist keine Aufzeichnung von drawbar",
     "{}: is damaged, or no log of drawbar ({}); {}": "{0}: ist beschädigt oder keine Aufzeichnung von drawbar ({1})",
     "a step lacks what every step of drawbar has ({})": "einem Schritt fehlt, was jeder Schritt von drawbar hat ({0})",
-    "the path of this log has no place on Earth: figure-eights and CSV files have none. Export --csv instead, or "
-    "drive a line that was recorded with its place":
+    "it is not known where on Earth the path of this log lies: figure-eights and CSV files do not say. Export --csv "
+    "instead, or drive a line that was recorded with its place":
         "Die Linie dieser Fahrt hat keinen Ort auf der Erde: Achten und CSV-Dateien haben keinen. Als CSV exportieren",
     "No space left on device": "kein Platz mehr auf dem Speicher",
     "Permission denied": "keine Erlaubnis",
@@ -214,7 +214,7 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}: extends = {1} ist nicht erlaubt; eine mitgelieferte Konfiguration nennen ({2}) oder eine Datei im "
         "selben Ordner, die nicht auf dieser aufbaut.",
     "has no key {}; its keys are: {}": "kennt {0} nicht; bekannt sind: {1}",
-    "{}a number must be 0, or from {} to {} to either side of it":
+    "{}a number must be 0, or from {} to {} with either sign":
         "{0}eine Zahl muss 0 sein oder auf einer Seite davon {1} bis {2}",
     "{} is not a length in metres up to {} m; millimetres? {} mm = {} m":
         "{0} m ist zu lang, höchstens {1} m; sind das Millimeter? {2} mm = {3} m",

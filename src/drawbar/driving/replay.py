@@ -74,7 +74,7 @@ def _fixes(records: Iterator[DriveRecord], configuration: Configuration, header:
 def _navigation(configuration: Configuration, header: RunHeader, lines: dict[str, MemoryTransport]) -> Navigation:
     devices = configuration.devices
     if devices is None or header.origin is None:
-        raise DrawbarError("the log's configuration names no devices, or its path has no place on Earth")
+        raise DrawbarError("the log's configuration names no devices, or it is not known where on Earth its path lies")
     latitude, longitude, height = header.origin
     line = lines[Device.SENSORS.topic]
     return Navigation(

@@ -38,7 +38,7 @@ def stand_in_caster(settings: CorrectionsSettings) -> Caster:
         caster.start()
     except OSError as error:
         raise HardwareError(
-            f"the stand-in's caster cannot be at {settings.host}:{settings.port} ({error.strerror}); "
-            f"end the program that is"
+            f"the stand-in's caster cannot listen at {settings.host}:{settings.port} ({error.strerror}); "
+            f"end the program that does"
         ) from None
     return caster

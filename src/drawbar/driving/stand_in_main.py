@@ -67,7 +67,7 @@ class DataLine:
             except OSError as error:
                 self._socket.close()
                 raise HardwareError(
-                    f"{address} cannot be listened on ({error.strerror}); end the program that does"
+                    f"the stand-in cannot listen at {address} ({error.strerror}); end the program that does"
                 ) from None
             self._socket.listen()
 
@@ -122,7 +122,7 @@ class BoardLine:
         except OSError as error:
             self._socket.close()
             raise HardwareError(
-                f"the stand-in board cannot be at {settings.address} ({error.strerror}); end the program that is"
+                f"the stand-in board cannot listen at {settings.address} ({error.strerror}); end the program that does"
             ) from None
 
     def fileno(self) -> int:

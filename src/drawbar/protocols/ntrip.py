@@ -243,7 +243,8 @@ def gga_sentence(
     if not (1 <= quality <= 9 and abs(latitude) <= _QUARTER and abs(longitude) <= 2 * _QUARTER and satellites >= 0):
         raise ValueError(f"quality {quality} at {latitude} rad, {longitude} rad is no position for a caster")
     if not (0.0 <= time_of_day < 86401.0 and abs(height) < 1e5 and abs(separation) < 1e3 and 0.0 <= dilution < 1e3):
-        raise ValueError(f"time {time_of_day} s, height {height} m, separation {separation} m, dilution {dilution}")
+        given = f"time {time_of_day} s, height {height} m, separation {separation} m, dilution {dilution}"
+        raise ValueError(f"{given}: not all of them are a position's")
     hundredths = round(time_of_day * 100.0) % 8640000
     clock = (
         f"{hundredths // 360000:02d}{hundredths // 6000 % 60:02d}{hundredths % 6000 // 100:02d}.{hundredths % 100:02d}"

@@ -24,7 +24,9 @@ class Live:
         try:
             self._server = foxglove.start_server(name="drawbar", host=HOST, port=port, context=self._context)
         except (OSError, RuntimeError) as error:
-            raise HardwareError(f"{HOST}:{port} cannot be listened on ({error}); give another --live-port") from error
+            raise HardwareError(
+                f"the live log cannot listen at {HOST}:{port} ({error}); give another --live-port"
+            ) from error
         self.port = self._server.port
 
     def open(self, topic: str, encoding: str, schema: foxglove.Schema) -> None:

@@ -125,7 +125,7 @@ def _of_record(opcode: int, content: bytes, topics: dict[int, str]) -> Iterator[
         topics[opened.id] = opened.topic
     elif opcode == Opcode.ATTACHMENT:
         if zlib.crc32(memoryview(content)[:-4]) != int.from_bytes(content[-4:], "little"):
-            raise DamagedLogError("an attachment is not what its checksum says")
+            raise DamagedLogError("an attachment does not match its checksum")
         yield Attachment.read(_stream(content))
     elif opcode == Opcode.METADATA:
         yield Metadata.read(_stream(content))
@@ -151,7 +151,7 @@ def _unpacked(content: bytes, *, complete: bool) -> bytes:
         raise DamagedLogError(f"a chunk is compressed by {compression!r}, which drawbar does not write")
     data = _decompressed(packed, size if complete else None) if compression and packed else bytes(packed)
     if complete and (len(data) != size or (crc and zlib.crc32(data) != crc)):
-        raise DamagedLogError("a chunk is not what its checksum says")
+        raise DamagedLogError("a chunk does not match its checksum")
     return data
 
 
@@ -165,5 +165,5 @@ def _decompressed(packed: memoryview, size: int | None) -> bytes:
     if size is None:
         return decompressor.decompressobj().decompress(packed)
     if size > _LARGEST:
-        raise DamagedLogError("a chunk is not as long as it says")
+        raise DamagedLogError("a chunk has another length than it states")
     return decompressor.decompress(packed, max_output_size=size)

@@ -21,7 +21,8 @@ def write_geojson(log: RunLog, file: Path) -> None:
     origin = log.header.origin
     if origin is None:
         raise DrawbarError(
-            "the path of this log has no place on Earth: figure-eights and CSV files have none. Export --csv instead, "
+            "it is not known where on Earth the path of this log lies: figure-eights and CSV files do not say. "
+            "Export --csv instead, "
             "or drive a line that was recorded with its place"
         )
     frame = LocalFrame(latitude=origin[0], longitude=origin[1], height=origin[2])

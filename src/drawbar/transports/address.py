@@ -216,5 +216,5 @@ def _seconds(text: str) -> float:
     except ValueError:
         value = math.nan
     if not 0.0 < value <= 3600.0:
-        raise _RefusedError(f"silence = {text!r} is no time in seconds above 0, 3600 at most")
+        raise _RefusedError(f"silence = {text!r} is not a number of seconds above 0 and up to 3600")
     return value
