@@ -23,7 +23,6 @@ from mcap.records import (
     Footer,
     Header,
     McapRecord,
-    MessageIndex,
     Metadata,
     MetadataIndex,
     Schema,
@@ -42,7 +41,8 @@ COMPRESSION = "zstd"
 LEVEL = 1
 """of the compression: as much as a run at a thousand times real time can wait for"""
 CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
-"""opcode, length, first and last time, size and CRC uncompressed, the compression's name, size compressed"""
+"""opcode, length, first and last time, size uncompressed, its CRC (0: zstd's checksum of the frame stands for it, which
+is a fraction of the work), the compression's name, size compressed"""
 _HEADED = CHUNK_HEAD.size - 9
 _MESSAGE = struct.Struct("<BQHIQQ")
 
@@ -53,16 +53,16 @@ class ChunkedWriter:
     def __init__(self, stream: BinaryIO, profile: str, level: int = LEVEL) -> None:
         """Write the magic and the header; `level` is zstd's, of the chunks."""
         self._stream = stream
-        parameters = zstandard.ZstdCompressionParameters.from_level(level, window_log=_WINDOW_LOG)
+        parameters = zstandard.ZstdCompressionParameters.from_level(level, window_log=_WINDOW_LOG, write_checksum=True)
         self._compressor = zstandard.ZstdCompressor(compression_params=parameters)
         self._chunk: _Chunk | None = None
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._indices: dict[Opcode, list[McapRecord]] = {
-            kind: [] for kind in (Opcode.CHUNK_INDEX, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX)
+            kind: [] for kind in (Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX)
         }
+        self._chunks: list[ChunkIndex] = []
         self._counts: dict[int, int] = {}
-        self._times: tuple[int, int] | None = None
         stream.write(MAGIC)
         self._put(Header(profile=profile, library="drawbar"))
 
@@ -98,9 +98,6 @@ class ChunkedWriter:
             self._chunk = _Chunk(self._stream, self._compressor)
         head = _MESSAGE.pack(Opcode.MESSAGE, _MESSAGE.size - 9 + len(data), channel, sequence, log_time, publish_time)
         self._chunk.append(channel, log_time, head + data)
-        self._counts[channel] += 1
-        first, last = self._times or (log_time, log_time)
-        self._times = min(first, log_time), max(last, log_time)
         if self._chunk.size >= CHUNK_BYTES:
             self._end_chunk()
 
@@ -141,28 +138,30 @@ class ChunkedWriter:
         self._stream.flush()
 
     def _summary(self) -> dict[Opcode, list[McapRecord]]:
-        first, last = self._times or (0, 0)
         statistics = Statistics(
             attachment_count=len(self._indices[Opcode.ATTACHMENT_INDEX]),
             channel_count=len(self._channels),
             channel_message_counts=self._counts,
-            chunk_count=len(self._indices[Opcode.CHUNK_INDEX]),
+            chunk_count=len(self._chunks),
             message_count=sum(self._counts.values()),
             metadata_count=len(self._indices[Opcode.METADATA_INDEX]),
-            message_start_time=first,
-            message_end_time=last,
+            message_start_time=min((each.message_start_time for each in self._chunks), default=0),
+            message_end_time=max((each.message_end_time for each in self._chunks), default=0),
             schema_count=len(self._schemas),
         )
         return {
             Opcode.SCHEMA: [*self._schemas],
             Opcode.CHANNEL: [*self._channels],
             Opcode.STATISTICS: [statistics],
+            Opcode.CHUNK_INDEX: [*self._chunks],
             **self._indices,
         }
 
     def _end_chunk(self) -> None:
         if self._chunk is not None:
-            self._indices[Opcode.CHUNK_INDEX].append(self._chunk.end())
+            self._chunks.append(self._chunk.end())
+            for channel, count in self._chunk.counts().items():
+                self._counts[channel] += count
             self._chunk = None
 
     def _put(self, record: McapRecord) -> tuple[int, int]:
@@ -180,21 +179,26 @@ def _bytes(builder: RecordBuilder) -> bytes:
     return bytes(builder.end())  # type: ignore[no-untyped-call]  # mcap left its annotation out
 
 
+def _message_index(channel: int, entries: list[int]) -> bytes:
+    """Return the record that says where messages lie: the time of each and its place, in turn."""
+    size = 8 * len(entries)
+    return struct.pack(f"<BQHI{len(entries)}Q", Opcode.MESSAGE_INDEX, 6 + size, channel, size, *entries)
+
+
 class _Chunk:
     """The chunk that grows."""
 
     def __init__(self, stream: BinaryIO, compressor: zstandard.ZstdCompressor) -> None:
         self._stream, self._start = stream, stream.tell()
         self._compressor = compressor.compressobj()
-        self._crc, self._compressed = 0, 0
-        self._messages: dict[int, list[tuple[int, int]]] = {}
+        self._compressed = 0
+        self._messages: dict[int, list[int]] = {}
         self.size = 0
         """bytes, uncompressed"""
         self._write_head(ENDLESS, (0, 0))
 
     def append(self, channel: int, log_time: int, record: bytes) -> None:
-        self._messages.setdefault(channel, []).append((log_time, self.size))
-        self._crc = zlib.crc32(record, self._crc)
+        self._messages.setdefault(channel, []).extend((log_time, self.size))
         self.size += len(record)
         if compressed := self._compressor.compress(record):  # mostly it stays with the compressor
             self._write(compressed)
@@ -202,21 +206,24 @@ class _Chunk:
     def flush(self) -> None:
         self._write(self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))
 
+    def counts(self) -> dict[int, int]:
+        """Return how many messages it holds of each channel."""
+        return {channel: len(entries) // 2 for channel, entries in self._messages.items()}
+
     def end(self) -> ChunkIndex:
         """Complete the header, write the messages' index behind it; return what the summary says of the chunk."""
         self._write(self._compressor.flush())
-        times = [time for each in self._messages.values() for time, _ in each]
-        span = min(times), max(times)
+        times = [entries[::2] for entries in self._messages.values()]
+        span = min(map(min, times)), max(map(max, times))
         end = self._stream.tell()
         self._stream.seek(self._start)
         self._write_head(_HEADED + self._compressed, span)
         self._stream.seek(end)
-        builder, offsets = RecordBuilder(), {}
-        for channel, timestamps in self._messages.items():
-            offsets[channel] = end + builder.count
-            MessageIndex(channel_id=channel, records=timestamps).write(builder)
-        indexed = builder.count
-        self._stream.write(_bytes(builder))
+        offsets = {}
+        for channel, entries in self._messages.items():
+            offsets[channel] = self._stream.tell()
+            self._stream.write(_message_index(channel, entries))
+        indexed = self._stream.tell() - end
         self._stream.flush()
         return ChunkIndex(
             chunk_length=end - self._start,
@@ -237,7 +244,5 @@ class _Chunk:
     def _write_head(self, length: int, span: tuple[int, int]) -> None:
         compression = COMPRESSION.encode()
         self._stream.write(
-            CHUNK_HEAD.pack(
-                Opcode.CHUNK, length, *span, self.size, self._crc, len(compression), compression, self._compressed
-            )
+            CHUNK_HEAD.pack(Opcode.CHUNK, length, *span, self.size, 0, len(compression), compression, self._compressed)
         )

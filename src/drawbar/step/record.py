@@ -1,8 +1,7 @@
 """The record of a step: one copy of C's struct drawbar_record, read into signals.
 
-All its numbers are C's, bit for bit, but predictions (planned poses and steerings) are rounded to a millionth of a
-metre or radian: they are a third of a record, and their digits beyond would be half of a log. Nothing that is
-commanded, measured or estimated is rounded.
+Predictions (planned poses and steerings) are recorded to a millionth of a metre or radian (hosted_step.h); nothing that
+is commanded, measured or estimated is rounded.
 """
 
 from struct import Struct
@@ -32,8 +31,6 @@ from drawbar.signals import (
 )
 from drawbar.step.library import StepLibrary
 
-DIGITS = 6
-"""decimals of predictions, m and rad"""
 _ESTIMATE, _DIAGNOSTICS, _STEERING = Layout(Estimate), Layout(Diagnostics), Layout(BodySteering)
 _ACTUATION = Layout(Actuation)
 _TOLD = Struct("6i")
@@ -57,8 +54,8 @@ class RecordReader:
         self._times = self._plans + 2 * _PLAN.size
         self._actuation = self._times + _TIMES.size
         self._predictions = (self._actuation + _ACTUATION.size) // 8
-        self._poses = 6 * (horizon + 1)
-        if 8 * (self._predictions + self._poses + 2 * horizon) != library.record.size:
+        self._planned = self._predictions + 6 * (horizon + 1)
+        if 8 * (self._planned + 2 * horizon) != library.record.size:
             raise AssertionError("struct drawbar_record and record.py differ")
 
     def read(self, number: int, measurement: Measurement, command: Command, truth: Truth | None) -> StepRecord:
@@ -66,14 +63,13 @@ class RecordReader:
         self._copy()
         data = self._memory.tobytes()
         numbers = np.frombuffer(data)
-        rounded = numbers[self._predictions :].round(DIGITS)
-        poses, trailer_poses = rounded[: self._poses].reshape(2, -1, 3)
-        steerings, trailer_steerings = rounded[self._poses :].reshape(2, -1)
+        poses = numbers[self._predictions : self._planned].reshape(2, -1, 3)
+        steerings = numbers[self._planned :].reshape(2, -1)
         estimate = _ESTIMATE.unpack(data)
         status, flags, estimator, gate, _, _ = _TOLD.unpack_from(data, self._told)
         times = _TIMES.unpack_from(data, self._times)
-        tractor = _plan(data, numbers, self._plans, poses, steerings)
-        trailer = _plan(data, numbers, self._plans + _PLAN.size, trailer_poses, trailer_steerings)
+        tractor = _plan(data, numbers, self._plans, poses[0], steerings[0])
+        trailer = _plan(data, numbers, self._plans + _PLAN.size, poses[1], steerings[1])
         return StepRecord(
             step=number,
             measurement=measurement,
