@@ -31,7 +31,7 @@ def prepare(priority: int) -> list[str]:
     gc.collect()
     gc.freeze()
     gc.disable()
-    return [word for word in (_lock_memory(), _schedule_first(priority)) if word]
+    return [word for word in (_lock_memory(), schedule_first(priority)) if word]
 
 
 def _lock_memory() -> str:
@@ -47,7 +47,11 @@ def _lock_memory() -> str:
     )
 
 
-def _schedule_first(priority: int) -> str:
+def schedule_first(priority: int) -> str:
+    """Schedule this process before all others, its children not; return what forbids it, in a sentence, or nothing.
+
+    priority: of SCHED_FIFO, 1 to 99; 0: leave the scheduling as it is.
+    """
     if not priority:
         return ""
     if not hasattr(os, "SCHED_FIFO"):

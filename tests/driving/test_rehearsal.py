@@ -7,6 +7,7 @@ import pytest
 from isobus_devices import isobus_devices
 
 from drawbar.config import load_configuration
+from drawbar.driving.paced_drives import EXACT
 from drawbar.driving.rehearsal import Rehearsal
 from drawbar.messages import Action, SupervisorState
 from drawbar.safety.causes import Cause
@@ -14,15 +15,6 @@ from drawbar.signals import FixQuality, Flag
 from drawbar.simulation import build_path, simulate
 
 SEED = 3
-# Without what is drawn: a rehearsal draws at each tick, a run in process at each step, so one seed is two weathers.
-QUIET = [
-    "machine.sensors.position=0.0",
-    "machine.sensors.hitch_angle=0.0",
-    "machine.sensors.speed=0.0",
-    f"machine.sensors.steering_resolution={math.radians(1.0 / 30.0)}",  # of the boards: 30 counts per degree
-    *(f"machine.ground.{each}_slip.deviation=0.0" for each in ("longitudinal", "tractor")),
-    *(f"machine.ground.{each}_crab.deviation=0.0" for each in ("tractor", "trailer")),
-]
 
 
 def rehearse(*changes, devices=None):
@@ -47,7 +39,7 @@ def errors(steps, path):
 
 @pytest.fixture(scope="module")
 def whole():
-    rehearsal, path = rehearse(*QUIET)
+    rehearsal, path = rehearse(*EXACT)
     states = []
     steps = []
     for step in rehearsal.run(140.0):
@@ -70,7 +62,7 @@ def test_it_engages_drives_the_path_to_its_end_and_stops(whole):
 def test_its_errors_are_those_of_a_run_in_process(whole):
     steps, _, path = whole
     driven = errors(steps, path)[50:]  # from the place where it was engaged onto the line
-    log = simulate(load_configuration("articulated", ["path.radii=[8.0]", *QUIET]), SEED)
+    log = simulate(load_configuration("articulated", ["path.radii=[8.0]", *EXACT]), SEED)
     alone = errors([(record, record.truth) for record in log.records], path)[50:]
     assert alone.mean() > 0.003
     np.testing.assert_allclose(driven.mean(axis=0), alone.mean(axis=0), atol=0.001)
@@ -190,7 +182,7 @@ def test_an_operator_at_the_tractors_pedal_takes_over():
 
 
 def test_the_line_is_nudged_while_driving_and_another_one_chosen_after_a_stop():
-    rehearsal, path = rehearse(*QUIET, "path.working_width=0.75", "path.straight_length=60.0")
+    rehearsal, path = rehearse(*EXACT, "path.working_width=0.75", "path.straight_length=60.0")
     drive_until(rehearsal, SupervisorState.ACTIVE)
     for _ in rehearsal.run(5.0):
         pass

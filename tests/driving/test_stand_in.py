@@ -8,12 +8,14 @@ from contextlib import contextmanager
 
 import pytest
 from patience import ENGAGE, PATIENT, watch
+from waiting import until
 
 from drawbar.config import load_configuration
 from drawbar.driving.check import check
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
 from drawbar.driving.demonstration import free_ports, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.pace import shown_pace
 from drawbar.driving.place import local_frame
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.messages import SupervisorState
@@ -50,6 +52,8 @@ def served(file, tmp_path, *options):
     with words.open("wb") as output:
         process = subprocess.Popen(command, stdout=output, stderr=output)
     try:
+        devices = load_configuration(str(file)).devices
+        until(lambda: shown_pace(devices), ENGAGE)
         yield words
     finally:
         process.terminate()
@@ -66,6 +70,24 @@ def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent
         assert state.state is SupervisorState.FAULT
         assert state.cause in (Cause.STEERING_LOST.value, Cause.LET_GO.value, Cause.SILENT.value)
         assert "front wheels' board says nothing" in stand_in.read_text()
+        front.close()
+
+
+def test_an_emergency_stop_that_is_first_tried_after_it_rolls_can_be_acknowledged(configuration, tmp_path):
+    safety = configuration[0].safety
+    engage = safety.engage.model_copy(update={"emergency_test": False})  # else it would stand until then
+    machine = configuration[0].model_copy(update={"safety": safety.model_copy(update={"engage": engage})})
+    with (
+        served(configuration[1], tmp_path, "--pace", "3"),
+        Crew(machine, tmp_path, stand_ins=False, pace=3) as crew,
+    ):
+        front = FrontEnd(crew, demonstrates=False)
+        watch(front, lambda front: front.controller is not None and front.controller.wheel_speed > 0.2, ENGAGE)
+        front.press("x")
+        watch(front, lambda front: front.state.state is SupervisorState.ESTOP, ENGAGE)
+        watch(front, lambda front: front.controller.wheel_speed == 0.0, ENGAGE)
+        watch(front, lambda front: front.press("a") or front.state.state is SupervisorState.STANDBY, ENGAGE)
+        watch(front, lambda front: front.controller.wheel_speed > 0.2, ENGAGE)
         front.close()
 
 

@@ -15,6 +15,7 @@ from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.wires import Wire
 from drawbar.transports.base import Received, Transport
+from drawbar.transports.clock import MachineClock
 
 
 class Udp(Transport):
@@ -83,7 +84,7 @@ def main(order):
                 raise RuntimeError("the gate's own program fails")
 
         gate._publish = fail
-    return run(gate, settings)
+    return run(gate, settings, MachineClock())
 
 
 if __name__ == "__main__":

@@ -1,9 +1,13 @@
 """From the wall clock's stamps to monotonic time, also while somebody sets the wall clock."""
 
+import os
+import time
+
 import pytest
 from waiting import FakeClock
 
-from drawbar.transports.clock import OLDEST, StampConverter
+from drawbar.transports import clock
+from drawbar.transports.clock import OLDEST, MachineClock, StampConverter
 
 
 @pytest.fixture
@@ -51,3 +55,54 @@ def test_process_stopped_between_two_looks_is_no_set_clock(clocks: tuple[FakeClo
 def test_senseless_stamp_gives_the_time_of_reading(clocks: tuple[FakeClock, FakeClock], age: float) -> None:
     monotonic, wall = clocks
     assert StampConverter(monotonic, wall).monotonic(wall.now - age) == monotonic.now
+
+
+@pytest.fixture
+def computer(monkeypatch: pytest.MonkeyPatch) -> FakeClock:
+    """Return the monotonic clock of a computer, s, which this module then reads."""
+    monotonic = FakeClock(50.0)
+    monkeypatch.setattr(clock.time, "monotonic_ns", lambda: round(monotonic.now * 1e9))
+    return monotonic
+
+
+@pytest.mark.parametrize("pace", [1, 10])
+def test_a_stand_ins_time_passes_at_its_pace_and_is_the_same_everywhere(computer: FakeClock, pace: int) -> None:
+    one, other = MachineClock(pace), MachineClock(pace)
+    assert one() == other() == 50.0 * pace
+    begun = one.from_now()
+    computer.now += 0.25
+    assert begun() == 0.25 * pace
+    assert begun.from_now()() == 0.0
+    assert one.nanoseconds() == other.nanoseconds() == 50_250_000_000 * pace
+
+
+@pytest.mark.parametrize("pace", [1, 10])
+def test_it_waits_for_so_many_seconds_of_its_own(monkeypatch: pytest.MonkeyPatch, pace: int) -> None:
+    waits: list[float] = []
+    monkeypatch.setattr(clock.select, "select", lambda *given: (waits.append(given[3]), ([], [], []))[1])
+    assert not MachineClock(pace).wait([], 0.5)
+    assert not MachineClock(pace).wait([], -1.0)
+    assert waits == [0.5 / pace, 0.0]
+
+
+def test_it_says_whether_something_came() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"!")
+    assert MachineClock(10).wait([reading], 5.0)
+    for each in (reading, writing):
+        os.close(each)
+
+
+def test_a_stamp_is_as_many_times_as_old_as_the_stand_in_is_fast(computer: FakeClock) -> None:
+    wall = FakeClock(1.7e9)
+    converter = StampConverter(MachineClock(10), wall)
+    computer.now += 3.0
+    wall.now += 3.0
+    assert converter.monotonic(wall.now - 0.125) == pytest.approx(528.75)
+    wall.now += 0.5
+    assert converter.monotonic(wall.now - 0.01) == 530.0, "the wall clock was set"
+    assert converter.monotonic(wall.now - 0.01) == pytest.approx(529.9)
+
+
+def test_real_time_is_the_computers() -> None:
+    assert MachineClock().nanoseconds() == pytest.approx(time.monotonic_ns(), abs=1e9)

@@ -31,6 +31,8 @@ def console(
         raise HardwareError(f"{folder} is not the folder of a drive that is on; start one with drawbar drive")
     if Path(known.socket(CONSOLE)).exists():
         raise HardwareError(f"the drive in {folder} has a console already; open that one, or end it")
+    if known.pace != 1:
+        raise HardwareError(f"the drive in {folder} has --pace {known.pace}; the console shows drives in real time")
     orders = pages.orders(
         folder=known.folder,
         configuration=known.configuration,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, agreed, console
+from drawbar.cli.options import ConfigurationName, Pace, agreed, console
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
@@ -86,12 +86,15 @@ def stand_in(
         ),
     ] = None,
     boards: Annotated[Literal["aio-v4", "aio-26"], typer.Option(help="firmware of the steer boards")] = "aio-v4",
+    pace: Pace = 1,
 ) -> None:
     """Be the machine: the simulated one behind the devices that the configuration names.
 
     Receivers, boards, sensors, ISOBUS, and the caster of corrections where its host is this computer (127.0.0.1).
+    With --pace it is so many times as fast as real time, and so must be the drive.
     """
     from drawbar.driving.orders import Orders
+    from drawbar.driving.pace import refuse_elsewhere
     from drawbar.driving.stand_in_main import serve
     from drawbar.driving.stand_ins import Firmware
     from drawbar.machine.stand_in.faults import FAULTS, LIST, planned_fault
@@ -102,11 +105,13 @@ def stand_in(
         return
     faults = [planned_fault(text) for text in fault or []]
     config = _with_devices(configuration, changes)
+    assert config.devices is not None
+    refuse_elsewhere(config.devices, pace)
     with tempfile.TemporaryDirectory(prefix="drawbar-") as folder:
         file = FilePath(folder) / "config.toml"
         file.write_text(config.to_toml(), "utf-8")
         console.print("the simulated machine is there; end it by Ctrl-C")
-        orders = Orders(folder=folder, run=folder, configuration=str(file))
+        orders = Orders(folder=folder, run=folder, configuration=str(file), pace=pace)
         firmware = Firmware(boards)
         raise SystemExit(
             serve(orders, faults, lambda words: console.print(f"fault: {words}", soft_wrap=True), firmware)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console, written
+from drawbar.cli.options import ConfigurationName, Pace, console, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
@@ -40,43 +40,54 @@ def drive(
         bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")
     ] = False,
     live_port: Annotated[int, typer.Option(min=0, max=65535, help="of --live; 0: a free one")] = 8765,
-    seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s; 0: when told to")] = 0.0,
+    seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s of the drive; 0: when told to")] = 0.0,
+    pace: Pace = 1,
     with_console: Annotated[
         bool, typer.Option("--console", help="serve the operator's pages, and engage there")
     ] = False,
     *,
     pages: Pages,
 ) -> None:
-    """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer."""
+    """Drive the machine that the configuration's devices name; without devices, stand-ins on this computer.
+
+    With --pace, stand-ins alone: all clocks and time-outs of the drive are so many times as fast.
+    """
     from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.crew import Crew
+    from drawbar.errors import ConfigurationError
 
-    config, stand_ins = _configured(configuration, changes or [])
+    if with_console and pace != 1:
+        raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
+    config, stand_ins = _configured(configuration, changes or [], pace)
     runs = str(out.parent if out else "runs")
     orders = pages.orders(folder="", configuration="", runs=runs) if with_console else None  # the crew knows the rest
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
     with Interrupts() as interrupts:
-        crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, live=shown, console=orders)
+        crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, pace=pace, live=shown, console=orders)
         failed = _run(crew, orders, interrupts, demonstrates=demonstrates, seconds=seconds)
         _report(folder, shadow=shadow)
     if failed:
         raise SystemExit(1)
 
 
-def _configured(name: str, changes: list[str]) -> tuple["Configuration", bool]:
+def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuration", bool]:
     """Return what to drive, its control step compiled, and whether all of its devices are stand-ins."""
     from drawbar.config import load_configuration
     from drawbar.driving.controller import Controller
     from drawbar.driving.demonstration import with_stand_ins
+    from drawbar.driving.pace import demand_stand_in
     from drawbar.simulation import build_path
 
     config = load_configuration(name, changes)
     stand_ins = config.devices is None
-    if stand_ins:
+    if config.devices is not None:
+        demand_stand_in(config.devices, pace)
+    else:
         config = with_stand_ins(config)
-        console.print("no [devices] are configured: driving stand-ins of all of them on this computer, in real time")
+        time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"
+        console.print(f"no [devices] are configured: driving stand-ins of all of them on this computer, {time_passes}")
     with console.status("compiling the control step (the first time only) …"):
         Controller(config, build_path(config)[0], config.safety.fingerprint())
     return config, stand_ins
@@ -122,10 +133,11 @@ def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, second
     from drawbar.driving.terminal import Terminal
     from drawbar.messages import SupervisorState
 
-    front, end = FrontEnd(crew, demonstrates=demonstrates), time.monotonic() + (seconds or float("inf"))
+    front, clock = FrontEnd(crew, demonstrates=demonstrates), crew.orders.clock
+    end = clock() + (seconds or float("inf"))
     try:
         with Terminal(console, crew, front) as terminal, Keyboard() as keyboard:
-            while time.monotonic() < end and not (demonstrates and front.is_over):
+            while clock() < end and not (demonstrates and front.is_over):
                 front.wait(0.05)
                 interrupts.heed()
                 keys = keyboard.pressed()

@@ -11,6 +11,7 @@ import typer
 from drawbar.configurations import shipped_names
 from drawbar.errors import DrawbarError
 from drawbar.terminal import Output
+from drawbar.transports.clock import FASTEST
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
@@ -33,6 +34,9 @@ _RUN_LOG = typer.Argument(metavar="RUN", callback=_log_of, help="folder of a run
 RunLogFile = Annotated[FilePath, _RUN_LOG]
 RunLogFileIfAny = Annotated[FilePath | None, _RUN_LOG]
 Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine; default: one per core")]
+Pace = Annotated[
+    int, typer.Option(min=1, max=FASTEST, help="of stand-ins on this computer: so many times as fast as real time")
+]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
 
 

@@ -1,5 +1,7 @@
 """Actuators: the wires to what the devices of a configuration steer and drive with. Without numpy: the gate uses it."""
 
+import time
+
 from drawbar.machine.hardware.isobus import IsobusSettings, guidance_valve
 from drawbar.machine.hardware.shared_socket import own_sources, share
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
@@ -8,15 +10,19 @@ from drawbar.protocols.isobus.speed_actuator import MachineSpeed
 from drawbar.protocols.listened import ListenedSteering
 from drawbar.safety.wires import Wire
 from drawbar.transports.base import CanBus
+from drawbar.transports.clock import Clock
 from drawbar.transports.open import open_can, open_transport
 from drawbar.transports.udp import UdpTransport
 
 
-def board_wires(boards: dict[str, SteerBoardSettings | None], *, listens: bool = False) -> list[Wire]:
+def board_wires(
+    boards: dict[str, SteerBoardSettings | None], clock: Clock = time.monotonic, *, listens: bool = False
+) -> list[Wire]:
     """Open the transports of boards by the names of their bodies; those that listen at one place share one socket.
 
     Args:
         boards: their settings.
+        clock: of what they say, s.
         listens: open sockets that hear the boards, and have nobody to send to.
 
     Raises:
@@ -26,7 +32,7 @@ def board_wires(boards: dict[str, SteerBoardSettings | None], *, listens: bool =
     for listen in sorted({board.listen for board in boards.values() if board is not None}):
         here = {body: board for body, board in boards.items() if board is not None and board.listen == listen}
         first = next(iter(here.values()))
-        line = open_transport(first.ear if listens else first.transport)
+        line = open_transport(first.ear if listens else first.transport, clock)
         assert isinstance(line, UdpTransport)
         peers = [board.destination for board in here.values()]
         own = own_sources(peers, COMPUTER_PORT)

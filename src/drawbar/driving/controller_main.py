@@ -3,10 +3,8 @@
 `python -m drawbar.driving.controller_main DESCRIPTOR`, its end of the pair with the gate; its orders on standard input.
 """
 
-import select
 import socket
 import sys
-import time
 from collections.abc import Iterator, Mapping
 
 import msgspec
@@ -42,7 +40,7 @@ def main() -> int:
     orders = Orders.model_validate_json(sys.stdin.read())
     gate = socket.socket(fileno=int(sys.argv[1]))
     gate.setblocking(False)
-    configuration = load_configuration(orders.configuration)
+    configuration, clock = load_configuration(orders.configuration), orders.clock
     mailbox = Mailbox(orders.socket(CONTROLLER))
     beat, ending, words = Beat(Role.CONTROLLER, mailbox, orders.socket(GATE)), Ending(), Words(gate, mailbox, orders)
     path, _ = build_path(configuration)
@@ -52,13 +50,13 @@ def main() -> int:
         Sampler(configuration.sample_time),
         send=words.send,
         record=lambda record: words.keep(record, controller.sureness.parameters),
-        clock=time.monotonic_ns,
+        clock=clock.nanoseconds,
         tell=words.tell,
     )
     for word in prepare(max(configuration.safety.timing.priority - 10, 0)):
         say(f"controller: {word}")
     while not (ending.asked or words.gate_is_gone):
-        now = time.monotonic_ns()
+        now = clock.nanoseconds()
         if now >= look and not controller.engaged:
             look, controller.wiggled = now + _LOOK, has_passed(configuration)
         _hear_gate(gate, words, beat, loop)
@@ -66,8 +64,8 @@ def main() -> int:
         if now >= loop.due:
             loop.pass_time(now)
         beat.pass_time(now)
-        until = min(loop.due, beat.due, time.monotonic_ns() + _LONGEST_WAIT)
-        select.select([gate.fileno(), mailbox.fileno()], [], [], max(until - time.monotonic_ns(), 0) * 1e-9)
+        wait = min(min(loop.due, beat.due) - clock.nanoseconds(), _LONGEST_WAIT)
+        clock.wait([gate.fileno(), mailbox.fileno()], wait * 1e-9)
     words.tell_done()
     mailbox.close()
     return 0
@@ -98,6 +96,7 @@ class Words:
         self._gate, self._mailbox = gate, mailbox
         self._recorder, self._console = orders.socket(RECORDER), orders.socket(CONSOLE)
         self._displays = (orders.socket(FRONT_END), self._console)
+        self._clock = orders.clock
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
         self._done: list[Happening] = []
         self.gate_is_gone = False
@@ -118,7 +117,7 @@ class Words:
 
     def tell(self, kind: Kind, sequence: int) -> None:
         """Note what is done now; the recorder is told with the next step, or soon."""
-        self._done.append(Happening(kind=kind, time=time.monotonic_ns(), sequence=sequence))
+        self._done.append(Happening(kind=kind, time=self._clock.nanoseconds(), sequence=sequence))
         if len(self._done) >= _TOGETHER:
             self.tell_done()
 
@@ -131,7 +130,7 @@ class Words:
     def keep(self, record: StepRecord, deviations: Mapping[str, float]) -> None:
         """Have a step recorded, and shown with the standard deviations of fields of its estimate."""
         self.tell_done()
-        letter = pack(Step(time=time.monotonic_ns(), data=self._encoder.encode(record)))
+        letter = pack(Step(time=self._clock.nanoseconds(), data=self._encoder.encode(record)))
         self._mailbox.post(self._recorder, letter)
         for shown in (pack(Sureness(deviations)), letter):
             self._mailbox.send(self._console, shown)

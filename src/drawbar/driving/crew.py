@@ -15,6 +15,7 @@ from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.ending import undisturbed
 from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, RECORDER, SOCKETS, GateOrders, Orders
+from drawbar.driving.pace import lamp_of, shown_pace
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
@@ -42,6 +43,7 @@ class Crew:
         *,
         stand_ins: bool,
         shadow: bool = False,
+        pace: int = 1,
         live: int | None = None,
         console: ConsoleOrders | None = None,
     ) -> None:
@@ -52,6 +54,7 @@ class Crew:
             run: folder of the log, which exists.
             stand_ins: start the stand-in of all devices too.
             shadow: the gate only listens to the actuators.
+            pace: of the stand-ins; 1 for a machine.
             live: port of this computer on which the recorder shows what it records; None: it does not.
             console: start the operator's console too; its `folder`, `configuration` and `stand_ins` are filled in here.
 
@@ -69,6 +72,7 @@ class Crew:
             run=str(run),
             configuration=str(run / CONFIGURATION_NAME),
             stand_ins=stand_ins,
+            pace=pace,
             live=live,
         )
 
@@ -103,7 +107,9 @@ class Crew:
         self._await(RECORDER, RECORDER)
         ours, theirs = controller_pair()
         with ours, theirs:
-            orders_of_gate = gate_orders(self.configuration, self._folder.name, theirs.fileno(), shadow=self._shadow)
+            orders_of_gate = gate_orders(
+                self.configuration, self._folder.name, theirs.fileno(), self.orders.pace, shadow=self._shadow
+            )
             self._start("guard", "driving.guard_main", orders_of_gate.model_dump_json())
             self._await("guard", GUARD)
             self._start("gate", "driving.gate_main", orders_of_gate.model_dump_json(), ends=(theirs,))
@@ -182,10 +188,13 @@ def _folder_of_sockets() -> "tempfile.TemporaryDirectory[str]":
     return folder
 
 
-def gate_orders(configuration: Configuration, folder: str, controller: int, *, shadow: bool = False) -> GateOrders:
+def gate_orders(
+    configuration: Configuration, folder: str, controller: int, pace: int = 1, *, shadow: bool = False
+) -> GateOrders:
     """Return what the gate of a configuration is told; folder of its socket, descriptor of its end of the pair."""
     vehicle, devices = configuration.vehicle, configuration.devices
     assert devices is not None
+    shown = shown_pace(devices)
     return GateOrders(
         folder=folder,
         safety=configuration.safety,
@@ -196,6 +205,8 @@ def gate_orders(configuration: Configuration, folder: str, controller: int, *, s
         trailer_board=devices.trailer_board,
         isobus=devices.isobus,
         drives=devices.speed == "isobus",
+        driver=lamp_of(devices, shown) if shown is not None else "",
         shadow=shadow,
+        pace=pace,
         controller=controller,
     )

@@ -5,7 +5,6 @@ import secrets
 import select
 import sys
 import termios
-import time
 import tty
 from contextlib import suppress
 from types import TracebackType
@@ -68,7 +67,7 @@ class FrontEnd:
         self._mailbox, gate = Mailbox(crew.orders.socket(FRONT_END)), crew.orders.socket(GATE)
         self._operator = Operator(secrets.randbits(63) | 1, lambda message: self._mailbox.send(gate, encode(message)))
         self._demonstration = DemonstrationOperator(self._operator) if demonstrates else None
-        self._configured_speed = crew.configuration.speed
+        self._configured_speed, self._clock = crew.configuration.speed, crew.orders.clock
         self._look = self._asked = 0
         self.refusal: Cause | None = None
         """why the gate refused the newest key"""
@@ -94,7 +93,7 @@ class FrontEnd:
 
     def wait(self, duration: float) -> None:
         """Take in what comes within a time, s, and say that the operator is there."""
-        select.select([self._mailbox], [], [], duration)
+        self._clock.wait([self._mailbox], duration)
         for data in self._mailbox.receive():
             message = decode(data, GateState, ControllerState)
             if isinstance(message, GateState):
@@ -105,7 +104,7 @@ class FrontEnd:
                     self.refusal, self._asked = BY_CODE.get(message.answer), 0
             elif isinstance(message, ControllerState):
                 self.controller = message
-        now = time.monotonic_ns()
+        now = self._clock.nanoseconds()
         if now >= self._look:
             self._look = now + LOOK
             if self._demonstration is not None:
@@ -126,7 +125,7 @@ class FrontEnd:
             self._ask(Action.SET_SPEED, changed_speed(self.state, change, self._configured_speed))
 
     def _ask(self, action: Action, value: float = 0.0) -> None:
-        self._asked, self.refusal = self._operator.ask(action, time.monotonic_ns(), value), None
+        self._asked, self.refusal = self._operator.ask(action, self._clock.nanoseconds(), value), None
 
     def close(self) -> None:
         """Close the socket."""

@@ -12,13 +12,14 @@ from drawbar.safety.envelope import Bounds
 from drawbar.safety.gate_process import run
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.wires import Wire
+from drawbar.transports.open import open_can
 
 
 def main() -> int:
     """Open the actuators and run the gate; return its exit code."""
     orders = GateOrders.model_validate_json(sys.stdin.read())
     folder = Path(orders.folder)
-    listeners = tuple(str(folder / name) for name in (GUARD, RECORDER, DRIVER))
+    listeners = (*(str(folder / name) for name in (GUARD, RECORDER)), orders.driver or str(folder / DRIVER))
     desk = DeskChannel(open_desk(str(folder / GATE)), listeners)
     gate = Gate(
         orders.safety,
@@ -27,7 +28,7 @@ def main() -> int:
         ControllerChannel(socket.socket(fileno=orders.controller)),
         desk,
     )
-    return run(gate, orders.safety)
+    return run(gate, orders.safety, orders.clock)
 
 
 def wires(orders: GateOrders) -> list[Wire]:
@@ -36,9 +37,11 @@ def wires(orders: GateOrders) -> list[Wire]:
     Raises:
         HardwareError: a port is taken.
     """
-    opened = board_wires({"tractor": orders.tractor_board, "trailer": orders.trailer_board}, listens=orders.shadow)
+    boards, clock = {"tractor": orders.tractor_board, "trailer": orders.trailer_board}, orders.clock
+    opened = board_wires(boards, clock, listens=orders.shadow)
     if orders.isobus is not None:
-        opened.append(isobus_wire(orders.isobus, orders.safety.envelope.speed if orders.drives else None))
+        limit = orders.safety.envelope.speed if orders.drives else None
+        opened.append(isobus_wire(orders.isobus, limit, open_can(orders.isobus.bus, clock)))
     return [listened(wire) for wire in opened] if orders.shadow else opened
 
 

@@ -6,10 +6,8 @@ when it steers and is not heard for as long as it may be late, off frames go to 
 """
 
 import math
-import select
 import socket
 import sys
-import time
 from pathlib import Path
 
 from drawbar.driving.ending import Ending, told
@@ -62,14 +60,13 @@ def main() -> int:
     """Guard until told to end, and until nothing is steered that nobody speaks for."""
     orders = GateOrders.model_validate_json(sys.stdin.read())
     boards = [each.destination for each in (orders.tractor_board, orders.trailer_board) if each is not None]
-    guard, ending = Guard(orders.safety.timing), Ending()
+    guard, ending, clock = Guard(orders.safety.timing), Ending(), orders.clock
     wire, mailbox = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), Mailbox(str(Path(orders.folder) / GUARD))
     for word in prepare(orders.safety.timing.priority):
         say(f"guard: {word}")
-    while not (ending.asked and guard.rests(time.monotonic())):
-        now = time.monotonic()
-        select.select([mailbox.fileno()], [], [], min(max(guard.due - now, 0.0), _LOOK))
-        now = time.monotonic()
+    while not (ending.asked and guard.rests(clock())):
+        clock.wait([mailbox.fileno()], min(guard.due - clock(), _LOOK))
+        now = clock()
         for record in mailbox.receive():
             state = decode(record, GateState)
             if isinstance(state, GateState):

@@ -1,18 +1,33 @@
 """Orders: what each process of a drive is told at its start, as JSON on its standard input."""
 
 from pathlib import Path
+from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.safety.settings import SafetySettings
+from drawbar.transports.address import stays_here
+from drawbar.transports.clock import FASTEST, MachineClock
 
 
-class Orders(BaseModel):
-    """Where the processes find each other, and what they read."""
+class PacedOrders(BaseModel):
+    """What every process of a drive is told."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    pace: Annotated[int, Field(ge=1, le=FASTEST)] = 1
+    """of a stand-in on this computer; a machine's is 1"""
+
+    @property
+    def clock(self) -> MachineClock:
+        """The clock of the drive."""
+        return MachineClock(self.pace)
+
+
+class Orders(PacedOrders):
+    """Where the processes find each other, and what they read."""
 
     folder: str
     """of the sockets; the user's own, gone after the drive"""
@@ -38,10 +53,8 @@ ORDERS_NAME = "orders.json"
 """in the folder of the sockets: what a console that is started later needs to know"""
 
 
-class GateOrders(BaseModel):
+class GateOrders(PacedOrders):
     """What the gate is told: numbers only, so that it loads neither numpy nor the configuration's other sections."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     folder: str
     safety: SafetySettings
@@ -58,5 +71,16 @@ class GateOrders(BaseModel):
     isobus: IsobusSettings | None
     drives: bool = False
     """the tractor's speed is commanded over the ISOBUS"""
+    driver: str = ""
+    """address of the lamp of a stand-in that is a program of its own; empty: of this drive's"""
     shadow: bool = False
     """actuators are only listened to"""
+
+    @model_validator(mode="after")
+    def _paces_stand_ins_only(self) -> Self:
+        """Refuse to be faster than a machine that actuators outside of this computer may be part of."""
+        lines = [board.transport for board in (self.tractor_board, self.trailer_board) if board is not None]
+        lines += [self.isobus.bus] if self.isobus is not None else []
+        if self.pace != 1 and not all(map(stays_here, lines)):
+            raise ValueError(f"actuators that may be real ones are driven at pace 1, not {self.pace}")
+        return self

@@ -3,9 +3,7 @@
 `python -m drawbar.driving.receivers_main`, with its orders on standard input.
 """
 
-import select
 import sys
-import time
 
 from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
@@ -25,9 +23,12 @@ from drawbar.messages import Role, nanoseconds, seconds
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.transports.base import Received
+from drawbar.transports.clock import Clock
 from drawbar.transports.open import open_transport
 from drawbar.transports.tapped import Direction, TappedTransport
 
+_PRIORITY = 35
+"""of scheduling, below gate and controller, where the bytes are a stand-in's and nobody else can flood it with them"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
 _TOGETHER = 32
@@ -43,16 +44,17 @@ def main() -> int:
     devices = configuration.devices
     assert devices is not None
     mailbox = Mailbox(orders.socket(RECEIVERS))
-    witness = Witness(mailbox, orders.socket(RECORDER))
+    clock = orders.clock
+    witness = Witness(mailbox, orders.socket(RECORDER), clock)
     tractor, trailer = (_receiver(settings, device, witness) for settings, device in _receivers(devices))
     sensors = _sensors(devices, witness)
     navigation = Navigation(tractor, trailer, local_frame(configuration), sensors)
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
-    corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
-    for word in prepare(0):
+    corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
+    for word in prepare(0 if orders.pace == 1 else _PRIORITY):
         say(f"receivers: {word}")
     while not ending.asked:
-        now = time.monotonic_ns()
+        now = clock.nanoseconds()
         was_due = navigation.due <= seconds(now)
         found = navigation.poll(seconds(now))
         witness.note_look(now, was_due=was_due, found=bool(found))
@@ -63,12 +65,11 @@ def main() -> int:
             mailbox.post(orders.socket(RECORDER), record)
         beat.pass_time(now)
         if corrections is not None:
-            correct(corrections, time.monotonic(), tractor, (tractor, trailer))
+            correct(corrections, clock(), tractor, (tractor, trailer))
         lines = [tractor.transport, trailer.transport, *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in lines) if each >= 0]
         most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
-        wait = min(navigation.due - time.monotonic(), seconds(beat.due) - time.monotonic(), most)
-        select.select(descriptors, [], [], max(wait, 0.0))
+        clock.wait(descriptors, min(min(navigation.due, seconds(beat.due)) - clock(), most))
     for each in (tractor, trailer, corrections, sensors, mailbox):
         if each is not None:
             each.close()
@@ -92,9 +93,9 @@ def _sensors(devices: DeviceSettings, witness: "Witness") -> SensorLine | None:
 class Witness:
     """Tells the recorder every byte, and each look at the receivers that may have changed anything."""
 
-    def __init__(self, mailbox: Mailbox, recorder: str) -> None:
-        """Take the own mailbox and the path of the recorder's."""
-        self._mailbox, self._recorder = mailbox, recorder
+    def __init__(self, mailbox: Mailbox, recorder: str, clock: Clock) -> None:
+        """Take the own mailbox, the path of the recorder's and the clock of what comes, s."""
+        self._mailbox, self._recorder, self._clock = mailbox, recorder, clock
         self._pieces = 0
         self._looks: list[Happening] = []
 
@@ -112,7 +113,7 @@ class Witness:
             )
             self._mailbox.post(self._recorder, pack(raw))
 
-        return TappedTransport(open_transport(address), tap)
+        return TappedTransport(open_transport(address, self._clock), tap, self._clock)
 
     def note_look(self, time: int, *, was_due: bool, found: bool) -> None:
         """Note a look at a time, ns, at which something came or was due; any other has done nothing.

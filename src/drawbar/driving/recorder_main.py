@@ -3,9 +3,7 @@
 `python -m drawbar.driving.recorder_main`, with its orders on standard input.
 """
 
-import select
 import sys
-import time
 from pathlib import Path
 
 from drawbar.config import Configuration, load_configuration
@@ -27,21 +25,22 @@ from drawbar.recording.live import Live
 from drawbar.recording.log import LOG_NAME, decode_step
 from drawbar.recording.scene import Scene
 from drawbar.simulation import build_path
+from drawbar.transports.clock import MachineClock
 
 
 def main() -> int:
     """Write until told to end."""
     orders = Orders.model_validate_json(sys.stdin.read())
-    ending, healthy = Ending(), True
+    ending, healthy, clock = Ending(), True, orders.clock
     configuration = load_configuration(orders.configuration)
     live = _live(orders.live)
-    with _log(configuration, Path(orders.run), live) as log:
+    with _log(configuration, orders, live) as log:
         mailbox = Mailbox(orders.socket(RECORDER))  # only now: whoever sees it may send, and nothing is lost
         beat = Beat(Role.RECORDER, mailbox, orders.socket(GATE))
-        while not ending.asked or select.select([mailbox], [], [], 0.2)[0]:
-            healthy = _take(mailbox, log, beat) if healthy else _leave(mailbox)
-            beat.pass_time(time.monotonic_ns(), healthy=healthy)
-            select.select([mailbox], [], [], max(beat.due - time.monotonic_ns(), 0) * 1e-9)
+        while not ending.asked or clock.wait([mailbox], 0.2):
+            healthy = _take(mailbox, log, beat, clock) if healthy else _leave(mailbox)
+            beat.pass_time(clock.nanoseconds(), healthy=healthy)
+            clock.wait([mailbox], (beat.due - clock.nanoseconds()) * 1e-9)
     mailbox.close()
     if live is not None:
         live.close()
@@ -57,19 +56,20 @@ def _live(port: int | None) -> Live | None:
         return None
 
 
-def _log(configuration: Configuration, folder: Path, live: Live | None) -> DriveLog:
+def _log(configuration: Configuration, orders: Orders, live: Live | None) -> DriveLog:
     path, drivable = build_path(configuration)
     frame = local_frame(configuration)
     header = run_header(configuration, path, drivable, seed=0, frame=frame)
-    return DriveLog(folder / LOG_NAME, header, Scene(path=path, vehicle=configuration.vehicle, frame=frame), live)
+    scene = Scene(path=path, vehicle=configuration.vehicle, frame=frame)
+    return DriveLog(Path(orders.run) / LOG_NAME, header, scene, live, clock=orders.clock)
 
 
-def _take(mailbox: Mailbox, log: DriveLog, beat: Beat) -> bool:
+def _take(mailbox: Mailbox, log: DriveLog, beat: Beat, clock: MachineClock) -> bool:
     """Write what has arrived; return whether it could be written. Nothing is added behind what could not."""
     try:
         for data in mailbox.receive():
-            _write(data, log, beat)
-        if time.monotonic_ns() >= beat.due:
+            _write(data, log, beat, clock)
+        if clock.nanoseconds() >= beat.due:
             log.flush()
     except (OSError, DrawbarError) as error:
         log.give_up()
@@ -85,7 +85,7 @@ def _leave(mailbox: Mailbox) -> bool:
     return False
 
 
-def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
+def _write(data: bytes, log: DriveLog, beat: Beat, clock: MachineClock) -> None:
     letter = unpack(data)
     if isinstance(letter, RawBytes):
         log.add_raw(letter)
@@ -100,7 +100,7 @@ def _write(data: bytes, log: DriveLog, beat: Beat) -> None:
         if isinstance(message, Message):
             log.add_message(message)
         elif isinstance(message, Flaw):
-            log.add_event(time.monotonic_ns(), "warning", "recorder", f"a record was refused: {message.value}")
+            log.add_event(clock.nanoseconds(), "warning", "recorder", f"a record was refused: {message.value}")
 
 
 if __name__ == "__main__":

@@ -1,24 +1,16 @@
 """Stand-in caster: the caster of a configuration's corrections, where they are to come from this computer."""
 
-import ipaddress
-
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.corrections.credentials import read_login
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.stand_in.caster import Caster, Dialect
 
+_INTERVAL = 1.0
+"""between two epochs, s of the machine's time"""
 _DIALECTS = {1: Dialect.V1, 2: Dialect.V2_CHUNKED}
 
 
-def is_here(settings: CorrectionsSettings) -> bool:
-    """Return whether the caster is looked for on this computer's own loopback."""
-    try:
-        return ipaddress.ip_address(settings.host).is_loopback
-    except ValueError:
-        return settings.host == "localhost"
-
-
-def stand_in_caster(settings: CorrectionsSettings) -> Caster:
+def stand_in_caster(settings: CorrectionsSettings, pace: int) -> Caster:
     """Return the caster, which listens: it asks for the configured login, and for a position before it sends.
 
     Raises:
@@ -28,6 +20,7 @@ def stand_in_caster(settings: CorrectionsSettings) -> Caster:
     if settings.tls:
         raise HardwareError("the stand-in's caster has no certificate; set devices.corrections.tls=false")
     caster = Caster(
+        interval=_INTERVAL / pace,
         mount=settings.mount,
         login=read_login(settings.credentials).text,
         dialect=_DIALECTS[settings.version],

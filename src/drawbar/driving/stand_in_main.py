@@ -1,4 +1,4 @@
-"""The stand-in as a program: the simulated machine behind real sockets, in real time.
+"""The stand-in as a program: the simulated machine behind real sockets, in real time or faster.
 
 `python -m drawbar.driving.stand_in_main`, its orders on standard input. It serves what the configuration's `devices`
 name: a receiver at `tcp://` listens there, one at `udp://` is sent to; a board answers at its address, and so does a
@@ -6,10 +6,8 @@ caster whose address is this computer's.
 """
 
 import math
-import select
 import socket
 import sys
-import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from urllib.parse import urlsplit
@@ -18,9 +16,10 @@ from drawbar.config import Configuration, load_configuration
 from drawbar.driving.ending import Ending, told
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import DRIVER, Orders
+from drawbar.driving.pace import lamp_of
 from drawbar.driving.place import local_frame
-from drawbar.driving.stand_in_caster import is_here, stand_in_caster
-from drawbar.driving.stand_ins import Firmware, stand_in_machine
+from drawbar.driving.stand_in_caster import stand_in_caster
+from drawbar.driving.stand_ins import SEED, Firmware, stand_in_machine
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.receiver import CAN
@@ -33,11 +32,15 @@ from drawbar.message_records import decode
 from drawbar.messages import GateState, SupervisorState
 from drawbar.protocols.agopengps.steer_board import SET_POINT
 from drawbar.protocols.rtcm import RtcmFramer
+from drawbar.realtime import schedule_first
 from drawbar.safety.causes import Cause
 from drawbar.simulation import build_path
+from drawbar.transports.address import is_loopback
 from drawbar.transports.can_listener import unpacked
 from drawbar.transports.open import open_can
 
+_PRIORITY = 30
+"""of its scheduling, below gate and controller: real devices do not wait for this computer's other programs"""
 _GONE = 1.0
 """without a word of who commands the steerings, s"""
 
@@ -56,20 +59,13 @@ class DataLine:
             raise HardwareError(f"a stand-in cannot be at {address}; give tcp://HOST:PORT or udp://HOST:PORT")
         self._place = (parts.hostname or "127.0.0.1", parts.port)
         self._peers: list[socket.socket] = []
-        kind = socket.SOCK_STREAM if parts.scheme == "tcp" else socket.SOCK_DGRAM
-        self._socket = socket.socket(socket.AF_INET, kind)
-        self._socket.setblocking(False)
         self._listens = parts.scheme == "tcp"
         if self._listens:
-            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            try:
-                self._socket.bind(self._place)
-            except OSError as error:
-                self._socket.close()
-                raise HardwareError(
-                    f"the stand-in cannot listen at {address} ({error.strerror}); end the program that does"
-                ) from None
+            self._socket = _bound(socket.SOCK_STREAM, self._place, address)
             self._socket.listen()
+        else:
+            self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self._socket.setblocking(False)
 
     def send(self, data: bytes) -> None:
         """Send to whoever is there."""
@@ -114,16 +110,8 @@ class BoardLine:
         Raises:
             HardwareError: the port is taken.
         """
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
+        self._socket = _bound(socket.SOCK_DGRAM, settings.destination, settings.address)
         self._computer: tuple[str, int] | None = None
-        try:
-            self._socket.bind(settings.destination)
-        except OSError as error:
-            self._socket.close()
-            raise HardwareError(
-                f"the stand-in board cannot listen at {settings.address} ({error.strerror}); end the program that does"
-            ) from None
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""
@@ -172,6 +160,26 @@ class CanLine:
         self._bus.close()
 
 
+def _bound(kind: socket.SocketKind, place: tuple[str, int], address: str) -> socket.socket:
+    """Return a socket at a place, which the configuration calls so.
+
+    Raises:
+        HardwareError: the port is taken, or the address is not this computer's.
+    """
+    bound = socket.socket(socket.AF_INET, kind)
+    bound.setblocking(False)
+    try:
+        if kind is socket.SOCK_STREAM:
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # after a stand-in that ended just now
+        bound.bind(place)
+    except OSError as error:
+        bound.close()
+        raise HardwareError(
+            f"the stand-in cannot be at {address} ({error.strerror}); end the program that is there"
+        ) from None
+    return bound
+
+
 def _line(address: str) -> DataLine | CanLine:
     return CanLine(address) if address.startswith(CAN) else DataLine(address)
 
@@ -179,7 +187,7 @@ def _line(address: str) -> DataLine | CanLine:
 class StandIns:
     """All stand-in devices of a configuration behind their sockets."""
 
-    def __init__(self, configuration: Configuration, machine: StandInMachine) -> None:
+    def __init__(self, configuration: Configuration, machine: StandInMachine, pace: int) -> None:
         """Open the sockets.
 
         Raises:
@@ -197,7 +205,7 @@ class StandIns:
         self._corrected: dict[str, tuple[DataLine, RtcmFramer]] = {}
         self._caster: Caster | None = None
         if devices.corrections is not None:
-            self._correct(devices.corrections)
+            self._correct(devices.corrections, pace)
         self._valve = DataLine(devices.bare_valve.transport) if devices.bare_valve else None
         if self._valve is not None:
             self._lines[BARE_VALVE] = self._valve
@@ -208,15 +216,15 @@ class StandIns:
         valves = self._machine.can.valves.values() if self._machine.can else ()
         return min([*self._commanded.values(), *(valve.heard for valve in valves)])
 
-    def _correct(self, settings: CorrectionsSettings) -> None:
+    def _correct(self, settings: CorrectionsSettings, pace: int) -> None:
         """Let the receivers that can be sent corrections need them, and be the caster where it is to be here."""
         for body in BODIES:
             line = self._lines[body]
             if isinstance(line, DataLine) and line.is_heard:
                 self._corrected[body] = (line, RtcmFramer())
                 self._machine.corrected[body] = -math.inf
-        if is_here(settings):
-            self._caster = stand_in_caster(settings)
+        if is_loopback(settings.host):
+            self._caster = stand_in_caster(settings, pace)
 
     def advance(self, now: float) -> None:
         """Do everything up to a time, s since the start."""
@@ -259,6 +267,19 @@ def _tell(driver: Driver, state: GateState) -> None:
         driver.begin_again()
 
 
+def _lamp(orders: Orders, configuration: Configuration) -> Mailbox:
+    """Open what the driver is told by, where the drive looks for it.
+
+    Raises:
+        HardwareError: another stand-in of these devices runs.
+    """
+    assert configuration.devices is not None
+    try:
+        return Mailbox(orders.socket(DRIVER) if orders.stand_ins else lamp_of(configuration.devices, orders.pace))
+    except OSError as error:
+        raise HardwareError(f"another stand-in of these devices runs ({error.strerror}); end it") from None
+
+
 def main() -> int:
     """Be the machine of the orders on standard input."""
     return serve(Orders.model_validate_json(sys.stdin.read()))
@@ -283,32 +304,32 @@ def serve(
     """
     configuration = load_configuration(orders.configuration)
     path, _ = build_path(configuration)
-    start, isobus = time.monotonic(), configuration.devices.isobus if configuration.devices else None
-    bus = open_can(isobus.bus, lambda: time.monotonic() - start) if isobus else None
-    machine = stand_in_machine(configuration, path, local_frame(configuration), 0, bus, firmware)
+    clock, isobus = orders.clock.from_now(), configuration.devices.isobus if configuration.devices else None
+    bus = open_can(isobus.bus, clock) if isobus else None
+    machine = stand_in_machine(configuration, path, local_frame(configuration), SEED, bus, firmware)
     machine.driver.wait = Driver.WAIT if orders.stand_ins else Driver.WAIT_UNTOLD
     plan = FaultPlan(faults, machine)
-    lamp, ending, seen = Mailbox(orders.socket(DRIVER)), Ending(), -math.inf
+    ending, seen = Ending(), -math.inf
     try:
-        stand_ins = StandIns(configuration, machine)
+        lamp = _lamp(orders, configuration)
+        stand_ins = StandIns(configuration, machine, orders.pace)
     except HardwareError as error:
         print(f"stand-in: {error}", file=sys.stderr)
         return 2
+    schedule_first(_PRIORITY)
     while not ending.asked:
         for data in lamp.receive():
             state = decode(data, GateState)
             if isinstance(state, GateState):
                 _tell(machine.driver, state)
-                seen = time.monotonic() - start
-        now = time.monotonic() - start
+                seen = clock()
+        now = clock()
         machine.driver.attend(now, attended=now - max(seen, stand_ins.commanded) < _GONE)
         stand_ins.advance(now)
         for words in plan.look():
             tell(words)
-        wait = machine.next_time - (time.monotonic() - start)
-        select.select(
-            [lamp.fileno(), *(line.fileno() for line in stand_ins.boards.values())], [], [], min(max(wait, 0.0), 0.05)
-        )
+        descriptors = [lamp.fileno(), *(line.fileno() for line in stand_ins.boards.values())]
+        clock.wait(descriptors, min(machine.next_time - clock(), 0.05))
     for each in (stand_ins, lamp, bus):
         if each is not None:
             each.close()

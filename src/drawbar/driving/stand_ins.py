@@ -22,6 +22,9 @@ from drawbar.machine.stand_in.world import TICK, World
 from drawbar.simulation import build_machine
 from drawbar.transports.base import CanBus
 
+SEED = 0
+"""of stand-ins that are programs"""
+
 
 class Firmware(Enum):
     """Of the steer boards that are stood in for."""

@@ -37,6 +37,7 @@ from drawbar.recording.recorder import JSON, Recorder, step_schema
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
 from drawbar.signals import Status, StepRecord
+from drawbar.transports.clock import MachineClock
 
 _STATES = 1000
 """of the gate that are known by their sequence"""
@@ -46,12 +47,22 @@ _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel
 
 
 class DriveLog(Recorder):
-    """The log of a drive as a context; all times are monotonic, ns, and come out as times of the computer's clock."""
+    """The log of a drive as a context; all times are monotonic, ns, and come out as times of the computer's clock.
+
+    Those of a stand-in that is faster than real time come out as if it had begun at the same time, and were not.
+    """
 
     LEVEL = 19
-    """a drive has time: a fifth less than at level 1, for 10 ms of each step in a process of its own"""
+    """a drive in real time has time: a fifth less than at level 1, for 10 ms of each step in a process of its own"""
 
-    def __init__(self, file: Path, header: RunHeader, scene: Scene, live: Live | None = None) -> None:
+    def __init__(
+        self,
+        file: Path,
+        header: RunHeader,
+        scene: Scene,
+        live: Live | None = None,
+        clock: MachineClock = MachineClock(),  # noqa: B008 (frozen)
+    ) -> None:
         """Create the file, and draw what does not change.
 
         Args:
@@ -59,12 +70,15 @@ class DriveLog(Recorder):
             header: of the run.
             scene: to be drawn.
             live: where all of it is shown at once too.
+            clock: of the drive.
 
         Raises:
             DrawbarError: the file cannot be created.
         """
+        if clock.pace != 1:
+            self.LEVEL = Recorder.LEVEL
         super().__init__(file, header)
-        self._scene, self._live, self._offset = scene, live, time.time_ns() - time.monotonic_ns()
+        self._scene, self._live, self._offset = scene, live, time.time_ns() - clock.nanoseconds()
         self._states: deque[int] = deque(maxlen=_STATES)
         self._pieces: list[RawBytes] = []
         self._happenings: list[Happening] = []

@@ -4,11 +4,8 @@ It alone owns the actuators. Before it ends, for whatever reason but a SIGKILL, 
 """
 
 import math
-import select
 import signal
-import time as clock
 import traceback
-from collections.abc import Callable
 from types import FrameType
 
 from drawbar.messages import SupervisorState, seconds
@@ -17,6 +14,7 @@ from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.realtime import Notifier, prepare, say
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
+from drawbar.transports.clock import MachineClock
 
 ENDED, GONE, FAILED = 0, 3, 4
 """exit codes: told to end; the controller's process has ended; the gate's own program failed"""
@@ -24,12 +22,7 @@ ASK_AGAIN = 0.01
 """between two looks at a device that cannot be waited on, s"""
 
 
-def monotonic() -> float:
-    """Return the machine's monotonic time, s, rounded as times of records are."""
-    return seconds(clock.monotonic_ns())
-
-
-def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = monotonic) -> int:
+def run(gate: Gate, settings: SafetySettings, clock: MachineClock) -> int:
     """Run the gate in this process, to which nothing else may be entrusted; return the exit code.
 
     SIGTERM and SIGINT end it. Before it returns, the actuators have been told for `timing.off` seconds to let go, and
@@ -45,10 +38,10 @@ def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = mono
         signal.signal(number, end)
     notifier = Notifier()
     try:
-        return _loop(gate, settings, notifier, now)
+        return _loop(gate, settings, notifier, clock)
     except Exception:
         say(traceback.format_exc())
-        _let_go(gate, settings, now)
+        _let_go(gate, settings, clock)
         return FAILED
     finally:
         notifier.tell("STOPPING=1")
@@ -56,11 +49,11 @@ def run(gate: Gate, settings: SafetySettings, *, now: Callable[[], float] = mono
         gate.wires.close()
 
 
-def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, now: Callable[[], float]) -> int:
+def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, clock: MachineClock) -> int:
     """Tick at the gate's pace, counted from the last tick; one that was missed is never caught up in a burst."""
-    period, due, over, told = settings.timing.tick, now(), math.inf, SupervisorState.BOOT
+    period, due, over, told = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
     while True:
-        time = now()
+        time = clock()
         if gate.hear(time) or time >= due:
             gate.tick(time, max(time - due, 0.0))
             notifier.feed(time)
@@ -71,7 +64,7 @@ def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, now: Callabl
             over = min(over, time + settings.timing.off)
         if time >= over:
             return ENDED if gate.watch.troubles.ended else GONE
-        _wait(gate, time, min(due, over))
+        _wait(gate, clock, time, min(due, over))
 
 
 def _announce(notifier: Notifier, told: SupervisorState, state: SupervisorState) -> SupervisorState:
@@ -82,7 +75,7 @@ def _announce(notifier: Notifier, told: SupervisorState, state: SupervisorState)
     return state
 
 
-def _wait(gate: Gate, now: float, until: float) -> None:
+def _wait(gate: Gate, clock: MachineClock, now: float, until: float) -> None:
     """Wait for something to hear, at most until a time, s, or until the last command expires."""
     descriptors = [*gate.wires.descriptors(), gate.channel.fileno()]
     if not gate.controller.gone:
@@ -91,14 +84,14 @@ def _wait(gate: Gate, now: float, until: float) -> None:
         until = min(until, seconds(gate.watch.command.valid_until) + 1e-6)
     if min(descriptors) < 0:
         until = min(until, now + ASK_AGAIN)
-    select.select([each for each in descriptors if each >= 0], [], [], max(until - now, 0.0))
+    clock.wait([each for each in descriptors if each >= 0], until - now)
 
 
-def _let_go(gate: Gate, settings: SafetySettings, now: Callable[[], float]) -> None:
+def _let_go(gate: Gate, settings: SafetySettings, clock: MachineClock) -> None:
     """Tell the actuators to let go, after the gate's own program has failed: nothing of it is asked any more."""
     off = SteeringRequest(steer=False, angle=0.0, speed=0.0)
     stop = SpeedRequest(drive=False, speed=0.0, deceleration=settings.drive.emergency_deceleration)
-    end = now() + settings.timing.off
-    while now() < end:
-        gate.wires.send(now(), (off, off), stop)
-        clock.sleep(settings.timing.tick)
+    end = clock() + settings.timing.off
+    while clock() < end:
+        gate.wires.send(clock(), (off, off), stop)
+        clock.wait((), settings.timing.tick)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from ipaddress import IPv4Address
+from ipaddress import IPv4Address, ip_address
 from typing import Annotated
 from urllib.parse import parse_qsl
 
@@ -108,6 +108,29 @@ def parse_can(text: str) -> CanAddress:
         return _bus(interface, channel)
     except _RefusedError as reason:
         raise ConfigurationError(f"CAN bus {text!r}: {reason}; give {BUSES}") from None
+
+
+def stays_here(text: str) -> bool:
+    """Return whether what goes to an address of a transport or a CAN bus cannot leave this computer.
+
+    Raises ConfigurationError where the address is none.
+    """
+    if text.startswith("can:"):
+        bus = parse_can(text)
+        virtual = bus.interface == "socketcan" and bus.channel.startswith("vcan")
+        return bus.interface in ("udp_multicast", "virtual") or virtual  # the hop limit of multicast is 0
+    address = parse_transport(text)
+    if isinstance(address, UdpAddress):
+        return is_loopback(address.peer[0] if address.peer else address.host)
+    return isinstance(address, TcpAddress) and is_loopback(address.host)
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether a host is this computer, by an address that nothing outside of it has."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def _checked_by(parse: Callable[[str], object]) -> AfterValidator:

@@ -1,0 +1,223 @@
+"""Paced drives: how far drives in processes, each at a pace, are from the same one in a single process.
+
+`python -m drawbar.driving.paced_drives [PACE ...] [--path FILE --track NAME]`: without a pace at 1, 2, 5 and 10. The
+sensors are exact, so that a body's distance from the line is what the receivers measure. At a pace the processes'
+results are needed so many times sooner: delays and late steps say whether this computer is fast enough.
+"""
+
+import argparse
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from drawbar.config import Configuration, load_configuration
+from drawbar.driving.crew import CONFIGURATION_NAME, Crew
+from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.rehearsal import Rehearsal
+from drawbar.driving.stand_ins import SEED
+from drawbar.geometry import Floats
+from drawbar.guidance.path import Path as Line
+from drawbar.messages import CommandMessage, ControllerState, Fixes, Mode, SupervisorState
+from drawbar.recording.drive_records import open_drive
+from drawbar.recording.log import LOG_NAME
+from drawbar.signals import Flag, StepRecord
+from drawbar.simulation import build_path
+
+EXACT = (
+    "machine.sensors.position=0.0",
+    "machine.sensors.hitch_angle=0.0",
+    "machine.sensors.speed=0.0",
+    f"machine.sensors.steering_resolution={math.radians(1.0 / 30.0)}",  # of the boards: 30 counts per degree
+    *(f"machine.ground.{each}_slip.deviation=0.0" for each in ("longitudinal", "tractor")),
+    *(f"machine.ground.{each}_crab.deviation=0.0" for each in ("tractor", "trailer")),
+)
+"""changes of a configuration after which nothing is drawn: by each engagement, and in `drawbar run`, which draws at each
+step and not at each tick, one seed would be another weather"""
+PROMPT = 0.05
+"""delay of a command up to which a drive is compared, of the drive's time, s"""
+SETTLING = 50
+"""steps from the place where it was engaged onto the line"""
+_LONGEST = 400.0
+"""of a drive, s of its own"""
+_NEAR = 5.0
+"""along the line, within which a body is looked for, m"""
+_ENDED = (SupervisorState.STOPPED, SupervisorState.FAULT, SupervisorState.OVERRIDE, SupervisorState.ESTOP)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Driven:
+    """A drive, from where it has settled on the line."""
+
+    progress: Floats
+    """of the tractor along the line at each step, m"""
+    errors: Floats
+    """(n, 2) of both bodies' receivers from the line, left positive, m"""
+    late: int = 0
+    """steps that were late, since the start"""
+    delays: Sequence[float] = ()
+    """from a sample's first byte to its command while it steered, of the drive's time, s"""
+    load: float = 0.0
+    """of one core, by all processes"""
+    states: Sequence[SupervisorState] = ()
+    """that were told, each once in a row"""
+
+    @property
+    def delay(self) -> float:
+        """The delay that 99 of 100 commands do not exceed, s; infinite: there was none."""
+        return float(np.percentile(self.delays, 99)) if self.delays else math.inf
+
+    @property
+    def held(self) -> bool:
+        """Whether the computer was fast enough: nothing worried the gate, and commands were in time."""
+        worries = (SupervisorState.DEGRADED, SupervisorState.FAULT)
+        return bool(len(self.errors)) and self.delay <= PROMPT and not any(each in worries for each in self.states)
+
+
+def rehearse(configuration: Configuration, seconds: float = _LONGEST) -> Driven:
+    """Return a drive in one process, by a clock of its own, with the seed of stand-ins; seconds: longest time."""
+    line, _ = build_path(configuration)
+    safety = with_stand_ins(configuration).safety  # no wiggle test
+    rehearsal, steps = Rehearsal(configuration, line, SEED, safety), []
+    for record, _ in rehearsal.run(seconds):
+        steps.append(record)
+        if rehearsal.gate_state is not None and rehearsal.gate_state.state in _ENDED[:-1]:
+            break
+    progress, errors = _errors(steps, line)
+    return Driven(progress=progress, errors=errors)
+
+
+def drive(configuration: Configuration, run: Path, pace: int, seconds: float = _LONGEST) -> Driven:
+    """Return a drive in processes, over sockets, on stand-ins.
+
+    Args:
+        configuration: without devices.
+        run: folder of its log.
+        pace: of all processes.
+        seconds: longest time, of the drive's own.
+    """
+    whole = with_stand_ins(configuration)
+    (run / CONFIGURATION_NAME).write_text(whole.to_toml(), "utf-8")
+    states: list[SupervisorState] = []
+    with Crew(whole, run, stand_ins=True, pace=pace) as crew:
+        front, clock = FrontEnd(crew, demonstrates=True), crew.orders.clock.from_now()
+        used = -_processor_time(crew)
+        while clock() < seconds and not front.is_over and not crew.ended():
+            front.wait(0.05)
+            if front.state is not None and front.state.state not in states[-1:]:
+                states.append(front.state.state)
+        used, lasted = used + _processor_time(crew), clock() / pace
+        front.close()
+    steps, delays, late = _read(run / LOG_NAME)
+    progress, errors = _errors(steps, build_path(configuration)[0])
+    return Driven(progress=progress, errors=errors, late=late, delays=delays, load=used / lasted, states=states)
+
+
+def _errors(steps: Iterable[StepRecord], line: Line) -> tuple[Floats, Floats]:
+    """Return along and across the line where the receivers were in the steps that steered, but the first ones."""
+    rows, near = [], [0.0, 0.0]
+    for record in steps:
+        if record.flags & Flag.RELEASED or not record.status.is_new_command:
+            continue
+        seen, row = record.measurement, []
+        for body, (x, y) in enumerate(((seen.tractor_x, seen.tractor_y), (seen.trailer_x, seen.trailer_y))):
+            if not math.isfinite(x + y):
+                row += [math.nan, math.nan]
+                continue
+            near[body], error = line.project(x, y, near[body] - _NEAR, near[body] + _NEAR)
+            row += [near[body], error]
+        rows.append(row)
+    found = np.array(rows[SETTLING:]).reshape(-1, 4)
+    found = found[np.isfinite(found).all(axis=1)]
+    return found[:, 0], found[:, [1, 3]]
+
+
+def _read(log: Path) -> tuple[list[StepRecord], list[float], int]:
+    """Return what a log holds of steps, of their commands' delays (s), and of late steps."""
+    steps, late = list[StepRecord](), 0
+    epochs, commands, begin = list[tuple[int, int]](), list[int](), math.inf
+    with open_drive(log) as records:
+        for record in records:
+            if isinstance(record, Fixes):
+                epochs.append((record.time, record.first_byte))
+            elif isinstance(record, CommandMessage):
+                commands.append(record.time)
+                begin = min(begin, record.time) if record.mode is Mode.DRIVE else begin
+            elif isinstance(record, ControllerState):
+                late = max(late, record.overruns)
+            elif isinstance(record, StepRecord):
+                steps.append(record)
+    left = np.sort(np.array(commands, dtype=float))
+    complete, first = np.array(sorted(each for each in epochs if each[0] >= begin), dtype=float).reshape(-1, 2).T
+    found = left.searchsorted(complete)
+    answered = found < len(left)
+    return steps, (1e-9 * (left[found[answered]] - first[answered])).tolist(), late
+
+
+def _processor_time(crew: Crew) -> float:
+    """Return what all processes of a drive have used of the processor, s."""
+    used = 0
+    for process in crew.processes.values():
+        fields = Path(f"/proc/{process.pid}/stat").read_text("utf-8").rpartition(")")[2].split()
+        used += int(fields[11]) + int(fields[12])
+    return used / os.sysconf("SC_CLK_TCK")
+
+
+def differences(one: Driven, other: Driven) -> tuple[float, float, float]:
+    """Return by how much two drives differ: mean and largest distance from the line, and at single places, m."""
+    low = max(each.progress[0] for each in (one, other))
+    high = min(each.progress[-1] for each in (one, other))
+    inside = [(each.progress >= low) & (each.progress <= high) for each in (one, other)]
+    sizes = [np.abs(each.errors[where]) for each, where in zip((one, other), inside, strict=True)]
+    mean = np.abs(sizes[0].mean(axis=0) - sizes[1].mean(axis=0)).max()
+    largest = np.abs(sizes[0].max(axis=0) - sizes[1].max(axis=0)).max()
+    places = [np.interp(one.progress[inside[0]], other.progress, other.errors[:, body]) for body in range(2)]
+    apart = np.abs(one.errors[inside[0]] - np.stack(places, axis=1)).max()
+    return float(mean), float(largest), float(apart)
+
+
+def main() -> int:
+    """Drive and print."""
+    parser = argparse.ArgumentParser(prog="python -m drawbar.driving.paced_drives")
+    parser.add_argument("paces", metavar="PACE", type=int, nargs="*", default=[1, 2, 5, 10])
+    parser.add_argument("--path", metavar="FILE", help="of a recorded line; default: a figure-eight")
+    parser.add_argument("--track", metavar="NAME", default="", help="of the line, where the file holds several")
+    given = parser.parse_args()
+    recorded = [f"path.file={given.path}", f"path.track={given.track}"]
+    configuration = load_configuration("articulated", [*(recorded if given.path else ["path.radii=[8.0]"]), *EXACT])
+    alone = rehearse(configuration)
+    table = Table(title="drives in processes beside the same in one process")
+    columns = ("pace", "steps", "late", "delay", "of a core", "mean", "largest", "anywhere", "held")
+    for column in columns:
+        table.add_column(column, justify="right")
+    for pace in given.paces:
+        with tempfile.TemporaryDirectory(prefix="drawbar-paced-") as folder:
+            table.add_row(*_row(drive(configuration, Path(folder), pace), pace, alone))
+    terminal = Console()
+    terminal.print(table)
+    load = " ".join(f"{each:.1f}" for each in os.getloadavg())
+    terminal.print(f"differences in mm; delay: ms, of 99 of 100 commands; load of this computer: {load}")
+    return 0
+
+
+def _row(driven: Driven, pace: int, alone: Driven) -> list[str]:
+    apart = differences(driven, alone) if len(driven.errors) else (math.nan,) * 3
+    return [
+        *map(str, (pace, len(driven.errors), driven.late)),
+        f"{1e3 * driven.delay:.0f}",
+        f"{100.0 * driven.load:.0f} %",
+        *(f"{1e3 * each:.1f}" for each in apart),
+        "yes" if driven.held else f"no: {driven.states[-1].name}",
+    ]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,88 @@
+"""Who may be driven faster than real time: a stand-in on this computer, at the pace that it shows."""
+
+import sys
+from types import SimpleNamespace
+
+import pytest
+from isobus_devices import isobus_devices
+from pydantic import ValidationError
+
+from drawbar.config import load_configuration
+from drawbar.driving.crew import gate_orders
+from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.pace import demand_stand_in, lamp_of, refuse_elsewhere, shown_pace
+from drawbar.errors import ConfigurationError, HardwareError
+from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
+REAL = {
+    "tractor_receiver": ReceiverSettings(transport="serial:/dev/ttyACM0@460800"),
+    "trailer_receiver": ReceiverSettings(transport="tcp://192.168.3.1:28784"),
+    "tractor_board": SteerBoardSettings(address="192.168.5.126", max_angle=0.5),
+    "corrections": CorrectionsSettings(host="rtk.example.org", mount="VRS"),
+}
+
+
+@pytest.fixture
+def devices():
+    return with_stand_ins(load_configuration("articulated")).devices
+
+
+def test_devices_on_this_computer_may_be_faster(devices):
+    refuse_elsewhere(devices, 10)
+    here = isobus_devices("can:udp_multicast:239.74.163.2:43113", "can:socketcan:vcan0")
+    refuse_elsewhere(here, 10)
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_a_device_that_may_be_a_real_one_is_driven_in_real_time_only(devices, name):
+    machine = devices.model_copy(update={name: REAL[name]})
+    refuse_elsewhere(machine, 1)
+    with pytest.raises(ConfigurationError, match=f"--pace 2 is for stand-ins.*: devices.{name}; leave out --pace"):
+        refuse_elsewhere(machine, 2)
+
+
+@pytest.mark.parametrize("bus", ["can:socketcan:can0", "can:slcan:/dev/ttyACM0@115200"])
+def test_a_can_bus_with_wires_is_driven_in_real_time_only(bus):
+    with pytest.raises(ConfigurationError, match=r"devices.isobus"):
+        refuse_elsewhere(isobus_devices(bus), 2)
+
+
+def test_corrections_that_are_passed_on_to_a_board_are_somewhere_else(devices):
+    onward = CorrectionsSettings(host="127.0.0.1", mount="VRS", forward=["udp://0.0.0.0:0?peer=192.168.5.126:2233"])
+    with pytest.raises(ConfigurationError, match=r"devices.corrections"):
+        refuse_elsewhere(devices.model_copy(update={"corrections": onward}), 2)
+
+
+def test_the_gate_refuses_by_itself_to_be_faster_than_a_machine(devices):
+    configuration = load_configuration("articulated").model_copy(update={"devices": devices})
+    assert gate_orders(configuration, "", 0, 10).clock.pace == 10
+    for change in ({"tractor_board": REAL["tractor_board"]}, {"isobus": isobus_devices("can:socketcan:can0").isobus}):
+        machine = SimpleNamespace(
+            devices=devices.model_copy(update=change), vehicle=configuration.vehicle, safety=configuration.safety
+        )
+        assert gate_orders(machine, "", 0).clock.pace == 1
+        with pytest.raises(ValidationError, match="driven at pace 1, not 10"):
+            gate_orders(machine, "", 0, 10)
+
+
+def test_a_drive_is_as_fast_as_the_stand_in(devices):
+    assert shown_pace(devices) is None
+    demand_stand_in(devices, 1)
+    with pytest.raises(HardwareError, match="none runs at the devices of this configuration; start `drawbar stand-in"):
+        demand_stand_in(devices, 10)
+    lamp = Mailbox(lamp_of(devices, 10))
+    try:
+        assert shown_pace(devices) == 10
+        demand_stand_in(devices, 10)
+        for pace in (1, 5):
+            with pytest.raises(HardwareError, match=f"runs at --pace 10, not {pace}; give the same to both"):
+                demand_stand_in(devices, pace)
+        other = devices.model_copy(update={"sensors": None})
+        assert shown_pace(other) is None, "a stand-in of other devices is another one"
+    finally:
+        lamp.close()
+    assert shown_pace(devices) is None

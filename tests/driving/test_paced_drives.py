@@ -1,0 +1,39 @@
+"""Drives in processes, faster than real time, keep to the line as the same drive in one process does."""
+
+import sys
+from pathlib import Path
+
+import pytest
+from patience import PATIENT
+
+from drawbar.config import load_configuration
+from drawbar.driving.paced_drives import EXACT, differences, drive, rehearse
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
+FIELD = Path(__file__).parents[2] / "examples" / "field"
+LINES = {
+    "figure-eight": ["path.radii=[8.0]"],
+    "recorded line": [f"path.file={FIELD}", "path.track=Cu 14.1°"],
+}
+PACES = (10, 5, 3, 2, 1)
+"""tried one after the other, until this computer, which has other tests to run, is fast enough"""
+SECONDS = 75.0
+"""of the drive, which is engaged after 35"""
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_errors_are_those_of_one_process(line, tmp_path):
+    configuration = load_configuration("articulated", [*LINES[line], *EXACT, *PATIENT])
+    alone = rehearse(configuration, SECONDS)
+    assert len(alone.errors) > 50
+    for pace in PACES:
+        (tmp_path / str(pace)).mkdir()
+        driven = drive(configuration, tmp_path / str(pace), pace, SECONDS)
+        print(f"pace {pace}: {driven.delay:.3f} s, {driven.late} late, {[each.name for each in driven.states]}")
+        if driven.held:
+            break
+    assert driven.held, "too busy even for real time"
+    assert len(driven.errors) > 50
+    mean, largest, _ = differences(driven, alone)
+    assert mean < 0.001
+    assert largest < 0.003
