@@ -40,8 +40,8 @@ EXACT = (
     *(f"machine.ground.{each}_slip.deviation=0.0" for each in ("longitudinal", "tractor")),
     *(f"machine.ground.{each}_crab.deviation=0.0" for each in ("tractor", "trailer")),
 )
-"""changes of a configuration after which nothing is drawn: by each engagement, and in `drawbar run`, which draws at each
-step and not at each tick, one seed would be another weather"""
+"""changes of a configuration after which nothing is drawn: by each engagement, and in `drawbar run`, which draws at
+steps and not at ticks, one seed would be another weather"""
 PROMPT = 0.05
 """delay of a command up to which a drive is compared, of the drive's time, s"""
 SETTLING = 50
