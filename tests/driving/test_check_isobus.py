@@ -20,7 +20,7 @@ class Yard:
         self.machine = CanMachine(MemoryBus(ends, lambda: self.now), self.settings, takes_speed=True)
         near = MemoryBus(ends, lambda: self.now)
         monkeypatch.setattr(check, "isobus_wire", lambda settings, limit: isobus_wire(settings, limit, near))
-        monkeypatch.setattr(check, "_looks", self._looks)
+        monkeypatch.setattr(check, "looks", self._looks)
         self.on = True
 
     def _looks(self, seconds):

@@ -25,7 +25,7 @@ def facts_of(monkeypatch, **changes):
         told = Report(time=time, latitude=50.0, longitude=4.0, height=0.0, **{k: v(step) for k, v in changes.items()})
         line.arrive(10.0 + 0.2 * step, nmea.gga(told) + nmea.panda(told))
     monkeypatch.setattr(check, "open_transport", lambda _: line)
-    monkeypatch.setattr(check, "_looks", lambda _: iter([10.0, 11.0]))
+    monkeypatch.setattr(check, "looks", lambda _: iter([10.0, 11.0]))
     settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
     return check._receiver("tractor receiver", settings, frame, 1.0, None).facts
 
@@ -55,7 +55,7 @@ def test_a_bare_valves_board_is_listened_to_and_told_nothing(monkeypatch, senten
     line = MemoryTransport()
     line.arrive(10.0, sentence)
     monkeypatch.setattr(check, "open_transport", lambda _: line)
-    monkeypatch.setattr(check, "_looks", lambda _: iter([10.0]))
+    monkeypatch.setattr(check, "looks", lambda _: iter([10.0]))
     monkeypatch.setattr(line, "write", lambda data: pytest.fail("it was told something"))
     settings = BareValveSettings(transport="file:memory", counts=HITCH_COUNTS, angles=HITCH_ANGLES)
     finding = check._bare_valve(settings, 1.0)

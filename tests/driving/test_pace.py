@@ -1,5 +1,6 @@
 """Who may be driven faster than real time: a stand-in on this computer, at the pace that it shows."""
 
+import subprocess
 import sys
 from types import SimpleNamespace
 
@@ -67,6 +68,38 @@ def test_the_gate_refuses_by_itself_to_be_faster_than_a_machine(devices):
         assert gate_orders(machine, "", 0).clock.pace == 1
         with pytest.raises(ValidationError, match="driven at pace 1, not 10"):
             gate_orders(machine, "", 0, 10)
+
+
+@pytest.mark.parametrize(
+    ("command", "changes", "words"),
+    [
+        ("drive", {"tractor_receiver": REAL["tractor_receiver"]}, "may be real ones: devices.tractor_receiver"),
+        ("drive", {}, "none runs at the devices of this configuration"),
+        ("stand-in", {"tractor_board": REAL["tractor_board"]}, "may be real ones: devices.tractor_board"),
+    ],
+)
+def test_a_machine_that_may_be_real_is_refused(devices, tmp_path, command, changes, words):
+    configuration = load_configuration("articulated").model_copy(update={"devices": devices.model_copy(update=changes)})
+    (tmp_path / "machine.toml").write_text(configuration.to_toml(), "utf-8")
+    assert words in refused(tmp_path, command, "machine.toml", "--pace", "2")
+
+
+def test_the_console_shows_drives_in_real_time_only(tmp_path):
+    assert "leave out --pace 2, or --console" in refused(tmp_path, "drive", "--pace", "2", "--console")
+
+
+@pytest.mark.parametrize("pace", ["0", "11", "1.5"])
+def test_a_pace_beyond_its_range_is_refused(tmp_path, pace):
+    assert "'--pace'" in refused(tmp_path, "drive", "--pace", pace)
+
+
+def refused(folder, *arguments):
+    """Let drawbar refuse a command that leaves nothing; return what it says."""
+    command = [sys.executable, "-m", "drawbar", *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300.0, check=False)
+    assert done.returncode, done.stdout
+    assert not (folder / "runs").exists()
+    return " ".join((done.stdout + done.stderr).split())
 
 
 def test_a_drive_is_as_fast_as_the_stand_in(devices):

@@ -44,7 +44,7 @@ def calibrate(
         raise SystemExit(1)
     _write(configuration, found, source)
     if any(".memory." in key for each in found for key in each.sets):
-        console.print("the boards do not know it yet: enter their numbers by AgOpenGPS, or what else sets them up")
+        console.print("the boards do not know it yet: write it to them by drawbar check --store, or by AgOpenGPS")
 
 
 def _in_log(log: FilePath) -> "list[Found]":

@@ -9,7 +9,11 @@ import typer
 from drawbar.cli.options import ConfigurationName, Pace, agreed, console
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from drawbar.config import Configuration
+    from drawbar.driving.check import Finding
+    from drawbar.machine.hardware.devices import DeviceSettings
 
 Changes = Annotated[
     list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. speed=0.8")
@@ -23,30 +27,54 @@ def check(
     wiggle: Annotated[
         bool, typer.Option("--wiggle", help="then move each steering by 2° to both sides; asks twice before")
     ] = False,
+    store: Annotated[
+        bool,
+        typer.Option("--store", help="before, write [devices.*_board.memory] to AgOpenGPS boards; asks twice before"),
+    ] = False,
 ) -> None:
     """Listen to every device that the configuration names, and say what is missing. Without --wiggle nothing is moved.
 
     The wiggle test tries sign, range and delay of both steerings while the vehicle rolls straight ahead; without it
     `drawbar drive` does not engage. It holds until the computer restarts, for 12 hours at most.
     """
-    from rich.text import Text
-
     from drawbar.driving import check as checking
     from drawbar.driving.place import local_frame
 
     config = _with_devices(configuration, changes)
     assert config.devices is not None
-    failed = False
-    for finding in checking.check(config.devices, local_frame(config), seconds):
+    if not _tell(checking.check(config.devices, local_frame(config), seconds)):
+        raise SystemExit(1)
+    console.print("every device was heard, and nothing is missing", style="green")
+    if store and not _store(config.devices):
+        raise SystemExit(1)
+    if wiggle and not _wiggle(config):
+        raise SystemExit(1)
+
+
+def _tell(findings: "Iterable[Finding]") -> bool:
+    """Print what was found of each device; return whether nothing is missing."""
+    from rich.text import Text
+
+    fine = True
+    for finding in findings:
         console.print(Text(f"{finding.device}: {'; '.join(finding.facts) or 'not heard'}"))
         for problem in finding.problems:
             console.print(Text(f"  - {problem}", style="yellow"))
-        failed |= bool(finding.problems)
-    if failed:
-        raise SystemExit(1)
-    console.print("every device was heard, and nothing is missing", style="green")
-    if wiggle and not _wiggle(config):
-        raise SystemExit(1)
+        fine &= not finding.problems
+    return fine
+
+
+def _store(devices: "DeviceSettings") -> bool:
+    """Write the boards' memories if the operator wants it, twice; return whether all were."""
+    from drawbar.driving.storing import store
+
+    console.print(
+        "The boards are to store [devices.tractor_board.memory] and [devices.trailer_board.memory], all values: "
+        "each write wears them out, and a board whose motor changes starts anew."
+    )
+    if not agreed("Does the vehicle stand, with nobody at the steering?", "Write to the boards now?"):
+        return False
+    return _tell(store(devices))
 
 
 def _wiggle(config: "Configuration") -> bool:

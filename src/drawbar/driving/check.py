@@ -75,7 +75,7 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float) -> Iterato
     if devices.bare_valve is not None:
         yield _bare_valve(devices.bare_valve, seconds)
     if corrections is not None:
-        for now in _looks(seconds):
+        for now in looks(seconds):
             corrections.advance(now)
         status = corrections.status(time.monotonic())
         corrections.close()
@@ -84,7 +84,7 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float) -> Iterato
         yield Finding(device="corrections", heard=bool(status.types), facts=facts, problems=problems)
 
 
-def _looks(seconds: float) -> Iterator[float]:
+def looks(seconds: float) -> Iterator[float]:
     """Yield monotonic times, s, for so long."""
     end = time.monotonic() + seconds
     while (now := time.monotonic()) < end:
@@ -102,7 +102,7 @@ def _receiver(
 ) -> Finding:
     finding, epochs = Finding(device=name), list[Epoch]()
     receiver = Receiver(open_transport(settings.transport), settings)
-    for now in _looks(seconds):
+    for now in looks(seconds):
         epochs += receiver.poll(now)
         if corrections is not None:
             correct(corrections, now, receiver, [receiver])
@@ -144,7 +144,7 @@ def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[F
     named = {source for board in boards.values() for source in found if board.actuator().is_board(source)}
     strangers = {source: reply for source, reply in found.items() if source not in named}
     for name, board in boards.items():
-        finding = _board(name, board, seconds)
+        finding = listen_to_board(name, board, seconds)
         answers = [reply for source, reply in found.items() if board.actuator().is_board(source)]
         finding.facts += [f"scan: {reply.kind} {reply.address}" for reply in answers]
         finding.problems += [_elsewhere(reply) for reply in answers if not reply.address.startswith(f"{reply.subnet}.")]
@@ -162,7 +162,7 @@ def _scan(boards: list[SteerBoardSettings], seconds: float) -> dict[str, ScanRep
     for listen in {board.listening for board in boards}:
         scan = BoardScan(listen, [board.destination for board in boards if board.listening == listen])
         asked = 0.0
-        for now in _looks(seconds):
+        for now in looks(seconds):
             if now - asked >= _ASK_AGAIN:
                 asked = now
                 scan.ask()
@@ -184,10 +184,11 @@ def _perhaps(reply: ScanReply) -> str:
     return f"a steer board answers the scan from {reply.address}: if it is this one, write that as its address"
 
 
-def _board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
+def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
+    """Return what a board says that is told for so many seconds that nobody steers."""
     finding, board = Finding(device=name), settings.actuator()
     transport, tick = open_transport(settings.transport), 0.0
-    for now in _looks(seconds):
+    for now in looks(seconds):
         for received in transport.read():
             board.receive(received.time, received.data, received.source)
         if now >= tick:
@@ -209,7 +210,7 @@ def _board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
 def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterator[Finding]:
     """Claim an address, say that nothing is intended, and listen to the valves and to the tractor."""
     wires, now, tick = Wires([isobus_wire(settings, _SLOW if drives else None)]), 0.0, 0.0
-    for now in _looks(seconds):
+    for now in looks(seconds):
         wires.receive()
         if now >= tick:
             tick = now + _TICK / 2.0
@@ -237,7 +238,7 @@ def _on_the_bus(name: str, readiness: Readiness, facts: list[str]) -> Finding:
 
 def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
     finding, line = Finding(device="sensor board"), SensorLine(open_transport(settings.transport), settings)
-    for _ in _looks(seconds):
+    for _ in looks(seconds):
         line.poll()
     report = line.last
     finding.heard = math.isfinite(report.time)
@@ -256,7 +257,7 @@ def _bare_valve(settings: BareValveSettings, seconds: float) -> Finding:
     finding, transport, board = Finding(device="bare valve"), open_transport(settings.transport), ValveBoard()
     reports = [
         report
-        for _ in _looks(seconds)
+        for _ in looks(seconds)
         for received in transport.read()
         for report in board.push(received.data, received.time)
     ]

@@ -11,7 +11,7 @@ from drawbar.machine.stand_in.board import Output, StandInBoard
 from drawbar.machine.stand_in.wheel import HeldWheel, MotorWheel
 from drawbar.protocols.agopengps.board_settings import SteerConfig, SteerSettings
 from drawbar.protocols.agopengps.frame import COMPUTER, Frame, Pgn, checksum, pack, parse
-from drawbar.protocols.agopengps.network import HELLO, SCAN, decode_scan_reply, encode_subnet
+from drawbar.protocols.agopengps.network import HELLO, SCAN, decode_scan_reply
 from drawbar.protocols.agopengps.steering import SteerCommand, decode_steer_reply
 
 ZERO = SteerCommand(steer=False, angle=0.0, speed=1.0).encode()
@@ -73,7 +73,7 @@ def test_no_counts_per_degree_report_half_a_hundred_degrees() -> None:
 def test_a_new_subnet_restarts_the_board_there() -> None:
     board = AioV4(HeldWheel())
     feed(board, 0.0, [ZERO, ONE, ONE])
-    feed(board, 0.3, [encode_subnet(10, 0, 7)])
+    feed(board, 0.3, [pack(COMPUTER, Pgn.SUBNET, bytes((0xC9, 0xC9, 10, 0, 7)))])
     assert not board.driving
     (scan,) = feed(board, 0.5, [SCAN])
     frame = parse(scan.data)

@@ -30,7 +30,6 @@ SteerCommand = steering.SteerCommand
         board_settings.SteerSettings(ackermann=0).encode,
         board_settings.SteerSettings(offset=40000).encode,
         board_settings.SteerConfig(threshold=-1).encode,
-        lambda: network.encode_subnet(256, 0, 0),
     ],
 )
 def test_what_does_not_fit_the_wire_is_refused_with_its_range(encode: Callable[[], bytes]) -> None:

@@ -1,8 +1,8 @@
-"""Network messages: hello (200), scan (202) and its reply (203), a board's subnet (201)."""
+"""Network messages: hello (200), scan (202) and its reply (203)."""
 
 from dataclasses import dataclass
 
-from drawbar.protocols.agopengps.frame import COMPUTER, STEER_BOARD, Frame, Pgn, byte, pack
+from drawbar.protocols.agopengps.frame import COMPUTER, STEER_BOARD, Frame, Pgn, pack
 
 BOARD_PORT = 8888
 """where boards listen"""
@@ -17,15 +17,6 @@ HELLO = pack(COMPUTER, Pgn.HELLO, b"\x38\x00\x00")
 """asks boards for a sign of life"""
 SCAN = pack(COMPUTER, Pgn.SCAN, b"\xca\xca\x05")
 """asks boards for their addresses; for 255.255.255.255"""
-
-
-def encode_subnet(first: int, second: int, third: int) -> bytes:
-    """Return the datagram that moves every board that hears it to another subnet; they store it and start anew.
-
-    Raises HardwareError when a number is not one of an address.
-    """
-    numbers = (byte("first number", first, 1, 223), byte("second number", second), byte("third number", third))
-    return pack(COMPUTER, Pgn.SUBNET, b"\xc9\xc9" + bytes(numbers))
 
 
 _KINDS = {STEER_BOARD: "steer board", 0x7B: "machine board", 0x79: "IMU board", 0x78: "GNSS board"}

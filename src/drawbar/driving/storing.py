@@ -1,0 +1,52 @@
+"""Storing: writes what the configuration says of boards' memories to them, on the operator's command, at standstill.
+
+A board neither confirms what it stores nor tells it; what is seen is that it answers again. Each write wears its memory
+out.
+"""
+
+from collections.abc import Iterator
+
+from drawbar.driving.check import Finding, listen_to_board, looks
+from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.transports.open import open_transport
+
+_LISTENING = 2.5
+"""to a board before it is written to, which must be fit to steer, and after: an AiO_26 may start anew for 2 s; s"""
+_STANDING = 0.05
+"""speed below which the vehicle stands, m/s"""
+
+
+def store(devices: DeviceSettings) -> Iterator[Finding]:
+    """Yield what became of each board; one that is not heard, steers, or obeys another computer is not written to."""
+    if devices.sensors is not None and _moves(devices.sensors):
+        yield Finding(device="wheels", heard=True, problems=["they turn: stand; nothing was written"])
+        return
+    for name, board in (("tractor board", devices.tractor_board), ("trailer board", devices.trailer_board)):
+        if board is not None:
+            yield _store(name, board)
+
+
+def _store(name: str, board: SteerBoardSettings) -> Finding:
+    found = listen_to_board(name, board, _LISTENING)
+    if found.problems:
+        found.problems.append("nothing was written to it")
+        return found
+    transport = open_transport(board.transport)
+    taken = [transport.write(frame) for frame in board.memory.frames()]
+    transport.close()
+    found = listen_to_board(name, board, _LISTENING)
+    if all(taken):
+        found.facts.append("memory written")
+    else:
+        found.problems.append(f"its memory was not written: {transport.trouble}")
+    return found
+
+
+def _moves(sensors: SensorBoardSettings) -> bool:
+    line = SensorLine(open_transport(sensors.transport), sensors)
+    for _ in looks(1.0):
+        line.poll()
+    line.close()
+    return abs(line.last.wheel_speed) > _STANDING
