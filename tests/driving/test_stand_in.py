@@ -25,6 +25,8 @@ from drawbar.safety.causes import Cause
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 FAULTS = ("--fault", "receivers-silent@3s", "--fault", "board-silent@7s")
+ATTEMPTS = 4
+"""of a drive: on a computer that is busy with other tests a board may be late by itself, which ends one"""
 QUICK = ["safety.timing.angle=0.5", "safety.timing.angle_lost=1.0"]
 
 
@@ -35,13 +37,6 @@ def configuration(tmp_path):
     file = tmp_path / CONFIGURATION_NAME
     file.write_text(configuration.to_toml(), "utf-8")
     return configuration, file
-
-
-@pytest.fixture
-def stand_in(configuration, tmp_path):
-    """Return the file in which a stand-in with faults says what happens."""
-    with served(configuration[1], tmp_path, *FAULTS) as words:
-        yield words
 
 
 @contextmanager
@@ -60,17 +55,31 @@ def served(file, tmp_path, *options):
         assert process.wait(10.0) == 0, words.read_text()
 
 
-def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent(configuration, stand_in, tmp_path):
-    with Crew(configuration[0], tmp_path, stand_ins=False) as crew:
-        front = FrontEnd(crew, demonstrates=True)
-        watch(front, lambda front: front.state and front.state.state is SupervisorState.DEGRADED, ENGAGE)
-        assert front.state.cause == Cause.FIX_LOST.value
-        assert "both receivers fall silent" in stand_in.read_text()
-        state = watch(front, lambda front: not front.state.steers, 30.0)
-        assert state.state is SupervisorState.FAULT
-        assert state.cause in (Cause.STEERING_LOST.value, Cause.LET_GO.value, Cause.SILENT.value)
-        assert "front wheels' board says nothing" in stand_in.read_text()
-        front.close()
+def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent(configuration, tmp_path):
+    for attempt in range(ATTEMPTS):
+        folder = tmp_path / str(attempt)
+        folder.mkdir()
+        file = folder / CONFIGURATION_NAME
+        file.write_text(configuration[0].to_toml(), "utf-8")
+        with served(file, folder, *FAULTS) as words, Crew(configuration[0], folder, stand_ins=False) as crew:
+            front = FrontEnd(crew, demonstrates=True)
+            watch(front, lambda front: front.is_over or is_degraded(front), ENGAGE)
+            begun = "both receivers fall silent" in words.read_text()
+            if begun:
+                assert is_degraded(front), front.state
+                assert front.state.cause == Cause.FIX_LOST.value
+                state = watch(front, lambda front: not front.state.steers, 30.0)
+                assert state.state is SupervisorState.FAULT
+                assert state.cause in (Cause.STEERING_LOST.value, Cause.LET_GO.value, Cause.SILENT.value)
+                assert "front wheels' board says nothing" in words.read_text()
+            front.close()
+        if begun:
+            return
+    raise AssertionError(f"{ATTEMPTS} drives were over before anything was broken")
+
+
+def is_degraded(front):
+    return front.state is not None and front.state.state is SupervisorState.DEGRADED
 
 
 def test_an_emergency_stop_that_is_first_tried_after_it_rolls_can_be_acknowledged(configuration, tmp_path):
