@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from drawbar import build_autopilot, build_path, drive, read_log, replay
-from drawbar.geometry import Floats
-from drawbar.optimal import ControlSolver
+from drawbar.geometry import Floats, nearest_branch
+from drawbar.optimal import ControlSolver, EstimationSolver
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.model import integrate
 
@@ -68,6 +68,49 @@ def test_finds_out_heading_and_offset(record: Floats) -> None:
     _, yaw, offset, _ = record[SETTLED].T
     assert np.sqrt(np.mean(yaw**2)) < np.radians(0.4)
     assert np.sqrt(np.mean(offset**2)) < np.radians(0.15)
+
+
+def on_the_circle(example: ModuleType, estimator: EstimationSolver, samples: range, wrong: dict[int, float]) -> Floats:
+    """Let an estimator watch a robot that drives the circle exactly; return by how much it is off, m."""
+    speed, offset, errors = *example.TRUTH, []
+    for sample in samples:
+        angle = speed * example.SAMPLE_TIME / example.RADIUS * sample
+        east, north = example.RADIUS * np.array([np.cos(angle), np.sin(angle)])
+        yaw = nearest_branch(angle + np.pi / 2, estimator.x[estimator.newest, 2])
+        estimator.y[estimator.newest, :4] = wrong.get(sample, east), north, yaw + offset, speed
+        estimator.feedback()
+        errors.append(np.hypot(*(estimator.x[estimator.newest, :2] - (east, north))))
+        estimator.y[estimator.newest, 4] = np.arctan(example.WHEELBASE / example.RADIUS)
+        estimator.advance()
+    return np.array(errors)
+
+
+@pytest.fixture(scope="module")
+def at_the_start(example: ModuleType) -> Floats:
+    return np.array([example.RADIUS, 0.0, np.pi / 2, *example.TRUTH])
+
+
+@pytest.mark.parametrize("wrong", [1e4, 1e8, -1e10, 1e12])
+def test_a_wrong_reading_loses_the_robot_until_a_restart(
+    example: ModuleType, at_the_start: Floats, wrong: float
+) -> None:
+    estimator = EstimationSolver(example.ESTIMATION, at_the_start)
+    assert on_the_circle(example, estimator, range(300), {50: wrong})[-50:].mean() > 10.0
+    assert estimator.feedback() != SolverStatus.SOLVED
+    fresh = EstimationSolver(example.ESTIMATION, at_the_start)
+    assert estimator.restart(at_the_start) == SolverStatus.SOLVED
+    for each in (estimator, fresh):
+        assert on_the_circle(example, each, range(100), {}).max() < 1e-4
+    np.testing.assert_array_equal(estimator.x, fresh.x)
+    np.testing.assert_array_equal(estimator.root, fresh.root)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, 1.001e12, -np.inf])
+def test_a_reading_that_is_missing_or_refused_does_no_harm(
+    example: ModuleType, at_the_start: Floats, wrong: float
+) -> None:
+    estimator = EstimationSolver(example.ESTIMATION, at_the_start)
+    assert on_the_circle(example, estimator, range(300), {50: wrong}).max() < 1e-3
 
 
 @pytest.mark.parametrize(("page", "place"), TOLD, ids=[PAGES[page][place].stem for page, place in TOLD])

@@ -8,7 +8,7 @@ import sys
 import pytest
 from rich.console import Console
 
-from drawbar.terminal import FittedTable
+from drawbar.terminal import FittedTable, Output
 
 COLUMNS = [(f"{body}\n{name}", "") for body in ("tractor", "trailer") for name in ("mean", "rms", "max")]
 ROWS = [("straight", list("123456")), ("curve 0.125/m", [f"{value}.25" for value in range(6)])]
@@ -38,6 +38,22 @@ def test_a_wide_terminal_has_one_table_and_a_narrow_one_a_table_for_each_body() 
     first, second = printed(60).split("straight")[1:]
     assert "trailer" not in first.splitlines()[0]
     assert second.split()[:3] == ["4", "5", "6"]
+
+
+@pytest.mark.parametrize("columns", ["1", "10", "23"])
+def test_hardly_any_columns_lose_no_figure(columns: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    file = io.StringIO()
+    Output(file=file).print(FittedTable("error, cm", COLUMNS, ROWS, title_width=19))
+    assert file.getvalue() == printed(24)
+
+
+@pytest.mark.parametrize("columns", ["0", "000"])
+def test_a_width_of_none_is_as_if_nothing_were_said(columns: str) -> None:
+    program = [sys.executable, "-m", "drawbar", "events"]
+    unsaid = {key: value for key, value in os.environ.items() if key != "COLUMNS"}
+    texts = [subprocess.check_output(program, env=unsaid | more) for more in ({}, {"COLUMNS": columns})]
+    assert texts[0] == texts[1] != b""
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "latin-1", "utf-8"])

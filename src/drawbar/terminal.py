@@ -6,8 +6,9 @@ import sys
 import unicodedata
 from collections.abc import Sequence
 from io import TextIOWrapper
+from typing import Any
 
-from rich.console import Console, ConsoleOptions, RenderResult
+from rich.console import Console, ConsoleDimensions, ConsoleOptions, RenderResult
 from rich.table import Table
 from rich.text import Text
 
@@ -15,6 +16,8 @@ _GAP = 2
 """spaces between two columns"""
 _NARROWEST = 8
 """of a column of figures, characters"""
+_LEAST_WIDTH = 24
+"""of an output, characters: a title and one column of figures"""
 _PLAIN = {
     "µ": "u", "×": "x", "°": " deg", "–": "-", "━": "=", "±": "+-", "⁺": "+", "→": "->", "≤": "<=", "≥": ">=",
     "·": "*", "“": '"', "”": '"', "’": "'", "α": "alpha", "β": "beta", "δ": "delta", "κ": "kappa", "μ": "u",
@@ -102,6 +105,22 @@ def open_what_is_closed() -> None:
 
 class Output(Console):
     """Standard output; where nobody reads it any more, what is driven goes on without."""
+
+    def __init__(self, **options: Any) -> None:
+        """Forget `COLUMNS=0`, which some programs say before they know: nothing at all would be printed."""
+        if not os.environ.get("COLUMNS", "").strip("0"):
+            os.environ.pop("COLUMNS", None)
+        super().__init__(**options)
+
+    @property
+    def size(self) -> ConsoleDimensions:
+        """Columns and rows; in a window of hardly any columns lines wrap, and no figure is cut off."""
+        size = super().size
+        return ConsoleDimensions(max(size.width, _LEAST_WIDTH), size.height)
+
+    @size.setter
+    def size(self, size: tuple[int, int]) -> None:
+        self._width, self._height = size
 
     def on_broken_pipe(self) -> None:
         """Let all that is printed from now on go nowhere."""

@@ -46,6 +46,21 @@ def test_two_parts_of_a_file_hold_each_message_once() -> None:
     assert found == {0, 1, 2, 3, 4}
 
 
+def test_a_chunk_without_an_end_needs_no_more_memory_than_it_has_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Small(BytesIO):
+        def read(self, size: int | None = -1, /) -> bytes:
+            if size is None or not 0 <= size <= 1 << 26:
+                raise MemoryError
+            return super().read(size)
+
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 1000)
+    file = BytesIO()
+    writer = ChunkedWriter(file, profile="drawbar")
+    writer.add_message(writer.add_channel("/step", "json", 0), b"one", sequence=0, log_time=0, publish_time=0)
+    writer.flush()
+    assert list(read_records(Small(file.getvalue()))) == [LoggedMessage("/step", 0, b"one")]
+
+
 def test_the_next_chunk_is_unpacked_while_the_caller_works_on_one(monkeypatch: pytest.MonkeyPatch) -> None:
     unpacked, second = stream._unpacked, Event()
     calls = 0

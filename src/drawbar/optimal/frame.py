@@ -17,6 +17,7 @@ UNIT = """
 #define LEAVING {leaving}
 #define LEAST_STEP {added}
 #define IP_ITERATIONS {iterations}
+#define LARGEST_INPUT {largest:g}
 {held}#include "{header}"
 {functions}
 {names}{component}

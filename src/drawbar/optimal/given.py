@@ -9,13 +9,14 @@ from drawbar.errors import SolverError
 from drawbar.geometry import Floats
 
 LARGEST_INPUT = 1e12
-"""magnitude of measurements, references, parameters and first states, as in solver/rti.h"""
+"""magnitude of measurements, references, parameters and first states: with squares of what is more no number in a
+trajectory would count any longer; solver/rti.h refuses it too"""
 
 
 def given_array(what: str, values: Any, shape: Sequence[int], names: str = "") -> Floats:
     """Return what a caller gives, as contiguous numbers of this shape; `names` is what they are of, for the message.
 
-    Raises SolverError when it is something else, or holds what is not finite or beyond 1e12.
+    Raises SolverError when it is something else, or holds what is not finite or beyond LARGEST_INPUT.
     """
     try:
         array = np.ascontiguousarray(values, np.float64)

@@ -11,6 +11,7 @@ from drawbar.codegen.emit import emit_indices
 from drawbar.optimal.augmentation import Augmentation, augment, change_name
 from drawbar.optimal.frame import BARE, BARE_WINDOW, PHASES, SOLVER_FIELDS, TABLE, UNIT, WINDOW_PHASES
 from drawbar.optimal.functions import functions
+from drawbar.optimal.given import LARGEST_INPUT
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.vehicle.integrators import Attempt, Integrator, attempt, discretise
 from drawbar.vehicle.model import Constant, by_name, constant, with_values
@@ -129,6 +130,7 @@ class Transcription:
             leaving=int(self.arrival),
             added=int(self.added),
             iterations=self.iterations,
+            largest=LARGEST_INPUT,
             header="window.h" if self.arrival else "rti.h",
             functions=functions(self),
             names=self.indices() if component else "",

@@ -6,6 +6,7 @@ JSON has neither NaN nor infinity: both are written as null and read back as NaN
 """
 
 import os
+import stat
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -272,6 +273,8 @@ def reading(file: Path, within: range = WHOLE) -> Iterator[Iterator[Logged]]:
     """
     advice = "give the log.mcap that drawbar run wrote"
     try:
+        if not stat.S_ISREG(mode := file.stat().st_mode) and not stat.S_ISDIR(mode):
+            raise DrawbarError(f"{file}: is a pipe or a device, and no file; {advice}")
         with file.open("rb") as stream:
             yield read_records(stream, within)
     except OSError as error:

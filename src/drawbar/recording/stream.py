@@ -29,6 +29,8 @@ WHOLE = range(1 << 62)
 """bytes of any file"""
 _LARGEST = 1 << 32
 """bytes of a record that is not the last one, or of a chunk's records; more is damage"""
+_PIECE = 1 << 24
+"""bytes that are read at a time"""
 
 
 class DamagedLogError(ValueError):
@@ -93,11 +95,20 @@ def _frames(stream: BinaryIO, within: range) -> Iterator[tuple[int, bytes, bool]
             return
         taken = min(length, _LARGEST)
         if opcode in _ANYWHERE or (opcode != Opcode.MESSAGE_INDEX and begin in within):
-            content = stream.read(taken)
+            content = _read(stream, taken)
             yield opcode, content, len(content) == length
         else:
             stream.seek(taken, SEEK_CUR)
         begin += _FRAME.size + taken
+
+
+def _read(stream: BinaryIO, size: int) -> bytes:
+    """Return so many bytes, or what there is: a chunk without an end asks for more than a small computer has."""
+    pieces = []
+    while size > 0 and (piece := stream.read(min(size, _PIECE))):
+        pieces.append(piece)
+        size -= len(piece)
+    return b"".join(pieces)
 
 
 def _of_frame(frame: _Frame, topics: dict[int, str]) -> Iterator[Logged]:

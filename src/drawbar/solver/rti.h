@@ -33,8 +33,6 @@ struct rti {
 #ifndef INTERVALS
 #define INTERVALS 1                        /* shooting intervals in a sample; the inputs of its first are applied */
 #endif
-#define LARGEST_INPUT 1e12                 /* of measurements, references, parameters, first states: with squares of
-                                            * what is more no number in the trajectory would count any longer */
 #define SMALL_STEP 1e-3                    /* of the largest in the trajectory */
 #define WORK union bounds_work             /* what a feedback borrows, see workspace.h */
 

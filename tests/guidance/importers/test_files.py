@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.errors import PathError
+from drawbar.fields.formats.geojson import read as read_field
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.importers.load import load_line
 
@@ -124,6 +125,31 @@ def test_a_feature_is_chosen_by_name(tmp_path: Path) -> None:
     assert len(load_line(path, "south").x) == 2
     with pytest.raises(PathError, match="'north', 'south'; choose"):
         load_line(path, None)
+
+
+def lines(*parts: Any) -> dict[str, Any]:
+    return {"type": "MultiLineString", "coordinates": list(parts)}
+
+
+def test_a_multilinestring_of_one_line_is_that_line(tmp_path: Path) -> None:
+    one, same = (
+        load_line(written(tmp_path, "a.json", json.dumps(feature(each, name="north"))), None)
+        for each in (GOOD, lines(GOOD["coordinates"]))
+    )
+    assert (one.name, one.frame) == (same.name, same.frame) == ("north", same.frame)
+    np.testing.assert_array_equal([one.x, one.y], [same.x, same.y])
+
+
+def test_the_lines_of_a_multilinestring_are_chosen_by_name_as_in_the_console(tmp_path: Path) -> None:
+    both = lines([[4.7, 50.8], [4.701, 50.8]], [[4.7, 50.81], [4.7, 50.812]])
+    path = written(tmp_path, "a.json", json.dumps(feature(both, name="north")))
+    (field,) = read_field(path)
+    assert [line.name for line in field.lines] == ["north", "north (2)"]
+    np.testing.assert_allclose(load_line(path, "north (2)").y, [0.0, 222.5], atol=0.1)
+    with pytest.raises(PathError, match=r"'north', 'north \(2\)'; choose"):
+        load_line(path, None)
+    with pytest.raises(PathError, match=r"feature 0, line 2: 'coordinates' is None; a list"):
+        load_line(written(tmp_path, "b.json", json.dumps(lines([], None))), "b (2)")
 
 
 @pytest.mark.parametrize(

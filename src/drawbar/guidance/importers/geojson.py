@@ -1,11 +1,12 @@
-"""GeoJSON (RFC 7946): LineStrings in WGS84 degrees, longitude first."""
+"""GeoJSON (RFC 7946): LineStrings in WGS84 degrees, longitude first; a MultiLineString is several of them."""
 
 import json
 import re
 import reprlib
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,22 +22,42 @@ _WGS84 = re.compile(r".*\bCRS84|.*\bEPSG\b.*\b4326", re.IGNORECASE)
 def read_geojson(path: Path, track: str | None) -> RecordedLine:
     """Return a LineString of a geometry, Feature or FeatureCollection; None takes the only one.
 
-    Lines are called by their "name" property, else by the file's name and their index. Only the chosen one is
-    checked. Raises PathError with the file and the place in it.
+    Lines are called by their "name" property, else by the file's name and their index; those of a MultiLineString
+    also by their place in it, from the second on. Only the chosen one is checked. Raises PathError with the file and
+    the place in it.
     """
     _, features = features_of(path)
-    lines = [
-        (name_of(feature, f"{path.stem} {index}" if index else path.stem), feature, f"{path}, feature {index}")
-        for index, feature in enumerate(features)
-        if _type(_geometry(feature)) == "LineString"
-    ]
+    lines = [line for index, feature in enumerate(features) for line in _lines(path, index, feature)]
     if not lines:
         found = sorted({reprlib.repr(_type(_geometry(feature)) or "nothing") for feature in features})
         raise PathError(
             f"{path}: holds no LineString but {', '.join(found) or 'no feature'}; give each line as a LineString: "
             f"alone, as a Feature or in a FeatureCollection"
         )
-    return _line(*lines[choose(path, [name for name, _, _ in lines], track)])
+    return _line(lines[choose(path, [line.name for line in lines], track)])
+
+
+class _Found(NamedTuple):
+    """A LineString, not yet looked at."""
+
+    name: str
+    geometry: dict[str, Any]
+    place: str
+    around: tuple[Any, ...]
+    """what may say that it is not in WGS84"""
+
+
+def _lines(path: Path, index: int, feature: Any) -> Iterator[_Found]:
+    """Yield the lines of a feature: one, those of a MultiLineString, or none."""
+    geometry = _geometry(feature)
+    around, place = (feature, geometry), f"{path}, feature {index}"
+    name = name_of(feature, f"{path.stem} {index}" if index else path.stem)
+    if _type(geometry) == "LineString":
+        yield _Found(name, geometry, place, around)
+    elif _type(geometry) == "MultiLineString" and isinstance(parts := geometry.get("coordinates"), list):
+        for number, part in enumerate(parts, 1):
+            named = name if number == 1 else f"{name} ({number})"
+            yield _Found(named, {"coordinates": part}, f"{place}, line {number}", around)
 
 
 def features_of(path: Path) -> tuple[str, list[Any]]:
@@ -66,10 +87,10 @@ def name_of(feature: Any, otherwise: str) -> str:
     return name if isinstance(name, str) and name else otherwise
 
 
-def _line(name: str, feature: dict[str, Any], place: str) -> RecordedLine:
-    """Return the line of a LineString, its first point being the origin."""
-    geometry = _geometry(feature)
-    for member in (feature, geometry):
+def _line(found: _Found) -> RecordedLine:
+    """Return a line in metres, its first point being the origin."""
+    name, geometry, place, around = found
+    for member in around:
         require_wgs84(member, place)
     positions = _list(geometry, "coordinates", place)
     places = [f"{place}, position {index}" for index in range(len(positions))]
