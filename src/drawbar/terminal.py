@@ -71,7 +71,7 @@ class FittedTable:
 
     def _part(self, group: Sequence[int], width: int) -> Table:
         table = Table(box=None, pad_edge=False, padding=(0, _GAP // 2), title_justify="left")
-        table.add_column(self._title, min_width=width, max_width=width)
+        table.add_column(self._title, min_width=width, max_width=width, overflow="fold")
         for index in group:
             name, style = self._columns[index]
             table.add_column(name, justify="right", header_style=style, min_width=self._column_width, no_wrap=True)

@@ -3,12 +3,14 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
+from rich.console import Group, RenderableType
 from rich.progress import track
-from rich.table import Table
+from rich.text import Text
 
 from drawbar.benchmark.hostile.collection import CLASSES, hostile_problems
 from drawbar.benchmark.hostile.solvers import SOLVERS
 from drawbar.benchmark.hostile.verdict import Verdict, judge
+from drawbar.terminal import FittedTable
 
 Verdicts = dict[str, Verdict]
 """by solver"""
@@ -33,28 +35,15 @@ def share_of_peers(found: Iterable[Verdicts], solver: str) -> tuple[int, int]:
     return len(known), sum(known)
 
 
-def hostile_table(found: dict[str, list[Verdicts]]) -> Table:
+def hostile_table(found: dict[str, list[Verdicts]]) -> RenderableType:
     """Return the table: for each solver, wrongly solved / wrongly infeasible / given up."""
     solvers = list(next(iter(found.values()))[0])
     count = sum(map(len, found.values()))
-    table = Table(
-        title=f"{count} hostile problems: wrong solved / wrong infeasible / given up",
-        title_justify="left",
-        title_style="bold",
-        box=None,
-        padding=(0, 1),
-        pad_edge=False,
-    )
-    table.add_column("class", no_wrap=True)
-    table.add_column("problems", justify="right")
-    for solver in solvers:
-        table.add_column(solver, justify="right", no_wrap=True)
-    table.add_column("solved by a peer", justify="right")
-    table.add_column("of these by drawbar", justify="right")
-    for name, rows in found.items():
-        table.add_row(name, *_cells(rows, solvers))
-    table.add_row("all", *_cells([row for rows in found.values() for row in rows], solvers), style="bold")
-    return table
+    columns = [(name, "") for name in ("problems", *solvers, "solved\nby a peer", "of these\nby drawbar")]
+    whole = {**found, "all": [row for rows in found.values() for row in rows]}
+    shown = [(name, _cells(rows, solvers)) for name, rows in whole.items()]
+    title = f"{count} hostile problems: wrong solved / wrong infeasible / given up"
+    return Group(Text(title, "bold"), FittedTable("class", columns, shown, title_width=len("class"), column_width=4))
 
 
 def _cells(rows: list[Verdicts], solvers: Sequence[str]) -> list[str]:

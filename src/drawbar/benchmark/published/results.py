@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from rich.table import Table
+from rich.console import Group, RenderableType
+from rich.text import Text
 from scipy.optimize import nnls
 
 from drawbar.benchmark.hostile.construct import HostileProblem
@@ -13,6 +14,7 @@ from drawbar.benchmark.hostile.verdict import TOLERANCE, Answer, Verdict, judge,
 from drawbar.benchmark.published.families import Published
 from drawbar.geometry import Floats
 from drawbar.optimal.stage_problem import StageProblem
+from drawbar.terminal import FittedTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,21 +73,20 @@ def compare(published: Published, solvers: Sequence[str]) -> Compared:
     )
 
 
-def published_table(found: Sequence[Compared]) -> Table:
+def published_table(found: Sequence[Compared]) -> RenderableType:
     """Return how many problems of each family each solver solved, and the worst of drawbar's points."""
     solvers = list(found[0].answers)
     title = f"{len(found)} published problems of model predictive control: solved"
-    table = Table(title=title, title_justify="left", title_style="bold", box=None, padding=(0, 1), pad_edge=False)
-    for column in ("family", "problems", "stages", "states", "inputs", *solvers, "drawbar's gradient left"):
-        table.add_column(column, justify="left" if column == "family" else "right")
+    shown = list[tuple[str, list[str]]]()
     for family in dict.fromkeys(each.published.family for each in found):
         rows = [each for each in found if each.published.family == family]
         sizes = [each.published.problem.sizes for each in rows]
         spans = [_span([getattr(size, of) for size in sizes]) for of in ("stages", "states", "inputs")]
         solved = [str(sum(each.verdicts[solver].right for each in rows)) for solver in solvers]
         known = [each.optimality for each in rows if each.optimality is not None]
-        table.add_row(family, str(len(rows)), *spans, *solved, f"{max(known):.1e}" if known else "")
-    return table
+        shown.append((family, [str(len(rows)), *spans, *solved, f"{max(known):.1e}" if known else ""]))
+    columns = [(name, "") for name in ("problems", "stages", "states", "inputs", *solvers, "gradient left\nby drawbar")]
+    return Group(Text(title, "bold"), FittedTable("family", columns, shown, title_width=len("family"), column_width=4))
 
 
 def _span(values: Sequence[int]) -> str:

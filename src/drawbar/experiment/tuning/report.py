@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.table import Table as TerminalTable
+from rich.console import Group, RenderableType
 
 from drawbar.experiment.document import RESULTS_NAME
 from drawbar.experiment.parts import Part, Picture, Table, Text
@@ -15,6 +15,7 @@ from drawbar.experiment.tuning.parameters import SearchSpace, to_toml
 from drawbar.experiment.tuning.pictures import draw_front, draw_parameters, picture_height
 from drawbar.experiment.tuning.study import Score, Trial, front
 from drawbar.report.tables import number
+from drawbar.terminal import FittedTable
 
 _CM, _DEGREES = 100.0, math.degrees(1.0)
 
@@ -41,14 +42,16 @@ def write_findings(folder: Path, findings: Findings) -> Path:
     return file
 
 
-def terminal_table(findings: Findings) -> TerminalTable:
+def terminal_table(findings: Findings) -> RenderableType:
     """Return the front as a table for the terminal."""
-    table = TerminalTable(title="the front on fresh seeds, mean ± 95 % interval", title_justify="left")
-    for name in ("trial", "error, cm", "steering, °/s", *(parameter.key for parameter in findings.space.parameters)):
-        table.add_column(name, justify="right", overflow="fold")
-    for one in _own_first(findings.comparison):
-        table.add_row(_name(one), _cm(one.error), _degrees(one.effort), *_values(findings, one.trial))
-    return table
+    keys = [parameter.key.replace(".", "\n.") for parameter in findings.space.parameters]
+    rows = [
+        (_name(one), [_cm(one.error), _degrees(one.effort), *_values(findings, one.trial)])
+        for one in _own_first(findings.comparison)
+    ]
+    columns = [(name, "") for name in ("error, cm", "steering, °/s", *keys)]
+    title = "the front on fresh seeds, mean ± 95 % interval"
+    return Group(title, FittedTable("trial", columns, rows, title_width=len("trial")))
 
 
 def verdict(findings: Findings) -> str:
