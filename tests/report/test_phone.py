@@ -6,6 +6,7 @@ from chromium import open_chromium
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import true_path_errors
+from drawbar.report.tables import error_rows
 
 PHONE = {"width": 360, "height": 740}
 ALL_DRAWN = "document.querySelectorAll('.figure .xtitle').length === document.querySelectorAll('.figure').length"
@@ -13,6 +14,15 @@ OVERLAPS = """Array.from(document.querySelectorAll('.figure'), figure => {
   const [title, legend] = ['.xtitle', '.legend'].map(part => figure.querySelector(part)?.getBoundingClientRect());
   return legend && legend.top < title.bottom && title.top < legend.bottom ? figure.id : null;
 }).filter(Boolean)"""
+
+GAPS = """Array.from(document.querySelectorAll('.table tr'), row => {
+  const texts = Array.from(row.cells).filter(cell => cell.offsetParent && cell.textContent).map(cell => {
+    const range = document.createRange();
+    range.selectNodeContents(cell);
+    return range.getBoundingClientRect();
+  });
+  return texts.slice(1).map((text, place) => text.left - texts[place].right);
+}).flat()"""
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +42,20 @@ def test_no_column_is_cut_off(phone):
     assert widths
     assert all(needed <= shown for needed, shown in widths)
     assert phone.evaluate("document.documentElement.scrollWidth") == PHONE["width"]
+
+
+def test_columns_stand_apart(phone):
+    gaps = phone.evaluate(GAPS)
+    assert len(gaps) > 50
+    assert min(gaps) >= 7.0
+
+
+def test_every_error_is_shown_once(phone, run):
+    metrics = compute_metrics(run, true_path_errors(run))
+    shown = phone.evaluate("Array.from(document.querySelectorAll('.table'), table => table.innerText).join('\\n')")
+    rows = [line.split("\t") for line in shown.splitlines()]
+    for name, cells in error_rows(metrics):
+        assert [row[1:] for row in rows if row[0] == name] == [cells[:5], cells[5:]]
 
 
 def test_legends_lie_beside_the_title_of_the_axis(phone):

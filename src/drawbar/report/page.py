@@ -1,5 +1,6 @@
 """report.html: one self-contained page about a run, drawn by plotly.js without any network."""
 
+from collections.abc import Iterable, Iterator
 from html import escape
 from importlib import resources
 from string import Template
@@ -31,22 +32,29 @@ def _row(tag: str, name: str, cells: list[str]) -> str:
     return f"<tr>{inner}</tr>"
 
 
-def _table(groups: str, head: str, rows: list[Row]) -> str:
+def _table(groups: str, head: str, rows: list[Row], shown: str = "") -> str:
+    """Return a table; `shown`: class of one that is not on every screen."""
     body = "".join(_row("td", name, cells) for name, cells in rows)
-    return f'<div class="table"><table><thead>{groups}{head}</thead><tbody>{body}</tbody></table></div>'
+    return f'<div class="table {shown}"><table><thead>{groups}{head}</thead><tbody>{body}</tbody></table></div>'
 
 
-def _body_heads(span: int) -> str:
-    heads = [f'<th class="{body}" colspan="{span}">{body}</th>' for body in style.BODY_COLOURS]
+def _body_heads(span: int, bodies: Iterable[str] = style.BODY_COLOURS) -> str:
+    heads = [f'<th class="{body}" colspan="{span}">{body}</th>' for body in bodies]
     return f"<tr><th></th>{''.join(heads)}</tr>"
 
 
+def _error_tables(metrics: Metrics) -> Iterator[str]:
+    """Yield the errors of both bodies in one table, and, for a narrow screen, in one for each."""
+    columns, rows, title = list(ERROR_COLUMNS), error_rows(metrics), f"{error_name(metrics).capitalize()}, cm"
+    count = len(columns)
+    yield _table(_body_heads(count), _row("th", title, [*columns, *columns]), rows, "wide")
+    for place, body in enumerate(style.BODY_COLOURS):
+        own = [(name, cells[place * count : (place + 1) * count]) for name, cells in rows]
+        yield _table(_body_heads(count, [body]), _row("th", title, columns), own, "narrow")
+
+
 def _tables(metrics: Metrics) -> str:
-    errors = _row("th", f"{error_name(metrics).capitalize()}, cm", [*ERROR_COLUMNS, *ERROR_COLUMNS])
-    of_bodies = [
-        _table(_body_heads(len(ERROR_COLUMNS)), errors, error_rows(metrics)),
-        _table(_body_heads(1), "", body_rows(metrics)),
-    ]
+    of_bodies = [*_error_tables(metrics), _table(_body_heads(1), "", body_rows(metrics))]
     of_solvers = _table("", _row("th", "Solver, µs", list(TIME_COLUMNS)), time_rows(metrics))
     return f"<div>{''.join(of_bodies)}</div><div>{of_solvers}</div>"
 
