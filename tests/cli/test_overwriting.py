@@ -26,6 +26,13 @@ def test_a_log_is_not_replaced_by_its_export(tmp_path, option):
         assert log.read_bytes() == b"a log"
 
 
+def test_two_exports_into_one_file_are_refused(tmp_path):
+    log, target = tmp_path / "log.mcap", tmp_path / "one"
+    log.write_bytes(b"a log")
+    said = refusal("log", "export", log, "--csv", target, "--geojson", target)
+    assert said == f"--csv {target} and --geojson {target}: are one file; give each its own."
+
+
 def test_a_recorded_line_is_not_replaced_by_its_table(tmp_path):
     line = tmp_path / "line.csv"
     line.write_text(LINE, "utf-8")

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -184,6 +185,15 @@ def test_a_folder_with_a_run_in_it_is_not_overwritten(drawbar: Drawbar, tmp_path
     assert {file.name: file.read_bytes() for file in edited.parent.iterdir()} == before
     assert drawbar("run", *SHORT, "--seed", "1", "--out", "out", "--force")[0] == 0
     assert "# mine" not in edited.read_text("utf-8")
+
+
+@pytest.mark.parametrize("make", [Path.touch, lambda place: place.symlink_to("nowhere")], ids=["file", "dangling link"])
+def test_what_is_no_folder_is_not_taken_for_one_with_a_run(
+    drawbar: Drawbar, tmp_path: Path, make: Callable[[Path], None]
+) -> None:
+    make(tmp_path / "out")
+    code, said = drawbar("run", *SHORT, "--out", "out")
+    assert (code, " ".join(said.split())) == (2, "error: out: is there and is no folder; choose another --out folder.")
 
 
 def test_of_two_runs_at_a_time_one_has_the_folder(

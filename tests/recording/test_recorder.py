@@ -210,6 +210,20 @@ def test_a_last_message_cut_at_any_byte_is_left_out(tmp_path):
         assert not log.outcome.finished
 
 
+def test_zeros_behind_a_cut_are_as_if_they_were_not_there(tmp_path, monkeypatch):
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 8_000)  # two or three steps
+    file, steps = tmp_path / "log.mcap", write(tmp_path / "log.mcap", 9)
+    whole = file.read_bytes()
+    for end in range(len(whole) // 3, len(whole) - 2_000, 137):  # as a file system leaves it where the power failed
+        file.write_bytes(whole[:end])
+        cut = len(read_log(file).records)
+        file.write_bytes(whole[:end] + bytes(100_000))
+        found = read_log(file).records
+        assert cut - 1 <= len(found) <= cut
+        for step, record in zip(steps, found, strict=False):
+            assert_identical(step, record)
+
+
 def test_a_flipped_bit_in_a_complete_log_is_named(tmp_path):
     file, said = tmp_path / "log.mcap", set()
     steps = write(file, 2)

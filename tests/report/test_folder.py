@@ -45,6 +45,13 @@ def test_a_report_that_cannot_be_written_is_named(tmp_path, make_run):
         write_report(tmp_path)
 
 
+def test_the_advice_names_the_log_where_a_report_elsewhere_cannot_be_written(tmp_path, make_run):
+    record(tmp_path, make_run(steps=2))
+    (tmp_path / "taken").touch()
+    with pytest.raises(DrawbarError, match=rf"taken: .*then `drawbar report {tmp_path / LOG_NAME}`"):
+        write_report(tmp_path / "taken", tmp_path / LOG_NAME)
+
+
 def test_a_run_whose_truth_nobody_knows_has_a_report_of_its_estimates(tmp_path, make_run):
     log = make_run(truth=False, steps=20)
     record(tmp_path, log)

@@ -1,6 +1,6 @@
 """What the report of a long run costs: `python -m drawbar.benchmark.long_report [KILOMETRES]`, on Linux.
 
-By default the run has 100 km. It is simulated first, on figure-eights at 1 m/s: some three minutes, and 0.9 GB in the
+By default the run has 100 km. It is simulated first, on figure-eights at 1 m/s: some three minutes, and 1 GB in the
 folder for temporary files.
 """
 

@@ -1,6 +1,7 @@
 """`drawbar log export`: a log for other programs."""
 
 from collections.abc import Callable
+from itertools import combinations
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -36,29 +37,30 @@ def export(
     """Write a log's content in other formats."""
     from drawbar.recording.log import read_log
 
-    chosen = {"csv": csv, "ros2": ros2, "geojson": geojson}
-    if not any(chosen.values()):
+    chosen = {"--csv": csv, "--ros2": ros2, "--geojson": geojson}
+    targets = [(option, target) for option, target in chosen.items() if target is not None]
+    if not targets:
         raise typer.BadParameter("give at least one of --csv FILE, --ros2 FILE, --geojson FILE")
-    for kind, target in chosen.items():
-        if target is not None:
-            refuse_to_replace(f"--{kind}", target, file)
+    for option, target in targets:
+        refuse_to_replace(option, target, file)
+    for (first, one), (second, other) in combinations(targets, 2):
+        if one.absolute() == other.absolute():
+            raise DrawbarError(f"{first} {one} and {second} {other}: are one file; give each its own.")
     content = read_log(file)
-    for kind, target in chosen.items():
-        if target is None:
-            continue
+    for option, target in targets:
         try:
-            _writer(kind)(content, target)
+            _writer(option)(content, target)
         except OSError as error:
             raise DrawbarError(f"{target}: cannot be written ({error.strerror}); choose another file") from error
         console.print(str(target), soft_wrap=True)
 
 
-def _writer(kind: str) -> Callable[["RunLog", FilePath], None]:
-    if kind == "csv":
+def _writer(option: str) -> Callable[["RunLog", FilePath], None]:
+    if option == "--csv":
         from drawbar.recording.table import write_csv
 
         return write_csv
-    if kind == "geojson":
+    if option == "--geojson":
         from drawbar.recording.tracks import write_geojson
 
         return write_geojson

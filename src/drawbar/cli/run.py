@@ -110,6 +110,8 @@ def _new_folder(chosen: FilePath | None, config: "Configuration", seed: int, *, 
         with (folder / CONFIGURATION_NAME).open("w" if force else "x", encoding="utf-8") as file:
             file.write(config.to_toml())
     except FileExistsError as error:
+        if not folder.is_dir():
+            raise StorageError(f"{folder}: is there and is no folder; choose another --out folder.") from error
         raise _held(folder, [CONFIGURATION_NAME]) from error
     except OSError as error:
         raise StorageError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error

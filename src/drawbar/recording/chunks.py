@@ -8,7 +8,7 @@ take from it what is there.
 
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import BinaryIO
 
 import zstandard
@@ -37,6 +37,8 @@ CHUNK_BYTES = 1 << 22
 """of messages, before they are compressed, after which a chunk ends"""
 _WINDOW_LOG = 22
 """of zstd's window, which a whole chunk fits into: one that wraps within a chunk takes twice as long to search"""
+BESIDE = 0x80
+"""operation code, of those that are left to applications, of a record that stands behind a chunk and tells of it"""
 COMPRESSION = "zstd"
 LEVEL = 1
 """of the compression: as much as a run at a thousand times real time can wait for"""
@@ -44,15 +46,22 @@ CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
 """opcode, length, first and last time, size uncompressed, its CRC (0: zstd's checksum of the frame stands for it, which
 is a fraction of the work), the compression's name, size compressed"""
 _HEADED = CHUNK_HEAD.size - 9
-_MESSAGE = struct.Struct("<BQHIQQ")
+_FRAME, _MESSAGE = struct.Struct("<BQ"), struct.Struct("<BQHIQQ")
 
 
 class ChunkedWriter:
     """Puts records into a seekable stream that is at its beginning; the caller opens and closes it."""
 
-    def __init__(self, stream: BinaryIO, profile: str, level: int = LEVEL) -> None:
-        """Write the magic and the header; `level` is zstd's, of the chunks."""
-        self._stream = stream
+    def __init__(self, stream: BinaryIO, profile: str, level: int = LEVEL, beside: Callable[[], bytes] = bytes) -> None:
+        """Write the magic and the header.
+
+        Args:
+            stream: to be written.
+            profile: of MCAP.
+            level: zstd's, of the chunks.
+            beside: asked, when a chunk is complete, for a record to stand behind it; empty: none.
+        """
+        self._stream, self._beside = stream, beside
         parameters = zstandard.ZstdCompressionParameters.from_level(level, window_log=_WINDOW_LOG, write_checksum=True)
         self._compressor = zstandard.ZstdCompressor(compression_params=parameters)
         self._chunk: _Chunk | None = None
@@ -163,6 +172,9 @@ class ChunkedWriter:
             for channel, count in self._chunk.counts().items():
                 self._counts[channel] += count
             self._chunk = None
+            if content := self._beside():
+                self._stream.write(_FRAME.pack(BESIDE, len(content)) + content)
+                self._stream.flush()
 
     def _put(self, record: McapRecord) -> tuple[int, int]:
         """Write a record outside of chunks; return its offset and length."""

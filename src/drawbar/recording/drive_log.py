@@ -96,6 +96,7 @@ class DriveLog(Recorder):
         """Add a control step, given as JSON and as what that means."""
         wall = moment + self._offset
         self._reached_end |= record.status is Status.FINISHED
+        self._columns.add(record, wall)
         self._add(STEP_TOPIC, data, wall, record.step)
         for topic, message in self._scene.moving(wall, record):
             self._add_known(topic, message, wall)

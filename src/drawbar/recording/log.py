@@ -27,7 +27,7 @@ from pydantic import BaseModel, ValidationError
 from drawbar.errors import DrawbarError, demand_path
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
-from drawbar.recording.stream import WHOLE, Logged, LoggedMessage, read_records
+from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -254,19 +254,19 @@ class LogParts:
 
 
 @contextmanager
-def open_log(file: Path, within: range = WHOLE) -> Iterator[LogParts]:
+def open_log(file: Path, first_byte: int = 0) -> Iterator[LogParts]:
     """Read the log of a run in a stream, as a context; a last record cut off by a crash is left out.
 
-    Of steps those come that lie in the bytes `within`.
+    Steps before the `first_byte` are passed over; see read_records.
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
     """
-    with reading(file, within) as records:
+    with reading(file, first_byte) as records:
         yield _parts(records)
 
 
 @contextmanager
-def reading(file: Path, within: range = WHOLE) -> Iterator[Iterator[Logged]]:
+def reading(file: Path, first_byte: int = 0) -> Iterator[Iterator[Logged]]:
     """Read the records of a log in a stream, as a context; see read_records.
 
     Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
@@ -276,7 +276,7 @@ def reading(file: Path, within: range = WHOLE) -> Iterator[Iterator[Logged]]:
         if not stat.S_ISREG(mode := file.stat().st_mode) and not stat.S_ISDIR(mode):
             raise DrawbarError(f"{file}: is a pipe or a device, and no file; {advice}")
         with file.open("rb") as stream:
-            yield read_records(stream, within)
+            yield read_records(stream, first_byte)
     except OSError as error:
         raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
     except _NoHeaderError as error:

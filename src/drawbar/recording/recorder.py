@@ -10,6 +10,7 @@ from typing import Self
 import msgspec
 
 from drawbar.errors import StorageError, demand, demand_path
+from drawbar.recording.blocks import StepColumns
 from drawbar.recording.chunks import LEVEL, ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
 from drawbar.recording.schema import json_schema
@@ -57,7 +58,8 @@ class Recorder:
 
     def _begin(self, header: RunHeader) -> None:
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
-        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=self.LEVEL)
+        self._columns = StepColumns()
+        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=self.LEVEL, beside=self._columns.take)
         self._writer.add_attachment(
             HEADER_NAME, "application/json", self._encoder.encode(header), created=time.time_ns()
         )
@@ -70,13 +72,16 @@ class Recorder:
 
         Raises StorageError when it cannot be written; the steps before it are.
         """
+        now = time.time_ns()
         try:
+            data = self._encoder.encode(record)
+            self._columns.add(record, now)
             self._writer.add_message(
                 self._channel,
-                self._encoder.encode(record),
+                data,
                 sequence=record.step,
                 log_time=self._log_time(record.measurement.time),
-                publish_time=time.time_ns(),
+                publish_time=now,
             )
             self._writer.flush()
         except OSError as error:

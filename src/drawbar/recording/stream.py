@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from io import SEEK_CUR, BytesIO
+from io import SEEK_CUR, SEEK_END, BytesIO
 from typing import BinaryIO, NamedTuple
 
 import zstandard
@@ -17,20 +17,22 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata
 
-from drawbar.recording.chunks import MAGIC
+from drawbar.recording.chunks import BESIDE, MAGIC
 
 _FRAME = struct.Struct("<BQ")  # operation code and length of the content that follows
 _MESSAGE = struct.Struct("<HIQQ")
 _CHUNK = struct.Struct("<QQQII")
 _MESSAGE_CODE = int(Opcode.MESSAGE)  # comparing with a member of the enumeration is slow, and messages are many
-_ANYWHERE = (Opcode.CHANNEL, Opcode.METADATA)
+_ANYWHERE = (Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """records that are read wherever they are"""
-WHOLE = range(1 << 62)
-"""bytes of any file"""
+_ASIDE = (Opcode.MESSAGE_INDEX, BESIDE)
+"""records that no message is in"""
+_ZEROS = 64
+"""at the end of a file, that nobody wrote: no compressed chunk ends so"""
 _LARGEST = 1 << 32
 """bytes of a record that is not the last one, or of a chunk's records; more is damage"""
 _PIECE = 1 << 24
-"""bytes that are read at a time"""
+"""bytes that are looked at together"""
 
 
 class DamagedLogError(ValueError):
@@ -50,10 +52,10 @@ class LoggedMessage(NamedTuple):
 Logged = LoggedMessage | Attachment | Metadata
 
 
-def read_records(stream: BinaryIO, within: range = WHOLE) -> Iterator[Logged]:
+def read_records(stream: BinaryIO, first_byte: int = 0) -> Iterator[Logged]:
     """Yield messages, attachments and metadata in the order in which they were written.
 
-    Chunks, messages and attachments that do not begin at one of the bytes `within` of the stream are passed over.
+    Chunks and messages that begin before the `first_byte` of the stream are passed over.
 
     Raises:
         DamagedLogError: the file is none of MCAP, or damaged elsewhere than at its end.
@@ -64,7 +66,7 @@ def read_records(stream: BinaryIO, within: range = WHOLE) -> Iterator[Logged]:
     topics: dict[int, str] = {}
     with ThreadPoolExecutor(1) as thread:
         before: _Frame | None = None
-        for opcode, content, complete in _frames(stream, within):
+        for opcode, content, complete in _frames(stream, first_byte):
             unpacked = thread.submit(_unpacked, content, complete=complete) if opcode == Opcode.CHUNK else None
             if before is not None:
                 yield from _of_frame(before, topics)
@@ -83,32 +85,53 @@ class _Frame:
     """of a chunk: the records in it"""
 
 
-def _frames(stream: BinaryIO, within: range) -> Iterator[tuple[int, bytes, bool]]:
+def _frames(stream: BinaryIO, first_byte: int) -> Iterator[tuple[int, bytes, bool]]:
     """Yield the operation code, the content and whether that is complete, of each record up to the summary.
 
     The indices of messages are left out: they stand between the chunks.
     """
-    begin = stream.tell()
-    while len(head := stream.read(_FRAME.size)) == _FRAME.size:
-        opcode, length = _FRAME.unpack(head)
+    end = _written(stream)
+    while (begin := stream.tell()) + _FRAME.size <= end:
+        opcode, length = _FRAME.unpack(stream.read(_FRAME.size))
         if opcode == Opcode.DATA_END:
             return
-        taken = min(length, _LARGEST)
-        if opcode in _ANYWHERE or (opcode != Opcode.MESSAGE_INDEX and begin in within):
-            content = _read(stream, taken)
+        if opcode in _ANYWHERE or (opcode not in _ASIDE and begin >= first_byte):
+            content = stream.read(min(length, end - stream.tell()))
             yield opcode, content, len(content) == length
         else:
-            stream.seek(taken, SEEK_CUR)
-        begin += _FRAME.size + taken
+            stream.seek(min(length, _LARGEST), SEEK_CUR)
 
 
-def _read(stream: BinaryIO, size: int) -> bytes:
-    """Return so many bytes, or what there is: a chunk without an end asks for more than a small computer has."""
-    pieces = []
-    while size > 0 and (piece := stream.read(min(size, _PIECE))):
-        pieces.append(piece)
-        size -= len(piece)
-    return b"".join(pieces)
+def _written(stream: BinaryIO) -> int:
+    """Return how many bytes of a stream to read: all but zeros at its end, as a power cut leaves them."""
+    before, end = stream.tell(), stream.seek(0, SEEK_END)
+    stream.seek(max(end - _ZEROS, 0))
+    if not any(stream.read(_ZEROS)):
+        while end:
+            start = stream.seek(max(end - _PIECE, 0))
+            if found := stream.read(end - start).rstrip(b"\0"):
+                end = start + len(found)
+                break
+            end = start
+    stream.seek(before)
+    return end
+
+
+def records_beside_chunks(stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
+    """Yield what stands beside each chunk of a log, and the byte where it ends; up to the first chunk with nothing."""
+    if stream.read(len(MAGIC)) != MAGIC:
+        return
+    is_bare, end = False, _written(stream)
+    while stream.tell() + _FRAME.size <= end:
+        opcode, length = _FRAME.unpack(stream.read(_FRAME.size))
+        if opcode in (Opcode.DATA_END, Opcode.MESSAGE) or (is_bare and opcode == Opcode.CHUNK):
+            return
+        if opcode == BESIDE:
+            is_bare, content = False, stream.read(min(length, end - stream.tell()))
+            yield stream.tell(), content
+        else:
+            is_bare |= opcode == Opcode.CHUNK
+            stream.seek(min(length, _LARGEST), SEEK_CUR)
 
 
 def _of_frame(frame: _Frame, topics: dict[int, str]) -> Iterator[Logged]:

@@ -26,7 +26,8 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
         StorageError: a file cannot be written; what was there before is still there.
     """
     folder = demand_path("folder", folder)
-    log = read_columns(demand_path("log_file", log_file or folder / LOG_NAME))
+    file = demand_path("log_file", log_file or folder / LOG_NAME)
+    log = read_columns(file)
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
     picture = render_picture(log, errors).encode()
@@ -37,8 +38,8 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
             _write_whole(folder / name, content)
     except OSError as error:
         raise StorageError(
-            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: free space or choose another "
-            f"folder, then `drawbar report {folder}`"
+            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: free space, then "
+            f"`drawbar report {file}`, or choose another folder by its --out"
         ) from error
     return metrics
 
