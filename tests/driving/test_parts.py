@@ -199,6 +199,16 @@ def test_a_drives_steps_and_what_is_drawn_of_them_fill_few_megabytes_an_hour(tmp
     }
 
 
+def test_a_runs_log_fills_less_than_40_megabytes_an_hour(tmp_path, build):
+    simulation, file, steps = build("articulated"), tmp_path / "log.mcap", 900
+    with Recorder(file, simulation.header()) as log:
+        begin = file.stat().st_size
+        for record in islice(simulation.steps(), steps):
+            log.write(record)
+    hourly = 3600.0 / simulation.configuration.sample_time * (file.stat().st_size - begin) / steps * 1e-6
+    assert 20.0 < hourly < 40.0
+
+
 def test_a_drive_of_an_earlier_drawbar_is_refused_by_name(tmp_path, build):
     simulation, frame = build("articulated"), LocalFrame(latitude=50.0, longitude=4.0)
     scene = Scene(path=simulation.path, vehicle=simulation.configuration.vehicle, frame=frame)
