@@ -43,6 +43,14 @@ def test_messages_before_a_byte_are_passed_over() -> None:
     assert found == {0, 1, 2, 3, 4}
 
 
+def test_a_file_cut_at_any_byte_has_the_chunks_before_it() -> None:
+    whole, data = list(read_records(written(3))), written(3).getvalue()
+    counts = [len(list(read_records(BytesIO(data[:end])))) for end in range(len(chunks.MAGIC), len(data) + 1)]
+    assert counts == sorted(counts)
+    assert set(counts) == {0, 1, 2, 3}
+    assert whole == list(read_records(BytesIO(data)))
+
+
 def test_a_chunk_without_an_end_needs_no_more_memory_than_it_has_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
     class Small(BytesIO):
         def read(self, size: int | None = -1, /) -> bytes:

@@ -180,6 +180,8 @@ def _unpacked(content: bytes, *, complete: bool) -> bytes:
     if len(content) < _CHUNK.size:
         return b""
     _, _, size, crc, named = _CHUNK.unpack_from(content)
+    if not complete and len(content) < _CHUNK.size + named + 8:  # cut within its head
+        return b""
     compression, packed = content[_CHUNK.size : _CHUNK.size + named], memoryview(content)[_CHUNK.size + named + 8 :]
     if compression not in (b"", b"zstd"):
         raise DamagedLogError(f"a chunk is compressed by {compression!r}, which drawbar does not write")
