@@ -320,6 +320,8 @@ class Fixes(Message):
     """when roll, pitch and yaw rate were measured, ns; 0: never"""
     tractor_correction_age: Known
     """s"""
+    tractor_satellites: Byte = 0
+    """in use; 0: not known"""
     trailer_x: Known
     """east, m"""
     trailer_y: Known
@@ -342,6 +344,8 @@ class Fixes(Message):
     """when roll, pitch and yaw rate were measured, ns; 0: never"""
     trailer_correction_age: Known
     """s"""
+    trailer_satellites: Byte = 0
+    """in use; 0: not known"""
 
 
 KINDS: dict[Kind, type[Message]] = {

@@ -231,7 +231,7 @@ async def test_the_next_line_is_chosen_while_nothing_is_steered_as_the_driver_se
     one = await browser().open()
     stage.causes = {Cause.OFF_LINE}
     stage.hear_controller(line_offset=0.0)
-    stage.run(0.3, one)
+    stage.run(0.8, one)
     one.press("pass_left")
     stage.hear_controller(line_offset=3.0)
     stage.run(0.3, one)
@@ -261,6 +261,57 @@ async def test_the_line_is_not_chosen_while_it_is_steered(stage, browser):
     stage.link.ask(one.page._visitor, Action.LINE, 1.0)
     stage.run(0.1, one)
     assert Cause.STEERED.sentence[1:] in one.told()
+
+
+@staged
+async def test_a_double_tap_on_engage_is_one_and_changes_nothing_else(stage, browser):
+    one = await ready(stage, browser)
+    for _ in range(2):
+        one.press("1 Prepare")
+    stage.run(0.2, one)
+    asked = len(stage.sent)
+    one.press("2 Engage")
+    stage.run(0.1, one)
+    with one.user.client:
+        one.page._send(Action.ENGAGE)  # the button has gone, but not yet in the browser
+    one.user.find(marker="faster").click()  # what stands at its place as soon as it steers
+    stage.run(0.1, one)
+    assert [each.action for each in stage.sent[asked:] if each.action is not Action.PRESENT] == [Action.ENGAGE]
+    assert one.told() == ""
+    stage.run(1.0, one)
+    one.user.find(marker="slower").click()
+    stage.run(0.1, one)
+    assert stage.desk.set_speed == pytest.approx(1.0 - 0.2 / 3.6)
+
+
+@staged
+async def test_a_finger_that_adjusts_does_not_acknowledge_the_stop_that_comes_meanwhile(stage, browser):
+    one = await driving(stage, browser)
+    stage.standing = True
+    stage.run(1.0, one)
+    one.press("STOP")
+    while stage.engagement.state is not SupervisorState.STOPPED:
+        stage.run(0.1, one)
+    one.refresh()
+    one.press("Acknowledge")
+    stage.run(0.1, one)
+    assert stage.engagement.state is SupervisorState.STOPPED
+    stage.run(1.0, one)
+    one.press("Acknowledge")
+    stage.run(0.1, one)
+    assert stage.engagement.state is STANDBY
+
+
+@staged
+async def test_whoever_steers_is_not_led_away_by_the_menu(stage, browser):
+    one = await driving(stage, browser)
+    one.user.find(marker="runs").click()
+    assert "Press STOP first" in one.told()
+    assert one.user.back_history[-1] == "/"
+    other = await browser().open()
+    stage.run(0.2, one, other)
+    other.user.find(marker="runs").click()
+    assert other.told() == ""
 
 
 @staged

@@ -34,6 +34,12 @@ FIELD = Field(
 )
 
 
+@pytest.fixture(autouse=True)
+def plans(monkeypatch):
+    """Let maps remember what plan they are to draw."""
+    monkeypatch.setattr(FieldMap, "show_plan", lambda shown, plan: setattr(shown, "shown_plan", plan))
+
+
 def drive(stage, one, places):
     for x, y in places:
         stage.run(0.1)
@@ -56,7 +62,7 @@ async def opened(stage, browser):
 
 def scene(one):
     (found,) = (each for each in one.user.client.elements.values() if isinstance(each, FieldMap))
-    return json.loads(found._props["drawn"])
+    return json.loads(found._props["field"]) | found.shown_plan
 
 
 def control(one, label):

@@ -10,7 +10,7 @@ pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import HOST, Stage, client_id, console
-from nicegui import core
+from nicegui import core, ui
 from waiting import FakeClock
 
 from drawbar.console.guard import BURST, LARGEST, PAGE_BURST, PAGE_RATE, PAUSE, SOCKETS, Guard
@@ -18,7 +18,7 @@ from drawbar.console.passwords import load_users, save_user, verify
 from drawbar.console.visitors import COOKIE, LIFE, Rank, Visitors
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.errors import ConfigurationError
-from drawbar.messages import Action
+from drawbar.messages import Action, SupervisorState
 
 PASSWORD = "correct horse battery"
 
@@ -158,6 +158,55 @@ def test_after_logging_out_the_cookie_is_worth_nothing(users):
         return answer.status_code
 
     assert asking(test, users) == 303
+
+
+def test_whoever_logs_out_while_steering_keeps_the_stop_and_loses_the_rest(users):
+    async def test(stage, browser):
+        anna = browser()
+        await log_in(anna, "anna")
+        await anna.open()
+        stage.run(4.0, anna)
+        for text in ("1 Prepare", "2 Engage"):
+            anna.press(text)
+            stage.run(1.0, anna)
+        assert stage.link.is_engaged
+        await get(anna.user.http_client, "/logout")  # in another tab
+        before = len(stage.sent)
+        stage.run(1.0, anna)
+        with anna.user.client:
+            anna.page._send(Action.SET_SPEED, 0.5)  # a forged event
+        assert [each.action for each in stage.sent[before:]] == []
+        assert "You may look and stop" in anna.text()
+        assert shown(anna) == []  # the stop stays within reach
+        stage.run(1.5, anna)
+        assert stage.engagement.state is SupervisorState.STOPPING
+        anna.press("STOP")
+        assert stage.sent[-1].action is Action.STOP
+        stage.standing = True
+        stage.run(3.0, anna)
+        assert [shown(anna), shown(anna)] == [["/login"], []]
+
+    asking(test, users)
+
+
+def test_whoever_logs_out_sees_no_other_page_either(users):
+    async def test(stage, browser):
+        anna = browser()
+        await log_in(anna, "anna")
+        await anna.open("/fields")
+        await get(anna.user.http_client, "/logout")
+        assert shown(anna) == ["/login"]
+
+    asking(test, users)
+
+
+def shown(watcher):
+    """Show all pages what is so now, as the console's process does; return where the browser is led."""
+    led = []
+    watcher.user.client.tab_id = "tab"
+    ui.navigate.to = led.append
+    watcher.pages.refresh()
+    return led
 
 
 def test_visitors_are_forgotten_after_half_a_day():

@@ -1,10 +1,13 @@
 """The console as a process: it joins a drive, its death is survived, its records are those of the drive."""
 
 import json
+import math
 import signal
 import socket
 
+import numpy as np
 import pytest
+import shapely
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
@@ -12,7 +15,9 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 from console_process import console_process, reaches, until
 from console_stage import Stage
 
-from drawbar.console.drawing import Lines, moving, standing
+from drawbar.config import load_configuration
+from drawbar.console.drawing import Lines, moving, standing, tube_widths
+from drawbar.console.thinning import kept_points
 from drawbar.driving.letters import Step, pack
 from drawbar.driving.orders import CONSOLE
 from drawbar.guidance.figure_eight import figure_eights
@@ -20,6 +25,13 @@ from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage
 from drawbar.recording.log import encode_special
 from drawbar.simulation import build_path
+from drawbar.step.build import build_tubes
+
+NOTHING_DECLARED = [
+    f"tube.{body}.{what}={{}}"
+    for body in ("tractor", "trailer")
+    for what in ("disturbances", "estimation", "increments")
+]
 
 
 @pytest.fixture
@@ -101,6 +113,33 @@ def test_it_listens_at_loopback_only_and_is_nobody_by_itself(process):
     assert running.wait(60) in (0, -signal.SIGTERM)
     assert not (folder / ".nicegui").exists()
     assert not (folder / CONSOLE).exists()
+
+
+def test_a_long_line_is_drawn_to_the_centimetre_by_few_points():
+    path = figure_eights((3.0,) * 60, 300.0)
+    drawn = np.array(Lines(path, 0.0)(2.0)["path"])
+    assert len(path.nodes) > 100_000
+    assert len(drawn) < 10_000
+    beside = shapely.points(path.beside(2.0).nodes[::7, 1:3])
+    assert shapely.distance(beside, shapely.LineString(drawn)).max() < 0.02  # the outside of a curve is farther around
+
+
+def test_a_line_of_too_many_points_is_drawn_by_as_many_as_are_allowed():
+    angle = np.linspace(0.0, 300.0, 5000)
+    spiral = angle[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    kept = kept_points(spiral, 1e-6, 500)
+    assert 100 < len(kept) <= 500
+    assert (kept[0], kept[-1]) == (0, 4999)
+
+
+def test_tubes_are_as_wide_as_they_let_each_body_be():
+    configuration = load_configuration("articulated")
+    tubes, vehicle = build_tubes(configuration), configuration.vehicle
+    tractor, trailer = tube_widths(configuration)
+    assert tractor == pytest.approx(tubes.tractor.support(np.eye(3))[0], abs=1e-4)
+    swing = tubes.trailer.support(np.eye(2))[0]
+    assert trailer == pytest.approx((vehicle.drawbar_length + 1.05) * math.sin(swing), abs=1e-4)
+    assert tube_widths(load_configuration("articulated", NOTHING_DECLARED)) == (0, 0)
 
 
 def test_neighbours_are_so_far_from_the_driven_line_and_not_drawn_where_there_is_no_room():

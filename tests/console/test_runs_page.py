@@ -3,6 +3,7 @@
 import asyncio
 import json
 import os
+import shutil
 from dataclasses import asdict
 
 import msgspec
@@ -90,6 +91,64 @@ def test_a_run_is_exported_as_a_table_and_what_cannot_be_is_said(runs):
     (table,), told = on_page(runs, test)
     assert table.count(b"\n") == 101
     assert "not known where on Earth" in told
+
+
+def test_the_map_of_a_run_is_shown_and_served_by_its_name(runs):
+    (runs / "first").rename(runs / "first #1? 50%")
+
+    async def test(one):
+        names = [run.name for run in _listed(runs) if run.has_report]
+        for run in _listed(runs):
+            if run.name == "first #1? 50%":
+                with one.user.client:
+                    one.page._show_map(run)
+        (picture,) = (each for each in one.user.client.elements.values() if each.tag == "img")
+        answers = [await one.user.http_client.get(address) for address in (picture.props["src"], "/map/none")]
+        report = next(
+            each.props["href"] for each in one.user.client.elements.values() if "first" in str(each.props.get("href"))
+        )
+        assert (await one.user.http_client.get(report)).status_code == 200
+        return names, answers
+
+    names, (found, missing) = on_page(runs, test)
+    assert sorted(names) == ["first #1? 50%", "second"]
+    assert found.content == (runs / names[names.index("first #1? 50%")] / "map.svg").read_bytes()
+    assert (missing.status_code, missing.headers["location"]) == (303, "/runs")
+
+
+def test_three_hundred_runs_are_listed_a_few_at_a_time(runs):
+    for number in range(300):
+        folder = runs / f"earlier-{number:03d}"
+        folder.mkdir()
+        (folder / "config.toml").touch()
+        os.utime(folder, (number, number))
+
+    async def test(one):
+        before = one.text()
+        one.press("273 earlier ones")
+        return before, one.text()
+
+    before, after = on_page(runs, test)
+    assert (before.count("earlier-"), after.count("earlier-")) == (27, 57)
+    assert "earlier-299" in before
+    assert "243 earlier ones" not in before
+
+
+def test_a_run_that_somebody_else_deletes_is_told_and_goes_from_the_list(runs):
+    async def test(one):
+        (run,) = (each for each in _listed(runs) if each.name == "second")
+        with one.user.client:
+            one.page._show_map(run)
+        shutil.rmtree(runs / "second")
+        asked = [one.page._show_events(run), one.page._export(run, "CSV")]
+        with one.user.client:
+            for each in asked:
+                await each
+            one.page._show_map(run)
+        assert one.told().count("This run has been deleted meanwhile") == 3
+        return one.text()
+
+    assert "second" not in on_page(runs, test)
 
 
 def test_a_run_is_deleted_after_asking_and_the_one_that_is_on_never(runs):

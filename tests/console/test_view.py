@@ -50,6 +50,16 @@ def test_the_worse_receiver_is_shown(stage):
     assert (chip["value"], chip["good"]) == ("RTK float", False)
 
 
+@pytest.mark.parametrize(("heard", "name"), [((21, 17), "17 sat."), ((21, 0), "21 sat."), ((0, 0), "Position")])
+def test_the_fewest_satellites_are_shown_where_they_are_known(stage, heard, name):
+    stage.hear_fixes(0.0, 0.0, satellites=heard)
+    stage.hear_controller()
+    shown = picture(stage.link.gate, stage.link.controller, None, EN, stale=False, satellites=stage.link.satellites)
+    assert shown["chips"][1]["name"].endswith(name)
+    stage.now += 2 * 10**9
+    assert stage.link.satellites == 0
+
+
 def test_german_numbers_have_a_comma(stage):
     assert drawn(stage, DE, wheel_speed=1.0)["chips"][0]["value"] == "3,6 km/h"
 

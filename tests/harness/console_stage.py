@@ -38,7 +38,15 @@ from drawbar.safety.settings import SafetySettings
 
 HOST = "test"
 FRAME = LocalFrame(latitude=50.87, longitude=4.7)
-STANDING = {"speed": 1.0, "workingWidth": 3.0, "boundary": [], "tractor": [], "trailer": [], "steered": 0}
+STANDING = {
+    "speed": 1.0,
+    "workingWidth": 3.0,
+    "boundary": [],
+    "tractor": [],
+    "trailer": [],
+    "steered": 0,
+    "tubes": [0.1, 0.2],
+}
 STANDING |= {"tractorJoint": 0, "trailerJoint": 0}
 TICK = 20_000_000
 """ns"""
@@ -119,12 +127,13 @@ class Stage:
         qualities = {"tractor_quality": 5, "trailer_quality": 5}
         self.link.hear(encode(ControllerState(time=now, valid_until=now + 10**9, **counts, **(qualities | numbers))))
 
-    def hear_fixes(self, x, y, course=math.nan, quality=5):
+    def hear_fixes(self, x, y, course=math.nan, quality=5, satellites=(0, 0)):
         """Let the receivers say where the tractor's antenna is."""
         numbers = {each.name: math.nan for each in fields(Fixes)}
         numbers |= {each: 0 for each in numbers if each.endswith("_time") or each in ("sequence", "valid_until")}
         numbers |= {"time": self.now, "epoch": self.now, "first_byte": self.now, "trailer_quality": quality}
         numbers |= {"tractor_x": x, "tractor_y": y, "tractor_course": course, "tractor_quality": quality}
+        numbers |= dict(zip(("tractor_satellites", "trailer_satellites"), satellites, strict=True))
         self.link.hear(encode(Fixes(**numbers)))
 
 

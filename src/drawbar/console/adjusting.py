@@ -75,9 +75,14 @@ class Adjusting:
         self._is_open = not self._is_open
         self._show_fold()
 
+    @property
+    def folded(self) -> bool:
+        """Whether small screens hide the rows (console.css)."""
+        return bool(self._fold.visible) and not self._is_open
+
     def _show_fold(self) -> None:
-        """Let small screens fold the rows while there is a button to unfold them (console.css)."""
-        folded = self._fold.visible and not self._is_open
+        """Let small screens fold the rows while there is a button to unfold them."""
+        folded = self.folded
         for row in (self._fine, self._passes):
             row.classes(add="folded" if folded else "", remove="" if folded else "folded")
         self._fold.set_text(self._words("unfold" if folded else "fold"))

@@ -86,6 +86,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "not_known": ("not known", "unbekannt"),
     "speed": ("Speed", "Tempo"),
     "fix": ("Position", "Position"),
+    "fix_satellites": ("Position · {count} sat.", "Position · {count} Sat."),
     "corrections": ("Corrections", "Korrekturen"),
     "fix_UNKNOWN": ("unknown", "unbekannt"),
     "fix_NONE": ("none", "keine"),
@@ -209,6 +210,10 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "sound_off": ("No tones", "Kein Ton"),
     "sound": ("Sound on or off", "Ton an oder aus"),
     "language": ("Deutsch", "English"),
+    "stay": (
+        "Press STOP first: it steers only while this page is in front.",
+        "Erst STOPP drücken: Gelenkt wird nur, solange diese Seite vorn ist.",
+    ),
     "logout": ("Log out", "Abmelden"),
     "login": ("Log in", "Anmelden"),
     "name": ("Name", "Name"),
@@ -216,6 +221,9 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "login_failed": ("Name or password is wrong", "Name oder Passwort ist falsch"),
     "login_wait": ("Too many attempts: wait a minute", "Zu viele Versuche: eine Minute warten"),
     "no_runs": ("There are no runs in {folder}.", "In {folder} sind keine Fahrten."),
+    "show_map": ("Map", "Karte"),
+    "more_runs": ("{count} earlier ones", "{count} frühere"),
+    "run_gone": ("This run has been deleted meanwhile.", "Diese Fahrt wurde inzwischen gelöscht."),
     "open_report": ("Open the report", "Bericht öffnen"),
     "recorded_now": ("is being recorded now", "wird gerade aufgezeichnet"),
     "still_written": (

@@ -63,7 +63,7 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     """Return the console's own socket, its end of the drive, and all pages."""
     from drawbar.config import load_configuration
     from drawbar.console.audit import Audit
-    from drawbar.console.drawing import Lines, boundary, standing
+    from drawbar.console.drawing import Lines, boundary, standing, tube_widths
     from drawbar.console.link import Link
     from drawbar.console.pages import Pages
     from drawbar.console.passwords import load_users
@@ -88,7 +88,8 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     kept = without_stand_ins(configuration) if orders.stand_ins else configuration
     frame, width = local_frame(configuration), configuration.path.working_width
     workshop = Workshop(kept, configuration, frame, fields=Path(orders.fields), setup=Path(orders.setup))
-    scene = standing(configuration.vehicle, configuration.speed, width, boundary(configuration, frame))
+    ring, tubes = boundary(configuration, frame), tube_widths(configuration)
+    scene = standing(configuration.vehicle, configuration.speed, width, ring, tubes)
     return mailbox, link, Pages(orders, link, workshop, scene, Lines(path, width), users, audit)
 
 

@@ -8,18 +8,21 @@ from typing import Any
 import numpy as np
 
 from drawbar.config import Configuration
-from drawbar.errors import DrawbarError, PathError
+from drawbar.console.thinning import kept_points
+from drawbar.control.tube.tube import SubsystemTube
+from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import read_fields
 from drawbar.fields.lines import on_plane
 from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance.importers.load import LINE_FILES
-from drawbar.guidance.path import Path
+from drawbar.guidance.path import LEAST_STRETCH, Path
 from drawbar.report.outline import tractor_outline, trailer_outline
 from drawbar.signals import Pose, StepRecord
+from drawbar.step.build import build_tubes
 from drawbar.vehicle.parameters import VehicleParameters
 
-_POINTS = 2000
-"""of the path, at most"""
+_TOLERANCE, _POINTS = 0.01, 20_000
+"""m by which the drawn line may leave the path, as long as it takes no more points"""
 _STEERED = 2
 """shapes of the tractor's outline that are its front wheels, the last ones"""
 _BESIDE = (-2, -1, 1, 2)
@@ -60,7 +63,10 @@ class Lines:
 
     def __init__(self, path: Path, working_width: float) -> None:
         """Take the configured line, and the distance between lines, m; 0: there is only one."""
-        self._path, self._width = path, working_width
+        nodes, curvatures = path.nodes, path.sample(path.nodes[:, 0])[:, 3]
+        self._nodes = nodes[kept_points(nodes[:, 1:3], _TOLERANCE, _POINTS)]
+        self._tightest = float(curvatures.min()), float(curvatures.max())
+        self._width = working_width
         self._newest = (0.0, self._drawn(0.0))
 
     def __call__(self, offset: float) -> dict[str, Any]:
@@ -75,12 +81,11 @@ class Lines:
         return {"path": self._beside(offset), "neighbours": [each for each in drawn if each]}
 
     def _beside(self, offset: float) -> Points:
-        try:
-            nodes = self._path.beside(offset).nodes
-        except PathError:
+        """Return the parallel line so far to the left, m; empty where the path curves too tightly for one."""
+        if not min(1.0 - offset * each for each in self._tightest) > LEAST_STRETCH:
             return []
-        every = max(1, len(nodes) // _POINTS)
-        return _rounded(np.vstack([nodes[::every, 1:3], nodes[-1:, 1:3]]))
+        _, x, y, yaw = self._nodes.T
+        return _rounded(np.column_stack([x - offset * np.sin(yaw), y + offset * np.cos(yaw)]))
 
 
 def boundary(configuration: Configuration, frame: LocalFrame) -> Points:
@@ -97,13 +102,39 @@ def boundary(configuration: Configuration, frame: LocalFrame) -> Points:
     return [] if ring is None else _rounded(on_plane(ring, frame))
 
 
-def standing(vehicle: VehicleParameters, speed: float, working_width: float, ring: Points) -> dict[str, Any]:
-    """Return what never changes, as JSON: both bodies' shapes in their own frames, set speed (m/s), boundary."""
+def tube_widths(configuration: Configuration) -> tuple[float, float]:
+    """Return how far beside its plan the tubes let tractor and trailer be, m; 0 where none is declared.
+
+    The tube of the product's trailer is one of its articulation: it swings about the hitch by so much.
+    """
+    tubes, vehicle = build_tubes(configuration), configuration.vehicle
+    if tubes is None:
+        return 0.0, 0.0
+    lever = vehicle.drawbar_length + vehicle.trailer_length - vehicle.trailer_antenna
+    return _width(tubes.tractor, lever), _width(tubes.trailer, lever)
+
+
+def _width(tube: SubsystemTube, lever: float) -> float:
+    first = tube.model.states[0]
+    extent = float(tube.support(np.eye(1, len(tube.model.states)))[0])
+    width = lever * math.sin(min(extent, 0.5 * math.pi)) if first == "articulation" else extent
+    return round(width, 4) if math.isfinite(width) else 0.0
+
+
+def standing(
+    vehicle: VehicleParameters,
+    speed: float,
+    working_width: float,
+    ring: Points,
+    tubes: tuple[float, float] = (0.0, 0.0),
+) -> dict[str, Any]:
+    """Return what never changes, as JSON: both bodies' shapes in their own frames, set speed (m/s), boundary, tubes."""
     axle = -vehicle.trailer_antenna
     return {
         "speed": speed,
         "workingWidth": working_width,
         "boundary": ring,
+        "tubes": list(tubes),
         "tractor": _shapes(tractor_outline(_ZERO, 0.0, vehicle)),
         "trailer": _shapes(trailer_outline(_ZERO, vehicle)),
         "steered": _STEERED,

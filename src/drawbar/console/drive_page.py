@@ -1,6 +1,6 @@
 """Drive page: what one needs to drive, on one screen. Built of the board, the instruments and the controls."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Any
 
 from nicegui import ui
@@ -10,11 +10,13 @@ from drawbar.console.drawing import Lines
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
+from drawbar.console.taps import Taps
 from drawbar.console.view import Board, board, display_name, picture
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.messages import Action
 from drawbar.safety.causes import Cause
+from drawbar.safety.desk import ALWAYS
 
 _TEXTS = ("old", "map", "zoom_in", "zoom_out", "whole")
 
@@ -30,6 +32,7 @@ class DrivePage:
         self._speed, self._working_width = float(standing["speed"]), float(standing["workingWidth"])
         self._offset, self._lost = 0.0, False
         self._shown: Board | None = None
+        self._taps = Taps()
         self._told = link.session(visitor).told
         with ui.element("div").classes("cockpit"):
             self._build_bar(login=login)
@@ -63,6 +66,7 @@ class DrivePage:
         )
         if shown != self._shown:
             self._show(shown)
+        self._taps.show(self._places(shown), now)
         self._show_wishes(mine=mine, driving=gate is not None and bool(gate.steers))
         if session.told != self._told and session.refusal is not None:
             self._told = session.told
@@ -74,7 +78,8 @@ class DrivePage:
         if self._instruments.may_draw:
             self._adjusting.refresh()
             self._show_lines()
-            self._instruments.draw(picture(gate, link.controller, link.moving, words, stale=link.is_stale))
+            seen = picture(gate, link.controller, link.moving, words, stale=link.is_stale, satellites=link.satellites)
+            self._instruments.draw(seen)
 
     def _announce_lost_record(self) -> None:
         """Tell, once, that nothing is recorded any more: steering goes on, and the list of worries may be long."""
@@ -99,9 +104,9 @@ class DrivePage:
         with self._bar:
             self._symbol = ui.label().classes("symbol").props("aria-hidden=true")
             with ui.element("div").classes("words"):
-                self._word = ui.label().classes("word")
+                self._word = ui.label().classes("word").props("role=heading aria-level=1")
                 self._detail = ui.label().classes("detail")
-            menu(self._words, login=login)
+            menu(self._words, login=login, may_leave=self._may_leave)
 
     def _build_controls(self) -> None:
         words, ask = self._words, self._ask
@@ -127,10 +132,34 @@ class DrivePage:
         return lambda: self._send(action)
 
     def _send(self, action: Action, value: float = 0.0) -> None:
+        now = self._link.clock()
+        if action not in ALWAYS and not self._taps.counts(action, now):
+            return
         session = self._link.session(self._visitor)
         told = session.told
-        if not self._link.ask(self._visitor, action, value) and session.told == told:
+        if self._link.ask(self._visitor, action, value):
+            self._taps.ask(action, now)
+        elif session.told == told:
             self._notify(self._words("too_often"))
+
+    def _places(self, shown: Board) -> dict[Action, Hashable]:
+        """Return what the place of each action's button depends on: it stands above those that come and go below."""
+        row = (shown.may_acknowledge, shown.steers)
+        rows = (*row, self._adjusting.folded, shown.may_choose_line)
+        fine = (*rows, shown.may_adjust)
+        return {
+            Action.ARM: row,
+            Action.ACKNOWLEDGE: row,
+            Action.LINE: rows,
+            Action.NUDGE: fine,
+            Action.SET_SPEED: fine,
+        }
+
+    def _may_leave(self) -> bool:
+        """Return whether the vehicle is not steered under this visitor's eyes."""
+        gate = self._link.gate
+        mine = gate is not None and gate.lease == self._link.session(self._visitor).number
+        return not (mine and self._link.is_engaged) or self._link.is_stale
 
     def _wish_control(self) -> None:
         self._link.wish(self._visitor)

@@ -8,6 +8,8 @@ from typing import Any
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
+from drawbar.console.under_way import UnderWay
+
 
 class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.js"):
     """The browser's drawing of a field; points are east and north, m."""
@@ -16,17 +18,28 @@ class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.
         """Take the texts, and what hears the name of a line that was touched."""
         super().__init__()
         self._props["texts"] = texts
-        self.show({"boundary": [], "lines": [], "chosen": [], "driven": [], "aside": []})
-        self._on_choose = on_choose
+        self.show_field({"boundary": [], "lines": []})
+        self._on_choose, self._under_way = on_choose, UnderWay()
         self.on("choose", self._choose)
+        self.on("moved", self._under_way.drawn, args=[])
 
-    def show(self, scene: dict[str, Any]) -> None:
-        """Draw a field: boundary, lines, the chosen pass, what will be driven, and where that is aside."""
-        self._props["drawn"] = json.dumps(scene)  # a list would be watched by NiceGUI, point by point
+    def show_field(self, field: dict[str, Any]) -> None:
+        """Draw a field, its boundary and its lines, and nothing planned on it."""
+        self._props["field"] = json.dumps(field)  # a list would be watched by NiceGUI, point by point
         self.update()
 
-    def place(self, place: list[float | None] | None, track: list[list[float]]) -> None:
-        """Draw where the tractor is (east, north, yaw), and the curve that is being recorded."""
+    def show_plan(self, plan: dict[str, Any]) -> None:
+        """Draw the chosen pass, what will be driven, and where that is aside."""
+        self.run_method("showPlan", plan)
+
+    @property
+    def may_draw(self) -> bool:
+        """Whether another place may be sent."""
+        return self._under_way.may_send
+
+    def place(self, place: list[float | None] | None, track: list[list[float]] | None) -> None:
+        """Draw where the tractor is (east, north, yaw), and the curve that is being recorded; None: as before."""
+        self._under_way.send()
         self.run_method("move", place, track)
 
     def _choose(self, event: GenericEventArguments) -> None:

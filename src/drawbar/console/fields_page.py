@@ -3,7 +3,7 @@
 import asyncio
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,7 @@ from drawbar.console.field_map import FieldMap
 from drawbar.console.link import Link
 from drawbar.console.new_line_card import NewLineCard
 from drawbar.console.page_head import PageHead, tell
+from drawbar.console.thinning import kept_points
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
@@ -27,8 +28,10 @@ from drawbar.fields.planning import PlannedPass, plan_pass
 from drawbar.geometry import Floats
 from drawbar.simulation import build_path
 
-_POINTS = 1500
-"""of a line that is drawn, at most"""
+_TOLERANCE, _POINTS = 0.005, 8000
+"""m by which what is driven may be drawn aside, as long as it takes no more points"""
+_OTHERS_TOLERANCE, _OTHERS_POINTS = 0.1, 60_000
+"""the same of the lines that may be chosen, all together"""
 _NEAR = 5000.0
 """from its first point, within which a new line belongs to a field, m"""
 _FAR = 2000.0
@@ -47,6 +50,7 @@ class FieldsPage:
         self._field: Field | None = None
         self._planned: PlannedPass | None = None
         self._wanted, self._plans = 0, False
+        self._tracked = 0  # points of the recorded curve that are drawn
         self._head = PageHead(link, visitor, words, words("fields"), login=login)
         with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
             with ui.element("div").classes("left"):
@@ -65,17 +69,27 @@ class FieldsPage:
         self._take.set_enabled(self._may_take())
         if self._visitor.may_drive:
             self._new_line.refresh()
+        if self._map.may_draw:
+            self._show_place()
+
+    def _show_place(self) -> None:
+        """Draw where the tractor is, and the curve that is being recorded as far as it is new."""
+        place, track = self._link.surveyor.place, self._link.surveyor.track
+        at = self._moved([place[:2]])[0].tolist() if place is not None else None
+        yaw = place[2] if place is not None and math.isfinite(place[2]) else None
+        points = track.points if track is not None else []
+        fresh = None
+        if len(points) != self._tracked:
+            self._tracked = len(points)
+            moved = self._moved(points)
+            fresh = _rounded(moved, _TOLERANCE, _POINTS)
+        self._map.place([*at, yaw] if at is not None else None, fresh)
+
+    def _moved(self, points: Sequence[tuple[float, float]]) -> Floats:
+        """Return points of the drive's frame, m, in the field's, (n, 2) m."""
         field = self._field
         frame = self._workshop.frame if field is None or field.is_empty else field.frame()
-        place, track = self._link.surveyor.place, self._link.surveyor.track
-        at = self._moved(np.array([place[:2]]), frame)[0] if place is not None else None
-        yaw = place[2] if place is not None and math.isfinite(place[2]) else None
-        drawn = self._moved(np.array(track.points), frame) if track is not None and track.points else []
-        self._map.place([*at, yaw] if at is not None else None, drawn)
-
-    def _moved(self, points: Floats, frame: Any) -> list[Any]:
-        """Return points of the drive's frame in the field's, rounded."""
-        return _rounded(on_plane(on_earth(points, self._workshop.frame), frame))
+        return on_plane(on_earth(np.reshape(points, (-1, 2)), self._workshop.frame), frame)
 
     def _build_choice(self) -> None:
         words = self._words
@@ -111,6 +125,8 @@ class FieldsPage:
         except DrawbarError as error:
             self._field = None
             tell(self._words.message(error))
+        self._tracked = -1  # in the frame of another field
+        self._map.show_field(_drawn_field(self._field))
         lines = [line.name for line in self._field.lines] if self._field is not None else []
         self._lines.set_options(lines, value=lines[0] if lines else None)
         self._replan()
@@ -147,7 +163,7 @@ class FieldsPage:
         self._flaw.set_text(flaw)
         self._told.set_text(self._said())
         self._take.set_enabled(self._may_take())
-        self._map.show(self._scene())
+        self._map.show_plan(_drawn_plan(planned))
 
     def _plan(self, field: Field, line: str) -> Callable[[], PlannedPass]:
         """Return what plans the pass that is chosen now; raises PathError."""
@@ -184,21 +200,6 @@ class FieldsPage:
         here = on_plane(on_earth(np.array([place[:2]]), self._workshop.frame), self._field.frame())
         metres = float(np.hypot(*(self._planned.drivable.recorded - here).T).min())
         return self._words("far_away", km=f"{metres / 1e3:.0f}") if metres > _FAR else ""
-
-    def _scene(self) -> dict[str, Any]:
-        field, planned = self._field, self._planned
-        if field is None or field.is_empty:
-            return {"name": "", "boundary": [], "lines": [], "chosen": [], "driven": [], "aside": []}
-        frame = field.frame()
-        lines = [{"name": line.name, "points": _rounded(on_plane(line.points, frame))} for line in field.lines]
-        return {
-            "name": field.name,
-            "boundary": _rounded(on_plane(field.boundary, frame)) if field.boundary is not None else [],
-            "lines": lines,
-            "chosen": _rounded(planned.drivable.recorded) if planned is not None else [],
-            "driven": _rounded(planned.drivable.path.nodes[:, 1:3]) if planned is not None else [],
-            "aside": [_rounded(piece) for piece in planned.aside] if planned is not None else [],
-        }
 
     def _may_take(self) -> bool:
         return self._planned is not None and self._visitor.may_drive and not self._link.is_engaged
@@ -256,8 +257,31 @@ def _is_near(field: Field, degrees: Floats) -> bool:
     return field.is_empty or float(np.abs(on_plane(degrees[:1], field.frame())).max()) <= _NEAR
 
 
-def _rounded(points: Floats) -> list[Any]:
-    every = max(1, len(points) // _POINTS)
-    thinned = points if every == 1 else np.vstack([points[::every], points[-1:]])
-    rounded: list[Any] = np.round(thinned, 3).tolist()
+def _drawn_field(field: Field | None) -> dict[str, Any]:
+    """Return what is drawn of a field, m of its own frame."""
+    if field is None or field.is_empty:
+        return {"boundary": [], "lines": []}
+    frame, most = field.frame(), max(_OTHERS_POINTS // max(len(field.lines), 1), 2)
+    lines = [
+        {"name": line.name, "points": _rounded(on_plane(line.points, frame), _OTHERS_TOLERANCE, most)}
+        for line in field.lines
+    ]
+    ring = on_plane(field.boundary, frame) if field.boundary is not None else np.empty((0, 2))
+    return {"boundary": _rounded(ring, _TOLERANCE, _POINTS), "lines": lines}
+
+
+def _drawn_plan(planned: PlannedPass | None) -> dict[str, Any]:
+    """Return what is drawn of the chosen pass: as it was recorded, as it will be driven, and where that is aside."""
+    if planned is None:
+        return {"chosen": [], "driven": [], "aside": []}
+    drivable = planned.drivable
+    return {
+        "chosen": _rounded(drivable.recorded, _TOLERANCE, _POINTS),
+        "driven": _rounded(drivable.path.nodes[:, 1:3], _TOLERANCE, _POINTS),
+        "aside": [_rounded(piece, _TOLERANCE, _POINTS) for piece in planned.aside],
+    }
+
+
+def _rounded(points: Floats, tolerance: float, most: int) -> list[Any]:
+    rounded: list[Any] = np.round(points[kept_points(points, tolerance, most)], 3).tolist()
     return rounded

@@ -58,6 +58,7 @@ class Link:
         self._deviations: Mapping[str, float] = {}
         self.steps: deque[ShownStep] = deque(maxlen=_STEPS)
         """the newest control steps"""
+        self._fixes: Fixes | None = None
         self.devices = DeviceRates()
         self.surveyor = Surveyor(mast, clock)
         self.hand_log = HandLog()
@@ -96,6 +97,14 @@ class Link:
         wheels = self.controller.wheel_speed
         return wheels if math.isfinite(wheels) else self.controller.receiver_speed
 
+    @property
+    def satellites(self) -> int:
+        """In use by the receiver that has the fewest, of those that say how many; 0: not known."""
+        fixes = self._fixes
+        if fixes is None or self.clock() - fixes.time > STALE:
+            return 0
+        return min((each for each in (fixes.tractor_satellites, fixes.trailer_satellites) if each), default=0)
+
     def motion(self) -> Motion:
         """Return how the tractor moves, by its receiver."""
         return self._motion
@@ -117,6 +126,7 @@ class Link:
         if isinstance(message, GateState | ControllerState | Fixes):
             self.devices.hear(message, self.clock())
         if isinstance(message, Fixes):
+            self._fixes = message
             self._motion = Motion(1e-9 * message.epoch, message.tractor_speed, message.tractor_yaw_rate)
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
             self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)

@@ -1,28 +1,43 @@
 """Menu: the pages, language, light or dark, sound; the same on every page."""
 
 import json
+from collections.abc import Callable
 
 from nicegui import ui
 
 from drawbar.console.words import Words
 
-_PAGES = (("drive", "/"), ("fields", "/fields"), ("setup", "/setup"), ("runs", "/runs"), ("inside", "/inside"))
+ADDRESSES = {"drive": "/", "fields": "/fields", "setup": "/setup", "runs": "/runs", "inside": "/inside"}
+"""of the pages, by the catalogue's key of their names"""
 _LOOKS = {"dark": True, "light": False}
 """by what a browser remembers (menu.js)"""
 
 
-def menu(words: Words, *, login: bool) -> None:
-    """Build the button and its menu; login: there is somebody to log out."""
+def menu(words: Words, *, login: bool, may_leave: Callable[[], bool] = lambda: True) -> None:
+    """Build the button and its menu.
+
+    Args:
+        words: texts.
+        login: there is somebody to log out.
+        may_leave: returns whether nobody is missed who leaves the page; else that is told, and the page stays.
+    """
     request = ui.context.client.request
     ui.dark_mode(_LOOKS.get(request.cookies.get("drawbar-look", "") if request is not None else ""))
     told = ", ".join(json.dumps(words(key)) for key in ("sound_on", "sound_off"))
+
+    def leave(address: str) -> None:
+        if may_leave():
+            ui.navigate.to(address)
+        else:
+            ui.notify(words("stay"), type="warning", position="top", timeout=8000, multi_line=True)
+
     with ui.button(icon="menu", color=None).props(f'flat round aria-label="{words("menu")}"'), ui.menu():
-        for key, address in _PAGES:
-            ui.menu_item(words(key), lambda address=address: ui.navigate.to(address))
+        for key, address in ADDRESSES.items():
+            ui.menu_item(words(key), lambda address=address: leave(address)).mark(key)
         ui.separator()
         ui.menu_item(words("look"), lambda: ui.run_javascript("toggleLook()"))
         ui.menu_item(words("sound"), lambda: ui.run_javascript(f"toggleSound({told})"))
-        other = "en" if words.language == "de" else "de"
-        ui.menu_item(words("language"), lambda: ui.navigate.to(f"/language/{other}"))
+        other, here = "en" if words.language == "de" else "de", request.url.path if request is not None else ""
+        ui.menu_item(words("language"), lambda: leave(f"/language/{other}?page={here}"))
         if login:
-            ui.menu_item(words("logout"), lambda: ui.navigate.to("/logout"))
+            ui.menu_item(words("logout"), lambda: leave("/logout"))

@@ -18,7 +18,7 @@ class PageHead:
         self._link, self._visitor, self._words = link, visitor, words
         with ui.element("header").classes("bar page-bar") as self._bar:
             with ui.element("div").classes("words"):
-                ui.label(title).classes("word")
+                ui.label(title).classes("word").props("role=heading aria-level=1")
                 self._state = ui.label().classes("detail").props("role=status")
             ui.button(words("stop"), on_click=self._stop, color=None).props("no-caps unelevated").classes("bar-stop")
             menu(words, login=login)

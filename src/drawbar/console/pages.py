@@ -1,5 +1,6 @@
 """Pages: puts guard, login and pages into NiceGUI's application."""
 
+import time
 import traceback
 from collections.abc import Mapping
 from copy import copy
@@ -9,18 +10,19 @@ from typing import Any, Protocol
 from nicegui import app, core, ui
 from nicegui.client import Client
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, RedirectResponse, Response
 
 from drawbar.console.audit import Audit
 from drawbar.console.drawing import Lines
 from drawbar.console.drive_page import DrivePage
 from drawbar.console.fields_page import FieldsPage
-from drawbar.console.guard import VISITOR, Guard
+from drawbar.console.guard import LOGIN, VISITOR, Guard
 from drawbar.console.inside_page import InsidePage
 from drawbar.console.link import Link
 from drawbar.console.login import Login
+from drawbar.console.menu import ADDRESSES
 from drawbar.console.passwords import User
-from drawbar.console.runs_page import RunsPage, report_of
+from drawbar.console.runs_page import MAP, REPORT, RunsPage, file_of
 from drawbar.console.set_up_page import SetUpPage
 from drawbar.console.visitors import Visitor, Visitors
 from drawbar.console.words import Words, language_of
@@ -30,6 +32,8 @@ from drawbar.realtime import say
 
 _STATIC = Path(__file__).parent / "static"
 _LANGUAGE = "drawbar-language"
+_LEAVING = 5.0
+"""within which a browser follows to the login, s; the page that it leaves is deleted then"""
 
 
 class Page(Protocol):
@@ -78,24 +82,35 @@ class Pages:
         app.add_api_route("/logout", self._desk.logout, methods=["GET"])
         app.add_api_route("/language/{language}", _choose_language, methods=["GET"])
         app.add_api_route("/report/{name}", self._report, methods=["GET"])
-        ui.page("/", title="drawbar")(self._drive_page)
-        ui.page("/fields", title="drawbar")(self._fields_page)
-        ui.page("/setup", title="drawbar")(self._set_up_page)
-        ui.page("/runs", title="drawbar")(self._runs_page)
-        ui.page("/inside", title="drawbar")(self._inside_page)
+        app.add_api_route("/map/{name}", self._map, methods=["GET"])
+        ui.page(ADDRESSES["drive"])(self._drive_page)
+        ui.page(ADDRESSES["fields"])(self._fields_page)
+        ui.page(ADDRESSES["setup"])(self._set_up_page)
+        ui.page(ADDRESSES["runs"])(self._runs_page)
+        ui.page(ADDRESSES["inside"])(self._inside_page)
         app.on_delete(lambda client: self._open.pop(client.id, None))
 
     def refresh(self) -> None:
         """Show on all open pages what is so now."""
-        for client_id, (_, page) in list(self._open.items()):
+        for client_id, (visitor, page) in list(self._open.items()):
             client = Client.instances.get(client_id)
             if client is None or not client.has_socket_connection:
                 continue
             try:
                 with client:
+                    if self._visitors.find(visitor.token, time.monotonic()) is None:
+                        self._send_away(client, page)
                     page.refresh()
             except Exception:  # one page that cannot be shown must not end the others
                 say(traceback.format_exc())
+
+    def _send_away(self, client: Client, page: Page) -> None:
+        """Show the login to somebody who is not known any more; while the vehicle is steered, a drive page can stop."""
+        if isinstance(page, DrivePage) and self._link.is_engaged:
+            return
+        del self._open[client.id]
+        ui.navigate.to(LOGIN if self._login else "/")
+        ui.timer(_LEAVING, client.delete, once=True)
 
     def _owns(self, client_id: str, visitor: Visitor) -> bool:
         found = self._open.get(client_id)
@@ -106,34 +121,35 @@ class Pages:
         return Words(language_of(chosen, self._orders.language))
 
     def _drive_page(self, request: Request) -> None:
-        visitor, words = self._begin(request)
+        visitor, words = self._begin(request, "drive")
         self._opened(visitor, DrivePage(self._link, visitor, words, self._standing, self._lines, login=self._login))
 
     def _fields_page(self, request: Request) -> None:
-        visitor, words = self._begin(request)
+        visitor, words = self._begin(request, "fields")
         self._opened(visitor, FieldsPage(self._workshop, self._link, visitor, words, self._audit, login=self._login))
 
     def _set_up_page(self, request: Request) -> None:
-        visitor, words = self._begin(request)
+        visitor, words = self._begin(request, "setup")
         page = SetUpPage(self._workshop, self._link, visitor, words, self._audit, login=self._login)
         self._opened(visitor, page)
 
     def _runs_page(self, request: Request) -> None:
-        visitor, words = self._begin(request)
+        visitor, words = self._begin(request, "runs")
         folder, current = Path(self._orders.runs), Path(self._orders.configuration).parent
         page = RunsPage(folder, current, self._link, visitor, words, self._audit, login=self._login)
         self._opened(visitor, page)
 
     def _inside_page(self, request: Request) -> None:
-        visitor, words = self._begin(request)
+        visitor, words = self._begin(request, "inside")
         self._opened(visitor, InsidePage(self._link, visitor, words, login=self._login))
 
     def _opened(self, visitor: Visitor, page: Page) -> None:
         self._open[ui.context.client.id] = (visitor, page)
 
-    def _begin(self, request: Request) -> tuple[Visitor, Words]:
+    def _begin(self, request: Request, name: str) -> tuple[Visitor, Words]:
         visitor: Visitor = request.scope[VISITOR]
         words = self._words(request)
+        ui.page_title(f"{words(name)} · drawbar")
         ui.add_head_html('<link rel="stylesheet" href="/drawbar/console.css"><script src="/drawbar/menu.js"></script>')
         client = ui.context.client
         client.page = copy(client.page)  # the page of this browser alone
@@ -147,11 +163,17 @@ class Pages:
         return await self._desk.attempt(request, self._words(request))
 
     def _report(self, name: str) -> Response:
-        path = report_of(Path(self._orders.runs), name)
-        return FileResponse(path) if path is not None else PlainTextResponse("There is no such report.", 404)
+        return self._file_of_run(name, REPORT)
+
+    def _map(self, name: str) -> Response:
+        return self._file_of_run(name, MAP)
+
+    def _file_of_run(self, name: str, file: str) -> Response:
+        path = file_of(Path(self._orders.runs), name, file)
+        return FileResponse(path) if path is not None else RedirectResponse(ADDRESSES["runs"], 303)
 
 
-def _choose_language(language: str) -> Response:
-    answer = RedirectResponse("/", 303)
+def _choose_language(language: str, page: str = "") -> Response:
+    answer = RedirectResponse(page if page in ADDRESSES.values() else ADDRESSES["drive"], 303)
     answer.set_cookie(_LANGUAGE, "de" if language == "de" else "en", max_age=365 * 86400, samesite="strict")
     return answer

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from urllib.parse import quote
 
 from nicegui import ui
 
@@ -16,16 +17,18 @@ from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.run_comparison import FIGURES, read_metrics, value_of
 from drawbar.console.run_events import run_events
-from drawbar.console.visitors import Rank, Visitor
+from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.recording.log import read_log
 from drawbar.recording.table import write_csv
 from drawbar.recording.tracks import write_geojson
 
-REPORT, CONFIGURATION, LOG = "report.html", "config.toml", "log.mcap"
-MOST = 200
-"""runs that are listed"""
+REPORT, MAP, CONFIGURATION, LOG = "report.html", "map.svg", "config.toml", "log.mcap"
+MOST = 1000
+"""runs that are known, the newest"""
+_LISTED = 30
+"""that are listed at first, and more by each touch of a button: each costs time while others drive"""
 _WRITTEN = 60.0
 """after the last change of a run's files, until which it is not deleted, s"""
 _KINDS = {"CSV": (".csv", write_csv), "GeoJSON": (".geojson", write_geojson)}
@@ -40,6 +43,10 @@ class Run:
     """of its last change, s since the epoch"""
     has_report: bool
 
+    def address(self, kind: str) -> str:
+        """Return where the console serves a file of it: its `report` or `map`."""
+        return f"/{kind}/{quote(self.name, safe='')}"
+
 
 def list_runs(folder: Path) -> list[Run]:
     """Return the runs in a folder, newest first."""
@@ -51,9 +58,10 @@ def list_runs(folder: Path) -> list[Run]:
     return sorted(runs, key=lambda run: run.time, reverse=True)[:MOST]
 
 
-def report_of(folder: Path, name: str) -> Path | None:
-    """Return the report of a run by its name; None: there is none. Names are looked up, never joined to a path."""
-    return next((folder / run.name / REPORT for run in list_runs(folder) if run.name == name and run.has_report), None)
+def file_of(folder: Path, name: str, file: str) -> Path | None:
+    """Return a file of a run by its name; None: there is none. Names are looked up, never joined to a path."""
+    found = (folder / run.name / file for run in list_runs(folder) if run.name == name)
+    return next((path for path in found if path.is_file()), None)
 
 
 class RunsPage:
@@ -66,11 +74,12 @@ class RunsPage:
         self._folder, self._current, self._visitor, self._words, self._audit = folder, current, visitor, words, audit
         self._head = PageHead(link, visitor, words, words("runs"), login=login)
         with ui.element("div").classes("page wide"):
-            self._build_comparison()
+            self._comparison = ui.element("div")
             self._shown = ui.element("section").classes("card")
             self._shown.set_visibility(False)
             self._list = ui.element("div")
-        self._show_list()
+        self._listed = _LISTED
+        self._show_all()
 
     def refresh(self) -> None:
         """Show how the drive is."""
@@ -82,6 +91,12 @@ class RunsPage:
             .props("no-caps unelevated")
             .classes("action")
         )
+
+    def _show_all(self) -> None:
+        self._comparison.clear()
+        with self._comparison:
+            self._build_comparison()
+        self._show_list()
 
     def _build_comparison(self) -> None:
         names = [run.name for run in list_runs(self._folder) if read_metrics(self._folder / run.name) is not None]
@@ -106,20 +121,31 @@ class RunsPage:
         with self._list:
             if not runs:
                 ui.label(words("no_runs", folder=str(self._folder)))
-            for run in runs:
+            for run in runs[: self._listed]:
                 with ui.element("div").classes("run"):
-                    with ui.element("b"):
-                        ui.label(run.name)
-                    ui.label(time.strftime("%Y-%m-%d %H:%M", time.localtime(run.time)))
-                    if run.has_report:
-                        ui.link(words("open_report"), f"/report/{run.name}")
-                    else:
-                        ui.label(words("recorded_now" if self._is_current(run) else "no_report"))
-                    self._button("events", partial(self._show_events, run))
-                    for kind in _KINDS:
-                        self._button("export_as", partial(self._export, run, kind), kind=kind)
-                    if self._visitor.rank >= Rank.MAINTAINER and not self._is_current(run):
-                        self._button("delete", partial(self._ask_deletion, run))
+                    self._build_run(run)
+            if len(runs) > self._listed:
+                self._button("more_runs", self._show_more, count=str(len(runs) - self._listed))
+
+    def _show_more(self) -> None:
+        self._listed += _LISTED
+        self._show_list()
+
+    def _build_run(self, run: Run) -> None:
+        words = self._words
+        with ui.element("b"):
+            ui.label(run.name)
+        ui.label(time.strftime("%Y-%m-%d %H:%M", time.localtime(run.time)))
+        if run.has_report:
+            ui.link(words("open_report"), run.address("report"), new_tab=True)
+            self._button("show_map", partial(self._show_map, run))
+        else:
+            ui.label(words("recorded_now" if self._is_current(run) else "no_report"))
+        self._button("events", partial(self._show_events, run))
+        for kind in _KINDS:
+            self._button("export_as", partial(self._export, run, kind), kind=kind)
+        if self._visitor.may_maintain and not self._is_current(run):
+            self._button("delete", partial(self._ask_deletion, run))
 
     def _is_current(self, run: Run) -> bool:
         return (self._folder / run.name).resolve() == self._current.resolve()
@@ -129,8 +155,8 @@ class RunsPage:
         names = (self._one.value, self._other.value)
         known = [run.name for run in list_runs(self._folder)]
         found = {name: read_metrics(self._folder / name) or {} for name in names if name in known}
-        if len(found) != len(set(names)):  # one was deleted meanwhile
-            self._show_list()
+        if len(found) != len(set(names)):
+            self._tell_gone()
             return
         self._begin(words("compare_two"))
         with self._shown, ui.element("div").classes("scroll"), ui.element("table").classes("figures-table"):
@@ -154,7 +180,29 @@ class RunsPage:
         with self._shown, ui.element("h2"):
             ui.label(title)
 
+    def _tell_gone(self) -> None:
+        """Say that a run is not there any more: somebody else has deleted it."""
+        tell(self._words("run_gone"))
+        self._shown.set_visibility(False)
+        self._show_all()
+
+    def _is_there(self, run: Run) -> bool:
+        if (self._folder / run.name / CONFIGURATION).is_file():
+            return True
+        self._tell_gone()
+        return False
+
+    def _show_map(self, run: Run) -> None:
+        if not self._is_there(run):
+            return
+        self._begin(f"{self._words('show_map')}: {run.name}")
+        with self._shown:
+            picture = ui.element("img").classes("run-map")
+            picture.props["src"], picture.props["alt"] = run.address("map"), f"{self._words('show_map')}: {run.name}"
+
     async def _show_events(self, run: Run) -> None:
+        if not self._is_there(run):
+            return
         try:
             log, is_on = self._folder / run.name / LOG, self._is_current(run)
             events = await asyncio.to_thread(run_events, log, self._words, is_on=is_on)
@@ -169,6 +217,8 @@ class RunsPage:
                 ui.label(f"{time.strftime('%H:%M:%S', time.localtime(event.time))}  {event.text}").classes("event")
 
     async def _export(self, run: Run, kind: str) -> None:
+        if not self._is_there(run):
+            return
         suffix, write = _KINDS[kind]
 
         def content() -> bytes:
@@ -184,6 +234,8 @@ class RunsPage:
 
     def _ask_deletion(self, run: Run) -> None:
         """Show what would be deleted, and delete it when that is confirmed."""
+        if not self._is_there(run):
+            return
         self._begin(self._words("delete_really", name=run.name))
         with self._shown, ui.element("div").classes("line-up"):
             self._button("delete_now", lambda: self._delete(run))
@@ -191,7 +243,7 @@ class RunsPage:
 
     def _delete(self, run: Run) -> None:
         known = any(each.name == run.name for each in list_runs(self._folder))
-        if not known or self._is_current(run) or self._visitor.rank < Rank.MAINTAINER:
+        if not known or self._is_current(run) or not self._visitor.may_maintain:
             return
         newest = max((each.stat().st_mtime for each in (self._folder / run.name).iterdir()), default=0.0)
         if time.time() - newest < _WRITTEN:  # another drive may be on
@@ -201,9 +253,10 @@ class RunsPage:
             shutil.rmtree(self._folder / run.name)
         except OSError as error:
             tell(f"{run.name}: {self._words.message(error.strerror)}")
-        self._audit.write(self._visitor, "DELETE_RUN", run=run.name)
+        else:
+            self._audit.write(self._visitor, "DELETE_RUN", run=run.name)
         self._shown.set_visibility(False)
-        self._show_list()
+        self._show_all()
 
 
 def _row(tag: str, *texts: str) -> None:

@@ -16,7 +16,7 @@ from drawbar.console.set_up_words import changes, flaws, shown_name
 from drawbar.console.valve_card import ValveCard
 from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
 from drawbar.console.versions import Version, read_version
-from drawbar.console.visitors import Rank, Visitor
+from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
@@ -102,7 +102,7 @@ class SetUpPage:
 
     @property
     def _may_change(self) -> bool:
-        return self._visitor.rank >= Rank.MAINTAINER
+        return self._visitor.may_maintain
 
     def _may_save(self) -> bool:
         return self._may_change and self._changed is not None and not self._link.is_engaged

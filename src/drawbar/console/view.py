@@ -178,15 +178,25 @@ def picture(
     words: Words,
     *,
     stale: bool,
+    satellites: int = 0,
 ) -> dict[str, Any]:
-    """Return what a browser draws ten times a second, as JSON; `seen` is what it acknowledges."""
+    """Return what a browser draws ten times a second, as JSON; `seen` is what it acknowledges.
+
+    Args:
+        gate: its newest state.
+        controller: its newest state.
+        place: where both bodies are.
+        words: texts.
+        stale: the gate's state is old.
+        satellites: in use by the receiver that has the fewest; 0: not known.
+    """
     return {
         "seen": gate.sequence if gate is not None else -1,
         "stale": stale,
         "state": gate.state.name if gate is not None else "NO_CONTACT",
         "unrecorded": gate is not None and Cause.NOT_RECORDING.value in gate.refusals,
         "bodies": [_body(controller, body, words) for body in ("tractor", "trailer")],
-        "chips": _chips(controller, words),
+        "chips": _chips(controller, satellites, words),
         "moving": place.to_browser() if place is not None else None,
         "error": _finite(controller.tractor_lateral_error) if controller is not None else None,
     }
@@ -207,13 +217,14 @@ def _body(controller: ControllerState | None, body: str, words: Words) -> dict[s
     }
 
 
-def _chips(controller: ControllerState | None, words: Words) -> list[dict[str, Any]]:
-    """Return speed, fix and corrections, each with whether it is well."""
+def _chips(controller: ControllerState | None, satellites: int, words: Words) -> list[dict[str, Any]]:
+    """Return speed, fix with satellites, and corrections, each with whether it is well."""
     if controller is None:
         return [{"name": words(key), "value": "–", "good": False} for key in ("speed", "fix", "corrections")]
     qualities = [FixQuality(each) for each in (controller.tractor_quality, controller.trailer_quality)]
     worst = min(qualities)
     age = controller.correction_age
+    fix = words("fix_satellites", count=satellites) if satellites else words("fix")
     speed = controller.wheel_speed if math.isfinite(controller.wheel_speed) else controller.receiver_speed
     return [
         {
@@ -221,7 +232,7 @@ def _chips(controller: ControllerState | None, words: Words) -> list[dict[str, A
             "value": f"{words.number(speed * KMH, 1)} km/h" if math.isfinite(speed) else words("not_known"),
             "good": math.isfinite(speed),
         },
-        {"name": words("fix"), "value": words(f"fix_{worst.name}"), "good": worst is FixQuality.FIXED},
+        {"name": fix, "value": words(f"fix_{worst.name}"), "good": worst is FixQuality.FIXED},
         {
             "name": words("corrections"),
             "value": f"{words.number(age, 0)} s" if math.isfinite(age) else words("not_known"),

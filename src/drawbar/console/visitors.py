@@ -23,7 +23,7 @@ class Rank(IntEnum):
     """change what is set up, delete runs"""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True, eq=False)
 class Visitor:
     """One browser."""
 
@@ -33,11 +33,18 @@ class Visitor:
     """of its session at the gate"""
     name: str
     rank: Rank
+    is_known: bool = True
+    """no more once the visitor has logged out, or was not heard for too long: pages that are open then look and stop"""
 
     @property
     def may_drive(self) -> bool:
         """Whether more is allowed than to look and to stop."""
-        return self.rank >= Rank.OPERATOR
+        return self.is_known and self.rank >= Rank.OPERATOR
+
+    @property
+    def may_maintain(self) -> bool:
+        """Whether what is set up may be changed, and runs deleted."""
+        return self.is_known and self.rank >= Rank.MAINTAINER
 
 
 class Visitors:
@@ -59,21 +66,23 @@ class Visitors:
         )
         self._known[visitor.token] = (visitor, time)
         if len(self._known) > MOST:
-            self._known.popitem(last=False)
+            self.dismiss(next(iter(self._known)))
         return visitor
 
     def find(self, token: str, time: float) -> Visitor | None:
-        """Return who shows this token at a time, s; None: nobody known."""
+        """Return who shows this token at a time, s, and is heard by that; None: nobody known."""
         found = self._known.get(token)
         if found is None:
             return None
         if not (time - found[1] <= LIFE):
-            del self._known[token]
+            self.dismiss(token)
             return None
         self._known[token] = (found[0], time)
         self._known.move_to_end(token)
         return found[0]
 
     def dismiss(self, token: str) -> None:
-        """Forget a visitor."""
-        self._known.pop(token, None)
+        """Forget a visitor; what pages of it are still open may only look and stop."""
+        found = self._known.pop(token, None)
+        if found is not None:
+            found[0].is_known = False

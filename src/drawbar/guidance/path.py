@@ -21,7 +21,7 @@ Complexes = NDArray[np.complex128]
 
 PIECE_LENGTH = 0.25
 """longest piece, m: the accuracy of the cubics and the grid of the projection rest on it"""
-_LEAST_STRETCH = 0.1
+LEAST_STRETCH = 0.1
 """of a parallel line against its path, where it runs inside of a curve"""
 
 _SOURCE = """\
@@ -113,7 +113,7 @@ class Path:
             return self
         nodes = self.nodes[:, 0]
         stretch = 1.0 - offset * self.sample(nodes)[:, 3]  # d(new arc length) / d(arc length)
-        if not float(stretch.min()) > _LEAST_STRETCH:
+        if not float(stretch.min()) > LEAST_STRETCH:
             raise PathError(f"there is no line {abs(offset):.2f} m beside the path: it curves too tightly")
         longest = float((np.diff(nodes) * np.maximum(stretch[1:], stretch[:-1])).max())
         pieces = math.ceil(longest / PIECE_LENGTH)  # of each of this path's

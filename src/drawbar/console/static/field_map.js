@@ -1,20 +1,22 @@
 // Field map: boundary, lines, the chosen pass, what will be driven and where that leaves it, and the tractor.
 // Points are [east, north] in m; north is up. A line is chosen by touching it.
 
+const NOTHING = Object.freeze({ chosen: [], driven: [], aside: [] }); // what is frozen is not watched, point by point
+
 export default {
   template: `
     <div class="field-map">
       <svg ref="svg" :viewBox="box.join(' ')" role="img" :aria-label="texts.field_map" preserveAspectRatio="xMidYMid meet"
         @pointerdown="grab" @pointermove="drag" @pointerup="release" @pointercancel="release" @wheel.prevent="wheel">
-        <polygon v-if="scene.boundary.length" class="boundary" :points="text(scene.boundary)" />
-        <g v-for="line in scene.lines" :key="line.name" class="line" @click="choose(line.name)">
-          <polyline class="touch" :points="text(line.points)" />
-          <polyline class="drawn" :points="text(line.points)" />
+        <polygon v-if="shown.boundary.length" class="boundary" :points="text(shown.boundary)" />
+        <g v-for="line in shown.lines" :key="line.name" class="line" @click="choose(line.name)">
+          <polyline class="touch" :points="line.text" />
+          <polyline class="drawn" :points="line.text" />
           <title>{{ line.name }}</title>
         </g>
-        <polyline class="chosen" :points="text(scene.chosen)" />
-        <polyline class="driven" :points="text(scene.driven)" />
-        <polyline v-for="(piece, i) in scene.aside" :key="i" class="aside" :points="text(piece)" />
+        <polyline class="chosen" :points="text(pass.chosen)" />
+        <polyline class="driven" :points="text(pass.driven)" />
+        <polyline v-for="(piece, i) in pass.aside" :key="i" class="aside" :points="text(piece)" />
         <polyline class="track" :points="text(track)" />
         <g v-if="at" :transform="'translate(' + at[0] + ' ' + -at[1] + ') rotate(' + turn + ') scale(' + pixel + ')'">
           <path class="tractor" d="M 16 0 L -10 10 L -5 0 L -10 -10 Z" />
@@ -27,13 +29,14 @@ export default {
       </div>
       <div class="scale"><i :style="{ width: bar / pixel + 'px' }"></i>{{ bar }} m</div>
     </div>`,
-  props: { drawn: String, texts: Object },
+  props: { field: String, texts: Object },
   data() {
-    return { box: [-50, -50, 100, 100], at: null, track: [], held: null, width: 360, height: 300 };
+    return { box: [-50, -50, 100, 100], pass: NOTHING, at: null, track: [], held: null, width: 360, height: 300 };
   },
   computed: {
-    scene() {
-      return JSON.parse(this.drawn);
+    shown() {
+      const { boundary, lines } = JSON.parse(this.field);
+      return { boundary, lines: lines.map((line) => ({ ...line, text: this.text(line.points) })) };
     },
     pixel() { // m
       return Math.max(this.box[2] / this.width, this.box[3] / this.height);
@@ -46,8 +49,10 @@ export default {
     },
   },
   watch: {
-    scene(now, before) {
-      if (JSON.stringify(now.lines) !== JSON.stringify(before.lines) || now.name !== before.name) this.fit();
+    field(now, before) {
+      if (now === before) return;
+      this.pass = NOTHING;
+      this.fit();
     },
   },
   mounted() {
@@ -67,19 +72,28 @@ export default {
     },
     move(place, track) {
       this.at = place;
-      this.track = track;
+      if (track) this.track = Object.freeze(track);
+      requestAnimationFrame(() => this.$emit("moved"));
+    },
+    showPlan(pass) {
+      const first = this.pass === NOTHING;
+      this.pass = Object.freeze(pass);
+      if (first) this.fit();
     },
     choose(name) {
       if (!this.moved) this.$emit("choose", name);
     },
     fit() {
-      const all = [...this.scene.boundary, ...this.scene.chosen, ...this.scene.lines.flatMap((line) => line.points)];
+      const all = [...this.shown.boundary, ...this.pass.chosen, ...this.shown.lines.flatMap((line) => line.points)];
       if (this.at && !all.length) all.push(this.at);
       if (!all.length) return;
-      const xs = all.map((point) => point[0]), ys = all.map((point) => -point[1]);
-      const low = [Math.min(...xs), Math.min(...ys)];
-      const size = Math.max(Math.max(...xs) - low[0], Math.max(...ys) - low[1], 10) * 0.08;
-      this.box = [low[0] - size, low[1] - size, Math.max(...xs) - low[0] + 2 * size, Math.max(...ys) - low[1] + 2 * size];
+      const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+      for (const [x, y] of all) {
+        low[0] = Math.min(low[0], x), low[1] = Math.min(low[1], -y);
+        high[0] = Math.max(high[0], x), high[1] = Math.max(high[1], -y);
+      }
+      const size = Math.max(high[0] - low[0], high[1] - low[1], 10) * 0.08;
+      this.box = [low[0] - size, low[1] - size, high[0] - low[0] + 2 * size, high[1] - low[1] + 2 * size];
     },
     zoom(factor) {
       const [x, y, w, h] = this.box;

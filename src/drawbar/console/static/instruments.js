@@ -59,8 +59,11 @@ export default {
     this.looks = new MutationObserver(() => this.paint());
     this.looks.observe(document.body, { attributes: true, attributeFilter: ["class"] });
     this.judge();
+    this.stayAwake();
+    document.addEventListener("visibilitychange", this.stayAwake);
   },
   unmounted() {
+    document.removeEventListener("visibilitychange", this.stayAwake);
     clearInterval(this.watch);
     this.observer.disconnect();
     this.looks.disconnect();
@@ -86,6 +89,10 @@ export default {
         this.paint();
         if (!picture.stale) this.$emit("drawn", picture.seen);
       });
+    },
+    // A tablet that sleeps while it has control stops the vehicle. Browsers allow this over TLS and on the same computer.
+    stayAwake() {
+      if (!document.hidden) navigator.wakeLock?.request("screen").catch(() => {});
     },
     judge() {
       this.old = this.picture.stale !== false || performance.now() - this.last > STALE;
@@ -136,6 +143,7 @@ export default {
       grid(ink, to, height, colour);
       const moving = this.picture.moving;
       if (!moving) return;
+      this.paintTubes(ink, to, view, moving.plans, colour);
       stroke(ink, to, view, moving.plans[1], colour("--trailer"), 3, [3, 4]);
       stroke(ink, to, view, moving.plans[0], colour("--tractor"), 3, []);
       this.paintBodies(ink, to, moving, colour);
@@ -150,6 +158,15 @@ export default {
       }
       const scale = this.scale * Math.min(1, Math.max(0.5, height / 180)); // both bodies, also where there is little room
       return transform(moving.tractor, moving.tractor[2], scale, [width / 2, height * 0.56]);
+    },
+    // How far beside its plan each body may be.
+    paintTubes(ink, to, view, plans, colour) {
+      ink.globalAlpha = 0.3;
+      for (const [n, name] of [[1, "--trailer"], [0, "--tractor"]]) {
+        const width = 2 * this.scene.tubes[n] * pixels(to);
+        if (width > 0) stroke(ink, to, view, plans[n], colour(name), width, []);
+      }
+      ink.globalAlpha = 1;
     },
     paintTrail(ink, to, view, colour) {
       ink.globalAlpha = 0.75;
@@ -278,10 +295,15 @@ function extent(points) {
   return [low, high];
 }
 
+// Of a metre.
+function pixels(to) {
+  const [a, b] = [to([0, 0]), to([1, 0])];
+  return Math.hypot(a[0] - b[0], a[1] - b[1]);
+}
+
 // A bar of a round length, so that distances on the map can be judged.
 function grid(ink, to, height, colour) {
-  const [a, b] = [to([0, 0]), to([1, 0])];
-  const scale = Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const scale = pixels(to);
   const length = [1, 2, 5, 10, 20, 50, 100, 200].find((each) => each * scale >= 48) || 500;
   ink.fillStyle = colour("--ground");
   ink.fillRect(6, height - 34, length * scale + 12, 30); // lines behind it would hide the figure

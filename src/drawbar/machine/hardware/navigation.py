@@ -15,6 +15,8 @@ _FRESH = 0.5
 """oldest report of the sensor board, s"""
 _VALID = 1.0
 """for how long fixes mean something, s"""
+_MOST_SATELLITES = 255
+"""that a record can tell"""
 
 
 class Navigation:
@@ -87,4 +89,5 @@ class Navigation:
             f"{name}_yaw_rate": epoch.yaw_rate if epoch else nan,
             f"{name}_attitude_time": nanoseconds(epoch.time - epoch.attitude_age) if epoch else 0,
             f"{name}_correction_age": epoch.correction_age if epoch else nan,
+            f"{name}_satellites": min(epoch.satellites or 0, _MOST_SATELLITES) if epoch else 0,
         }
