@@ -100,10 +100,10 @@ class DrivePage:
         ui.notify(text, type="warning", position="top", timeout=6000, multi_line=True)
 
     def _build_bar(self, *, login: bool) -> None:
-        self._bar = ui.element("header").classes("bar").props("role=status")
+        self._bar = ui.element("header").classes("bar")
         with self._bar:
             self._symbol = ui.label().classes("symbol").props("aria-hidden=true")
-            with ui.element("div").classes("words"):
+            with ui.element("div").classes("words").props("role=status"):
                 self._word = ui.label().classes("word").props("role=heading aria-level=1")
                 self._detail = ui.label().classes("detail")
             menu(self._words, login=login, may_leave=self._may_leave)

@@ -1,7 +1,8 @@
 """Card of import and export: files of other programs in, the field that is shown out."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
+from html import escape
 
 from nicegui import events, ui
 
@@ -13,6 +14,12 @@ from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import KINDS, WRITERS, take_in
 from drawbar.fields.field import Field
 
+_CHOOSE = """
+<q-btn no-caps unelevated icon="upload_file" label="{text}" :loading="props.isUploading" @click="props.pickFiles" />
+<input type="file" class="q-uploader__input" hidden @change="(event) => props.addFiles(event.target.files)">
+"""
+"""one button with a name; Quasar's own header has none for keyboard and screen reader"""
+
 
 class ExchangeCard:
     """Takes files, and gives them."""
@@ -22,20 +29,20 @@ class ExchangeCard:
         workshop: Workshop,
         words: Words,
         shown: Callable[[], Field | None],
-        keep: Callable[[tuple[Field, ...]], None],
+        keep: Callable[[tuple[Field, ...]], Awaitable[None]],
     ) -> None:
         """Build the card; `shown` returns the field to export, `keep` keeps what was imported."""
         self._frame, self._words, self._shown, self._keep = workshop.frame, words, shown, keep
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("import_export"))
-            ui.upload(
-                label=words("import_file"),
+            upload = ui.upload(
                 on_upload=self._take,
                 on_rejected=lambda: tell(words("too_large", size=LARGEST_UPLOAD >> 20)),
                 auto_upload=True,
                 max_file_size=LARGEST_UPLOAD,
             )
+            upload.add_slot("header", _CHOOSE.format(text=escape(words("import_file"))))
             ui.label(words("import_kinds", kinds=", ".join(KINDS))).classes("note")
             with ui.element("div").classes("line-up"):
                 self._kind = ui.select(list(WRITERS), value="GeoJSON", label=words("format")).props("outlined")
@@ -46,7 +53,7 @@ class ExchangeCard:
         data = await event.file.read()
         try:
             fields = await asyncio.to_thread(take_in, event.file.name, data, self._frame)
-            self._keep(fields)
+            await self._keep(fields)
         except DrawbarError as error:
             tell(self._words.message(error))
             return
@@ -56,7 +63,7 @@ class ExchangeCard:
         if left_out:
             tell(self._words("left_out", what=", ".join(map(self._words.message, left_out))))
 
-    def _give(self) -> None:
+    async def _give(self) -> None:
         field = self._shown()
         if field is None:
             tell(self._words("no_field"))
@@ -64,6 +71,6 @@ class ExchangeCard:
         suffix, write = WRITERS[self._kind.value]
         name = "TASKDATA.XML" if self._kind.value.startswith("ISOXML") else f"{field.name}{suffix}"
         try:
-            ui.download.content(write(field), name)
+            ui.download.content(await asyncio.to_thread(write, field), name)
         except DrawbarError as error:
             tell(self._words.message(error))

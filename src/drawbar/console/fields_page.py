@@ -49,7 +49,8 @@ class FieldsPage:
         self._workshop, self._link, self._visitor, self._words, self._audit = workshop, link, visitor, words, audit
         self._field: Field | None = None
         self._planned: PlannedPass | None = None
-        self._wanted, self._plans = 0, False
+        self._wanted, self._plans, self._loads = 0, False, False
+        self._line_wanted = ""
         self._tracked = 0  # points of the recorded curve that are drawn
         self._head = PageHead(link, visitor, words, words("fields"), login=login)
         with ui.element("div").classes("page wide"), ui.element("div").classes("columns"):
@@ -114,22 +115,30 @@ class FieldsPage:
             self._words(key), value=value, suffix=unit or None, format=shape, on_change=self._replan
         ).props("outlined debounce=300")
 
-    def _show_field(self, name: str | None) -> None:
+    def _show_field(self, name: str | None, line: str = "") -> None:
+        self._line_wanted = line
         self._fields.set_options(self._workshop.fields.names(), value=name)
         self._field_chosen()
 
     def _field_chosen(self) -> None:
-        name = self._fields.value
+        self._loads = True
+        self._replan()
+
+    async def _load_field(self) -> None:
+        """Read the field that is chosen now, and show it and its lines."""
+        self._loads, name, store = False, self._fields.value, self._workshop.fields
         try:
-            self._field = self._workshop.fields.load(name) if name else None
+            self._field = await asyncio.to_thread(store.load, name) if name else None
         except DrawbarError as error:
             self._field = None
-            tell(self._words.message(error))
+            with self._map.client:
+                tell(self._words.message(error))
         self._tracked = -1  # in the frame of another field
-        self._map.show_field(_drawn_field(self._field))
+        self._map.show_field(await asyncio.to_thread(_drawn_field, self._field))
         lines = [line.name for line in self._field.lines] if self._field is not None else []
-        self._lines.set_options(lines, value=lines[0] if lines else None)
-        self._replan()
+        first = lines[0] if lines else None
+        self._lines.set_options(lines, value=self._line_wanted if self._line_wanted in lines else first)
+        self._line_wanted = ""
 
     def _choose(self, name: str) -> None:
         if self._field is not None and any(line.name == name for line in self._field.lines):
@@ -148,11 +157,14 @@ class FieldsPage:
         """Plan in a thread, which must not hold up the pictures of those who drive, until nothing newer is wanted."""
         try:
             while True:
-                wanted, planned, flaw = self._wanted, None, ""
                 self._told.set_text(self._words("planning"))
+                if self._loads:
+                    await self._load_field()
+                wanted, planned, drawn, flaw = self._wanted, None, _drawn_plan(None), ""
                 try:
                     if self._field is not None and self._lines.value:
                         planned = await asyncio.to_thread(self._plan(self._field, self._lines.value))
+                        drawn = await asyncio.to_thread(_drawn_plan, planned)
                 except DrawbarError as error:
                     flaw = self._words.message(error)
                 if wanted == self._wanted:
@@ -163,7 +175,7 @@ class FieldsPage:
         self._flaw.set_text(flaw)
         self._told.set_text(self._said())
         self._take.set_enabled(self._may_take())
-        self._map.show_plan(_drawn_plan(planned))
+        self._map.show_plan(drawn)
 
     def _plan(self, field: Field, line: str) -> Callable[[], PlannedPass]:
         """Return what plans the pass that is chosen now; raises PathError."""
@@ -211,13 +223,9 @@ class FieldsPage:
         workshop, line = self._workshop, self._planned.line
         points = on_earth(np.column_stack([line.x, line.y]), self._field.frame())
         file = workshop.versions.next_file(workshop.configuration.name, ".geojson")
-        content = geojson.write(
-            Field(
-                name=self._field.name,
-                lines=(FieldLine(name=line.name, points=points),),
-                boundary=self._field.boundary,
-            )
-        )
+        taken = FieldLine(name=line.name, points=points)
+        field = Field(name=self._field.name, lines=(taken,), boundary=self._field.boundary)
+        content = await asyncio.to_thread(geojson.write, field)
         changes = {"path.file": str(file), "path.track": line.name, "path.working_width": float(self._width.value)}
         try:
             changed = workshop.changed([f"{key}={json.dumps(value)}" for key, value in changes.items()])
@@ -243,12 +251,11 @@ class FieldsPage:
             self._field = Field(name=kept)
         line = workshop.fields.add_line(self._field.name, FieldLine(name=name, points=degrees))
         self._audit.write(self._visitor, "NEW_LINE", field=self._field.name, line=line)
-        self._show_field(self._field.name)
-        self._lines.set_value(line)
+        self._show_field(self._field.name, line)
 
-    def _take_in(self, fields: tuple[Field, ...]) -> None:
+    async def _take_in(self, fields: tuple[Field, ...]) -> None:
         """Keep imported fields, and show the first."""
-        names = [self._workshop.fields.add(field) for field in fields]
+        names = [await asyncio.to_thread(self._workshop.fields.add, field) for field in fields]
         self._audit.write(self._visitor, "IMPORT", fields=names)
         self._show_field(names[0])
 

@@ -15,7 +15,7 @@ from nicegui import ui
 from drawbar.console.audit import Audit
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
-from drawbar.console.run_comparison import FIGURES, read_metrics, value_of
+from drawbar.console.run_comparison import FIGURES, METRICS, read_metrics, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
@@ -27,7 +27,7 @@ from drawbar.recording.tracks import write_geojson
 REPORT, MAP, CONFIGURATION, LOG = "report.html", "map.svg", "config.toml", "log.mcap"
 MOST = 1000
 """runs that are known, the newest"""
-_LISTED = 30
+_LISTED = 20
 """that are listed at first, and more by each touch of a button: each costs time while others drive"""
 _WRITTEN = 60.0
 """after the last change of a run's files, until which it is not deleted, s"""
@@ -99,7 +99,7 @@ class RunsPage:
         self._show_list()
 
     def _build_comparison(self) -> None:
-        names = [run.name for run in list_runs(self._folder) if read_metrics(self._folder / run.name) is not None]
+        names = [run.name for run in list_runs(self._folder) if (self._folder / run.name / METRICS).is_file()]
         if len(names) < 2:
             return
         with ui.element("section").classes("card"):

@@ -81,8 +81,10 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
             raise PathError(str(error).replace(f"{folder}/", "")) from None
     fields = [field for field in found if not field.is_empty]
     if not fields:
-        besides = ", ".join(each for field in found for each in field.left_out) or "nothing"
-        raise PathError(f"{name}: holds neither a line nor a boundary but {besides}")
+        besides = ", ".join(each for field in found for each in field.left_out)
+        if besides:
+            raise PathError(f"{name}: holds neither a line nor a boundary but {besides}")
+        raise PathError(f"{name}: holds neither a line nor a boundary")
     if all(path.suffix.lower() == ".shp" for path in paths):
         boundary = next((field.boundary for field in fields if field.boundary is not None), None)
         lines = [(line.name, [(p[0], p[1]) for p in line.points.tolist()]) for field in fields for line in field.lines]
