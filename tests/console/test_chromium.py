@@ -111,6 +111,14 @@ def _page(visitor):
     return page
 
 
+AT_STOP = """(() => {
+  const stop = [...document.querySelectorAll("button")].find((each) => each.innerText.trim() === "STOP");
+  const { left, right, top, bottom } = stop.getBoundingClientRect();
+  return stop.contains(document.elementFromPoint((left + right) / 2, (top + bottom) / 2));
+})()"""
+"""whoever presses where STOP is presses it"""
+
+
 def see(page, seen):
     word(page, seen).wait_for()
 
@@ -148,10 +156,31 @@ def look_at_the_other_pages(drive, page):
         assert page.evaluate("document.documentElement.scrollWidth") <= 360
 
 
+def look_at_the_tubes(page):
+    """Come closer until the tractor's tube, 21.8 cm wide, is broader than its plan."""
+    page.evaluate(WATCH_STROKES)
+    for _ in range(8):
+        press(page, "Closer")
+    scale = 80 * page.evaluate("Math.min(1, Math.max(0.5, document.querySelector('.map').clientHeight / 180))")
+    page.wait_for_function(f"[...strokes].some((width) => Math.abs(width - {0.218 * scale}) < 0.02 * {scale})")
+
+
+WATCH_STROKES = """() => {
+  window.strokes = new Set();
+  const { stroke } = CanvasRenderingContext2D.prototype;
+  CanvasRenderingContext2D.prototype.stroke = function () {
+    strokes.add(this.lineWidth);
+    return stroke.call(this);
+  };
+}"""
+
+
 def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
+    page.add_init_script("navigator.wakeLock.request = (kind) => Promise.resolve((window.awake = kind))")
     page.goto(drive)
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
     page.locator(".why li").first.wait_for()
+    assert page.evaluate("window.awake") == "screen"
     assert page.locator(".map").evaluate("(each) => each.offsetHeight") >= 180
     stop = page.locator(".stop")
     assert stop.evaluate("(each) => each.getBoundingClientRect().bottom") <= 740
@@ -175,7 +204,10 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert page.locator(".controls .q-btn").evaluate_all(cut) == 0
     too_wide = "(all) => all.filter((each) => each.offsetParent && each.scrollWidth > each.clientWidth).length"
     assert page.locator(".controls .value").evaluate_all(too_wide) == 0
+    page.set_viewport_size({"width": 360, "height": 380})  # half a phone's screen
+    page.wait_for_function(f"innerHeight === 380 && {AT_STOP}")
     page.set_viewport_size(screenshots.PHONE)
+    look_at_the_tubes(page)
     press_until(page, word(page, "Stopped"), "STOP")
     look_at_the_other_pages(drive, page)
     elsewhere = [url for url in page.asked if not url.startswith((drive, "data:"))]
@@ -225,6 +257,8 @@ def test_a_wrong_file_is_refused_with_what_to_do(drive, page):
     choose = page.locator("input[type=file]")
     choose.set_input_files({"name": "photo.jpg", "mimeType": "image/jpeg", "buffer": b"\xff\xd8\xff"})
     told.get_by_text("photo.jpg: is of none of the types").wait_for()
+    page.wait_for_function(AT_STOP)
+    assert page.get_by_role("button", name="Choose a field's file").count() == 1
     choose.set_input_files({"name": "large.kml", "mimeType": "text/xml", "buffer": b" " * (9 << 20)})
     told.get_by_text("one file of at most 8 MiB").wait_for()
     assert page.troubles == []

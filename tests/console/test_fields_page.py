@@ -2,6 +2,7 @@
 
 import json
 import re
+import threading
 
 import numpy as np
 import pytest
@@ -179,6 +180,49 @@ async def test_a_line_that_is_far_away_is_said_to_be(stage, browser):
     await planned(one)
     found = re.search(r"The tractor is (\d+) km away from it", one.text())
     assert float(found[1]) == pytest.approx(500.0, rel=0.02)
+
+
+@staged
+async def test_a_large_field_is_read_while_others_are_served(stage, browser):
+    stage.workshop.fields.add(FIELD)
+    served, load = threading.Event(), stage.workshop.fields.load
+
+    def slow(name):
+        assert served.wait(20.0)
+        return load(name)
+
+    stage.workshop.fields.load = slow
+    one = await browser().open("/fields")
+    served.set()
+    await planned(one)
+    assert control(one, "Line").value == "AB"
+    assert scene(one)["driven"]
+
+
+@staged
+async def test_four_hundred_lines_are_drawn_by_few_points(stage, browser):
+    along = np.linspace(0.0, 450.0, 300)
+    wave = np.column_stack([5.0 * np.sin(along), along])
+    lines = [FieldLine(name=f"{n}", points=on_earth(wave + np.array([3.0 * n, 0.0]), FRAME)) for n in range(400)]
+    stage.workshop.fields.add(Field(name="many", lines=tuple(lines)))
+    one = await browser().open("/fields")
+    await planned(one)
+    drawn = [line["points"] for line in scene(one)["lines"]]
+    assert len(drawn) == 400
+    assert 40_000 < sum(map(len, drawn)) <= 60_000
+
+
+@staged
+async def test_a_browser_that_does_not_draw_is_sent_no_queue_of_places(stage, browser):
+    one = await browser().open("/fields")
+    sent = []
+    one.page._map.run_method = lambda name, *given: sent.append(name)
+    for x in range(30):
+        drive(stage, one, [(0.5 * x, 0.0)])
+    assert 0 < sent.count("move") <= 3
+    one.user.find(FieldMap).trigger("moved")
+    drive(stage, one, [(0.0, 0.0)])
+    assert sent.count("move") <= 4
 
 
 @staged

@@ -83,6 +83,18 @@ def test_answers_forbid_frames_and_other_hosts_and_the_cookie_is_strict():
     assert {"HttpOnly", "SameSite=Strict"} <= set(own.split("; "))
 
 
+@pytest.mark.parametrize(("page", "back"), [("/fields", "/fields"), ("", "/"), ("//attacker.example", "/")])
+def test_another_language_is_chosen_on_the_same_page_of_the_console_alone(page, back):
+    async def test(stage, browser):
+        http = browser().user.http_client
+        answer = await get(http, f"/language/de?page={page}")
+        return answer.headers["location"], (await get(http, "/fields")).text
+
+    address, text = asking(test)
+    assert address == back
+    assert "<title>Felder und Linien · drawbar</title>" in text
+
+
 def test_long_polling_is_refused():
     async def test(stage, browser):
         return (await get(browser().user.http_client, "/_nicegui_ws/socket.io/?transport=polling")).status_code

@@ -125,13 +125,12 @@ def test_three_hundred_runs_are_listed_a_few_at_a_time(runs):
 
     async def test(one):
         before = one.text()
-        one.press("273 earlier ones")
+        one.press("288 earlier ones")
         return before, one.text()
 
     before, after = on_page(runs, test)
-    assert (before.count("earlier-"), after.count("earlier-")) == (27, 57)
+    assert (before.count("earlier-"), after.count("earlier-")) == (12, 27)
     assert "earlier-299" in before
-    assert "243 earlier ones" not in before
 
 
 def test_a_run_that_somebody_else_deletes_is_told_and_goes_from_the_list(runs):

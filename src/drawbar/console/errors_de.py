@@ -13,7 +13,7 @@ ERRORS_DE: Mapping[str, str] = {
     # files of fields
     "{}: is of none of the types {}, .csv, .kmz and .zip; give one of these":
         "{0}: hat keinen der Typen {1}, .csv, .kmz und .zip; eine solche Datei wählen",
-    "{}: holds neither a line nor a boundary": "{0}: enthält weder Linie noch Grenze",
+    "{}: holds neither a line nor a boundary": "{0}: enthält weder eine Linie noch eine Grenze; andere Datei wählen",
     "{}: holds neither a line nor a boundary but {}":
         "{0}: enthält weder eine Linie noch eine Grenze, sondern: {1}; andere Datei wählen",
     "nothing": "nichts",

@@ -27,7 +27,7 @@ from drawbar.recording.tracks import write_geojson
 REPORT, MAP, CONFIGURATION, LOG = "report.html", "map.svg", "config.toml", "log.mcap"
 MOST = 1000
 """runs that are known, the newest"""
-_LISTED = 20
+_LISTED = 15
 """that are listed at first, and more by each touch of a button: each costs time while others drive"""
 _WRITTEN = 60.0
 """after the last change of a run's files, until which it is not deleted, s"""
@@ -99,7 +99,8 @@ class RunsPage:
         self._show_list()
 
     def _build_comparison(self) -> None:
-        names = [run.name for run in list_runs(self._folder) if (self._folder / run.name / METRICS).is_file()]
+        runs = list_runs(self._folder)[: self._listed]  # the same as are shown
+        names = [run.name for run in runs if (self._folder / run.name / METRICS).is_file()]
         if len(names) < 2:
             return
         with ui.element("section").classes("card"):
@@ -129,7 +130,7 @@ class RunsPage:
 
     def _show_more(self) -> None:
         self._listed += _LISTED
-        self._show_list()
+        self._show_all()
 
     def _build_run(self, run: Run) -> None:
         words = self._words
