@@ -183,6 +183,14 @@ def test_the_drawing_is_to_scale_and_has_a_letter_for_every_length():
     assert all(left <= x <= left + width and top <= y <= top + height for x, y in places)
 
 
+def test_an_antenna_without_a_mast_has_its_letters_too():
+    root = ElementTree.fromstring(vehicle_drawing(load_configuration("articulated").vehicle))
+    letters = [each.text for each in root.findall("g[@class='letter']/text")]
+    assert sorted(letters) == sorted(value.letter for value in VALUES if value.letter)
+    places = [(each.get("x"), each.get("y")) for each in root.findall("g[@class='letter']/text")]
+    assert len(set(places)) == len(places)
+
+
 @staged
 async def test_devices_are_shown_with_rate_and_age(stage, browser):
     one = await browser().open("/setup")

@@ -2,7 +2,7 @@
 
 `python -m drawbar.console.load [SECONDS]`: phases, each twice: nobody looks; one browser; eight, of which one reads
 nothing; and one floods the console besides. Delays are those of one computer; a browser's own painting is not in them.
-Then a Chromium as slow as a phone, if there is one, paints map and plots (painting.py).
+Then a Chromium, if there is one, paints map and plots, as fast as it can and as slow as a phone (painting.py).
 """
 
 import asyncio
@@ -24,7 +24,7 @@ from rich.table import Table
 from drawbar.config import load_configuration
 from drawbar.console.browsers import Place, Seen, draws, floods, reads_nothing
 from drawbar.console.drawing import moving
-from drawbar.console.painting import SLOWER, Painted, paint
+from drawbar.console.painting import Painted, paint
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
 from drawbar.driving.demonstration import with_stand_ins
@@ -187,15 +187,22 @@ def print_painting(painted: Sequence[Painted], drive: Drive) -> None:
     if not painted:
         terminal.print("painting was not measured: it needs playwright and a Chromium")
         return
-    table = Table(title=f"painted by a Chromium {SLOWER} times slower than this computer")
+    table = Table(title="painted by a Chromium at 360 px")
     table.add_column("page")
+    table.add_column("slower", justify="right")
     for column in ("painted/s", "message to screen: median", "p99", "step to screen: median", "p99", "most"):
         table.add_column(column, justify="right")
     for each in painted:
         steps = [step for step in drive.steps if each.begin <= step[0] <= each.end - _LAST]
         delays = [1e-9 * delay for delay in _delays(each.places, steps)]
         rate = f"{len(each.took) / (1e-9 * (each.end - each.begin)):.1f}"
-        table.add_row(each.name, rate, *_milliseconds(each.took, (0.5, 0.99)), *_milliseconds(delays, (0.5, 0.99, 1.0)))
+        table.add_row(
+            each.name,
+            f"{each.slower}×",
+            rate,
+            *_milliseconds(each.took, (0.5, 0.99)),
+            *_milliseconds(delays, (0.5, 0.99, 1.0)),
+        )
     terminal.print(table)
 
 

@@ -1,4 +1,4 @@
-"""Painting: how soon a step is on the screen of a phone, in a real Chromium of a quarter of this computer's speed.
+"""Painting: how soon a step is on the screen, in a real Chromium: of this computer, and of one as slow as a phone.
 
 The page is watched from outside: the last message of the console before something is drawn on a canvas, and the frame
 after that. Needs playwright and a Chromium of the distribution.
@@ -11,7 +11,7 @@ from typing import Any
 from drawbar.console.browsers import Place, place_of
 from drawbar.console.screenshots import PHONE, chromium_path
 
-SLOWER = 4
+PHONE_SLOWER = 4
 """times, by which a phone's processor is slower than this one"""
 _WAIT = 90_000
 """ms"""
@@ -49,6 +49,8 @@ class Painted:
     """What one page has painted."""
 
     name: str
+    slower: int
+    """times, by which the browser was made slower"""
     begin: int
     """monotonic, ns"""
     end: int
@@ -59,7 +61,7 @@ class Painted:
 
 
 async def paint(address: str, duration: float) -> list[Painted]:
-    """Return what a phone paints of the drive page and of a plot, each for a time, s; nothing without a Chromium."""
+    """Return what is painted of the drive page and of a plot, each for a time, s; nothing without a Chromium."""
     try:
         from playwright.async_api import async_playwright
     except ImportError:
@@ -72,8 +74,10 @@ async def paint(address: str, duration: float) -> list[Painted]:
         page = await browser.new_page(viewport=PHONE, device_scale_factor=3)  # type: ignore[arg-type]
         await page.add_init_script(_WATCH)
         slow = await page.context.new_cdp_session(page)
-        await slow.send("Emulation.setCPUThrottlingRate", {"rate": SLOWER})
-        painted = [await _watched(page, name, address + path, duration) for name, path in _PAGES.items()]
+        painted = []
+        for slower in (1, PHONE_SLOWER):
+            await slow.send("Emulation.setCPUThrottlingRate", {"rate": slower})
+            painted += [await _watched(page, name, slower, address + path, duration) for name, path in _PAGES.items()]
         await browser.close()
     return painted
 
@@ -81,7 +85,7 @@ async def paint(address: str, duration: float) -> list[Painted]:
 _PAGES = {"map": "", "plot": "inside"}
 
 
-async def _watched(page: Any, name: str, address: str, duration: float) -> Painted:
+async def _watched(page: Any, name: str, slower: int, address: str, duration: float) -> Painted:
     await page.goto(address, timeout=_WAIT)
     await page.wait_for_function("window.painted.length > 5", timeout=_WAIT)
     await page.evaluate("window.painted = []")
@@ -93,6 +97,7 @@ async def _watched(page: Any, name: str, address: str, duration: float) -> Paint
     found = [(place_of(text), int(zero + at * 1e6)) for text, _, at in rows]
     return Painted(
         name=name,
+        slower=slower,
         begin=begin,
         end=end,
         took=[1e-3 * (at - heard) for _, heard, at in rows],

@@ -30,7 +30,11 @@ def vehicle_drawing(vehicle: VehicleParameters) -> str:
     side = -_GROUND - row - _MARGIN  # of the ground in the side view
     dimensions = list(_dimensions(vehicle, tracked, axle, row))
     bottom = max(y for _, _, _, y in dimensions) + row
-    parts = [*_bodies(vehicle, tracked), *_masts(vehicle, tracked), *_side_view(vehicle, tracked, axle, side, size)]
+    parts = [
+        *_bodies(vehicle, tracked),
+        *_masts(vehicle, tracked, size),
+        *_side_view(vehicle, tracked, axle, side, size),
+    ]
     parts += [_dimension(value, low, high, y, size) for value, low, high, y in dimensions]
     top = side - highest - 1.5 * size
     box = f"{left:.3f} {top:.3f} {right - left:.3f} {bottom - top:.3f}"
@@ -51,8 +55,7 @@ def _dimensions(
     yield antenna, axle, tracked, first + row
     masts = vehicle.masts
     for value, origin, mast in ((MASTS[0], 0.0, masts.tractor), (MASTS[3], tracked, masts.trailer)):
-        if mast.forward:
-            yield value, min(origin, origin + mast.forward), max(origin, origin + mast.forward), first + 2.0 * row
+        yield value, min(origin, origin + mast.forward), max(origin, origin + mast.forward), first + 2.0 * row
 
 
 def _bodies(vehicle: VehicleParameters, tracked: float) -> Iterator[str]:
@@ -71,7 +74,7 @@ def _bodies(vehicle: VehicleParameters, tracked: float) -> Iterator[str]:
         yield f'<circle class="joint" cx="{x:.3f}" cy="0" r="0.06"/>'
 
 
-def _masts(vehicle: VehicleParameters, tracked: float) -> Iterator[str]:
+def _masts(vehicle: VehicleParameters, tracked: float, size: float) -> Iterator[str]:
     """Yield the antennas from above, and how far left of the middle they stand."""
     for origin, mast, value in (
         (0.0, vehicle.masts.tractor, MASTS[1]),
@@ -81,7 +84,7 @@ def _masts(vehicle: VehicleParameters, tracked: float) -> Iterator[str]:
         yield f'<circle class="antenna" cx="{x:.3f}" cy="{-mast.left:.3f}" r="0.09"/>'
         if mast.left:
             yield f'<line class="dimension" x1="{x:.3f}" x2="{x:.3f}" y1="0" y2="{-mast.left:.3f}"/>'
-            yield _letter(value, x + 0.15, -0.5 * mast.left, 0.16)
+        yield _letter(value, x + 0.8 * size, -0.5 * mast.left - 0.35 * size, size)
 
 
 def _side_view(vehicle: VehicleParameters, tracked: float, axle: float, ground: float, size: float) -> Iterator[str]:
@@ -101,7 +104,8 @@ def _side_view(vehicle: VehicleParameters, tracked: float, axle: float, ground: 
         if mast.up:
             yield f'<line class="mast" x1="{x:.3f}" x2="{x:.3f}" y1="{ground:.3f}" y2="{top:.3f}"/>'
             yield f'<circle class="antenna" cx="{x:.3f}" cy="{top:.3f}" r="0.09"/>'
-            yield _letter(value, x + 0.8 * size, 0.5 * (ground + top), size)
+        above = 0.5 * (ground + top) if mast.up else ground - 2.0 * _TYRES - 0.5 * size
+        yield _letter(value, x + 0.8 * size, above, size)
 
 
 def _dimension(value: SetUpValue, low: float, high: float, y: float, size: float) -> str:

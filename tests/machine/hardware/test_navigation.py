@@ -151,3 +151,17 @@ def test_what_a_broken_receiver_says_is_no_yaw_rate_as_it_is_no_roll(name: str) 
     after = list(measured(machine, "file:memory", 2.0))
     assert all(math.isnan(each.tractor_yaw_rate) for each in after[1:])
     assert all(math.isnan(each.tractor_roll) for each in after[1:])
+
+
+def test_satellites_are_told_as_far_as_a_receiver_tells_them() -> None:
+    machine, lines = machine_of(), {body: MemoryTransport() for body in BODIES}
+    tractor, trailer = (Receiver(lines[body], ReceiverSettings(transport="file:memory")) for body in BODIES)
+    navigation, told = Navigation(tractor, trailer, FRAME), []
+    start = machine.time
+    for step in range(400):
+        now = start + 0.005 * step
+        for line, data in machine.advance(now)[0]:
+            if line == BODIES[0]:  # the trailer's is silent
+                lines[line].arrive(now + 10.0, data)
+        told += over_the_channel(navigation.poll(now + 10.0))
+    assert {(each.tractor_satellites, each.trailer_satellites) for each in told} == {(20, 0)}
