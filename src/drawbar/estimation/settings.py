@@ -190,7 +190,7 @@ class SlideSettings(Settings):
     """of the slide to the east and to the north at first; 0: none is looked for, rad"""
     walk: NonNegativeAngle = 2e-4
     """by which they may change per sample, rad"""
-    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
+    creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
     """of the side-slip per side acceleration of a curve at first, rad per g; 0: none is looked for"""
     constant_prior: PositiveAngle = 0.005
     """of what is the same in all headings, rad"""
@@ -265,7 +265,7 @@ class ActuationSettings(Settings):
     costs little, s"""
     guess_deviation: Positive = 0.15
     """of that guess, s"""
-    body_lag_per_speed: Annotated[NonNegative, Field(le=0.1)] = 0.03
+    body_lag_per_speed: Annotated[NonNegative, Field(le=0.1)] = 0.02
     """with `identify`: by how much the tractor turns later than its wheels stand, per speed, on firm ground, s^2/m;
     tyres and inertia cause it, and no steering sensor shows it. Ground that creeps adds what the estimator knows of it,
     and the dead time of the front wheels is longer by the sum. 0: by nothing, on any ground"""
