@@ -289,7 +289,7 @@ def test_what_is_no_log_is_refused(tmp_path, content):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
 def test_a_pipe_in_the_place_of_a_log_is_refused_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "log.mcap")
-    with pytest.raises(DrawbarError, match=r"log\.mcap: is a pipe or a device, and no file; give the log\.mcap"):
+    with pytest.raises(DrawbarError, match=r"log\.mcap: is a pipe or a device, not a file; give the log\.mcap"):
         read_log(tmp_path / "log.mcap")
 
 

@@ -189,6 +189,7 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: cannot be read ({})": "{0}: nicht lesbar ({1})",
     "{}: cannot be read ({}); {}": "{0}: nicht lesbar ({1})",
     "{}: holds no {}; {}": "{0}: {1} fehlt darin; das ist keine Aufzeichnung von drawbar",
+    "{}: is a pipe or a device, not a file; {}": "{0}: ist eine Pipe oder ein Gerät, keine Datei",
     "{}: is damaged, or no log of drawbar ({}); {}": "{0}: ist beschädigt oder keine Aufzeichnung von drawbar ({1})",
     "a step lacks what every step of drawbar has ({})": "einem Schritt fehlt, was jeder Schritt von drawbar hat ({0})",
     "it is not known where on Earth the path of this log lies: figure-eights and CSV files do not say. Export --csv "

@@ -274,7 +274,7 @@ def reading(file: Path, first_byte: int = 0) -> Iterator[Iterator[Logged]]:
     advice = "give the log.mcap that drawbar run wrote"
     try:
         if not stat.S_ISREG(mode := file.stat().st_mode) and not stat.S_ISDIR(mode):
-            raise DrawbarError(f"{file}: is a pipe or a device, and no file; {advice}")
+            raise DrawbarError(f"{file}: is a pipe or a device, not a file; {advice}")
         with file.open("rb") as stream:
             yield read_records(stream, first_byte)
     except OSError as error:
