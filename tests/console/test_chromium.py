@@ -146,7 +146,7 @@ def look_at_the_other_pages(drive, page):
     page.get_by_text("Smoothed by at most").first.wait_for()
     page.goto(f"{drive}setup")
     see(page, "Set-up")
-    page.locator(".vehicle-drawing .letter", has_text="A").locator("circle").click()
+    page.locator(".vehicle-drawing .letter", has_text="A").locator("circle").click(force=True)  # its letter is above it
     page.wait_for_function("document.activeElement.id === 'set-vehicle-wheelbase'")
     page.locator("td", has_text=" Hz").first.wait_for()
     for name, title in (("inside", "Look inside"), ("runs", "Runs")):
