@@ -256,6 +256,13 @@ def test_toml_that_is_no_configuration_is_refused() -> None:
     assert "has no key build-system, project, tool" in message
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_change_of_a_kind_takes_back_no_other_change(first: int) -> None:
+    changes = ["machine.kind=physics", "machine.attitude.tractor.present=true"]
+    machine = load_configuration("articulated", [changes[first], changes[1 - first]]).machine
+    assert (machine.kind, machine.attitude.tractor.present) == ("physics", True)
+
+
 def test_changes_are_applied_in_order_over_everything_else() -> None:
     configuration = load_configuration(
         "articulated", ["speed=1.5", "machine.ground.tractor_slip.mean=0.7", "speed=0.5"]

@@ -95,7 +95,8 @@ def test_a_wrong_reading_loses_the_robot_until_a_restart(
     example: ModuleType, at_the_start: Floats, wrong: float
 ) -> None:
     estimator = EstimationSolver(example.ESTIMATION, at_the_start)
-    assert on_the_circle(example, estimator, range(300), {50: wrong})[-50:].mean() > 10.0
+    # where a lost estimate wanders to is rounding's, and so the compiler's
+    assert on_the_circle(example, estimator, range(300), {50: wrong})[-50:].mean() > 0.2 * example.RADIUS
     fresh = EstimationSolver(example.ESTIMATION, at_the_start)
     assert estimator.restart(at_the_start) == SolverStatus.SOLVED
     for each in (estimator, fresh):

@@ -1,5 +1,6 @@
 """One TOML file describes a whole run; this is the only place that reads it."""
 
+import math
 import os
 import tomllib
 from collections.abc import Sequence
@@ -262,7 +263,7 @@ def _changed(configuration: Configuration, changes: Sequence[str], origin: str) 
     if not changes:
         return configuration
     resolved = configuration.model_dump(mode="json")
-    for change in changes:
+    for change in sorted(changes, key=_turn):
         _apply(resolved, change)
     _anchor(resolved, "")
     return _validated(resolved, f"{origin} with --set {' '.join(changes)}")
@@ -351,6 +352,12 @@ def _validated(data: dict[str, Any], origin: str) -> Configuration:
         if not {"estimator", "controller"} <= data.keys():  # a first file: hardly meant to be complete
             lines.append('  Begin the file with extends = "articulated": then only what differs has to be given.')
         raise ConfigurationError("\n".join([head, *lines])) from error
+
+
+def _turn(change: str) -> float:
+    """Return a change's place among others: one of a section's model or kind takes back what the section held."""
+    sections = change.partition("=")[0].strip().split(".")
+    return len(sections) if sections[-1] in _TAGS else math.inf
 
 
 def _apply(data: dict[str, Any], change: str) -> None:

@@ -59,11 +59,10 @@ def printed(shown: Any, width: int) -> str:
     return console.file.getvalue()
 
 
-def demand_whole(text: str, width: int, figures: list[str]) -> None:
-    assert max(map(len, text.splitlines())) <= width
-    assert "…" not in text
-    missing = set(figures) - set(text.split())
-    assert not missing
+def lost(text: str, width: int, figures: list[str]) -> set[str]:
+    """Return the figures that a table does not show, and its lines that are cut or wider than the window."""
+    cut = {line for line in text.splitlines() if len(line) > width or "…" in line}
+    return cut | (set(figures) - set(text.split()))
 
 
 @pytest.mark.parametrize("width", [24, 40, 60, 80])
@@ -80,7 +79,7 @@ def test_bench_shows_every_figure(width: int) -> None:
         **{f"{key}_us": one for key in ("control_step", "python")},
         **dict.fromkeys(("real_time_factor", "real_time_factor_logged"), 1650.0),
     }
-    demand_whole(printed(lambda console: bench.show(console, figures), width), width, numbers.given)
+    assert not lost(printed(lambda console: bench.show(console, figures), width), width, numbers.given)
 
 
 @pytest.mark.parametrize("width", [24, 40, 60, 80])
@@ -90,9 +89,8 @@ def test_the_hostile_problems_show_every_figure(width: int) -> None:
         name: [dict.fromkeys(solvers, Verdict.SOLVED if good else Verdict.GIVEN_UP) for good in range(2)] * count
         for count, name in enumerate(("ill conditioned", "no interior", "long horizon"), 101)
     }
-    demand_whole(
-        printed(lambda console: console.print(hostile_table(found)), width), width, ["202", "204", "206", "612"]
-    )
+    text = printed(lambda console: console.print(hostile_table(found)), width)
+    assert not lost(text, width, ["202", "204", "206", "612"])
 
 
 @pytest.mark.parametrize("width", [24, 40, 60, 80])
@@ -107,5 +105,5 @@ def test_a_search_shows_every_value(width: int) -> None:
     )
     shown: RenderableType = terminal_table(findings)
     text = printed(lambda console: console.print(shown), width)
-    demand_whole(text, width, ["1.25", "14.32", "1234", "1345", "1456"])
+    assert not lost(text, width, ["1.25", "14.32", "1234", "1345", "1456"])
     assert {part for key in keys for part in key.split(".")} <= {word.lstrip(".") for word in text.split()}

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from drawbar.codegen import Workspace
+from drawbar.codegen import Workspace, build
 from drawbar.codegen.emit import Input, Output, emit, emit_constants
 from drawbar.errors import ModelError
 
@@ -131,6 +131,62 @@ def test_stages_before_the_first_are_left_alone(compiled: Callable[..., Workspac
     expected = np.where((stages >= 3) & (stages < 12), 2.0 * stages, 0.0)
     np.testing.assert_array_equal(unit.array("f")[:, 0], expected)
     np.testing.assert_array_equal(unit.array("g")[:, 0], [0, 0, 0, 3, 4])
+
+
+_PACKED_UNIT = """
+#define NX 5
+#define NY 3
+#include <math.h>
+#include <stdint.h>
+{include}
+#include "lanes.h"
+#include "fields.h"
+#ifndef WIDTH
+#define WIDTH 8
+#endif
+struct work {{ double x[11][2], padded[11][NY][WIDTH], flat[11][3][2], behind[2]; int32_t width; }};
+{functions}
+int64_t drawbar_size = sizeof(struct work);
+const struct drawbar_field drawbar_fields[] = {{
+    FIELD(work, x, 0, 11, 2, 0) FIELD(work, padded, 0, 11, NY * WIDTH, 0) FIELD(work, flat, 0, 11, 6, 0)
+    FIELD(work, behind, 0, 2, 0, 0) FIELD(work, width, 1, 1, 0, 0) END_OF_FIELDS
+}};
+int constants(struct work *work) {{ work->width = WIDTH; lay_down(work); return 0; }}
+int run(struct work *work) {{ evaluate(work, 0, 11); return 0; }}
+"""
+
+
+@pytest.mark.parametrize("include", ['#include "packs.h"', ""])
+def test_results_that_are_stored_by_packs(include: str) -> None:
+    x = ca.SX.sym("x", 2)
+    padded, flat = ca.SX(3, 5), ca.SX(3, 2)
+    padded[0, 0], padded[0, 2], padded[0, 4] = x[0], x[0] * x[1], ca.sin(x[0])
+    padded[1, 0], padded[1, 1], padded[1, 3] = x[1], 4.0, x[0] - x[1]  # the pack has an entry that is laid down
+    padded[2, 1], padded[2, 2] = x[0] + 1, x[1] + 2
+    flat[0, 1], flat[1, 0], flat[2, 0], flat[2, 1] = x[0] + 3, 5 * x[1], x[0] + x[1], -x[0]
+    inputs = [Input(place="work->x[{k}][{i}]", rows="11", symbol=x)]
+    outputs = [
+        Output(place="((double *)work->padded[k])", rows="11", value=padded, stride="WIDTH"),
+        Output(place="((double *)work->flat[k])", rows="10", value=flat),
+    ]
+    functions = emit_constants("lay_down", inputs, outputs, "struct work *work")
+    functions += emit("evaluate", inputs, outputs, "struct work *work")
+    assert functions.count("write_four") == 3
+    workspace = Workspace(build("packed", _PACKED_UNIT.format(include=include, functions=functions)))
+    array = workspace.array
+    array("x")[:] = np.random.default_rng(0).normal(size=(11, 2))
+    array("flat")[10], array("behind")[:] = 8.0, 9.0
+    workspace.function("constants")()
+    workspace.function("run")()
+    width = int(array("width")[0])
+    for k in range(11):
+        expected = np.zeros((3, width))
+        values = ca.Function("f", [x], [ca.densify(padded), ca.densify(flat)])(array("x")[k])
+        expected[:, :5] = values[0].full()
+        np.testing.assert_allclose(array("padded")[k].reshape(3, width), expected, rtol=1e-15, atol=1e-15)
+        wanted = values[1].full().ravel() if k < 10 else np.full(6, 8.0)
+        np.testing.assert_allclose(array("flat")[k], wanted, rtol=1e-15, atol=1e-15)
+    assert list(array("behind")) == [9.0, 9.0]
 
 
 @pytest.mark.parametrize("bound", [ca.fabs, lambda a: ca.fmin(a, 0.3), lambda a: ca.fmax(0.3, a)])

@@ -1,4 +1,4 @@
-"""Who may reach the console: hosts, origins, cookies, roles, sockets, floods; and the audit log."""
+"""Who may reach the console: hosts, origins, cookies, roles; and the audit log."""
 
 import asyncio
 import json
@@ -11,9 +11,8 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import HOST, Stage, client_id, console
 from nicegui import core, ui
-from waiting import FakeClock
 
-from drawbar.console.guard import BURST, LARGEST, PAGE_BURST, PAGE_RATE, PAUSE, SOCKETS, Guard
+from drawbar.console.guard import LARGEST
 from drawbar.console.passwords import load_users, save_user, verify
 from drawbar.console.visitors import COOKIE, LIFE, Rank, Visitors
 from drawbar.driving.console_orders import ConsoleOrders
@@ -282,147 +281,6 @@ def test_others_reach_it_only_with_tls_and_passwords(tmp_path, host):
     assert ConsoleOrders(folder="", configuration="").host == "127.0.0.1"
 
 
-class Line:
-    """A web socket from outside: what is sent to the guard, and what it answers."""
-
-    def __init__(self, visitor, page, origin=f"http://{HOST}", messages=()):
-        cookie = f"{COOKIE}={visitor.token}".encode() if visitor else b""
-        headers = [(b"host", HOST.encode()), (b"cookie", cookie)] + [(b"origin", origin.encode())] * bool(origin)
-        query = f"client_id={page}".encode()
-        self.scope = {"type": "websocket", "path": "/_nicegui_ws/x", "headers": headers, "query_string": query}
-        self._messages = [{"type": "websocket.connect"}, *messages]
-        self.answers = []
-
-    async def receive(self):
-        return self._messages.pop(0) if self._messages else {"type": "websocket.disconnect"}
-
-    async def send(self, message):
-        self.answers.append(message["type"])
-
-
-class Inner:
-    """An application behind the guard that accepts, and counts what it is given."""
-
-    def __init__(self):
-        self.received, self.waits = 0, None
-
-    async def __call__(self, scope, receive, send):
-        await receive()
-        await send({"type": "websocket.accept"})
-        if self.waits is not None:
-            await self.waits.wait()
-        while (await receive())["type"] == "websocket.receive":
-            self.received += 1
-
-
-@pytest.fixture
-def guarded():
-    visitors, inner = Visitors(), Inner()
-    one, other = (visitors.admit("", Rank.MAINTAINER, 0.0) for _ in range(2))
-    visitors.find = lambda token, time: {one.token: one, other.token: other}.get(token)
-    guard = Guard(
-        inner,
-        names={HOST},
-        visitors=visitors,
-        asks_for_password=False,
-        secure=False,
-        owns=lambda page, visitor: (page, visitor) == ("page", one),
-        clock=FakeClock(),
-    )
-    return guard, inner, one, other
-
-
-def served(guard, line):
-    asyncio.run(guard(line.scope, line.receive, line.send))
-    return line.answers
-
-
-def test_a_socket_is_its_pages_owners_only(guarded):
-    guard, _, one, other = guarded
-    assert served(guard, Line(one, "page")) == ["websocket.accept"]
-    for line in (
-        Line(other, "page"),
-        Line(None, "page"),
-        Line(one, "another"),
-        Line(one, ""),
-        Line(one, "page", origin="http://attacker.example"),
-    ):
-        assert served(guard, line) == ["websocket.close"]
-
-
-def test_a_flood_and_what_is_too_large_end_their_socket(guarded):
-    guard, inner, one, _ = guarded
-    flood = [{"type": "websocket.receive", "text": "x"}] * 10_000
-    assert served(guard, Line(one, "page", messages=flood)) == ["websocket.accept"]
-    assert 0 < inner.received <= BURST + 1
-    inner.received = 0
-    guard._clock.now += PAUSE
-    large = [{"type": "websocket.receive", "bytes": bytes(LARGEST + 1)}]
-    assert served(guard, Line(one, "page", messages=large)) == ["websocket.accept"]
-    assert inner.received == 0
-
-
-def test_whoever_flooded_is_not_served_for_a_while_and_others_are(guarded):
-    guard, _, one, other = guarded
-    guard._owns = lambda page, visitor: True
-    flood = [{"type": "websocket.receive", "text": "x"}] * 1000
-    assert served(guard, Line(one, "page", messages=flood)) == ["websocket.accept"]
-    assert served(guard, Line(one, "page")) == ["websocket.close"]
-    assert asked(guard, one) == [429]
-    assert served(guard, Line(other, "page")) == ["websocket.accept"]
-    assert asked(guard, other) == [200]
-    guard._clock.now += PAUSE
-    assert served(guard, Line(one, "page")) == ["websocket.accept"]
-
-
-def test_pages_are_built_so_often_for_an_address(guarded):
-    guard, _, one, _ = guarded
-    burst = int(PAGE_BURST)
-    assert asked(guard, one, burst + 1) == [200] * burst + [429]
-    assert asked(guard, one, address="192.168.5.11") == [200]
-    assert asked(guard, one, path="/drawbar/console.css") == [200]
-    guard._clock.now += 1.0 / PAGE_RATE
-    assert asked(guard, one, 2) == [200, 429]
-
-
-def asked(guard, visitor, times=1, path="/", address="192.168.5.10"):
-    """Return with what pages are answered that a visitor asks for."""
-    headers = [(b"host", HOST.encode()), (b"cookie", f"{COOKIE}={visitor.token}".encode())]
-    scope = {"type": "http", "method": "GET", "path": path, "headers": headers, "query_string": b""}
-    statuses = []
-
-    async def inner(scope, receive, send):
-        await send({"type": "http.response.start", "status": 200, "headers": []})
-
-    async def send(message):
-        if message["type"] == "http.response.start":
-            statuses.append(message["status"])
-
-    async def whole():
-        for _ in range(times):
-            await guard({**scope, "client": (address, 1)}, None, send)
-
-    sockets, guard._app = guard._app, inner
-    asyncio.run(whole())
-    guard._app = sockets
-    return statuses
-
-
-def test_only_so_many_sockets_are_open(guarded):
-    guard, inner, one, _ = guarded
-
-    async def whole():
-        inner.waits = asyncio.Event()
-        lines = [Line(one, "page") for _ in range(SOCKETS + 1)]
-        tasks = [asyncio.create_task(guard(line.scope, line.receive, line.send)) for line in lines]
-        await asyncio.sleep(0)
-        inner.waits.set()
-        await asyncio.gather(*tasks)
-        return [line.answers for line in lines]
-
-    assert sorted(asyncio.run(whole())) == sorted([["websocket.accept"]] * SOCKETS + [["websocket.close"]])
-
-
 def test_each_page_belongs_to_the_browser_that_opened_it():
     async def test(stage, browser):
         one, other = browser(), browser()
@@ -433,25 +291,3 @@ def test_each_page_belongs_to_the_browser_that_opened_it():
         return [one.pages._owns(page, owner) for owner in owners], core.app.config.socket_io_js_transports
 
     assert asking(test) == ([True, False], ["websocket"])
-
-
-def test_a_body_in_pieces_without_end_is_cut_off(guarded):
-    guard, _, one, _ = guarded
-    received = []
-
-    async def inner(scope, receive, send):
-        while (message := await receive())["type"] == "http.request":
-            received.append(len(message["body"]))
-
-    async def receive():
-        return {"type": "http.request", "body": bytes(1 << 12), "more_body": True}
-
-    async def send(message):
-        pass
-
-    guard._app = inner
-    headers = [(b"host", HOST.encode()), (b"cookie", f"{COOKIE}={one.token}".encode())]
-    scope = {"type": "http", "method": "POST", "path": "/login", "headers": headers, "query_string": b""}
-    asyncio.run(guard(scope, receive, send))
-    assert sum(received) == LARGEST
-    assert guard.refused == 1

@@ -204,8 +204,9 @@ def test_the_file_beside_extends_the_users_and_keeps_what_was_found_before(machi
         calibrated_text(mine, [], date(2026, 11, 23), "b.mcap")
 
 
-def test_dead_time_and_lag_are_found_in_the_log_of_a_run(tmp_path):
-    steps = ["path.radii=[8.0]", "machine.actuators.dead_time=0.3"]
+def test_dead_time_lag_and_late_fixes_are_found_in_the_log_of_a_run(tmp_path):
+    late = "machine.delays={fix={latency=0.2},told=false}"
+    steps = ["path.radii=[8.0]", "machine.actuators.dead_time=0.3", "machine.attitude.tractor.present=true", late]
     result = CliRunner().invoke(app, ["run", "articulated", "--out", str(tmp_path / "run"), *sets(steps)])
     assert result.exit_code == 0, result.output
     (log,) = tmp_path.rglob("log.mcap")
@@ -213,6 +214,9 @@ def test_dead_time_and_lag_are_found_in_the_log_of_a_run(tmp_path):
     assert told.exit_code == 0, told.output
     for line in told.output.splitlines()[:2]:
         assert 0.2 < float(line.split("dead time ")[1].split(" ")[0]) < 0.4, line
+    (fixes,) = (line for line in told.output.splitlines() if line.startswith("fixes: "))
+    assert 0.08 < float(fixes.removeprefix("fixes: at least ").split()[0]) < 0.22
+    assert "later than told; add it to latency of" in fixes
 
 
 def sets(changes):

@@ -61,3 +61,15 @@ def test_a_bus_without_anybody_is_told(monkeypatch, device):
     yard = Yard(monkeypatch)
     yard.on = False
     assert not yard.findings()[device].heard
+
+
+def test_a_bus_that_cannot_be_opened_is_told_with_what_to_do():
+    settings = isobus_devices("can:socketcan:drawbar9").isobus
+    found = {each.device: each for each in check._isobus(settings, 0.05, drives=True)}
+    (problem,) = found["ISOBUS"].problems
+    assert "socketcan drawbar9 cannot be opened" in problem
+    assert "its interface is up" in problem
+
+
+def test_of_a_bus_without_trouble_nothing_is_said(monkeypatch):
+    assert "ISOBUS" not in Yard(monkeypatch).findings()

@@ -7,13 +7,15 @@ import pytest
 from patience import PATIENT
 
 from drawbar.config import load_configuration
+from drawbar.driving.demonstration import with_isobus, with_stand_ins
 from drawbar.driving.paced_drives import EXACT, differences, drive, rehearse
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 FIELD = Path(__file__).parents[2] / "examples" / "field"
-LINES = {
-    "figure-eight": ["path.radii=[8.0]"],
-    "recorded line": [f"path.file={FIELD}", "path.track=Cu 14.1°"],
+DRIVES = {
+    "figure-eight, boards": (["path.radii=[8.0]"], with_stand_ins),
+    "recorded line, boards": ([f"path.file={FIELD}", "path.track=Cu 14.1°"], with_stand_ins),
+    "figure-eight, ISOBUS": (["path.radii=[8.0]"], with_isobus),
 }
 PACES = (10, 5, 3, 2)
 """tried one after the other, until this computer, which has other tests to run, is fast enough"""
@@ -21,11 +23,10 @@ SECONDS = 75.0
 """of the drive, which is engaged after 35"""
 
 
-@pytest.mark.parametrize("line", LINES)
-def test_errors_are_those_of_one_process(line, tmp_path):
-    configuration = load_configuration("articulated", [*LINES[line], *EXACT, *PATIENT])
-    alone = rehearse(configuration, SECONDS)
-    assert len(alone.errors) > 50
+@pytest.mark.parametrize("name", DRIVES)
+def test_errors_are_those_of_one_process(name, tmp_path):
+    line, with_devices = DRIVES[name]
+    configuration = with_devices(load_configuration("articulated", [*line, *EXACT, *PATIENT]))
     for pace in PACES:
         (tmp_path / str(pace)).mkdir()
         driven = drive(configuration, tmp_path / str(pace), pace, SECONDS)
@@ -34,6 +35,8 @@ def test_errors_are_those_of_one_process(line, tmp_path):
             break
     assert driven.held, "too busy even for twice real time"
     assert len(driven.errors) > 50
+    alone = rehearse(configuration, SECONDS, driven.usual_delay)
+    assert len(alone.errors) > 50
     mean, largest, _ = differences(driven, alone)
     assert mean < 0.001
     assert largest < 0.003

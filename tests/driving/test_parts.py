@@ -160,7 +160,9 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     with DriveLog(tmp_path / "log.mcap", header, Scene(path=path, vehicle=configuration.vehicle, frame=frame)) as log:
         for each in raw:
             log.add_raw(each)
+        waiting = log.flushed
         log.flush()
+        assert log.flushed > waiting, "the recorder need not flush by itself so soon"
         with open_drive(tmp_path / "log.mcap") as records:  # as a kill at this moment would leave it
             assert list(records) == raw
         log.add_order(Order((look,)))

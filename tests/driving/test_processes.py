@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import signal
 import socket
 import sys
@@ -90,7 +91,7 @@ def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(crew, mana
     again = replay_drive(tmp_path / "log.mcap")
     assert len(again.records) == len(log.records)
     assert again.differences == ()
-    (first, *_) = replay_drive(tmp_path / "log.mcap", ["devices.tractor_receiver.latency=0.01"]).differences
+    (first, *_) = replay_drive(tmp_path / "log.mcap", ["devices.tractor_receiver.latency=0.05"]).differences
     assert (first.step, first.signal, first.size) == (0, "fixes.epoch", pytest.approx(1e7, abs=1.0))
     assert seen >= {
         "/step",
@@ -116,6 +117,38 @@ def test_a_controller_that_is_killed_ends_in_letting_go_and_nothing_steers_again
     crew.processes["gate"].wait(10.0)
     assert not front.state.steers
     front.close()
+
+
+def test_receivers_that_are_killed_end_in_a_stop_and_nothing_steers_again(crew, tmp_path):
+    front = FrontEnd(crew, demonstrates=True)
+    watch(front, steers, ENGAGE)
+    os.kill(crew.processes["receivers"].pid, signal.SIGKILL)
+    watch(front, lambda front: front.state.stop, ENGAGE)
+    watch(front, lambda front: not front.state.steers, ENGAGE)
+    end = time.monotonic() + 3.0
+    watch(front, lambda front: time.monotonic() > end or front.state.steers, ENGAGE)
+    assert not front.state.steers
+    front.close()
+    crew.close()
+    assert read_log(tmp_path / "log.mcap").records
+
+
+def test_a_disk_that_fills_while_driving_costs_the_record_only_and_that_is_told(crew, tmp_path):
+    front, log = FrontEnd(crew, demonstrates=True), tmp_path / "log.mcap"
+    watch(front, steers, ENGAGE)
+    written = log.stat().st_size
+    resource.prlimit(crew.processes["recorder"].pid, resource.RLIMIT_FSIZE, (written, written))
+    watch(front, lambda front: Cause.NOT_RECORDING.value in front.state.refusals, ENGAGE)
+    end = time.monotonic() + 2.0
+    watch(front, lambda front: time.monotonic() > end, ENGAGE)
+    assert front.state.state is SupervisorState.ACTIVE
+    front.close()
+    crew.close()
+    assert "the log cannot be written any further" in (tmp_path / "messages.txt").read_text()
+    assert log.stat().st_size <= written
+    assert read_log(log).records
+    write_report(tmp_path)
+    assert (tmp_path / "report.html").is_file()
 
 
 def test_a_gate_that_is_killed_is_told_and_takes_the_controller_with_it(crew):

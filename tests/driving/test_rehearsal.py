@@ -95,6 +95,14 @@ def released_after(rehearsal, longest):
     return rehearsal.time - begin
 
 
+@pytest.mark.parametrize("late", ["controller", "operator"])
+def test_what_comes_late_is_heard_all_the_same(late):
+    rehearsal, _ = rehearse()
+    rehearsal.post.taps[late] = lambda time, data: [(0.02, data)]
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+
+
 def test_receivers_that_fall_silent_end_in_a_stop():
     rehearsal, _ = rehearse()
     drive_until(rehearsal, SupervisorState.ACTIVE)

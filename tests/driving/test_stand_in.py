@@ -97,6 +97,7 @@ def test_an_emergency_stop_that_is_first_tried_after_it_rolls_can_be_acknowledge
         watch(front, lambda front: front.controller.wheel_speed == 0.0, ENGAGE)
         watch(front, lambda front: front.press("a") or front.state.state is SupervisorState.STANDBY, ENGAGE)
         watch(front, lambda front: front.controller.wheel_speed > 0.2, ENGAGE)
+        assert front.state.state is SupervisorState.STANDBY
         front.close()
 
 
@@ -189,3 +190,46 @@ def test_which_faults_there_are_is_told(configuration, arguments, code, words):
     for part in words:
         assert part in said
     assert (done.returncode != 0) == code
+
+
+def test_what_can_be_broken_is_listed_without_a_configuration(tmp_path):
+    command = [sys.executable, "-m", "drawbar", "stand-in", "--fault", "list"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "bus-off: " in done.stdout
+
+
+@pytest.fixture
+def serial(configuration, tmp_path):
+    """Return the configuration with all lines that can be serial ones at names in a folder, and its file."""
+    whole, file = configuration
+    lines = {
+        name: getattr(whole.devices, name).model_copy(update={"transport": f"serial:{tmp_path / name}@115200"})
+        for name in ("tractor_receiver", "trailer_receiver", "sensors")
+    }
+    whole = whole.model_copy(update={"devices": whole.devices.model_copy(update=lines)})
+    file.write_text(whole.to_toml(), "utf-8")
+    return whole, file
+
+
+def test_a_drive_over_serial_lines_which_are_gone_with_the_stand_in(serial, tmp_path):
+    configuration, file = serial
+    (tmp_path / "tractor_receiver").symlink_to("/dev/pts/4711")  # of a stand-in that was killed
+    with served(file, tmp_path), Crew(configuration, tmp_path, stand_ins=False) as crew:
+        front = FrontEnd(crew, demonstrates=True)
+        watch(front, lambda front: front.state and front.state.state is SupervisorState.ACTIVE, ENGAGE)
+        assert front.controller.wheel_speed > 0.0, "the sensor board is heard"
+        front.close()
+    assert not any((tmp_path / name).is_symlink() for name in ("tractor_receiver", "trailer_receiver", "sensors"))
+
+
+def test_a_serial_line_that_there_is_already_is_left_alone(serial, tmp_path):
+    (tmp_path / "trailer_receiver").write_text("a device")
+    command = [sys.executable, "-m", "drawbar", "stand-in", str(serial[1])]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False)
+    assert done.returncode == 2
+    said = " ".join((done.stdout + done.stderr).split())
+    assert "name a file that there is not yet" in said
+    assert "the simulated machine is there" not in said
+    assert (tmp_path / "trailer_receiver").read_text() == "a device"
+    assert not (tmp_path / "tractor_receiver").is_symlink(), "what was opened before is closed again"

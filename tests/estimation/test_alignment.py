@@ -81,8 +81,10 @@ def test_values_of_any_age_are_brought_to_now() -> None:
         assert (aligned.tractor_steering, aligned.hitch_angle) == pytest.approx((0.0, 0.3), abs=1e-12)
 
 
-def weave(alignment: Alignment, samples: int, age: float = 0.0, **values: Any) -> list[float]:
+def weave(alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool = True, **values: Any) -> list[float]:
     """Return by how much believed yaw rates are beyond a weaving tractor's, rad/s; it tells them exactly, `age` old.
+
+    Unless it tells their age they count as new.
 
     From the 60th sample on the measurement has these values.
     """
@@ -98,12 +100,17 @@ def weave(alignment: Alignment, samples: int, age: float = 0.0, **values: Any) -
     def there(time: float) -> Estimate:
         steering = math.atan(lengths.wheelbase * rate(time))
         pose = Pose(x=0.01 * time, y=0.0, yaw=yaw(time))
-        return estimate(time, pose, pose, tractor_steering=steering)
+        east, north = back * math.cos(pose.yaw), back * math.sin(pose.yaw)
+        behind = Pose(x=pose.x - east, y=-north, yaw=pose.yaw)
+        return estimate(time, pose, behind, tractor_steering=steering)
 
     for k in range(1, samples):
         now = SAMPLE * k
         east, north = back * math.cos(yaw(now)), back * math.sin(yaw(now))
-        told = {"tractor_yaw_rate": rate(now - age), "tractor_attitude_age": age}
+        told = {
+            "tractor_yaw_rate": rate(now - age),
+            "tractor_attitude_age": age if tells else 0.0,
+        }
         given = measurement(now, (0.01 * now, 0.0, 0.01 * now - east, -north), **told)
         given = replace(given, **values) if k >= 60 else given
         found.append(alignment.apply(given, there(now - SAMPLE), there(now)).tractor_yaw_rate - rate(now))
@@ -115,6 +122,11 @@ def test_a_yaw_rate_of_any_age_is_brought_to_now(age: float) -> None:
     beyond = weave(Alignment(VehicleParameters()), 150, age)
     assert all(map(math.isnan, beyond[:10]))
     assert np.abs(beyond[60:]).max() < math.radians(0.5)
+
+
+def test_a_yaw_rate_that_is_late_and_does_not_tell_is_found_and_brought_to_now() -> None:
+    beyond = weave(Alignment(VehicleParameters()), 600, 0.2, tells=False)
+    assert np.abs(beyond[400:]).max() < math.radians(0.5)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The yaw-rate sensor: its bias, when it is used, and that it is dropped where it contradicts antennas or wheels."""
+"""The yaw-rate sensor: bias, scale, latency of fixes or sensor, when it is used, when it is dropped."""
 
 import math
 from collections.abc import Iterator
@@ -14,12 +14,14 @@ from drawbar.geometry import Floats
 UNIT = """
 #include "yaw_rate_sensor.h"
 #include "unit.h"
-struct component { struct yaw_rate_sensor sensor; double believed, bias; };
-#define COMPONENT_FIELDS FIELD(component, believed, 0, 1, 0, 0) FIELD(component, bias, 0, 1, 0, 0)
-int UNIT(believed)(struct component *component, double told, double wheels, double yaw, double elapsed)
+struct component { struct yaw_rate_sensor sensor; double believed; };
+#define COMPONENT_FIELDS FIELD(component, believed, 0, 1, 0, 0) FIELD(component, sensor.found, 0, FOUND, 0, 0) \\
+    FIELD(component, sensor.covariance, 0, FOUND, FOUND, 0) FIELD(component, sensor.latency, 0, 1, 0, 0)
+int UNIT(believed)(struct component *component, double told, double wheels, double yaw, double turning, double elapsed)
 {
-    component->believed = yaw_rate_believed(&component->sensor, told, wheels, yaw, elapsed);
-    component->bias = component->sensor.bias;
+    const struct shown_yaw shown = {yaw, turning};
+
+    component->believed = yaw_rate_believed(&component->sensor, told, wheels, &shown, elapsed);
     return 0;
 }
 """
@@ -34,23 +36,34 @@ class Sensor(Alone):
         super().__init__(Unit(name="yaw_rate", source=UNIT, configure=lambda workspace: None))
 
     def believed(self, told: float, wheels: float, yaw: float, elapsed: float = SAMPLE) -> float:
-        """Return the yaw rate to be believed, rad/s."""
-        self.call("believed", Real(told), Real(wheels), Real(yaw), Real(elapsed))
+        """Return the yaw rate to be believed, rad/s; the line through both antennas turns as the wheels say."""
+        self.call("believed", Real(told), Real(wheels), Real(yaw), Real(wheels), Real(elapsed))
         return float(self.live.array("believed").item())
+
+    @property
+    def found(self) -> Floats:
+        """Bias, rad/s; lead of the integral, rad; latency of the fixes beyond the sensor's, s; error of the scale."""
+        return self.live.array("sensor.found").copy()
 
     @property
     def bias(self) -> float:
         """rad/s."""
-        return float(self.live.array("bias").item())
+        return float(self.found[0])
+
+    @property
+    def latency(self) -> float:
+        """That is reckoned with, s; below zero: the sensor's own."""
+        return float(self.live.array("sensor.latency").item())
 
 
 def weaving(samples: int, seed: int) -> Iterator[tuple[float, float]]:
     """Yield true yaw rates (rad/s) of a vehicle that weaves along an eight, and noisy yaws after them (rad)."""
-    rng, yaw = np.random.default_rng(seed), 3.0
+    rng, yaw, before = np.random.default_rng(seed), 3.0, 0.0
     for k in range(samples):
         lap = (k * SAMPLE + 35.0) % 40.0
         rate = 0.06 * math.sin(0.9 * k * SAMPLE) + (0.1 if lap < 15.0 else -0.1 if 20.0 <= lap < 35.0 else 0.0)
-        yaw += rate * SAMPLE
+        yaw += 0.5 * (rate + before) * SAMPLE
+        before = rate
         yield rate, math.remainder(yaw + rng.normal(0.0, 1.0 * DEGREE), 2.0 * math.pi)
 
 
@@ -74,23 +87,97 @@ def test_the_bias_is_found_and_taken_off(bias: float) -> None:
     assert np.abs(found[60:] - true[60:]).max() < 0.4 * DEGREE
 
 
-def test_the_bias_is_that_of_a_kalman_filter_in_textbook_form() -> None:
-    told, sensor = rates(100) + 0.02, Sensor()
-    state, covariance, ahead = np.zeros(2), np.diag([2.0 * DEGREE, 2.0 * DEGREE]) ** 2, None
-    for rate, (wheels, yaw) in zip(told.tolist(), weaving(100, 3), strict=True):
-        sensor.believed(rate, wheels, yaw)
-        if ahead is None:
-            ahead = yaw
+@pytest.mark.parametrize("scale", [0.95, 1.03, 1.06])
+def test_the_scale_is_found_and_taken_off(scale: float) -> None:
+    true = rates(1200)
+    found = answers(sensor := Sensor(), scale * true + 0.5 * DEGREE)
+    assert 1.0 - sensor.found[3] == pytest.approx(1.0 / scale, abs=0.005)
+    assert np.abs(found[600:] - true[600:]).max() < 0.15 * DEGREE
+
+
+def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form() -> None:
+    told, sensor, missing = rates(400) + 0.02, Sensor(), range(200, 400, 3)
+    state, covariance, ahead = np.zeros(4), np.diag([2.0 * DEGREE, 0.0, 0.1, 0.03]) ** 2, None
+    for k, (rate, (wheels, yaw)) in enumerate(zip(told.tolist(), weaving(400, 3), strict=True)):
+        reckoned, row = sensor.latency, np.array([0.0, 1.0, wheels, 0.0])
+        sensor.believed(math.nan if k in missing else rate, wheels, yaw)
+        if k in missing:
+            ahead = None
             continue
-        ahead += rate * SAMPLE
-        A = np.array([[1.0, 0.0], [SAMPLE, 1.0]])
+        if ahead is None:  # the lead that the yaw's own lateness makes, and a deviation of 2 degrees about it
+            ahead, begin = yaw, np.diag([1.0, 0.0, 1.0, 1.0])
+            begin[1] = [0.0, 0.0, -wheels, 0.0]
+            state, covariance = begin @ state, begin @ covariance @ begin.T
+            state[1] += reckoned * wheels
+            covariance[1, 1] += (2.0 * DEGREE) ** 2
+            continue
+        turned = 0.5 * (rate + told[k - 1]) * SAMPLE
+        ahead += turned
+        A = np.eye(4)
+        A[1] = [SAMPLE, 1.0, 0.0, turned]
         state = A @ state
-        covariance = A @ covariance @ A.T + SAMPLE * np.diag([0.005 * DEGREE, 0.3 * DEGREE]) ** 2
-        beyond = math.remainder(ahead - yaw - state[1], 2.0 * math.pi)
-        gain = covariance[:, 1] / (covariance[1, 1] + (1.5 * DEGREE) ** 2)
+        covariance = A @ covariance @ A.T + SAMPLE * np.diag([0.005 * DEGREE, 0.2 * DEGREE, 0.002, 0.0]) ** 2
+        beyond = math.remainder(ahead - yaw - row @ state + reckoned * wheels, 2.0 * math.pi)
+        gain = covariance @ row / (row @ covariance @ row + (1.5 * DEGREE) ** 2)
         state = state + gain * beyond
-        covariance = covariance - np.outer(gain, covariance[1])
-        assert sensor.bias == pytest.approx(state[0], abs=1e-12)
+        covariance = covariance - np.outer(gain, row @ covariance)
+        np.testing.assert_allclose(sensor.found, state, rtol=0.0, atol=1e-12)
+
+
+def late_yaws(samples: int, latency: float, seed: int = 3) -> Floats:
+    """Return yaws (samples,) of the weaving vehicle as late fixes show them, rad, noisy by 0.7°."""
+    times, true = SAMPLE * np.arange(samples), rates(samples)
+    yaws = np.concatenate(([0.0], np.cumsum(0.5 * SAMPLE * (true[1:] + true[:-1]))))
+    noise = np.random.default_rng(seed).normal(0.0, 0.7 * DEGREE, samples)
+    return np.interp(times - latency, times, yaws) + noise
+
+
+@pytest.mark.parametrize("bias", [0.0, 1.0])
+@pytest.mark.parametrize("latency", [0.0, 0.05, 0.1, 0.2])
+def test_the_latency_of_the_fixes_is_found_and_reckoned_with_as_far_as_it_is_sure(latency: float, bias: float) -> None:
+    sensor, true = Sensor(), rates(1200)
+    for rate, yaw in zip(true.tolist(), late_yaws(1200, latency).tolist(), strict=True):
+        # what is reckoned with brings the fixes, and their yaw, up to now
+        sensor.believed(rate + bias * DEGREE, rate, yaw + sensor.latency * rate)
+    assert sensor.found[2] == pytest.approx(latency, abs=0.03)
+    assert max(latency - 0.06, 0.0) <= sensor.latency <= latency + 0.02
+
+
+def test_what_is_reckoned_with_changes_slowly_and_never_beyond_its_limits() -> None:
+    sensor, true = Sensor(), rates(1200)
+    reckoned = [0.0]
+    for rate, yaw in zip(true.tolist(), late_yaws(1200, 0.5).tolist(), strict=True):
+        sensor.believed(rate, rate, yaw + sensor.latency * rate)
+        reckoned.append(sensor.latency)
+    assert max(reckoned) == 0.25
+    assert np.abs(np.diff(reckoned)).max() <= 0.02 * SAMPLE + 1e-12
+
+
+def test_a_sensor_that_is_late_itself_is_reckoned_with_as_far_as_it_is_sure() -> None:
+    sensor, true = Sensor(), rates(1200)
+    times = SAMPLE * np.arange(1200)
+    for k, yaw in enumerate(late_yaws(1200, 0.0).tolist()):
+        # what is reckoned with brings the yaw rate up to now
+        told = np.interp(times[k] - 0.2 - sensor.latency, times, true)
+        sensor.believed(float(told), float(true[k]), yaw)
+    assert sensor.found[2] == pytest.approx(-0.2, abs=0.03)
+    assert -0.22 <= sensor.latency <= -0.14
+
+
+def test_a_sensor_that_is_missing_at_every_third_sample_shows_no_latency_that_is_not_there() -> None:
+    sensor, true = Sensor(), rates(1200)
+    for k, yaw in enumerate(late_yaws(1200, 0.2).tolist()):
+        told = math.nan if k % 3 == 2 else float(true[k])
+        sensor.believed(told, float(true[k]), yaw + sensor.latency * float(true[k]))
+    deviation = math.sqrt(sensor.live.array("sensor.covariance")[2, 2])
+    assert abs(sensor.found[2] - 0.2) < 2.0 * deviation
+
+
+def test_without_a_sensor_that_is_believed_no_latency_is_reckoned_with() -> None:
+    sensor, true = Sensor(), rates(600)
+    for rate, yaw in zip(true.tolist(), late_yaws(600, 0.2).tolist(), strict=True):
+        assert math.isnan(sensor.believed(-rate, rate, yaw))
+    assert sensor.latency == 0.0
 
 
 @pytest.mark.parametrize("scale", [-1.0, 0.0, 0.5, 2.0])

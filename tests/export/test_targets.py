@@ -97,6 +97,16 @@ def test_windows_finds_every_function_under_its_own_name(for_targets: Path) -> N
         assert b"\0" + name.encode() + b"\0" in library
 
 
+@pytest.mark.parametrize("precision", Precision)
+def test_windows_needs_nothing_that_it_does_not_bring(precision, for_targets: Path, tmp_path: Path) -> None:
+    folder = for_targets
+    if precision is Precision.SINGLE:
+        folder = tmp_path
+        export_library(load_configuration("articulated"), folder, [find_target("windows-x86_64")], precision)
+    library = (folder / "lib" / "windows-x86_64" / "drawbar.dll").read_bytes()
+    assert set(re.findall(rb"[\w-]+\.dll", library)) == {b"drawbar.dll", b"api-ms-win-crt-math-l1-1-0.dll"}
+
+
 def test_a_library_is_the_same_when_it_is_built_again(targets, tmp_path: Path) -> None:
     export_library(load_configuration("articulated"), tmp_path, [find_target("windows-x86_64")])
     again = json.loads((tmp_path / "manifest.json").read_text("utf-8"))["targets"]["windows-x86_64"]

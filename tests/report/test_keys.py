@@ -48,6 +48,8 @@ def test_units_ranges_and_meanings_are_those_of_the_declarations() -> None:
     assert keys["", "", "name"].default == ""
     assert "list of number > 0, ≤ 1000" in keys["path", "", "path.radii"].allowed
     assert keys["tube", "", "tube.nominal"].allowed == '"predicted", "propagated", "optimised"'
+    assert not [name for name, key in keys.items() if key.allowed.endswith(" of")]
+    assert [key.allowed for key in keys.values() if key.name.endswith("pulses_per_metre")] == ["number, or left out"]
 
 
 def test_every_number_has_a_meaning() -> None:

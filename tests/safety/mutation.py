@@ -35,6 +35,11 @@ TESTS = {
     "desk": ("test_desk.py", "test_machine_gate.py", "test_gate_endings.py"),
     "machine_gate": ("test_machine_gate.py", "test_gate_endings.py", "test_safety_settings.py", "test_desk.py"),
     "watch": ("test_machine_gate.py", "test_gate_endings.py", "test_safety_settings.py", "test_watch.py"),
+    "channels": ("test_gate_channels.py", "test_gate_loop.py"),
+    "selftest": ("test_selftest.py", "test_machine_gate.py"),
+    "wires": ("test_gate_channels.py", "test_gate_loop.py"),
+    "gate_report": ("test_gate_loop.py", "test_gate_endings.py", "test_machine_gate.py"),
+    "gate_process": ("test_gate_loop.py", "test_gate_endings.py"),
 }
 """the tests that are tried on each module's mutants"""
 LIMIT = 120

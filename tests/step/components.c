@@ -67,6 +67,12 @@ int drawbar_alignment_begin(struct component *component, const struct drawbar_me
     return 0;
 }
 
+double drawbar_alignment_latency(const struct component *component)
+{
+    (void)component;
+    return 0.0;
+}
+
 int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
                             const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                             struct drawbar_measurement *aligned)

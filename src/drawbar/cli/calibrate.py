@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from drawbar.driving.calibrating import Found
     from drawbar.signals import BodyActuation
 
+_NOTED_LATENCY = 0.02
+"""of fixes, from which on it is worth a setting, s"""
+
 
 def calibrate(
     configuration: Annotated[FilePath, typer.Argument(metavar="FILE", help="configuration of the machine")],
@@ -116,7 +119,7 @@ def _tell(found: "Found") -> None:
 
 
 def identify(log: RunLogFile) -> None:
-    """Find dead time and lag of both steerings in the log of a run or a drive, for `vehicle` of the configuration."""
+    """Find dead time and lag of both steerings, and how late fixes were, in the log of a run or a drive."""
     from drawbar.config import recorded_configuration
     from drawbar.estimation.identification import identify as evaluate
     from drawbar.recording.log import read_log
@@ -136,6 +139,13 @@ def identify(log: RunLogFile) -> None:
         f"stated: vehicle.dead_time = {recorded.vehicle.dead_time} s, "
         f"vehicle.steering_lag = {recorded.vehicle.steering_lag} s"
     )
+    latency = steered[-1].actuation.fix_latency
+    if latency > _NOTED_LATENCY:
+        console.print(
+            f"fixes: at least {latency:.2f} s later than told; add it to latency of [devices.tractor_receiver] and "
+            "[devices.trailer_receiver], elsewhere to sensors.fixes.age",
+            soft_wrap=True,
+        )
 
 
 def _tell_steering(name: str, found: "BodyActuation") -> None:

@@ -104,13 +104,27 @@ def _wiggle(config: "Configuration") -> bool:
     return passed
 
 
+def _or_list(faults: list[str] | None) -> list[str] | None:
+    """Return the faults asked for; `list` prints what there is and ends the command, whatever else is given."""
+    from drawbar.machine.stand_in.faults import FAULTS, LIST
+
+    if LIST in (faults or []):
+        for name, each in FAULTS.items():
+            console.print(f"{name}: {each.text}", soft_wrap=True)
+        raise typer.Exit
+    return faults
+
+
 def stand_in(
     configuration: ConfigurationName,
     changes: Changes = None,
     fault: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME[@20s]", help="break something, so long after it has first been steered; list: what there is"
+            metavar="NAME[@20s]",
+            help="break something, so long after it has first been steered; list: what there is",
+            callback=_or_list,
+            is_eager=True,
         ),
     ] = None,
     boards: Annotated[Literal["aio-v4", "aio-26"], typer.Option(help="firmware of the steer boards")] = "aio-v4",
@@ -125,12 +139,8 @@ def stand_in(
     from drawbar.driving.pace import refuse_elsewhere
     from drawbar.driving.stand_in_main import serve
     from drawbar.driving.stand_ins import Firmware
-    from drawbar.machine.stand_in.faults import FAULTS, LIST, planned_fault
+    from drawbar.machine.stand_in.faults import planned_fault
 
-    if LIST in (fault or []):
-        for name, each in FAULTS.items():
-            console.print(f"{name}: {each.text}", soft_wrap=True)
-        return
     faults = [planned_fault(text) for text in fault or []]
     config = _with_devices(configuration, changes)
     assert config.devices is not None
@@ -138,11 +148,16 @@ def stand_in(
     with tempfile.TemporaryDirectory(prefix="drawbar-") as folder:
         file = FilePath(folder) / "config.toml"
         file.write_text(config.to_toml(), "utf-8")
-        console.print("the simulated machine is there; end it by Ctrl-C")
         orders = Orders(folder=folder, run=folder, configuration=str(file), pace=pace)
         firmware = Firmware(boards)
         raise SystemExit(
-            serve(orders, faults, lambda words: console.print(f"fault: {words}", soft_wrap=True), firmware)
+            serve(
+                orders,
+                faults,
+                lambda words: console.print(f"fault: {words}", soft_wrap=True),
+                firmware,
+                lambda: console.print("the simulated machine is there; end it by Ctrl-C"),
+            )
         )
 
 

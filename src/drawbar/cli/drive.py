@@ -129,6 +129,7 @@ def _report(folder: FilePath, *, shadow: bool) -> None:
 
 def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, seconds: float) -> bool:
     """Show the drive until it is over; return whether it failed."""
+    from drawbar.cli.interrupts import leave_a_terminal_that_is_gone
     from drawbar.driving.front_end import FrontEnd, Keyboard
     from drawbar.driving.terminal import Terminal
     from drawbar.messages import SupervisorState
@@ -150,6 +151,9 @@ def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, second
                     return True
     except KeyboardInterrupt:
         console.print("interrupted: the gate lets go of the steering")
+    except OSError:
+        if not leave_a_terminal_that_is_gone():  # if it is, it was written to before its signal was heard
+            raise
     finally:
         front.close()
     return front.state is not None and front.state.state in (SupervisorState.FAULT, SupervisorState.ESTOP)

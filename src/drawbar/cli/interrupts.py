@@ -34,7 +34,7 @@ class Interrupts:
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
         if number == _HANG_UP:
-            _leave_a_terminal_that_is_gone()
+            leave_a_terminal_that_is_gone()
         now = time.monotonic()
         if self._asked is not None and now - self._asked >= _PATIENCE:
             raise KeyboardInterrupt
@@ -55,11 +55,18 @@ class Interrupts:
             signal.signal(each, handler)
 
 
-def _leave_a_terminal_that_is_gone() -> None:
-    """Let what is printed from now on go nowhere where the terminal is gone: it would raise amid an orderly end."""
+def leave_a_terminal_that_is_gone() -> bool:
+    """Let what is printed from now on go nowhere where the terminal is gone: it would raise amid an orderly end.
+
+    Returns:
+        Whether it is gone.
+    """
+    gone = False
     for stream in (sys.stdout, sys.stderr):
         try:
             os.get_terminal_size(stream.fileno())
         except OSError as error:
             if error.errno == errno.EIO:
+                gone = True
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    return gone

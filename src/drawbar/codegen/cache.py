@@ -17,7 +17,7 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from drawbar.codegen.compiler import FLAGS, compiler_identity, environment, find_compiler
+from drawbar.codegen.compiler import FLAGS, compiler_identity, environment, find_compiler, library_flags
 from drawbar.codegen.keeping import demand_own_folder, describe, is_whole, note_of
 from drawbar.errors import CompilerError
 
@@ -151,14 +151,15 @@ def _compile(files: Mapping[str, str], flags: tuple[str, ...], library: Path) ->
 
 
 def _link(folder: Path, units: Sequence[str], flags: tuple[str, ...], library: Path) -> None:
-    """Compile the units in a folder, each on a core of its own, to a library of the final name."""
+    """Compile the units in a folder, each on a core of its own, the largest first, to a library of the final name."""
     linked = [*flags, "-o", library.name]
     if len(units) == 1:
-        _run([*linked, *units, "-lm"], folder, library.stem)
+        _run([*linked, *units, *library_flags(flags)], folder, library.stem)
         return
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         compiled = [flag for flag in flags if flag != "-shared"]
-        commands = [[*compiled, "-c", name, "-o", f"{name}.o"] for name in units]
+        largest_first = sorted(units, key=lambda name: -(folder / name).stat().st_size)
+        commands = [[*compiled, "-c", name, "-o", f"{name}.o"] for name in largest_first]
         tell = _OBSERVER.get()
         running = [pool.submit(_run, command, folder, library.stem) for command in commands]
         try:
@@ -168,7 +169,7 @@ def _link(folder: Path, units: Sequence[str], flags: tuple[str, ...], library: P
         except BaseException:  # an interrupt, too, does not wait for what has not begun
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    _run([*linked, *(f"{name}.o" for name in units), "-lm"], folder, library.stem)
+    _run([*linked, *(f"{name}.o" for name in units), *library_flags(flags)], folder, library.stem)
 
 
 def _keep(folder: Path, library: Path) -> None:

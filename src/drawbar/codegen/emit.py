@@ -68,25 +68,40 @@ class Output:
     value: ca.SX
     """(rows, columns) expressions"""
     stride: str = ""
-    """C expression: numbers from one row to the next, where rows are padded; empty: the number of columns"""
+    """C expression: numbers from one row to the next, where rows are padded with zeros to whole packs; empty: the
+    number of columns"""
 
     def entries(self) -> list["_Entry"]:
         """Return every structural nonzero."""
         rows, columns = self.value.sparsity().get_triplet()
-        stride = self.stride or str(self.value.shape[1])
-        return [
-            _Entry(owner=self, place=f"({self.place})[{i} * {stride} + {j}]", value=self.value[i, j])
-            for i, j in zip(rows, columns, strict=True)
-        ]
+        return [_Entry(owner=self, row=i, column=j, value=self.value[i, j]) for i, j in zip(rows, columns, strict=True)]
+
+    def at(self, row: int, column: int) -> str:
+        """Return an entry's place as a C expression."""
+        return f"({self.place})[{row} * {self.stride or self.value.shape[1]} + {column}]"
+
+    def four(self, row: int, column: int) -> tuple[tuple[int, int], ...]:
+        """Return the four entries of the pack that has this one; none where the pack reaches behind the matrix."""
+        rows, columns = self.value.shape
+        if self.stride:
+            first = column - column % 4
+            return tuple((row, first + i) for i in range(4))
+        first = (row * columns + column) // 4 * 4
+        return tuple(divmod(first + i, columns) for i in range(4)) if first + 4 <= rows * columns else ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Entry:
     owner: Output
-    place: str
-    """C expression"""
+    row: int
+    column: int
     value: ca.SX
     """scalar"""
+
+    @property
+    def place(self) -> str:
+        """Where it is stored, as a C expression."""
+        return self.owner.at(self.row, self.column)
 
 
 @dataclass(slots=True)
@@ -169,7 +184,7 @@ static void {name}({arguments}, int first, int count)
         }}
         for (int lane = 0; lane < lanes; ++lane) {{
             const int k = base + lane;
-            {_join(_scatter(outputs, varying), 12)}
+            {_join(_scatter(outputs, varying, _entries(inputs, outputs, varying=False)), 12)}
         }}
     }}
 }}
@@ -186,14 +201,28 @@ def _gather(inputs: list[Input], gathered: list[tuple[int, int]]) -> list[str]:
     return lines
 
 
-def _scatter(outputs: list[Output], varying: list[_Entry]) -> list[str]:
+def _scatter(outputs: list[Output], varying: list[_Entry], same: list[_Entry]) -> list[str]:
     """Return the lines that store one lane's results, in the rows that each output has."""
     blocks = []
     for output in outputs:
-        lines = [f"{entry.place} = out[{i}][lane];" for i, entry in enumerate(varying) if entry.owner is output]
-        if lines:
+        results = {(each.row, each.column): f"out[{i}][lane]" for i, each in enumerate(varying) if each.owner is output}
+        if results:
+            lines = _stores(output, results, {(each.row, each.column) for each in same if each.owner is output})
             blocks.append(f"if (k < {output.rows}) {{\n                {_join(lines, 16)}\n            }}")
     return blocks
+
+
+def _stores(output: Output, results: dict[tuple[int, int], str], same: set[tuple[int, int]]) -> list[str]:
+    """Return the lines that store an output's results: a whole pack at once where it has no entry that is the same."""
+    lines = []
+    for four in dict.fromkeys(output.four(*place) for place in results):
+        found = [place for place in four if place in results]
+        if len(found) > 1 and same.isdisjoint(four):
+            which = sum(1 << i for i, place in enumerate(four) if place in results)
+            values = ", ".join(results.get(place, "0.0") for place in four)
+            lines.append(f"write_four(&{output.at(*four[0])}, {which}, {values});")
+            results = {place: result for place, result in results.items() if place not in found}
+    return lines + [f"{output.at(*place)} = {result};" for place, result in results.items()]
 
 
 def _join(lines: list[str], indent: int) -> str:

@@ -39,6 +39,7 @@ QUANTITIES: Mapping[str, tuple[str, str, str]] = {
     "fix_deviation": ("Uncertainty of the fix", "Unsicherheit der Position", "m"),
     "fix_quality": ("Quality of the fix, 5 is RTK fixed", "Güte der Position, 5 ist RTK Fix", ""),
     "fix_age": ("Age of the fix", "Alter der Position", "s"),
+    "fix_latency": ("Latency of the fixes that nobody tells", "Verzug der Positionen, den niemand nennt", "s"),
     "fix": ("What became of the fix, 0 is used", "Was aus der Position wurde, 0: genutzt", ""),
     "hitch_angle_age": ("Age of the hitch angle", "Alter des Knickwinkels", "s"),
     "speed_age": ("Age of the speed", "Alter des Tempos", "s"),

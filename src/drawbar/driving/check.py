@@ -209,12 +209,16 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
 
 def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterator[Finding]:
     """Claim an address, say that nothing is intended, and listen to the valves and to the tractor."""
-    wires, now, tick = Wires([isobus_wire(settings, _SLOW if drives else None)]), 0.0, 0.0
+    wire, now, tick = isobus_wire(settings, _SLOW if drives else None), 0.0, 0.0
+    wires = Wires([wire])
     for now in looks(seconds):
         wires.receive()
         if now >= tick:
             tick = now + _TICK / 2.0
             wires.send(now, (_OFF, _OFF), _STOP)
+    if wire.transport.trouble:
+        problem = f"{wire.transport.trouble}: check the adapter, its bit rate and that its interface is up"
+        yield Finding(device="ISOBUS", problems=[problem])
     for name, report in zip(("tractor valve", "trailer valve"), wires.steering(now), strict=True):
         if report is not None:
             angle = [f"angle {math.degrees(report.angle):.1f}°"] if math.isfinite(report.angle) else []

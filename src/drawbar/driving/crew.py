@@ -15,7 +15,7 @@ from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.ending import undisturbed
 from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, RECORDER, SOCKETS, GateOrders, Orders
-from drawbar.driving.pace import lamp_of, shown_pace
+from drawbar.driving.pace import driver_socket, shown_pace
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
@@ -205,7 +205,7 @@ def gate_orders(
         trailer_board=devices.trailer_board,
         isobus=devices.isobus,
         drives=devices.speed == "isobus",
-        driver=lamp_of(devices, shown) if shown is not None else "",
+        driver=driver_socket(devices, shown) if shown is not None else "",
         shadow=shadow,
         pace=pace,
         controller=controller,

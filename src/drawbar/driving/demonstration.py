@@ -13,6 +13,9 @@ from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS, PULSES
 from drawbar.protocols.agopengps.heard import LARGEST_ANGLE
 
+_GROUP = "239.74.163.2"
+"""of multicast datagrams, which do not leave this computer"""
+
 
 def with_stand_ins(configuration: Configuration) -> Configuration:
     """Return the configuration with two receivers on TCP and two boards on UDP, all at free ports of 127.0.0.1.
@@ -36,17 +39,48 @@ def with_stand_ins(configuration: Configuration) -> Configuration:
         trailer_receiver=receivers[1],
         tractor_board=boards[0],
         trailer_board=boards[1],
-        sensors=SensorBoardSettings(
-            transport=f"tcp://127.0.0.1:{streams[2]}",
-            hitch_counts=HITCH_COUNTS,
-            hitch_angles=HITCH_ANGLES,
-            pulses_per_metre=PULSES,
-        ),
+        sensors=_sensor_board(streams[2]),
     )
     if configuration.machine.attitude.tractor.present:
         valve = BareValveSettings(transport=f"tcp://127.0.0.1:{streams[3]}", counts=HITCH_COUNTS, angles=HITCH_ANGLES)
         devices = devices.model_copy(update={"bare_valve": valve})
-    engage = configuration.safety.engage.model_copy(update={"wiggle_test": False})  # stand-ins turn the right way
+    return _of_stand_ins(configuration, devices)
+
+
+def with_isobus(configuration: Configuration) -> Configuration:
+    """Return the configuration with NMEA 2000 receivers and ISOBUS valves on buses of this computer, a sensor board.
+
+    The tractor takes its speed from the bus. CAN frames go as datagrams of python-can's `udp_multicast`.
+    """
+    vehicle = configuration.vehicle
+    positions, implements = (f"can:udp_multicast:{_GROUP}:{port}" for port in free_ports(socket.SOCK_DGRAM, 2))
+    end = vehicle.trailer_steering_limit
+    tractor = {"wheelbase": vehicle.wheelbase, "address": 38, "rate": 20.0}
+    trailer = {"curvature": [(-end, -end), (end, end)], "address": 39, "rate": 20.0}
+    devices = DeviceSettings.model_validate(
+        {
+            "tractor_receiver": {"transport": positions, "sender": "32"},
+            "trailer_receiver": {"transport": positions, "sender": "33"},
+            "isobus": {"bus": implements, "name": {"identity": 7}, "tractor_valve": tractor, "trailer_valve": trailer},
+            "speed": "isobus",
+            "sensors": _sensor_board(*free_ports(socket.SOCK_STREAM, 1)),
+        }
+    )
+    return _of_stand_ins(configuration, devices)
+
+
+def _sensor_board(port: int) -> SensorBoardSettings:
+    return SensorBoardSettings(
+        transport=f"tcp://127.0.0.1:{port}",
+        hitch_counts=HITCH_COUNTS,
+        hitch_angles=HITCH_ANGLES,
+        pulses_per_metre=PULSES,
+    )
+
+
+def _of_stand_ins(configuration: Configuration, devices: DeviceSettings) -> Configuration:
+    """Return the configuration with devices that need no wiggle test: stand-ins turn the right way."""
+    engage = configuration.safety.engage.model_copy(update={"wiggle_test": False})
     safety = configuration.safety.model_copy(update={"engage": engage})
     return configuration.model_copy(update={"devices": devices, "safety": safety})
 

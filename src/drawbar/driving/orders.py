@@ -47,7 +47,7 @@ class Orders(PacedOrders):
 
 GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER = "gate", "controller", "recorder", "front", "driver"
 CONSOLE, GUARD, RECEIVERS = "console", "guard", "receivers"
-"""names of the sockets; the driver's is that of a lamp, or a stand-in"""
+"""names of the sockets; the driver's is that of this drive's own stand-in"""
 SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS)
 ORDERS_NAME = "orders.json"
 """in the folder of the sockets: what a console that is started later needs to know"""
@@ -72,7 +72,7 @@ class GateOrders(PacedOrders):
     drives: bool = False
     """the tractor's speed is commanded over the ISOBUS"""
     driver: str = ""
-    """address of the lamp of a stand-in that is a program of its own; empty: of this drive's"""
+    """address of the driver of a stand-in that is a program of its own; empty: of this drive's own stand-in"""
     shadow: bool = False
     """actuators are only listened to"""
 

@@ -1,8 +1,8 @@
 """Pace: how fast time passes in a drive. A machine is driven at 1; a stand-in on this computer may be faster.
 
-A stand-in that is a program of its own shows its pace by the name of a socket, its driver's lamp, which is gone when
-it ends. It alone has the ports of its devices; so whoever finds that name, for devices that cannot be but on this
-computer, drives a stand-in and no machine.
+A stand-in that is a program of its own shows its pace by the name of its driver's socket, which is gone when it ends.
+It alone has the ports of its devices; so whoever finds that name, for devices that cannot be but on this computer,
+drives a stand-in and no machine.
 """
 
 import hashlib
@@ -58,7 +58,7 @@ def _places(devices: DeviceSettings) -> Mapping[str, bool]:
     return places
 
 
-def lamp_of(devices: DeviceSettings, pace: int) -> str:
+def driver_socket(devices: DeviceSettings, pace: int) -> str:
     """Return the address at which the driver of a stand-in of devices is told what the gate does."""
     name = hashlib.sha256(devices.model_dump_json().encode()).hexdigest()[:32]
     return f"\0drawbar-stand-in-{name}-{pace}"
@@ -66,6 +66,10 @@ def lamp_of(devices: DeviceSettings, pace: int) -> str:
 
 def shown_pace(devices: DeviceSettings) -> int | None:
     """Return the pace that a stand-in of devices shows on this computer; None: there is none."""
-    names = {line.rpartition(" ")[2] for line in _SOCKETS.read_text("utf-8", "replace").splitlines()}
-    lamps = {pace: lamp_of(devices, pace).replace("\0", "@") for pace in range(1, FASTEST + 1)}
-    return next((pace for pace, lamp in lamps.items() if lamp in names), None)
+    try:
+        lines = _SOCKETS.read_text("utf-8", "replace").splitlines()
+    except OSError:  # no /proc, as in some containers
+        return None
+    names = {line.rpartition(" ")[2] for line in lines}
+    paces = range(1, FASTEST + 1)
+    return next((pace for pace in paces if driver_socket(devices, pace).replace("\0", "@") in names), None)

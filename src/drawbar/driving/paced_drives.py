@@ -1,6 +1,7 @@
 """Paced drives: how far drives in processes, each at a pace, are from the same one in a single process.
 
-`python -m drawbar.driving.paced_drives [PACE ...] [--path FILE --track NAME]`: without a pace at 1, 2, 5 and 10. The
+`python -m drawbar.driving.paced_drives [PACE ...] [--path FILE --track NAME] [--isobus]`: without a pace at 1, 2, 5 and
+10; over TCP and AgOpenGPS boards' UDP, or with everything on CAN buses, the tractor's speed too. The
 sensors are exact, so that a body's distance from the line is what the receivers measure. At a pace the processes'
 results are needed so many times sooner: delays and late steps say whether this computer is fast enough.
 """
@@ -20,7 +21,7 @@ from rich.table import Table
 
 from drawbar.config import Configuration, load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.demonstration import with_isobus, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.rehearsal import Rehearsal
 from drawbar.driving.stand_ins import SEED
@@ -76,17 +77,28 @@ class Driven:
         return float(np.percentile(self.delays, 99)) if self.delays else math.inf
 
     @property
+    def usual_delay(self) -> float:
+        """Their median, s; 0: there was none."""
+        return float(np.median(self.delays)) if self.delays else 0.0
+
+    @property
     def held(self) -> bool:
         """Whether the computer was fast enough: nothing worried the gate, and commands were in time."""
         worries = (SupervisorState.DEGRADED, SupervisorState.FAULT)
         return bool(len(self.errors)) and self.delay <= PROMPT and not any(each in worries for each in self.states)
 
 
-def rehearse(configuration: Configuration, seconds: float = _LONGEST) -> Driven:
-    """Return a drive in one process, by a clock of its own, with the seed of stand-ins; seconds: longest time."""
+def rehearse(configuration: Configuration, seconds: float = _LONGEST, delay: float = 0.0) -> Driven:
+    """Return the drive in one process, by a clock of its own, with the seed of stand-ins.
+
+    Args:
+        configuration: with devices on this computer.
+        seconds: longest time.
+        delay: of each command, s: the one that processes need for it.
+    """
     line, _ = build_path(configuration)
-    safety = with_stand_ins(configuration).safety  # no wiggle test
-    rehearsal, steps = Rehearsal(configuration, line, SEED, safety), []
+    rehearsal, steps = Rehearsal(configuration, line, SEED, configuration.safety), []
+    rehearsal.post.taps["controller"] = lambda time, data: [(delay, data)]
     for record, _ in rehearsal.run(seconds):
         steps.append(record)
         if rehearsal.gate_state is not None and rehearsal.gate_state.state in _ENDED[:-1]:
@@ -99,15 +111,14 @@ def drive(configuration: Configuration, run: Path, pace: int, seconds: float = _
     """Return a drive in processes, over sockets, on stand-ins.
 
     Args:
-        configuration: without devices.
+        configuration: with devices on this computer.
         run: folder of its log.
         pace: of all processes.
         seconds: longest time, of the drive's own.
     """
-    whole = with_stand_ins(configuration)
-    (run / CONFIGURATION_NAME).write_text(whole.to_toml(), "utf-8")
+    (run / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
     states: list[SupervisorState] = []
-    with Crew(whole, run, stand_ins=True, pace=pace) as crew:
+    with Crew(configuration, run, stand_ins=True, pace=pace) as crew:
         front, clock = FrontEnd(crew, demonstrates=True), crew.orders.clock.from_now()
         used = -_processor_time(crew)
         while clock() < seconds and not front.is_over and not crew.ended():
@@ -190,17 +201,19 @@ def main() -> int:
     parser.add_argument("paces", metavar="PACE", type=int, nargs="*", default=[1, 2, 5, 10])
     parser.add_argument("--path", metavar="FILE", help="of a recorded line; default: a figure-eight")
     parser.add_argument("--track", metavar="NAME", default="", help="of the line, where the file holds several")
+    parser.add_argument("--isobus", action="store_true", help="everything on CAN buses instead of TCP and UDP")
     given = parser.parse_args()
     recorded = [f"path.file={given.path}", f"path.track={given.track}"]
-    configuration = load_configuration("articulated", [*(recorded if given.path else ["path.radii=[8.0]"]), *EXACT])
-    alone = rehearse(configuration)
-    table = Table(title="drives in processes beside the same in one process")
+    plain = load_configuration("articulated", [*(recorded if given.path else ["path.radii=[8.0]"]), *EXACT])
+    configuration = with_isobus(plain) if given.isobus else with_stand_ins(plain)
+    table = Table(title="drives in processes beside the same in one process, its commands as late as usual there")
     columns = ("pace", "steps", "late", "delay", "of a core", "mean", "largest", "anywhere", "held")
     for column in columns:
         table.add_column(column, justify="right")
     for pace in given.paces:
         with tempfile.TemporaryDirectory(prefix="drawbar-paced-") as folder:
-            table.add_row(*_row(drive(configuration, Path(folder), pace), pace, alone))
+            driven = drive(configuration, Path(folder), pace)
+        table.add_row(*_row(driven, pace, rehearse(configuration, delay=driven.usual_delay)))
     terminal = Console()
     terminal.print(table)
     load = " ".join(f"{each:.1f}" for each in os.getloadavg())

@@ -27,6 +27,10 @@ from drawbar.recording.scene import Scene
 from drawbar.simulation import build_path
 from drawbar.transports.clock import MachineClock
 
+_WITHOUT_STEPS = 500_000_000
+"""after which what waits is written where no step comes, ns: each time costs some of the compression, and each step
+writes all that came before it"""
+
 
 def main() -> int:
     """Write until told to end."""
@@ -69,7 +73,7 @@ def _take(mailbox: Mailbox, log: DriveLog, beat: Beat, clock: MachineClock) -> b
     try:
         for data in mailbox.receive():
             _write(data, log, beat, clock)
-        if clock.nanoseconds() >= beat.due:
+        if clock.nanoseconds() - log.flushed >= _WITHOUT_STEPS:
             log.flush()
     except (OSError, DrawbarError) as error:
         log.give_up()

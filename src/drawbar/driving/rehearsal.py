@@ -29,6 +29,7 @@ from drawbar.message_records import decode, encode
 from drawbar.messages import Action, Fixes, GateState, Heartbeat, Message, Role, SupervisorState, seconds
 from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.safety.envelope import Bounds
+from drawbar.safety.gate_process import next_tick
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.wires import Wire
@@ -140,10 +141,10 @@ class Rehearsal:
         return seconds(self.now)
 
     def _send(self, message: Message) -> None:
-        self.post.send(self.time, "controller", encode(message), self._controller_channel.inbox.append)
+        self.post.send(self.time, "controller", encode(message), self._controller_channel.put)
 
     def _tell_desk(self, message: Message) -> None:
-        self.post.send(self.time, "operator", encode(message), self._desk.inbox.append)
+        self.post.send(self.time, "operator", encode(message), self._desk.put)
 
     def end_controller(self) -> None:
         """Let the controller's process end; the gate sees it."""
@@ -178,13 +179,18 @@ class Rehearsal:
         if self.time >= self._look:
             self._look = self.time + _LOOK
             self._look_around()
-        if Part.GATE not in self.stopped and (self.gate.hear(self.time) or self.time >= self._due):
-            self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
-            self._due = self.time + self._tick
+        if Part.GATE not in self.stopped:
+            self._run_gate()
         self._deliver()
         if self._guard.says_off(self.time):
             for body in self.wires:
                 self._obey(body)(OFF)
+
+    def _run_gate(self) -> None:
+        urgent = self.gate.hear(self.time)
+        if urgent or self.time >= self._due:
+            self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
+            self._due = next_tick(self.time, self._tick, urgent=urgent)
 
     def _hear(self, line: str) -> Callable[[bytes], None]:
         return lambda data: self._lines[line].arrive(self.time, data)

@@ -4,6 +4,7 @@ A board neither confirms what it stores nor tells it; what is seen is that it an
 out.
 """
 
+import math
 from collections.abc import Iterator
 
 from drawbar.driving.check import Finding, listen_to_board, looks
@@ -20,8 +21,9 @@ _STANDING = 0.05
 
 def store(devices: DeviceSettings) -> Iterator[Finding]:
     """Yield what became of each board; one that is not heard, steers, or obeys another computer is not written to."""
-    if devices.sensors is not None and _moves(devices.sensors):
-        yield Finding(device="wheels", heard=True, problems=["they turn: stand; nothing was written"])
+    wheels = _wheels(devices.sensors) if devices.sensors is not None else None
+    if wheels is not None and wheels.problems:
+        yield wheels
         return
     for name, board in (("tractor board", devices.tractor_board), ("trailer board", devices.trailer_board)):
         if board is not None:
@@ -44,9 +46,20 @@ def _store(name: str, board: SteerBoardSettings) -> Finding:
     return found
 
 
-def _moves(sensors: SensorBoardSettings) -> bool:
+def _wheels(sensors: SensorBoardSettings) -> Finding | None:
+    """Return what the wheels' encoder tells of standing; None: there is no encoder, and the operator's word counts."""
+    if sensors.pulses_per_metre is None:
+        return None
     line = SensorLine(open_transport(sensors.transport), sensors)
     for _ in looks(1.0):
         line.poll()
     line.close()
-    return abs(line.last.wheel_speed) > _STANDING
+    speed = line.last.wheel_speed
+    found = Finding(device="wheels", heard=math.isfinite(speed))
+    if not found.heard:
+        found.problems.append("their encoder is not heard, so that nothing shows that they stand: mend it")
+    elif abs(speed) > _STANDING:
+        found.problems.append("they turn: stand")
+    if found.problems:
+        found.problems.append("nothing was written to any board")
+    return found

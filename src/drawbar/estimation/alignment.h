@@ -62,10 +62,10 @@ static inline double at_age(const struct since *since, double age, double then, 
     return age > 0.0 && since->elapsed > 0.0 ? now - age / since->elapsed * (now - then) : now;
 }
 
-/* How old a fix is, s; NaN: too old, or of the future. */
+/* How old a fix is, s, with the latency that was found; NaN: too old, or of the future. */
 static inline double age_of_fix(const struct component *alignment, double told)
 {
-    const double age = told == 0.0 || isnan(told) ? alignment->fix_age : told;
+    const double age = (told == 0.0 || isnan(told) ? alignment->fix_age : told) + fmax(alignment->yaw_rate.latency, 0.0);
     return age >= 0.0 && age <= OLDEST ? age : NAN;
 }
 
@@ -176,7 +176,7 @@ static inline double wheels_yaw_rate(const struct component *alignment, const st
 }
 
 /* The tractor's yaw as fixes and angles show it, rad; NaN where one of them is missing or coarse. */
-static inline double shown_yaw(const struct component *alignment, const struct drawbar_measurement *m)
+static inline double yaw_of_fixes(const struct component *alignment, const struct drawbar_measurement *m)
 {
     const int coarse = fmax(m->tractor_fix_deviation, m->trailer_fix_deviation) > SHOWS_YAW;
     double tractor, trailer;
@@ -187,13 +187,23 @@ static inline double shown_yaw(const struct component *alignment, const struct d
     return tractor;
 }
 
+/* Direction of the line from the trailer's point to the tractor's, rad. */
+static inline double line_direction(const struct drawbar_estimate *estimate)
+{
+    const struct drawbar_pose *tractor = &estimate->tractor, *trailer = &estimate->trailer;
+    return atan2(tractor->y - trailer->y, tractor->x - trailer->x);
+}
+
 /* Bring the tractor's yaw rate up to now, without the sensor's bias, in place; NaN where it is not to be believed. */
 static inline void align_yaw_rate(struct component *alignment, const struct since *since, struct drawbar_measurement *m)
 {
     const double last = wheels_yaw_rate(alignment, since->last), now = wheels_yaw_rate(alignment, since->expected);
-    const double told = brought_up(since, m->tractor_yaw_rate, m->tractor_attitude_age, last, now);
+    const double age = m->tractor_attitude_age - fmin(alignment->yaw_rate.latency, 0.0);
+    const double told = brought_up(since, m->tractor_yaw_rate, age, last, now);
+    const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
+    const struct shown_yaw shown = {yaw_of_fixes(alignment, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 
-    m->tractor_yaw_rate = yaw_rate_believed(&alignment->yaw_rate, told, now, shown_yaw(alignment, m), since->elapsed);
+    m->tractor_yaw_rate = yaw_rate_believed(&alignment->yaw_rate, told, now, &shown, since->elapsed);
 }
 
 /* Let each fix, already on the ground, have the deviation that it is to be reckoned with; take away what is none. */
@@ -242,6 +252,12 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
         aligned->trailer_y = reported.trailer_y - arms[3];
     }
     return 0;
+}
+
+/* By how much fixes are later than was told, s. */
+double UNIT(latency)(const struct component *alignment)
+{
+    return fmax(alignment->yaw_rate.latency, 0.0);
 }
 
 /* Align a measurement. last: the newest estimate; expected: the one that is expected at the measurement's time, before it

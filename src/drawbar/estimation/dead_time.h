@@ -29,9 +29,9 @@ struct component {
 #define MOST_BODY_LAG 0.3                  /* s */
 #define WHOLE_SAMPLES 1e-9                 /* a dead time that is longer by less is a whole number of samples */
 
-#define COMPONENT_FIELDS                                                                                          \
+#define COMPONENT_FIELDS                                                                                               \
     SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                              \
-    SETTING(component, body_lag_per_speed, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                                      \
+    SETTING(component, body_lag_per_speed, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                            \
     SETTING(component, constants, 0, CONSTANTS, 0, 0)
 
 /* By how much the tractor turns later than its wheels stand, s. On ground that creeps its yaw follows the wheels, and its

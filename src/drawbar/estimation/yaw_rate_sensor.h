@@ -1,10 +1,13 @@
-/* What a yaw-rate sensor tells of the tractor: its bias is found and taken off, and a sensor that contradicts the
- * antennas or the wheels is not believed.
+/* What a yaw-rate sensor tells of the tractor, and of the fixes: the sensor's bias and the error of its scale are found and
+ * taken off, the latency of fixes or sensor that nobody tells is found, and a sensor that contradicts the antennas or the
+ * wheels is not believed.
  *
  * A body turns as far as its antennas and angles show, whatever the sensor says: how far the sensor's integral runs ahead
- * of that yaw grows with the bias. A Kalman filter tells both from each other. The sensor is not used until
- * the bias is known and the sensor has told for a while what the wheels tell; where the integral leaves the yaw it is
- * dropped, and begun with anew.
+ * of that yaw grows with the bias, and in curves with the scale's error. Where the fixes are late, that yaw is behind by as
+ * much as the line through both antennas turns meanwhile, one way in a curve to the left and the other way to the right;
+ * where the sensor is late it is ahead. A Kalman filter tells these from each other (docs/theory/identification.md). The
+ * sensor is not used until the bias is known and the sensor has told for a while what the wheels tell; where the integral
+ * leaves the yaw it is dropped, and begun with anew.
  */
 #ifndef DRAWBAR_YAW_RATE_SENSOR_H
 #define DRAWBAR_YAW_RATE_SENSOR_H
@@ -20,7 +23,7 @@
 #define BIAS_WALK (0.005 * DEGREE)         /* by which it changes, rad/s per square root of a second */
 #define YAW_NOISE (1.5 * DEGREE)           /* of one yaw that antennas and angles show, rad */
 #define FIRST_LEAD (2.0 * DEGREE)          /* deviation of the integral's first lead, rad */
-#define LEAD_WALK (0.3 * DEGREE)           /* by which the lead changes beside the bias, rad per square root of a second */
+#define LEAD_WALK (0.2 * DEGREE)           /* by which the lead changes beside the bias, rad per square root of a second */
 #define MOST_LEAD (3.0 * DEGREE)           /* a root mean square of unexpected lead that contradicts, rad */
 #define LEAP (6.0 * DEGREE)                /* a single unexpected lead that does, rad */
 #define OBSERVED 1.0                       /* time constant of that mean, s */
@@ -30,11 +33,28 @@
 #define SUDDEN 4.0                         /* times its usual difference from the wheels by which it may differ from them, */
 #define LEAST_SUDDEN (6.0 * DEGREE)        /* and by so much always, rad/s */
 #define PATIENCE 60.0                      /* for how long nothing is believed afterwards, s */
+#define FIRST_SCALE 0.03                   /* deviation of the share of what it says that is too much */
+#define MOST_SCALE (3.0 * FIRST_SCALE)
+#define FIRST_LATENCY 0.1                  /* deviation of the fixes' latency before anything is known, s */
+#define LATENCY_WALK 0.002                 /* by which it changes, s per square root of a second */
+#define MOST_LATENCY 0.25                  /* that is reckoned with, s */
+#define LATENCY_RATE 0.02                  /* by which what is reckoned with changes, s/s: positions must not jump */
+
+enum { BIAS, LEAD, LATENCY, SCALE, FOUND };
+
+/* The tractor's yaw as antennas and angles show it, rad, NaN: they do not; how fast the line through both antennas turns,
+ * rad/s. */
+struct shown_yaw {
+    double yaw, turning;
+};
 
 struct yaw_rate_sensor {
-    double bias, lead;                     /* rad/s; how far the integral is ahead, rad */
-    double of_bias, of_both, of_lead;      /* their covariance */
+    double found[FOUND];                   /* bias, rad/s; how far the integral is ahead, rad; by how much the fixes are
+                                              later than the sensor, s; share of what the sensor says that is too much */
+    double covariance[FOUND][FOUND];
+    double latency;                        /* that is reckoned with, s; below zero: the sensor is late */
     double integral;                       /* rad */
+    double before;                         /* last sample's yaw rate, rad/s */
     double beyond;                         /* newest lead beyond what was expected, rad */
     double unexpected;                     /* mean square of the lead beyond what was expected */
     double square, product;                /* of the wheels' yaw rate, and with the sensor's, rad^2 / s */
@@ -46,41 +66,71 @@ struct yaw_rate_sensor {
 /* Begin to know the sensor; nothing is believed for a while (s). */
 static inline void yaw_rate_begin(struct yaw_rate_sensor *sensor, double doubted)
 {
-    *sensor = (struct yaw_rate_sensor){.of_bias = FIRST_BIAS * FIRST_BIAS, .doubted = doubted, .begun = 1};
+    *sensor = (struct yaw_rate_sensor){.latency = sensor->latency, .doubted = doubted, .begun = 1};
+    sensor->covariance[BIAS][BIAS] = FIRST_BIAS * FIRST_BIAS;
+    sensor->covariance[LATENCY][LATENCY] = FIRST_LATENCY * FIRST_LATENCY;
+    sensor->covariance[SCALE][SCALE] = FIRST_SCALE * FIRST_SCALE;
 }
 
-/* Begin the integral anew, from a yaw (rad). */
-static inline void yaw_rate_follow(struct yaw_rate_sensor *sensor, double yaw)
+/* Begin the integral anew, from a shown yaw: in a curve it is as far behind as that is late. */
+static inline void yaw_rate_follow(struct yaw_rate_sensor *sensor, const struct shown_yaw *shown)
 {
-    sensor->integral = yaw;
-    sensor->lead = sensor->of_both = sensor->beyond = sensor->unexpected = 0.0;
-    sensor->of_lead = FIRST_LEAD * FIRST_LEAD;
+    const double turning = shown->turning;
+
+    sensor->integral = shown->yaw;
+    sensor->found[LEAD] = turning * (sensor->latency - sensor->found[LATENCY]);
+    sensor->beyond = sensor->unexpected = 0.0;
+    for (int i = 0; i < FOUND; ++i)
+        sensor->covariance[LEAD][i] = -turning * sensor->covariance[LATENCY][i];
+    for (int i = 0; i < FOUND; ++i)
+        sensor->covariance[i][LEAD] = -turning * sensor->covariance[i][LATENCY];
+    sensor->covariance[LEAD][LEAD] += FIRST_LEAD * FIRST_LEAD;
     sensor->follows = 1;
 }
 
 /* Let the integral go on by a yaw rate (rad/s). */
 static inline void yaw_rate_integrate(struct yaw_rate_sensor *sensor, double told, double elapsed)
 {
-    sensor->integral += told * elapsed;
-    sensor->lead += sensor->bias * elapsed;
-    sensor->of_lead += elapsed * (2.0 * sensor->of_both + elapsed * sensor->of_bias + LEAD_WALK * LEAD_WALK);
-    sensor->of_both += elapsed * sensor->of_bias;
-    sensor->of_bias += elapsed * BIAS_WALK * BIAS_WALK;
+    const double turned = 0.5 * (told + sensor->before) * elapsed;
+
+    sensor->integral += turned;
+    sensor->found[LEAD] += elapsed * sensor->found[BIAS] + turned * sensor->found[SCALE];
+    for (int i = 0; i < FOUND; ++i)
+        sensor->covariance[LEAD][i] += elapsed * sensor->covariance[BIAS][i] + turned * sensor->covariance[SCALE][i];
+    for (int i = 0; i < FOUND; ++i)
+        sensor->covariance[i][LEAD] += elapsed * sensor->covariance[i][BIAS] + turned * sensor->covariance[i][SCALE];
+    sensor->covariance[BIAS][BIAS] += elapsed * BIAS_WALK * BIAS_WALK;
+    sensor->covariance[LEAD][LEAD] += elapsed * LEAD_WALK * LEAD_WALK;
+    sensor->covariance[LATENCY][LATENCY] += elapsed * LATENCY_WALK * LATENCY_WALK;
 }
 
-/* Compare the integral with a yaw (rad). */
-static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, double yaw, double share)
+/* Compare the integral with a shown yaw. */
+static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, const struct shown_yaw *shown, double share)
 {
-    const double beyond = sensor->beyond = wrapped(sensor->integral - yaw - sensor->lead);
-    const double spread = sensor->of_lead + YAW_NOISE * YAW_NOISE;
-    const double on_bias = sensor->of_both / spread, on_lead = sensor->of_lead / spread;
+    const double late = (sensor->found[LATENCY] - sensor->latency) * shown->turning;
+    const double beyond = sensor->beyond = wrapped(sensor->integral - shown->yaw - sensor->found[LEAD] - late);
+    double across[FOUND], variance = YAW_NOISE * YAW_NOISE;
 
+    for (int i = 0; i < FOUND; ++i)
+        across[i] = sensor->covariance[i][LEAD] + shown->turning * sensor->covariance[i][LATENCY];
+    variance += across[LEAD] + shown->turning * across[LATENCY];
     sensor->unexpected += share * (beyond * beyond - sensor->unexpected);
-    sensor->bias = clipped(sensor->bias + on_bias * beyond, MOST_BIAS);
-    sensor->lead += on_lead * beyond;
-    sensor->of_bias -= on_bias * sensor->of_both;
-    sensor->of_both -= on_bias * sensor->of_lead;
-    sensor->of_lead -= on_lead * sensor->of_lead;
+    for (int i = 0; i < FOUND; ++i) {
+        sensor->found[i] += across[i] / variance * beyond;
+        for (int j = 0; j < FOUND; ++j)
+            sensor->covariance[i][j] -= across[i] * across[j] / variance;
+    }
+    sensor->found[BIAS] = clipped(sensor->found[BIAS], MOST_BIAS);
+    sensor->found[SCALE] = clipped(sensor->found[SCALE], MOST_SCALE);
+}
+
+/* Reckon with the latency that is surely there. */
+static inline void yaw_rate_reckon(struct yaw_rate_sensor *sensor, double elapsed)
+{
+    const double found = sensor->found[LATENCY];
+    const double sure = found - clipped(found, sqrt(sensor->covariance[LATENCY][LATENCY]));
+
+    sensor->latency += clipped(clipped(sure, MOST_LATENCY) - sensor->latency, LATENCY_RATE * elapsed);
 }
 
 /* Does the sensor say what the wheels say, as far as the vehicle has turned? */
@@ -105,9 +155,9 @@ static inline int yaw_rate_sudden(struct yaw_rate_sensor *sensor, double differe
 
 /* Return the yaw rate to be believed, rad/s; NaN: none.
  *
- * told: by the sensor, rad/s; wheels: by the wheels, rad/s; yaw: by antennas and angles, rad, NaN: none; elapsed: since the
- * last call, s. */
-static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double told, double wheels, double yaw, double elapsed)
+ * told: by the sensor, rad/s; wheels: by the wheels, rad/s; shown: by antennas and angles; elapsed: since the last call, s. */
+static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double told, double wheels,
+                                       const struct shown_yaw *shown, double elapsed)
 {
     const double share = -expm1(-fmax(elapsed, 0.0) / OBSERVED);
 
@@ -120,16 +170,21 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
     }
     if (sensor->follows)
         yaw_rate_integrate(sensor, told, elapsed);
-    if (isfinite(yaw) && !sensor->follows)
-        yaw_rate_follow(sensor, yaw);
-    else if (isfinite(yaw))
-        yaw_rate_compare(sensor, yaw, share);
+    sensor->before = told;
+    if (isfinite(shown->yaw) && !sensor->follows)
+        yaw_rate_follow(sensor, shown);
+    else if (isfinite(shown->yaw))
+        yaw_rate_compare(sensor, shown, share);
     if (sensor->unexpected > MOST_LEAD * MOST_LEAD || fabs(sensor->beyond) > LEAP)
         yaw_rate_begin(sensor, PATIENCE);
-    const int known = sensor->of_bias < BIAS_KNOWN * BIAS_KNOWN;
-    const int alike = known && yaw_rate_alike(sensor, told - sensor->bias, wheels, elapsed);
-    const int sudden = yaw_rate_sudden(sensor, told - sensor->bias - wheels, elapsed);
-    return alike && !sudden && !(sensor->doubted > 0.0) ? told - sensor->bias : NAN;
+    const double right = told - sensor->found[SCALE] * told - sensor->found[BIAS];
+    const int known = sensor->covariance[BIAS][BIAS] < BIAS_KNOWN * BIAS_KNOWN;
+    const int alike = known && yaw_rate_alike(sensor, right, wheels, elapsed);
+    const int sudden = yaw_rate_sudden(sensor, right - wheels, elapsed);
+    if (!alike || sudden || sensor->doubted > 0.0)
+        return NAN;
+    yaw_rate_reckon(sensor, elapsed);
+    return right;
 }
 
 #endif

@@ -72,7 +72,11 @@ TARGETS = (
     Target(
         name="windows-x86_64",
         triple="x86_64-windows-gnu",
-        flags=("-mno-incremental-linker-compatible", "-s"),  # no dates, and no names of temporary files
+        flags=(
+            *("-mno-incremental-linker-compatible", "-s"),  # no dates and no names of temporary files
+            "-U__CRT__NO_INLINE",  # <math.h>'s inline functions inline: zig asks for calls of them
+            "-Dhypotf=_hypotf",  # as Windows names it
+        ),
         static="libdrawbar.a",
         shared="drawbar.dll",
         imports="drawbar.lib",

@@ -99,7 +99,8 @@ def _zig(arguments: list[str], folder: Path) -> None:
 
 
 def _link(target: Target, objects: list[Path], folder: Path, exports: Sequence[str]) -> None:
-    command = ["cc", "-target", target.triple, "-shared", "-s", *map(str, objects)]
+    # without -O2 the wheel's compiler builds and links a runtime for debugging
+    command = ["cc", "-target", target.triple, "-O2", "-shared", "-s", *map(str, objects)]
     if not target.imports:
         name = (
             f"-Wl,-install_name,@rpath/{target.shared}" if "macos" in target.triple else f"-Wl,-soname,{target.shared}"
@@ -108,5 +109,7 @@ def _link(target: Target, objects: list[Path], folder: Path, exports: Sequence[s
         return
     names = "".join(f"    {name}\n" for name in exports)
     (folder / "drawbar.def").write_text(f"LIBRARY {target.shared}\nEXPORTS\n{names}", "utf-8")
-    # -Brepro: no date in the file
-    _zig([*command, "drawbar.def", "-Wl,-Brepro", f"-Wl,--out-implib,{target.imports}", "-o", target.shared], folder)
+    # without start-up code and library of mingw, which the wheel would take a minute to build
+    alone = ["-nostdlib", "-rtlib=compiler-rt", "-Wl,--no-entry", "-lapi-ms-win-crt-math-l1-1-0"]
+    made = [f"-Wl,--out-implib,{target.imports}", "-o", target.shared]
+    _zig([*command, "drawbar.def", *alone, "-Wl,-Brepro", *made], folder)  # -Brepro: no date in the file

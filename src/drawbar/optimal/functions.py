@@ -57,8 +57,7 @@ def functions(t: "Transcription") -> str:
     text += "".join(emit(name, inputs, outputs, WORK) for name, outputs in costs.items())
     if t.arrival:
         measured = [
-            Output(place="((double *)rows)", rows="1", value=jacobian, stride="OLD_WIDTH"),
-            Output(place="((double *)rows + OLD - 1)", rows="1", value=t.output, stride="OLD_WIDTH"),
+            Output(place="((double *)rows)", rows="1", value=ca.horzcat(jacobian, t.output), stride="OLD_WIDTH")
         ]
         text += emit_constants("output_constants", inputs, measured, ROWS)
         text += emit("outputs", inputs, measured, ROWS)

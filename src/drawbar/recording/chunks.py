@@ -46,7 +46,9 @@ CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
 """opcode, length, first and last time, size uncompressed, its CRC (0: zstd's checksum of the frame stands for it, which
 is a fraction of the work), the compression's name, size compressed"""
 _HEADED = CHUNK_HEAD.size - 9
-_FRAME, _MESSAGE = struct.Struct("<BQ"), struct.Struct("<BQHIQQ")
+FRAME = struct.Struct("<BQ")
+"""operation code of a record, and length of the content that follows"""
+_MESSAGE = struct.Struct("<BQHIQQ")
 
 
 class ChunkedWriter:
@@ -173,7 +175,7 @@ class ChunkedWriter:
                 self._counts[channel] += count
             self._chunk = None
             if content := self._beside():
-                self._stream.write(_FRAME.pack(BESIDE, len(content)) + content)
+                self._stream.write(FRAME.pack(BESIDE, len(content)) + content)
                 self._stream.flush()
 
     def _put(self, record: McapRecord) -> tuple[int, int]:

@@ -19,6 +19,7 @@ from foxglove import Schema
 from foxglove.messages import Log, LogLevel, Timestamp
 
 from drawbar.messages import GateState, Message
+from drawbar.recording.chunks import LEVEL
 from drawbar.recording.drive_records import (
     CLOCK,
     ORDER,
@@ -39,6 +40,9 @@ from drawbar.recording.schema import json_schema
 from drawbar.signals import Status, StepRecord
 from drawbar.transports.clock import MachineClock
 
+_REAL_TIME = MachineClock()
+_REAL_TIME_LEVEL = 19
+"""of the compression: a fifth less than at level 1, for 10 ms of each step in a process of its own"""
 _STATES = 1000
 """of the gate that are known by their sequence"""
 _AGAIN = 10
@@ -52,16 +56,13 @@ class DriveLog(Recorder):
     Those of a stand-in that is faster than real time come out as if it had begun at the same time, and were not.
     """
 
-    LEVEL = 19
-    """a drive in real time has time: a fifth less than at level 1, for 10 ms of each step in a process of its own"""
-
     def __init__(
         self,
         file: Path,
         header: RunHeader,
         scene: Scene,
         live: Live | None = None,
-        clock: MachineClock = MachineClock(),  # noqa: B008 (frozen)
+        clock: MachineClock = _REAL_TIME,
     ) -> None:
         """Create the file, and draw what does not change.
 
@@ -75,10 +76,10 @@ class DriveLog(Recorder):
         Raises:
             DrawbarError: the file cannot be created.
         """
-        if clock.pace != 1:
-            self.LEVEL = Recorder.LEVEL
-        super().__init__(file, header)
+        super().__init__(file, header, level=_REAL_TIME_LEVEL if clock.pace == 1 else LEVEL)
         self._scene, self._live, self._offset = scene, live, time.time_ns() - clock.nanoseconds()
+        self._clock, self.flushed = clock, clock.nanoseconds()
+        """when all that was added was handed to the operating system the last time, monotonic, ns"""
         self._states: deque[int] = deque(maxlen=_STATES)
         self._pieces: list[RawBytes] = []
         self._happenings: list[Happening] = []
@@ -112,6 +113,7 @@ class DriveLog(Recorder):
         """Let all that was added reach the operating system; a step does so by itself."""
         self._add_waiting()
         self._writer.flush()
+        self.flushed = self._clock.nanoseconds()
 
     def _finish(self, outcome: Outcome) -> None:
         self._add_waiting()

@@ -35,13 +35,17 @@ class Recorder:
     leaving without one means that the run drove its path to the end.
     """
 
-    LEVEL = LEVEL
-    """of the compression"""
-
-    def __init__(self, file: str | os.PathLike[str], header: RunHeader) -> None:
+    def __init__(self, file: str | os.PathLike[str], header: RunHeader, *, level: int = LEVEL) -> None:
         """Create the file and write what is known before the first step.
 
-        Raises StorageError when the file cannot be created, DrawbarError where an argument is none.
+        Args:
+            file: to be written.
+            header: of the run.
+            level: zstd's, of the compression.
+
+        Raises:
+            StorageError: the file cannot be created.
+            DrawbarError: an argument is none.
         """
         self._file, self._steps = demand_path("file", file), 0
         self._time, self._zero = 0, math.nan
@@ -49,17 +53,17 @@ class Recorder:
         try:
             self._stream = self._file.open("wb")
             try:
-                self._begin(header)
+                self._begin(header, level)
             except OSError:
                 self.give_up()
                 raise
         except OSError as error:
             raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
 
-    def _begin(self, header: RunHeader) -> None:
+    def _begin(self, header: RunHeader, level: int) -> None:
         self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
         self._columns = StepColumns()
-        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=self.LEVEL, beside=self._columns.take)
+        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=level, beside=self._columns.take)
         self._writer.add_attachment(
             HEADER_NAME, "application/json", self._encoder.encode(header), created=time.time_ns()
         )

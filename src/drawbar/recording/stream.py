@@ -17,9 +17,8 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata
 
-from drawbar.recording.chunks import BESIDE, MAGIC
+from drawbar.recording.chunks import BESIDE, FRAME, MAGIC
 
-_FRAME = struct.Struct("<BQ")  # operation code and length of the content that follows
 _MESSAGE = struct.Struct("<HIQQ")
 _CHUNK = struct.Struct("<QQQII")
 _MESSAGE_CODE = int(Opcode.MESSAGE)  # comparing with a member of the enumeration is slow, and messages are many
@@ -91,8 +90,8 @@ def _frames(stream: BinaryIO, first_byte: int) -> Iterator[tuple[int, bytes, boo
     The indices of messages are left out: they stand between the chunks.
     """
     end = _written(stream)
-    while (begin := stream.tell()) + _FRAME.size <= end:
-        opcode, length = _FRAME.unpack(stream.read(_FRAME.size))
+    while (begin := stream.tell()) + FRAME.size <= end:
+        opcode, length = FRAME.unpack(stream.read(FRAME.size))
         if opcode == Opcode.DATA_END:
             return
         if opcode in _ANYWHERE or (opcode not in _ASIDE and begin >= first_byte):
@@ -122,8 +121,8 @@ def records_beside_chunks(stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
     if stream.read(len(MAGIC)) != MAGIC:
         return
     is_bare, end = False, _written(stream)
-    while stream.tell() + _FRAME.size <= end:
-        opcode, length = _FRAME.unpack(stream.read(_FRAME.size))
+    while stream.tell() + FRAME.size <= end:
+        opcode, length = FRAME.unpack(stream.read(FRAME.size))
         if opcode in (Opcode.DATA_END, Opcode.MESSAGE) or (is_bare and opcode == Opcode.CHUNK):
             return
         if opcode == BESIDE:
@@ -139,9 +138,9 @@ def _of_frame(frame: _Frame, topics: dict[int, str]) -> Iterator[Logged]:
         yield from _of_record(frame.opcode, frame.content, topics)
         return
     data, position = frame.unpacked.result(), 0
-    while position + _FRAME.size <= len(data):
-        opcode, length = _FRAME.unpack_from(data, position)
-        position, end = position + _FRAME.size, position + _FRAME.size + length
+    while position + FRAME.size <= len(data):
+        opcode, length = FRAME.unpack_from(data, position)
+        position, end = position + FRAME.size, position + FRAME.size + length
         if end > len(data):
             return
         if opcode == _MESSAGE_CODE:

@@ -124,6 +124,8 @@ def _allowed(annotation: Any, metadata: Sequence[Any]) -> str:
         return ", ".join(_toml(each) for each in get_args(annotation))
     if isinstance(annotation, type) and issubclass(annotation, Enum):
         return ", ".join(_toml(each.value) for each in annotation)
+    if type(None) in get_args(annotation):
+        return f"{_allowed(get_args(annotation)[0], metadata)}, or left out"
     if get_origin(annotation) is tuple:
         return f"list of {_allowed(get_args(annotation)[0], ())}" if not _models(annotation) else "list of events"
     if get_origin(annotation) is not None:

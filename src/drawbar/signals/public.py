@@ -215,7 +215,7 @@ class BodyActuation:
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Actuation:
-    """What is known of both steerings, and what is planned with; zero where nobody looks."""
+    """What is known of both steerings and of late fixes, and what is planned with; zero where nobody looks."""
 
     tractor: BodyActuation = BodyActuation()
     """front wheels"""
@@ -227,3 +227,5 @@ class Actuation:
     """for which is planned"""
     trailer_lag: Seconds = 0.0
     """for which is planned"""
+    fix_latency: Seconds = 0.0
+    """by which fixes are later than their receivers or `sensors.fixes.age` tell, as the yaw-rate sensor shows"""

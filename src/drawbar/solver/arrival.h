@@ -165,9 +165,10 @@ static inline void arrival_measure(const struct rti *restrict s, double (*restri
         }
     for (int i = 0; i < NY; ++i) {
         const double scale = sqrt(rti_weight(s, 0, i));
-        for (int j = 0; j < NX + NU; ++j)
-            T[NX + i][j] *= scale;
-        T[NX + i][OLD - 1] = scale * (rti_target(s, 0, i) - T[NX + i][OLD - 1]);
+        const double residual = rti_target(s, 0, i) - T[NX + i][OLD - 1];
+        for (int b = 0; b < OLD_PACKS; ++b)
+            write_pack(T[NX + i], b, scale * read_pack(T[NX + i], b));
+        T[NX + i][OLD - 1] = scale * residual;
     }
     triangularise(T, NX + NU, NX, NX + NY);
 }

@@ -62,4 +62,23 @@ LANE double lane_tan(double x)
     return lane_sine(x, 0) / lane_sine(x, 1);
 }
 
+/* Write those of four numbers side by side that `which` has a bit for; the others are zeros, and stay what they are. In units
+ * whose matrices lie in packs (packs.h) it is one store instead of four. */
+LANE void write_four(double *to, int which, double a, double b, double c, double d)
+{
+#if defined(PACK) && PACK > 1
+    (void)which;
+    write_pack(to, 0, ((pack){a, b, c, d}));
+#else
+    if (which & 1)
+        to[0] = a;
+    if (which & 2)
+        to[1] = b;
+    if (which & 4)
+        to[2] = c;
+    if (which & 8)
+        to[3] = d;
+#endif
+}
+
 #endif

@@ -59,4 +59,17 @@ LANE float lane_tan(float x)
     return lane_sine(x, 0) / lane_sine(x, 1);
 }
 
+/* Write those of four numbers side by side that `which` has a bit for; the others are zeros, and stay what they are. */
+LANE void write_four(float *to, int which, float a, float b, float c, float d)
+{
+    if (which & 1)
+        to[0] = a;
+    if (which & 2)
+        to[1] = b;
+    if (which & 4)
+        to[2] = c;
+    if (which & 8)
+        to[3] = d;
+}
+
 #endif

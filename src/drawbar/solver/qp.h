@@ -108,7 +108,7 @@ static inline double ldl_raised(double pivot, double from)
         for (int i = 0; i < (n); ++i)                                                         \
             v[i] *= D[i];                                                                     \
         for (int i = (n) - 2; i >= 0; --i)                                                    \
-            for (int k = i + 1; k < (n); ++k)                                                 \
+            for (int k = (n) - 1; k > i; --k)      /* what has only just been found comes last */ \
                 v[i] -= L[k][i] * v[k];                                                       \
     }
 
@@ -176,13 +176,23 @@ static inline int riccati_stage(struct qp *restrict s, int k, const double *rest
 
     if (!riccati_input(s, k, barrier, after))
         return 0;
-    UNROLLED for (int i = 0; i < NX; ++i) {
+    UNROLLED for (int i = 0; i < ND; ++i) {
         pack row[PACKS];
         EACH_PACK(b)
             row[b] = mask_from(NA, b) * read_pack(after[i], b);
         UNROLLED for (int m = 0; m < NA; ++m)
             add_row(row, after[i][m], A[m]);
         write_row(PA[i], row);
+    }
+    EACH_UPPER_ROW(c, i) {                 /* no row of B asks for the rest of these */
+        pack row[PACKS];
+        if (i < ND)
+            continue;
+        for (int b = c; b < PACKS; ++b)
+            row[b] = mask_from(NA, b) * read_pack(after[i], b);
+        UNROLLED for (int m = 0; m < NA; ++m)
+            add_row_from(c, row, after[i][m], A[m]);
+        write_row_from(c, PA[i], row);
     }
     UNROLLED for (int a = 0; a < NU; ++a) {
         pack row[PACKS];

@@ -84,10 +84,16 @@ static void rti_hessian(struct rti *s)
 #if FREE_INITIAL
     memset(s->qp.Q[0], 0, sizeof s->qp.Q[0]);
     hessian(s, 0, N + 1);
-    for (int i = 0; i < NX; ++i)
-        for (int m = 0; m <= i; ++m)
-            for (int j = 0; j < NX; ++j)
-                s->qp.Q[0][i][j] += s->root[m][i] * s->root[m][j];
+    for (int i = 0; i < NX; ++i) {
+        pack sum[PACKS], root[PACKS];
+        read_row(sum, s->qp.Q[0][i]);
+        for (int m = 0; m <= i; ++m) {
+            read_vector(root, s->root[m]);
+            EACH_PACK(b)
+                sum[b] += s->root[m][i] * root[b];
+        }
+        write_row(s->qp.Q[0][i], sum);
+    }
 #else
     hessian(s, 0, N + 1);
 #endif

@@ -30,6 +30,7 @@ struct component;                          /* another one in each unit */
 int drawbar_alignment_initialise(struct component *component);
 int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
                             struct drawbar_measurement *aligned);
+double drawbar_alignment_latency(const struct component *component);
 int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
                             const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                             struct drawbar_measurement *aligned);
@@ -162,7 +163,7 @@ struct autopilot {
     struct path path;                      /* count 0: none */
     struct decisions made;
     struct drawbar_command acting;         /* the command that acts until the next measurement */
-    struct drawbar_actuation known;        /* of both steerings */
+    struct drawbar_actuation known;        /* of both steerings and late fixes */
     struct drawbar_diagnostics diagnostics;
     MEMORY(alignment, DRAWBAR_ALIGNMENT_SIZE);
     MEMORY(estimator, DRAWBAR_ESTIMATOR_SIZE);

@@ -6,7 +6,7 @@
 #include "components.h"
 
 #define DEVIATIONS_RECORDED 4
-#define PREDICTED 1e6                      /* predictions are recorded to its inverse, m and rad */
+#define PREDICTED 1e4                      /* predictions are recorded to its inverse, m and rad */
 
 /* How a body's reference and plan are recorded, without what has the length of the horizon. */
 struct recorded_reference {
@@ -38,7 +38,7 @@ static void unknown(double *values, size_t bytes)
 }
 
 /* Predictions are a third of a record; their digits beyond would be half of a log. */
-static void predict(double *recorded, const double *made, size_t bytes)
+static void record_prediction(double *recorded, const double *made, size_t bytes)
 {
     for (size_t i = 0; i < bytes / sizeof *recorded; ++i)
         recorded[i] = rint(made[i] * PREDICTED) / PREDICTED;
@@ -76,8 +76,8 @@ static void record_plan(const struct autopilot *a, int i, struct drawbar_record 
     plan->deviations = made->deviations;
     if (made->deviations > 0)
         memcpy(plan->deviation, made->deviation, (size_t)made->deviations * sizeof *made->deviation);
-    predict(&record->poses[i][0][0], &made->poses[0][0], sizeof record->poses[i]);
-    predict(record->planned[i], made->steerings, sizeof record->planned[i]);
+    record_prediction(&record->poses[i][0][0], &made->poses[0][0], sizeof record->poses[i]);
+    record_prediction(record->planned[i], made->steerings, sizeof record->planned[i]);
 }
 
 static void record_steering(const struct autopilot *a, int i, struct drawbar_record *record)

@@ -1,6 +1,6 @@
 """The record of a step: one copy of C's struct drawbar_record, read into signals.
 
-Predictions (planned poses and steerings) are recorded to a millionth of a metre or radian (hosted_step.h); nothing that
+Predictions (planned poses and steerings) are recorded to 0.1 mm or 0.1 mrad (hosted_step.h); nothing that
 is commanded, measured or estimated is rounded.
 """
 

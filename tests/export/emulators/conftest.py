@@ -104,6 +104,8 @@ class Host:
     flags: tuple[str, ...] = ()
     sources: tuple[str, ...] = ("files.c",)
     library: str = "libdrawbar.a"
+    system: str = "-lm"
+    """the machine's own library"""
     runner: tuple[str, ...] = ()
 
 
@@ -115,7 +117,14 @@ HOSTS = {
     "linux-x86_64": Host(triple="x86_64-linux-gnu", library="libdrawbar.so"),
     "linux-aarch64": Host(triple="aarch64-linux-musl", flags=("-static",), runner=("qemu-aarch64",)),
     "linux-armv7": Host(triple="arm-linux-musleabihf", flags=("-static", "-mcpu=cortex_a7"), runner=("qemu-arm",)),
-    "windows-x86_64": Host(triple="x86_64-windows-gnu", library="drawbar.lib", runner=("wine",)),
+    "windows-x86_64": Host(
+        triple="x86_64-windows-gnu",
+        flags=("-nostdlib", "-rtlib=compiler-rt", "-Wl,-e,mainCRTStartup", "-Wl,--subsystem,console"),
+        sources=("windows.c",),
+        system="-lkernel32",
+        library="drawbar.lib",
+        runner=("wine",),
+    ),
     "cortex-m7": Host(
         triple="thumb-linux-musleabihf",
         flags=("-static", *_BARE),
@@ -204,7 +213,7 @@ def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> C
         if host.runner and shutil.which(host.runner[0]) is None:
             pytest.skip(f"{host.runner[0]} is not installed")
         library = for_targets / "lib" / target
-        sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), "-lm"]
+        sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), host.system]
         zig = [sys.executable, "-m", "ziglang", "cc", "-target", host.triple, "-std=gnu99", "-O2", *host.flags]
         # beside the library: where Windows looks for it, and Linux is told to
         program = linked([*zig, f"-I{for_targets / 'include'}", *sources], library / f"replay-{os.getpid()}.exe")

@@ -162,7 +162,7 @@ def test_configuration_chooses_the_machine() -> None:
     changes = ["machine.sensors.position=0.05", "machine.kind=physics", "machine.tyres.friction=0.5"]
     physics = load_configuration("articulated", changes)
     assert isinstance(physics.machine, PhysicsMachineSettings)
-    assert (physics.machine.tyres.friction, physics.machine.sensors.position) == (0.5, plain.machine.sensors.position)
+    assert (physics.machine.tyres.friction, physics.machine.sensors.position) == (0.5, 0.05)
     assert recorded_configuration(physics.to_toml(), [], "log") == physics
     assert isinstance(Simulation(physics).machine, PhysicsMachine)
 

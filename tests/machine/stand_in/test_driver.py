@@ -49,7 +49,7 @@ def test_without_looking_for_anybody_it_creeps_as_rehearsals_want_it() -> None:
     assert driver.speed == Driver.CREEP
 
 
-def test_where_no_lamp_tells_it_to_it_stands_longer() -> None:
+def test_where_nobody_tells_it_to_it_stands_longer() -> None:
     driver = Driver(SPEED)
     driver.wait = Driver.WAIT_UNTOLD
     assert not any(driven(driver, 0.0, Driver.WAIT_UNTOLD, attended=True)[:-1])

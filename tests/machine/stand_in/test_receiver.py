@@ -49,7 +49,7 @@ reports = st.builds(
 
 
 def epoch(frames: list[bytes]) -> Epoch:
-    stream = EpochStream(EpochSettings(sigma_inflation=1.0))
+    stream = EpochStream(EpochSettings(latency=0.0, sigma_inflation=1.0))
     (only,) = stream.push(b"".join(frames), 7.0) + stream.poll(7.02)
     assert {kind for kind in stream.dropped if kind != "heading not fixed"} == set()
     return only

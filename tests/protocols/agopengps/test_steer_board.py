@@ -33,6 +33,43 @@ def test_engages_at_every_rate_of_calls_and_keeps_below_40_hz(firmware: str, rat
     assert (len(times) - 1) / (times[-1] - times[0]) >= min(rate, 10.0) * 0.99
 
 
+@pytest.mark.parametrize("after", [0.011, 0.03, 0.044])
+def test_a_new_set_point_to_a_board_that_steers_does_not_wait_for_its_turn(firmware: str, after: float) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    time = bench.sent[-1][0] + after
+    assert not bench.adapter.send(time - 0.002, bench.request), "what was said already waits for its turn"
+    bench.ask(steer=True, angle=0.2)
+    (frame,) = bench.adapter.send(time, bench.request)
+    assert frame[8:10] == struct.pack("<h", -round(100.0 * math.degrees(0.2)))
+    third = SteeringRequest(steer=True, angle=0.1, speed=1.0)
+    assert not bench.adapter.send(time + 0.049 - after, third), "above 40 Hz"
+    assert bench.adapter.send(time + max(0.051 - after, 0.011), third)
+
+
+def test_a_new_set_point_waits_while_the_board_does_not_steer_yet(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.run(2.5)
+    bench.ask(steer=True)
+    bench.tick()
+    edge, command = bench.sent[-1]
+    assert command.steer
+    bench.ask(steer=True, angle=0.2)
+    assert not bench.adapter.send(edge + 0.06, bench.request), "an AIO v4 would forget the edge"
+
+
+def test_set_points_that_change_all_the_time_stay_below_40_hz(firmware: str) -> None:
+    bench = Bench(firmware, rate=200.0)
+    bench.engage()
+    for step in range(400):
+        bench.ask(steer=True, angle=0.1 + 0.0005 * step)
+        bench.tick()
+    assert bench.report.engaged
+    times = [time for time, _ in bench.sent]
+    assert min(after - before for before, after in zip(times, times[2:], strict=False)) >= 0.05 - 1e-9
+    assert (len(times[-50:]) - 1) / (times[-1] - times[-50]) > 35.0
+
+
 @pytest.mark.parametrize("phase", range(25))
 def test_no_phase_between_computer_and_board_loses_the_edge(phase: int) -> None:
     bench = Bench("v4", 100.0)

@@ -200,7 +200,7 @@ def test_an_epoch_out_of_order_is_dropped(report: Maker) -> None:
 
 
 def test_a_receiver_that_sets_its_clock_back_is_followed_after_five_epochs(report: Maker) -> None:
-    stream = EpochStream(EpochSettings())
+    stream = EpochStream(EpochSettings(latency=0.0))
     seconds = [1000, 1001, 1002, *range(20)]
     epochs = run(stream, [(10.0 + step, nmea.sentences(report(each))) for step, each in enumerate(seconds)])
     assert [epoch.utc - 43200.0 for epoch in epochs[3:]] == pytest.approx(list(range(4, 20)))
@@ -219,14 +219,14 @@ def test_the_time_of_measurement_does_not_jitter_with_its_arrival(report: Maker)
 
 
 def test_data_held_up_is_old(report: Maker) -> None:
-    stream = EpochStream(EpochSettings())
+    stream = EpochStream(EpochSettings(latency=0.0))
     times = [10.0 + 0.1 * step + (0.7 if step >= 20 else 0.0) for step in range(30)]
     epochs = run(stream, [(time, [nmea.gga(report(0.1 * step))]) for step, time in enumerate(times)])
     assert [epoch.received - epoch.time for epoch in epochs[20:]] == pytest.approx([0.7] * 10)
 
 
 def test_the_least_delay_is_forgotten_after_a_minute(report: Maker) -> None:
-    stream = EpochStream(EpochSettings())
+    stream = EpochStream(EpochSettings(latency=0.0))
     drift = 1e-4  # the receiver's second against the monotonic one: far more than any clock's
     epochs = run(stream, [(10.0 + (1.0 + drift) * step, [nmea.gga(report(step))]) for step in range(300)])
     assert max(epoch.received - epoch.time for epoch in epochs) == pytest.approx(60 * drift, rel=0.05)
@@ -235,7 +235,7 @@ def test_the_least_delay_is_forgotten_after_a_minute(report: Maker) -> None:
 def test_the_least_delay_is_forgotten_over_a_pause(report: Maker) -> None:
     times = [0.0, 1.0, 2.0, 100.0, 101.0]
     bursts = [(10.0 + time + (0.3 if time >= 100.0 else 0.0), [nmea.gga(report(time))]) for time in times]
-    epochs = run(EpochStream(EpochSettings()), bursts)
+    epochs = run(EpochStream(EpochSettings(latency=0.0)), bursts)
     assert [epoch.received - epoch.time for epoch in epochs] == pytest.approx([0.0] * 5, abs=1e-9)
 
 
@@ -243,8 +243,15 @@ def test_a_latency_that_the_receiver_reports_is_taken_off(
     golden: Callable[[str], dict[str, list[dict[str, str]]]],
 ) -> None:
     data = bytes.fromhex(golden("gnss_binary.json")["sbf"][0]["hex"])
-    (epoch,) = run(EpochStream(EpochSettings(latency=0.01)), [(10.0, [data])])
-    assert epoch.time == pytest.approx(10.0 - 0.01 - 0.0085)
+    (epoch,) = run(EpochStream(EpochSettings(latency=0.02)), [(10.0, [data])])
+    assert epoch.time == pytest.approx(10.0 - 0.02 - 0.0085)
+    (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [data])])
+    assert epoch.time == pytest.approx(10.0 - 0.01 - 0.0085), "the line's alone, as the receiver tells its own"
+
+
+def test_a_latency_that_nobody_tells_is_what_most_receivers_have(report: Maker) -> None:
+    (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [nmea.gga(report())])])
+    assert epoch.time == pytest.approx(10.0 - 0.04)
 
 
 @pytest.mark.parametrize(

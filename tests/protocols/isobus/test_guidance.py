@@ -70,6 +70,22 @@ def test_commands_go_at_the_period_whatever_the_rate_of_send(period: float, stee
     assert all(after - before <= period + 0.021 for before, after in pairwise(times))
 
 
+def test_a_new_angle_goes_a_fifth_of_the_period_early_and_the_cadence_goes_with_it() -> None:
+    bench = Bench().engage()
+    (*_, last) = [time for time, message in bench.sent if message.pgn == SYSTEM_COMMAND]
+
+    def goes(after: float, angle: float) -> bool:
+        frames = bench.valve.send(last + after, bench.request(True, angle))
+        return any(decode(frame).pgn == SYSTEM_COMMAND for frame in frames)
+
+    assert not goes(0.085, 0.1), "what was said already waits for its turn"
+    assert not goes(0.075, 0.2)
+    assert goes(0.085, 0.2)
+    assert not goes(0.15, 0.2)
+    assert not goes(0.16, 0.3)
+    assert goes(0.184, 0.2), "100 ms after the new angle"
+
+
 @pytest.mark.parametrize("tick", [0.001, 0.02, 0.033, 0.049, 0.0999, 0.1, 0.1001])
 def test_no_gap_between_commands_reaches_the_time_out_of_a_valve(tick: float) -> None:
     bench = Bench()

@@ -33,7 +33,7 @@ def epochs_of(reports: list[Report], stream: Nmea2000Stream, source: int = 32) -
 
 
 def test_what_was_reported_comes_out_across_midnight() -> None:
-    stream = Nmea2000Stream(EpochSettings(quality_hold=0.0))
+    stream = Nmea2000Stream(EpochSettings(latency=0.0, quality_hold=0.0))
     epochs = epochs_of([report(index) for index in range(6)], stream)
     assert len(epochs) == 6
     for index, epoch in enumerate(epochs):

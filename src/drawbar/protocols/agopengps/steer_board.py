@@ -20,7 +20,14 @@ from drawbar.protocols.agopengps.steering import SteerCommand, decode_steer_repl
 FASTEST = 25.0 / 3.6
 """speed above which boards let go, m/s"""
 PERIOD = 0.045
-"""least time between two set points, s: 20 Hz from a caller at 20 Hz whose ticks are not exact, 22 Hz at most"""
+"""least time between two equal set points, s: 20 Hz from a caller at 20 Hz whose ticks are not exact, 22 Hz at most"""
+NEWS_PERIOD = 0.05
+"""least time in which two further set points follow one, s, where the last is a new one, which need not wait for its
+turn: below 40 Hz in the mean"""
+NEWS_GAP = 0.01
+"""least time between any set point and a new one, s"""
+NEWS = math.radians(0.01)
+"""by so much a new set point differs from the one before, rad: a step on the wire"""
 EDGE_PERIOD = 0.09
 """least time between the first set point with status 1 and the next, s: the board must look at it between the two"""
 PATIENCE = 0.5
@@ -42,9 +49,10 @@ _EXPECTED = frozenset((Pgn.STEER_HELLO_REPLY, Pgn.SCAN_REPLY, Pgn.SENSOR, Pgn.TE
 class SteerBoard(SteeringActuator[bytes]):
     """One board behind one address.
 
-    Set points go out at 10 to 22 Hz, however often `send` is called; a let-go goes out with the next call. While
-    another computer is heard sending set points to the board, drawbar lets go for a second and then keeps silent: its
-    zeros between the other's ones would be edges that make the board steer again after its operator took over.
+    Set points go out at 10 to 22 Hz, however often `send` is called; a let-go goes out with the next call, and so does
+    a new set point to a board that steers, below 40 Hz in the mean. While another computer is heard sending set points
+    to the board, drawbar lets go for a second and then keeps silent: its zeros between the other's ones would be edges
+    that make the board steer again after its operator took over.
     """
 
     def __init__(self, *, board: str, max_angle: float, inverted: bool = False, own: Collection[str] = ()) -> None:
@@ -75,6 +83,7 @@ class SteerBoard(SteeringActuator[bytes]):
         self._speed = 0.0
         self._sent = -math.inf
         self._interval = 0.0
+        self._told = math.nan
         self._status = False
         self._edge = math.inf
         self._released = -math.inf
@@ -179,19 +188,25 @@ class SteerBoard(SteeringActuator[bytes]):
         """Return the datagrams due now: the set point, and every 2 s a hello."""
         self._decide(time, request)
         frames = []
-        if self._due(time) and not self._yields(time):
-            frames.append(self._set_point(request).encode())
+        command = self._set_point(request)
+        if self._due(time, command.angle) and not self._yields(time):
+            frames.append(command.encode())
+            self._told = command.angle
             self._note_sent(time)
         if time - self._hello >= HELLO_PERIOD:
             frames.append(HELLO)
             self._hello = time
         return frames
 
-    def _due(self, time: float) -> bool:
+    def _due(self, time: float, angle: float) -> bool:
         if self._status and not self._steering:
             return True
-        period = EDGE_PERIOD if self._status and self._sent == self._edge else PERIOD
-        return time - self._sent >= period
+        if self._status and self._sent == self._edge:
+            return time - self._sent >= EDGE_PERIOD
+        news = self._status and not self._heard.steer_off and abs(angle - self._told) >= NEWS
+        if news and time - self._sent + self._interval >= NEWS_PERIOD:
+            return time - self._sent >= NEWS_GAP
+        return time - self._sent >= PERIOD
 
     def _yields(self, time: float) -> bool:
         """Whether another computer has the board, and drawbar has told it to let go for long enough, or need not."""

@@ -22,6 +22,8 @@ _AWAITED = 0.3
 """a kind that came in this share of them is waited for, the only position in any case"""
 _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
+_LATENCY, _LINE_LATENCY = 0.04, 0.01
+"""of receiver and line where nobody tells: most have 0.01 to 0.08; and of the line alone, s"""
 _NEW_TIME = 5
 """epochs in a row that go on from each other in the past are a receiver that has set its clock"""
 
@@ -155,7 +157,9 @@ class Assembler:
 
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
         settings, position = self._settings, solution.position
-        time = self._clock.measured(utc, draft.received - solution.latency) - settings.latency
+        usual = _LINE_LATENCY if solution.latency > 0.0 else _LATENCY
+        latency = settings.latency if settings.latency is not None else usual
+        time = self._clock.measured(utc, draft.received - solution.latency) - latency
         quality = solution.quality
         if quality is not FixQuality.UNKNOWN:  # an attitude alone says nothing of the fix
             quality = self._hold.update(draft.received, quality)

@@ -4,6 +4,9 @@ import math
 
 _EARLY = 0.002
 """how much too early a message may go, so that a tick of the same period that comes a little early is not missed, s"""
+_NEWS_EARLY = 0.2
+"""how much too early a message with news may go, of the period: it need not wait for another tick, and from then on
+messages go with the news"""
 
 
 class Cadence:
@@ -13,9 +16,9 @@ class Cadence:
         self.period = period
         self._due = -math.inf
 
-    def due(self, time: float) -> bool:
-        """Return whether a message is to go now, and count it as gone."""
-        if time < self._due - _EARLY:
+    def due(self, time: float, *, news: bool = False) -> bool:
+        """Return whether a message is to go now, and count it as gone; one that says something new may go earlier."""
+        if time < self._due - (_NEWS_EARLY * self.period if news else _EARLY):
             return False
         late = time - self._due
         self._due = self._due + self.period if 0.0 <= late < self.period else time + self.period

@@ -51,7 +51,8 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     "Intended to steer" goes out only at a request that follows a message "not intended" sent without one, and only
     while every condition holds. Whatever ends it - the request, the valve, silence, the operator, the loss of the
     address - is followed at once by "not intended", and by that alone until the gate has let go. Commands go every
-    `period`, s, whatever the rate of `send`; only that first "not intended" comes out of turn.
+    `period`, s, whatever the rate of `send`, a new angle up to a fifth of it earlier; only that first "not intended"
+    comes out of turn.
 
     `address` is the valve's own; None: it is the only one on the bus, and is commanded by messages to all.
     """
@@ -65,6 +66,8 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self._node, self._map, self._address = node, curvature, address
         self._cadence = Cadence(period)
         self._phase = _Phase.LATCHED
+        self._told = math.nan
+        """the angle that was commanded last, rad"""
         self._cause: Readiness | None = None
         """what the latch was set by, until it is let go of"""
         self._overridden = False
@@ -100,7 +103,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             return frames
         if self._stop_now:
             self._cadence.restart(time)
-        elif not self._cadence.due(time):
+        elif not self._cadence.due(time, news=self._phase is _Phase.STEERING and request.angle != self._told):
             return frames
         return [*frames, self._command(time, request)]
 
@@ -172,6 +175,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             self._phase, self._cause, self._overridden = _Phase.RELEASED, None, False
         elif self._phase is _Phase.RELEASED:
             self._phase, self._steering_since = _Phase.STEERING, time
+        self._told = request.angle
         if self._phase is _Phase.STEERING:
             command = SystemCommand(curvature=self._map.curvature(request.angle), intention=Intention.INTENDED)
         else:

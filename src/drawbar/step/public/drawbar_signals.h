@@ -227,7 +227,7 @@ struct drawbar_body_actuation {
     double lag_deviation;               /* standard deviation, s */
 };
 
-/* What is known of both steerings, and what is planned with; zero where nobody looks. */
+/* What is known of both steerings and of late fixes, and what is planned with; zero where nobody looks. */
 struct drawbar_actuation {
     struct drawbar_body_actuation tractor; /* front wheels */
     struct drawbar_body_actuation trailer; /* actuated joint */
@@ -235,6 +235,8 @@ struct drawbar_actuation {
                                          * (`actuation.body_lag_per_speed`), s */
     double tractor_lag;                 /* for which is planned, s */
     double trailer_lag;                 /* for which is planned, s */
+    double fix_latency;                 /* by which fixes are later than their receivers or `sensors.fixes.age`
+                                         * tell, as the yaw-rate sensor shows, s */
 };
 
 #endif

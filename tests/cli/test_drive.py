@@ -1,0 +1,66 @@
+"""What ends a drive at a terminal, where the moment matters: without processes."""
+
+import errno
+import os
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from drawbar.cli.drive import _drive
+from drawbar.cli.interrupts import Interrupts
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
+
+
+class FrontEnd:
+    """Nobody at the keys, and nothing heard."""
+
+    def __init__(self, crew, *, demonstrates):
+        self.state, self.is_over, self.closed = None, False, False
+        crew.front = self
+
+    def wait(self, seconds):
+        pass
+
+    def close(self):
+        self.closed = True
+
+
+class Terminal:
+    """A terminal that cannot be written to."""
+
+    def __init__(self, console, crew, front):
+        pass
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        pass
+
+    def show(self):
+        raise OSError(errno.EIO, "cannot be written to")
+
+
+@pytest.fixture
+def crew(monkeypatch):
+    monkeypatch.setattr("drawbar.driving.front_end.FrontEnd", FrontEnd)
+    monkeypatch.setattr("drawbar.driving.terminal.Terminal", Terminal)
+    return SimpleNamespace(orders=SimpleNamespace(clock=lambda: 0.0))
+
+
+def test_a_terminal_that_is_gone_before_its_signal_is_heard_ends_a_drive_in_order(crew, monkeypatch):
+    ours, theirs = os.openpty()
+    with open(theirs, "w", encoding="utf-8") as gone:
+        monkeypatch.setattr("sys.stdout", gone)
+        os.close(ours)
+        assert not _drive(crew, Interrupts(), demonstrates=False, seconds=1.0)
+        print("what follows goes nowhere", flush=True)
+    assert crew.front.closed
+
+
+def test_output_that_fails_while_the_terminal_is_there_is_told(crew):
+    with pytest.raises(OSError, match="cannot be written to"):
+        _drive(crew, Interrupts(), demonstrates=False, seconds=1.0)
+    assert crew.front.closed
