@@ -17,6 +17,12 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines a
 BY_HAND = ("--by-hand",)
 
 
+def _at_a_terminal():
+    """Make standard input the terminal that hangs up, and let that be heard, though the tests run under nohup."""
+    os.close(os.open(os.ttyname(0), os.O_RDWR))
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 class Terminal:
     """A drive of stand-ins at a terminal of its own, and what it has shown."""
 
@@ -33,7 +39,7 @@ class Terminal:
             cwd=folder,
             env={**os.environ, "TMPDIR": str(folder / "tmp"), "COLUMNS": "200", "TERM": "xterm"},
             start_new_session=True,
-            preexec_fn=lambda: os.close(os.open(os.ttyname(0), os.O_RDWR)),  # makes it the one that hangs up
+            preexec_fn=_at_a_terminal,
         )
         os.set_blocking(self._ours, False)
 

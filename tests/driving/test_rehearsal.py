@@ -8,8 +8,11 @@ from isobus_devices import isobus_devices
 
 from drawbar.config import load_configuration
 from drawbar.driving.paced_drives import EXACT
-from drawbar.driving.rehearsal import Rehearsal
-from drawbar.messages import Action, SupervisorState
+from drawbar.driving.rehearsal import Part, Rehearsal
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.stand_in.machine import BODIES
+from drawbar.message_records import decode
+from drawbar.messages import Action, ControllerState, SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality, Flag
 from drawbar.simulation import build_path, simulate
@@ -101,6 +104,59 @@ def test_what_comes_late_is_heard_all_the_same(late):
     rehearsal.post.taps[late] = lambda time, data: [(0.02, data)]
     drive_until(rehearsal, SupervisorState.ACTIVE)
     assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+
+
+def late_receivers(rehearsal, delay):
+    """Hold up what both receivers send; delay: of what is sent at a time, s."""
+    for body in BODIES:
+        rehearsal.post.taps[f"{body} receiver"] = lambda time, data: [(delay(time), data)]
+
+
+def test_receivers_whose_first_epoch_was_held_up_are_heard():
+    rehearsal, _ = rehearse()
+    late_receivers(rehearsal, lambda time: 0.1 if time < 0.1 else 0.0)
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+
+
+@pytest.mark.parametrize("told", [0.04, 0.15, 0.4])
+def test_receivers_that_are_late_are_followed_as_the_configuration_tells(told):
+    receiver = {"transport": "file:memory", "latency": told}
+    devices = isobus_devices().model_copy(
+        update={f"{body}_receiver": ReceiverSettings.model_validate(receiver) for body in BODIES}
+    )
+    rehearsal, path = rehearse(*EXACT, devices=devices)
+    late_receivers(rehearsal, lambda time: told - 0.03)  # the stand-ins' own
+    steps = list(rehearsal.run(60.0))
+    assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+    assert not any(math.isnan(record.measurement.tractor_x) for record, _ in steps)
+    assert errors(steps, path)[50:].mean(axis=0).max() < 0.03
+
+
+def test_receivers_that_become_late_while_driving_are_followed():
+    rehearsal, path = rehearse()
+    late_receivers(rehearsal, lambda time: 0.15 if time > 30.0 else 0.0)
+    steps = list(rehearsal.run(60.0))
+    assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+    assert sum(math.isnan(record.measurement.tractor_x) for record, _ in steps) < 8
+    assert errors(steps, path)[50:].max() < 0.1
+
+
+def test_a_speed_over_ground_that_is_not_there_is_not_told():
+    rehearsal, _ = rehearse()
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    told = []
+
+    def tap(time, data):
+        told.append(decode(data, ControllerState))
+        return [(0.0, data)]
+
+    rehearsal.post.taps["controller"] = tap
+    rehearsal.stopped.add(Part.RECEIVERS)
+    for _ in rehearsal.run(2.0):
+        pass
+    states = [state for state in told if isinstance(state, ControllerState)]
+    assert len(states) > 5
+    assert all(math.isnan(state.receiver_speed) for state in states[2:])
 
 
 def test_receivers_that_fall_silent_end_in_a_stop():

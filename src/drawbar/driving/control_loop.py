@@ -85,6 +85,7 @@ class ControlLoop:
     def miss(self) -> None:
         """Make a step without its epoch."""
         self._tell(Kind.MISS, 0)
+        self._receiver_speed = math.nan
         self._step(self._sampler.miss(), None)
 
     def repeat(self, now: int) -> None:

@@ -132,7 +132,8 @@ def test_a_machine_that_turns_left_measures_that(
     for each in samples:
         assert each.tractor_yaw_rate == pytest.approx(LEFT, abs=step)
         assert each.trailer_yaw_rate == pytest.approx(-LEFT, abs=step)
-        assert (each.tractor_attitude_age, each.trailer_attitude_age) == pytest.approx((age, age), abs=1e-6)
+        ages = (each.tractor_attitude_age - each.tractor_fix_age, each.trailer_attitude_age - each.trailer_fix_age)
+        assert ages == pytest.approx((age, age), abs=1e-6)
         assert (each.tractor_roll, each.tractor_pitch) == pytest.approx((0.05, 0.03), abs=TENTHS / 2.0)
         assert each.trailer_roll == pytest.approx(-0.02, abs=TENTHS / 2.0)
 

@@ -10,11 +10,13 @@ from drawbar.messages import Fixes
 from drawbar.signals import FixQuality
 
 SECOND = 1_000_000_000
+DELAY = 50_000_000
+"""of epochs, ns"""
 
 
-def fixes(epoch, **given):
+def fixes(epoch, delay=DELAY, **given):
     values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-    values |= {"epoch": epoch, "tractor_x": 1.0, "tractor_y": 2.0, "trailer_x": -3.0, "trailer_y": 0.5}
+    values |= {"epoch": epoch, "time": epoch + delay, "tractor_x": 1.0, "tractor_y": 2.0, "trailer_x": -3.0, "trailer_y": 0.5}
     values |= {"tractor_quality": 5, "trailer_quality": 4, "wheel_speed": math.nan, "tractor_speed": 0.7}
     return Fixes(**(values | given))
 
@@ -61,7 +63,7 @@ def test_an_epoch_that_comes_twice_or_too_late_is_dropped():
 def test_a_sample_waits_no_longer_than_it_can():
     sampler = Sampler(0.2)
     sampler.take(fixes(SECOND))
-    assert sampler.deadline == SECOND + SECOND // 5 + WAIT
+    assert sampler.deadline == SECOND + DELAY + SECOND // 5 + WAIT
 
 
 def test_quality_and_speed_come_with_the_fix():
@@ -72,7 +74,72 @@ def test_quality_and_speed_come_with_the_fix():
     assert Sampler(0.2).take(fixes(SECOND, wheel_speed=0.8)).speed == 0.8
 
 
-def test_ages_count_back_from_the_epoch():
+def test_ages_count_back_from_the_sample_at_which_the_epoch_is_here():
     measured = Sampler(0.2).take(fixes(SECOND, hitch_angle=0.1, hitch_angle_time=SECOND - 30_000_000))
-    assert measured.hitch_angle_age == pytest.approx(0.03)
-    assert Sampler(0.2).take(fixes(SECOND, hitch_angle_time=SECOND + 1)).hitch_angle_age == 0.0
+    assert measured.hitch_angle_age == pytest.approx(0.08)
+    assert (measured.tractor_fix_age, measured.trailer_fix_age) == pytest.approx((0.05, 0.05))
+    late = SECOND + DELAY + 1
+    assert Sampler(0.2).take(fixes(SECOND, hitch_angle_time=late)).hitch_angle_age == 0.0
+
+
+def sampled(epochs):
+    """Return the samples of epochs, (time, delay) in ns, that come as a control loop hears them; None: one missed."""
+    sampler, samples = Sampler(0.2), []
+    for epoch, delay in epochs:
+        while sampler.deadline is not None and sampler.deadline <= epoch + delay:
+            samples.append(sampler.miss())
+        measured = sampler.take(fixes(epoch, delay))
+        samples += [measured] if measured is not None else []
+    return samples
+
+
+@pytest.mark.parametrize("delay", [0, 30, 59, 61, 100, 150, 250, 400, 1000])
+def test_no_epoch_is_lost_however_long_each_takes(delay):
+    samples = sampled([(SECOND + k * SECOND // 5, delay * 1_000_000) for k in range(20)])
+    assert len(samples) == 20
+    for k, measured in enumerate(samples):
+        assert measured.time == pytest.approx(0.2 * k)
+        assert measured.tractor_x == 1.0
+        assert measured.tractor_fix_age == pytest.approx(delay * 1e-3)
+
+
+@pytest.mark.parametrize("burst", range(10, 600, 10))
+@pytest.mark.parametrize("rate", [5, 10, 20])
+def test_epochs_are_measured_though_the_first_were_held_up(burst, rate):
+    """As where a connection begins with what has waited: the least delay, and with it each instant, is known later."""
+    begin, step, held = SECOND, SECOND // rate, burst * 1_000_000
+    arrival = begin + DELAY + held
+    epochs = [(begin + k * step, max(arrival - begin - k * step, DELAY)) for k in range(3 * rate)]
+    after = [measured for measured in sampled(epochs) if measured.time > 1.2]
+    assert len(after) >= 5
+    assert all(measured.tractor_x == 1.0 for measured in after)
+    assert all(measured.tractor_fix_age == pytest.approx(0.05) for measured in after)
+
+
+@pytest.mark.parametrize("shift", range(-290, 300, 10))
+@pytest.mark.parametrize("rate", [5, 10])
+def test_epochs_that_go_on_at_other_times_are_measured(shift, rate):
+    """As after a receiver's clock was set, or its delay has changed for good: few are missed, and no time runs back."""
+    step = SECOND // rate
+    moved = [SECOND + k * step + (k >= 2 * rate) * shift * 1_000_000 for k in range(4 * rate)]
+    samples = sampled([(epoch, DELAY) for epoch in moved])
+    times = [measured.time for measured in samples]
+    assert min(later - earlier for earlier, later in zip(times, times[1:], strict=False)) > 0.04
+    assert sum(math.isnan(measured.tractor_x) for measured in samples) <= 3
+    assert not any(math.isnan(measured.tractor_x) for measured in samples[-5:])
+
+
+@pytest.mark.parametrize("later", range(10, 600, 20))
+def test_a_delay_that_grows_for_good_costs_a_second_at_most(later):
+    delays = [DELAY + (k >= 10) * later * 1_000_000 for k in range(30)]
+    samples = sampled([(SECOND + k * SECOND // 5, delay) for k, delay in enumerate(delays)])
+    assert all(measured.tractor_x == 1.0 for measured in samples[-8:])
+    assert samples[-1].tractor_fix_age == pytest.approx(0.05 + later * 1e-3)
+    assert sum(math.isnan(measured.tractor_x) for measured in samples) <= 8
+
+
+def test_one_lost_epoch_does_not_move_the_samples_of_a_faster_receiver():
+    epochs = [(SECOND + k * SECOND // 10, DELAY) for k in range(20) if k != 8]
+    samples = sampled(epochs)
+    assert [measured.time for measured in samples] == pytest.approx([0.2 * k for k in range(10)])
+    assert [math.isnan(measured.tractor_x) for measured in samples] == [k == 4 for k in range(10)]

@@ -1,20 +1,29 @@
 """Sampler: joins what receivers and actuators say at their own times into measurements at the samples.
 
-The receivers' clock is the clock: a sample is an epoch, and the next one is due a sample time later. Epochs in between
-(a receiver that is faster than the controller) are not used. Where none comes, the sample is taken without a fix, as
-late as the step can bear it, so that the autopilot goes on by prediction. All instants are monotonic, ns.
+A sample is taken when an epoch usually is here, and tells how old the epoch then is; the next one is due a sample time
+later. Epochs in between (a receiver that is faster than the controller) are not used. Where none comes, the sample is
+taken without a fix, as late as the step can bear it, so that the autopilot goes on by prediction. Where epochs go on at
+other times than the samples, as after a burst that a receiver's first epoch waited in, the samples move to them. All
+instants are monotonic, ns.
 """
 
 import math
+from collections import deque
 from dataclasses import replace
 
 from drawbar.messages import Fixes, GateState
 from drawbar.signals import FixQuality, Measurement
 
 WAIT = 60_000_000
-"""time after which an epoch that is due is given up, ns"""
-_PHASE = 4
-"""an epoch belongs to a sample if it is nearer to it than a fourth of the sample time"""
+"""time after its sample at which an epoch is given up, ns"""
+_USUAL = 5
+"""epochs, the least delay of which is the usual one"""
+_EARLY = 3 / 4
+"""of a sample time, that an epoch comes after the sample before at the least"""
+_MOVED = 1 / 4
+"""the same after some samples without an epoch"""
+_MISSED = 2
+"""so many"""
 
 
 class Sampler:
@@ -25,6 +34,8 @@ class Sampler:
         self._period = round(sample_time * 1e9)
         self._start: int | None = None
         self._last = 0
+        self._delays: deque[int] = deque(maxlen=_USUAL)
+        self._missed = 0  # samples in a row
         self._gate: GateState | None = None
         self.dropped = 0
 
@@ -39,21 +50,22 @@ class Sampler:
 
     def take(self, fixes: Fixes) -> Measurement | None:
         """Return the measurement of an epoch's sample, None if the epoch is of none."""
+        self._delays.append(fixes.time - fixes.epoch)
+        sample = fixes.epoch + min(self._delays)
         if self._start is None:
             if not math.isfinite(fixes.tractor_x + fixes.trailer_x):
                 return None  # nothing begins without both antennas
-            self._start = fixes.epoch
-        else:
-            samples, rest = divmod(fixes.epoch - self._last + self._period // 2, self._period)
-            if samples < 1 or abs(rest - self._period // 2) > self._period // _PHASE:
-                self.dropped += 1
-                return None
-        self._last = fixes.epoch
+            self._start = sample
+        elif sample - self._last < self._period * (_EARLY if self._missed < _MISSED else _MOVED):
+            self.dropped += 1
+            return None
+        self._last, self._missed = sample, 0
         return self._measured(fixes)
 
     def miss(self) -> Measurement:
         """Return the measurement of the sample that is due, without a fix."""
         self._last += self._period
+        self._missed += 1
         return self._without_fix()
 
     def _without_fix(self) -> Measurement:
@@ -88,6 +100,8 @@ class Sampler:
             hitch_angle_age=self._age(fixes.hitch_angle_time),
             speed=_speed(fixes),
             speed_age=self._age(fixes.wheel_speed_time),
+            tractor_fix_age=self._age(fixes.epoch),
+            trailer_fix_age=self._age(fixes.epoch),
             tractor_fix_deviation=fixes.tractor_deviation,
             trailer_fix_deviation=fixes.trailer_deviation,
             tractor_roll=fixes.tractor_roll,
