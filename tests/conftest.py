@@ -23,6 +23,14 @@ ROOT = FilePath(__file__).parents[1]
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would start everything deaf to it
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """Give each worker a row of whole files, whose fixtures are made once; whoever is done takes over from others."""
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log)  # type: ignore[arg-type]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Field:
     """An AgOpenGPS field and its curves."""

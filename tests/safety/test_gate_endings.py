@@ -26,7 +26,8 @@ ENDS = {
     "silent": (lambda b: setattr(b, "controller", None), FAULT, Cause.CONTROLLER_SILENT, 0.6),
     "gone": (lambda b: setattr(b.channel, "gone", True), FAULT, Cause.CONTROLLER_GONE, 0.05),
     "garbage": (lambda b: b.channel.waiting.append(b"garbage"), FAULT, Cause.COMMAND_REFUSED, 0.05),
-    "replayed": (lambda b: b.channel.waiting.append(b.command_record(sequence=1)), FAULT, Cause.COMMAND_REFUSED, 0.05),
+    "lost": (lambda b: b.channel.waiting.append(b.command_record(sequence=b.sequence + 99)), FAULT,
+             Cause.COMMAND_REFUSED, 0.05),
     "nan": (lambda b: setattr(b, "command", {"tractor_angle": math.nan}), FAULT, Cause.COMMAND_REFUSED, 0.05),
     "infinite": (lambda b: setattr(b, "command", {"speed": math.inf}), FAULT, Cause.COMMAND_REFUSED, 0.05),
     "mode": (lambda b: setattr(b, "follows", False), FAULT, Cause.MODE, 0.05),
@@ -66,6 +67,21 @@ def test_what_ends_driving_lets_go_in_time_and_for_good(name):
     bench.controller, bench.command, bench.late = {}, {}, 0.0
     bench.run(20.0)
     assert not any(frame.endswith(b"on") for frame in bench.transport.written[before:]), "nothing begins again"
+
+
+def test_what_the_controller_said_before_is_dropped_and_counted():
+    bench = driving()
+    old_command, old_state = bench.command_record(tractor_angle=0.3), bench.state_record()
+    bench.controller = {"wheel_speed": 0.9, "receiver_speed": 0.9}
+    bench.run(1.0)
+    before = bench.shown.dropped
+    for record in (old_command, old_state, bench.command_record(sequence=bench.sequence), old_state, old_command):
+        bench.channel.waiting.append(record)
+    bench.run(1.0)
+    assert bench.state is ACTIVE
+    assert (bench.shown.dropped - before, bench.shown.rejects) == (3, 0)
+    assert bench.gate.watch.speeds.last == 0.9
+    assert bench.shown.tractor_set_point == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("readiness", [Readiness.SWITCHED_ON, Readiness.OVERRIDDEN])

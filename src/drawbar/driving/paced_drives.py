@@ -23,10 +23,12 @@ from drawbar.config import Configuration, load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
 from drawbar.driving.demonstration import with_isobus, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.post import Tap
 from drawbar.driving.rehearsal import Rehearsal
 from drawbar.driving.stand_ins import SEED
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as Line
+from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import CommandMessage, ControllerState, Fixes, Mode, SupervisorState
 from drawbar.recording.drive_records import open_drive
 from drawbar.recording.log import LOG_NAME
@@ -64,8 +66,9 @@ class Driven:
     """(n, 2) of both bodies' receivers from the line, left positive, m"""
     late: int = 0
     """steps that were late, since the start"""
-    delays: Sequence[float] = ()
-    """from a sample's first byte to its command while it steered, of the drive's time, s"""
+    delays: Sequence[tuple[float, float]] = ()
+    """from a sample's first byte until it was complete, and from there to its command, while it steered, of the drive's
+    time, s"""
     load: float = 0.0
     """of one core, by all processes"""
     states: Sequence[SupervisorState] = ()
@@ -73,13 +76,14 @@ class Driven:
 
     @property
     def delay(self) -> float:
-        """The delay that 99 of 100 commands do not exceed, s; infinite: there was none."""
-        return float(np.percentile(self.delays, 99)) if self.delays else math.inf
+        """The delay from first byte to command that 99 of 100 do not exceed, s; infinite: there was none."""
+        return float(np.percentile([sum(each) for each in self.delays], 99)) if self.delays else math.inf
 
     @property
-    def usual_delay(self) -> float:
-        """Their median, s; 0: there was none."""
-        return float(np.median(self.delays)) if self.delays else 0.0
+    def usual_delays(self) -> tuple[float, float]:
+        """The medians of both parts, s; 0: there was none."""
+        first, second = np.median(self.delays, axis=0) if self.delays else (0.0, 0.0)
+        return float(first), float(second)
 
     @property
     def held(self) -> bool:
@@ -88,23 +92,30 @@ class Driven:
         return bool(len(self.errors)) and self.delay <= PROMPT and not any(each in worries for each in self.states)
 
 
-def rehearse(configuration: Configuration, seconds: float = _LONGEST, delay: float = 0.0) -> Driven:
+def rehearse(
+    configuration: Configuration, seconds: float = _LONGEST, delays: tuple[float, float] = (0.0, 0.0)
+) -> Driven:
     """Return the drive in one process, by a clock of its own, with the seed of stand-ins.
 
     Args:
         configuration: with devices on this computer.
         seconds: longest time.
-        delay: of each command, s: the one that processes need for it.
+        delays: of what receivers send and of each command, s: those that processes need for them.
     """
     line, _ = build_path(configuration)
     rehearsal, steps = Rehearsal(configuration, line, SEED, configuration.safety), []
-    rehearsal.post.taps["controller"] = lambda time, data: [(delay, data)]
+    late = dict.fromkeys((f"{body} receiver" for body in BODIES), delays[0]) | {"controller": delays[1]}
+    rehearsal.post.taps |= {name: _delayed(delay) for name, delay in late.items()}
     for record, _ in rehearsal.run(seconds):
         steps.append(record)
         if rehearsal.gate_state is not None and rehearsal.gate_state.state in _ENDED[:-1]:
             break
     progress, errors = _errors(steps, line)
     return Driven(progress=progress, errors=errors)
+
+
+def _delayed(delay: float) -> Tap:
+    return lambda time, data: [(delay, data)]
 
 
 def drive(configuration: Configuration, run: Path, pace: int, seconds: float = _LONGEST) -> Driven:
@@ -151,8 +162,8 @@ def _errors(steps: Iterable[StepRecord], line: Line) -> tuple[Floats, Floats]:
     return found[:, 0], found[:, [1, 3]]
 
 
-def _read(log: Path) -> tuple[list[StepRecord], list[float], int]:
-    """Return what a log holds of steps, of their commands' delays (s), and of late steps."""
+def _read(log: Path) -> tuple[list[StepRecord], list[tuple[float, float]], int]:
+    """Return what a log holds of steps, of the delays (s) that `Driven` has, and of late steps."""
     steps, late = list[StepRecord](), 0
     epochs, commands, begin = list[tuple[int, int]](), list[int](), math.inf
     with open_drive(log) as records:
@@ -170,7 +181,8 @@ def _read(log: Path) -> tuple[list[StepRecord], list[float], int]:
     complete, first = np.array(sorted(each for each in epochs if each[0] >= begin), dtype=float).reshape(-1, 2).T
     found = left.searchsorted(complete)
     answered = found < len(left)
-    return steps, (1e-9 * (left[found[answered]] - first[answered])).tolist(), late
+    answers = left[found[answered]] - complete[answered]
+    return steps, [(1e-9 * a, 1e-9 * b) for a, b in zip((complete - first)[answered], answers, strict=True)], late
 
 
 def _processor_time(crew: Crew) -> float:
@@ -213,7 +225,7 @@ def main() -> int:
     for pace in given.paces:
         with tempfile.TemporaryDirectory(prefix="drawbar-paced-") as folder:
             driven = drive(configuration, Path(folder), pace)
-        table.add_row(*_row(driven, pace, rehearse(configuration, delay=driven.usual_delay)))
+        table.add_row(*_row(driven, pace, rehearse(configuration, delays=driven.usual_delays)))
     terminal = Console()
     terminal.print(table)
     load = " ".join(f"{each:.1f}" for each in os.getloadavg())

@@ -21,6 +21,11 @@ LOST = 10
 SEQUENCES = 2**32
 
 
+def is_after(sequence: int, other: int) -> bool:
+    """Return whether a record of a sequence was made after another one, modulo 2³²."""
+    return 0 < (sequence - other) % SEQUENCES < SEQUENCES // 2
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bounds:
     """What the vehicle's steering can do, of its parameters."""
@@ -95,10 +100,14 @@ class Envelope:
         """Set points now: of the last command, or where the steering was when `begin` was called, rad."""
         return (self._axes[0].angle, self._axes[1].angle)
 
+    def repeats(self, command: CommandMessage) -> bool:
+        """Return whether a command has come before, or a later one has: a copy, which says nothing new."""
+        return self._sequence is not None and not is_after(command.sequence, self._sequence)
+
     def admit(self, command: CommandMessage, now: float) -> bool:
         """Return whether a command may be obeyed at all; `now` is the monotonic time, s."""
         ahead = 1 if self._sequence is None else (command.sequence - self._sequence) % SEQUENCES
-        if 0 < ahead < SEQUENCES // 2:  # also of one that is refused, so that those that follow it may be obeyed
+        if not self.repeats(command):  # also of one that is refused, so that those that follow it may be obeyed
             self._sequence = command.sequence
         modest = command.valid_until - command.time <= nanoseconds(self._timeout)
         return (

@@ -68,7 +68,9 @@ class Gate:
         records = self.controller.receive(most + 1)
         for record in records[:most]:
             message = decode(record, CommandMessage, ControllerState)
-            if isinstance(message, CommandMessage) and self._envelope.admit(message, now):
+            if isinstance(message, CommandMessage) and self._envelope.repeats(message):
+                self._counts.dropped += 1
+            elif isinstance(message, CommandMessage) and self._envelope.admit(message, now):
                 self._obey(now, message)
                 commanded = True
             elif isinstance(message, ControllerState):

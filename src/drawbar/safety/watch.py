@@ -9,6 +9,7 @@ from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, R
 from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.safety.conditions import Observation
 from drawbar.safety.engagement import STEERING
+from drawbar.safety.envelope import is_after
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.speeds import Speeds
 from drawbar.statuses import FixQuality
@@ -44,7 +45,9 @@ class Watch:
         self.troubles = Troubles()
 
     def hear_controller(self, time: float, state: ControllerState) -> None:
-        """Take in a state of the controller that was received at a time, s."""
+        """Take in a state of the controller that came at a time, s, unless it or a later one has come before."""
+        if self._state is not None and not is_after(state.sequence, self._state.sequence):
+            return
         self._state, self._state_time = state, time
         qualities = (state.tractor_quality, state.trailer_quality)
         self._fixed = [

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import fields
+from itertools import pairwise
 
 import pytest
 
@@ -16,7 +17,8 @@ DELAY = 50_000_000
 
 def fixes(epoch, delay=DELAY, **given):
     values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-    values |= {"epoch": epoch, "time": epoch + delay, "tractor_x": 1.0, "tractor_y": 2.0, "trailer_x": -3.0, "trailer_y": 0.5}
+    values |= {"epoch": epoch, "time": epoch + delay}
+    values |= {"tractor_x": 1.0, "tractor_y": 2.0, "trailer_x": -3.0, "trailer_y": 0.5}
     values |= {"tractor_quality": 5, "trailer_quality": 4, "wheel_speed": math.nan, "tractor_speed": 0.7}
     return Fixes(**(values | given))
 
@@ -124,7 +126,7 @@ def test_epochs_that_go_on_at_other_times_are_measured(shift, rate):
     moved = [SECOND + k * step + (k >= 2 * rate) * shift * 1_000_000 for k in range(4 * rate)]
     samples = sampled([(epoch, DELAY) for epoch in moved])
     times = [measured.time for measured in samples]
-    assert min(later - earlier for earlier, later in zip(times, times[1:], strict=False)) > 0.04
+    assert min(later - earlier for earlier, later in pairwise(times)) > 0.04
     assert sum(math.isnan(measured.tractor_x) for measured in samples) <= 3
     assert not any(math.isnan(measured.tractor_x) for measured in samples[-5:])
 
