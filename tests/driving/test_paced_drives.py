@@ -35,7 +35,7 @@ def test_errors_are_those_of_one_process(name, tmp_path):
             break
     assert driven.held, "too busy even for twice real time"
     assert len(driven.errors) > 50
-    alone = rehearse(configuration, SECONDS, driven.usual_delays)
+    alone = rehearse(configuration, SECONDS, driven.delays)
     assert len(alone.errors) > 50
     mean, largest, _ = differences(driven, alone)
     assert mean < 0.001

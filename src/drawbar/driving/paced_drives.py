@@ -7,6 +7,7 @@ results are needed so many times sooner: delays and late steps say whether this 
 """
 
 import argparse
+import itertools
 import math
 import os
 import sys
@@ -23,7 +24,6 @@ from drawbar.config import Configuration, load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
 from drawbar.driving.demonstration import with_isobus, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
-from drawbar.driving.post import Tap
 from drawbar.driving.rehearsal import Rehearsal
 from drawbar.driving.stand_ins import SEED
 from drawbar.geometry import Floats
@@ -45,8 +45,8 @@ EXACT = (
 )
 """changes of a configuration after which nothing is drawn: by each engagement, and in `drawbar run`, which draws at
 steps and not at ticks, one seed would be another weather"""
-PROMPT = 0.05
-"""delay of a command up to which a drive is compared, of the drive's time, s"""
+PROMPT = 0.03
+"""delay of a command up to which a drive is compared, of the drive's time, s: beyond it the boards' wires are late too"""
 SETTLING = 50
 """steps from the place where it was engaged onto the line"""
 _LONGEST = 400.0
@@ -80,12 +80,6 @@ class Driven:
         return float(np.percentile([sum(each) for each in self.delays], 99)) if self.delays else math.inf
 
     @property
-    def usual_delays(self) -> tuple[float, float]:
-        """The medians of both parts, s; 0: there was none."""
-        first, second = np.median(self.delays, axis=0) if self.delays else (0.0, 0.0)
-        return float(first), float(second)
-
-    @property
     def held(self) -> bool:
         """Whether the computer was fast enough: nothing worried the gate, and commands were in time."""
         worries = (SupervisorState.DEGRADED, SupervisorState.FAULT)
@@ -93,19 +87,21 @@ class Driven:
 
 
 def rehearse(
-    configuration: Configuration, seconds: float = _LONGEST, delays: tuple[float, float] = (0.0, 0.0)
+    configuration: Configuration, seconds: float = _LONGEST, delays: Sequence[tuple[float, float]] = ()
 ) -> Driven:
     """Return the drive in one process, by a clock of its own, with the seed of stand-ins.
 
     Args:
         configuration: with devices on this computer.
         seconds: longest time.
-        delays: of what receivers send and of each command, s: those that processes need for them.
+        delays: of an epoch, after its first message, and of its command, s: those that processes need for them, which
+            are had one after the other, again and again.
     """
     line, _ = build_path(configuration)
     rehearsal, steps = Rehearsal(configuration, line, SEED, configuration.safety), []
-    late = dict.fromkeys((f"{body} receiver" for body in BODIES), delays[0]) | {"controller": delays[1]}
-    rehearsal.post.taps |= {name: _delayed(delay) for name, delay in late.items()}
+    late = _Late(delays or [(0.0, 0.0)])
+    rehearsal.post.taps |= dict.fromkeys([f"{body} receiver" for body in BODIES], late.epoch)
+    rehearsal.post.taps["controller"] = late.command
     for record, _ in rehearsal.run(seconds):
         steps.append(record)
         if rehearsal.gate_state is not None and rehearsal.gate_state.state in _ENDED[:-1]:
@@ -114,8 +110,22 @@ def rehearse(
     return Driven(progress=progress, errors=errors)
 
 
-def _delayed(delay: float) -> Tap:
-    return lambda time, data: [(delay, data)]
+class _Late:
+    """Lets a rehearsal have the delays of a drive in processes."""
+
+    def __init__(self, delays: Sequence[tuple[float, float]]) -> None:
+        self._delays = itertools.cycle(delays)
+        self._now, self._time = (0.0, 0.0), -math.inf
+
+    def epoch(self, time: float, data: bytes) -> list[tuple[float, bytes]]:
+        """Delay all messages of an instant but the first."""
+        if time != self._time:
+            self._now, self._time = next(self._delays), time
+            return [(0.0, data)]
+        return [(self._now[0], data)]
+
+    def command(self, time: float, data: bytes) -> list[tuple[float, bytes]]:
+        return [(self._now[1], data)]
 
 
 def drive(configuration: Configuration, run: Path, pace: int, seconds: float = _LONGEST) -> Driven:
@@ -218,14 +228,14 @@ def main() -> int:
     recorded = [f"path.file={given.path}", f"path.track={given.track}"]
     plain = load_configuration("articulated", [*(recorded if given.path else ["path.radii=[8.0]"]), *EXACT])
     configuration = with_isobus(plain) if given.isobus else with_stand_ins(plain)
-    table = Table(title="drives in processes beside the same in one process, its commands as late as usual there")
+    table = Table(title="drives in processes beside the same in one process, its epochs and commands as late as there")
     columns = ("pace", "steps", "late", "delay", "of a core", "mean", "largest", "anywhere", "held")
     for column in columns:
         table.add_column(column, justify="right")
     for pace in given.paces:
         with tempfile.TemporaryDirectory(prefix="drawbar-paced-") as folder:
             driven = drive(configuration, Path(folder), pace)
-        table.add_row(*_row(driven, pace, rehearse(configuration, delays=driven.usual_delays)))
+        table.add_row(*_row(driven, pace, rehearse(configuration, delays=driven.delays)))
     terminal = Console()
     terminal.print(table)
     load = " ".join(f"{each:.1f}" for each in os.getloadavg())
