@@ -46,7 +46,7 @@ EXACT = (
 """changes of a configuration after which nothing is drawn: by each engagement, and in `drawbar run`, which draws at
 steps and not at ticks, one seed would be another weather"""
 PROMPT = 0.03
-"""delay of a command up to which a drive is compared, of the drive's time, s: beyond it the boards' wires are late too"""
+"""delay of a command up to which a drive is compared, of its time, s: beyond it the boards' wires are late too"""
 SETTLING = 50
 """steps from the place where it was engaged onto the line"""
 _LONGEST = 400.0
