@@ -3,31 +3,98 @@
 import datetime
 
 import pytest
+from pyubx2 import GET, POLL, UBXMessage
 
 from drawbar.driving import check
 from drawbar.driving.memory import MemoryTransport
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
-from drawbar.machine.stand_in import nmea
+from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.own_sentence import own_sentence
+from drawbar.signals import FixQuality
 
 BEGIN = datetime.datetime(2026, 11, 22, 12, tzinfo=datetime.UTC)
 
 
-def facts_of(monkeypatch, **changes):
-    """Return what is told of a receiver that turns to the left by 3 °/s."""
+def finding_of(monkeypatch, told, rate=5.0, sample_time=0.2, write=None):
+    """Return what is found of a receiver that sends so many bytes, by the number of the epoch."""
     line = MemoryTransport()
     for step in range(5):
-        time = BEGIN + datetime.timedelta(seconds=0.2 * step)
-        told = Report(time=time, latitude=50.0, longitude=4.0, height=0.0, **{k: v(step) for k, v in changes.items()})
-        line.arrive(10.0 + 0.2 * step, nmea.gga(told) + nmea.panda(told))
+        line.arrive(10.0 + step / rate, told(step, BEGIN + datetime.timedelta(seconds=step / rate)))
+    monkeypatch.setattr(line, "write", write or (lambda data: pytest.fail("it was told something")))
     monkeypatch.setattr(check, "open_transport", lambda _: line)
-    monkeypatch.setattr(check, "looks", lambda _: iter([10.0, 11.0]))
+    monkeypatch.setattr(check, "looks", lambda _: iter([10.0, 11.0, 12.0]))
     settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
-    return check._receiver("tractor receiver", settings, frame, 1.0, None).facts
+    return check._receiver("tractor receiver", settings, frame, 1.0, sample_time, None)
+
+
+def facts_of(monkeypatch, **changes):
+    """Return what is told of a receiver of AgOpenGPS that turns to the left by 3 °/s."""
+
+    def told(step, time):
+        report = Report(time=time, latitude=50.0, longitude=4.0, height=0.0, **{k: v(step) for k, v in changes.items()})
+        return nmea.gga(report) + nmea.panda(report)
+
+    return finding_of(monkeypatch, told).facts
+
+
+def report_at(time):
+    return Report(
+        time=time, latitude=50.0, longitude=4.0, height=0.0, quality=FixQuality.FIXED, speed=0.0, correction_age=1.0
+    )
+
+
+def test_the_age_of_corrections_is_told(monkeypatch):
+    finding = finding_of(monkeypatch, lambda step, time: b"".join(nmea.sentences(report_at(time))))
+    assert "corrections 1 s old" in finding.facts
+    assert finding.problems == []
+
+
+@pytest.mark.parametrize(
+    ("rate", "sample_time", "enough"), [(5, 0.2, True), (4, 0.2, False), (10, 0.2, True), (5, 0.1, False)]
+)
+def test_a_receiver_that_is_slower_than_the_controller_is_told(monkeypatch, rate, sample_time, enough):
+    told = lambda step, time: b"".join(nmea.sentences(report_at(time)))  # noqa: E731
+    finding = finding_of(monkeypatch, told, rate, sample_time)
+    needed = f"{1.0 / sample_time:g}"
+    problem = f"it sends {rate}.0 epochs a second, the controller takes {needed}: set it to {needed} Hz"
+    assert finding.problems == ([] if enough else [problem])
+
+
+def mon_ver(*extensions):
+    """Return u-blox's answer; the interface description's layout."""
+    payload = b"EXT CORE 1.00 (61b2dd)".ljust(30, b"\0") + b"00190000".ljust(10, b"\0")
+    payload += b"".join(text.ljust(30, b"\0") for text in extensions)
+    return UBXMessage("MON", "MON-VER", GET, payload=payload).serialize()
+
+
+@pytest.mark.parametrize(
+    ("answer", "version"),
+    [
+        (mon_ver(b"ROM BASE 0x118B2060", b"FWVER=HPG 1.32", b"PROTVER=27.31", b"MOD=ZED-F9P"), "ZED-F9P, HPG 1.32"),
+        (mon_ver(), "EXT CORE 1.00 (61b2dd)"),
+    ],
+)
+def test_a_u_blox_receiver_is_asked_for_its_version_once(monkeypatch, answer, version):
+    asked = []
+    finding = finding_of(
+        monkeypatch,
+        lambda step, time: b"".join(ubx.frames(report_at(time))) + answer * (step == 4),
+        write=lambda data: asked.append(data) is None,
+    )
+    assert finding.facts[0] == version
+    assert asked == [UBXMessage("MON", "MON-VER", POLL).serialize()]
+
+
+def test_what_septentrios_receiver_setup_says_is_told(monkeypatch):
+    body = bytes(2 + 60 + 20 + 20 + 40) + b"".join(text.ljust(20, b"\0") for text in (b"mosaic-X5", b"4.14.0"))
+    body += bytes(20 + 20 + 12 + 20 + 40 + 40 + 20 + 10 + 1 + 1 + 3 + 21)
+    block = sbf.block(5902, 4, report_at(BEGIN), body)
+    finding = finding_of(monkeypatch, lambda step, time: b"".join(sbf.blocks(report_at(time))) + block)
+    assert finding.facts[0] == "mosaic-X5, 4.14.0"
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

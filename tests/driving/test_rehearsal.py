@@ -132,6 +132,16 @@ def test_receivers_that_are_late_are_followed_as_the_configuration_tells(told):
     assert errors(steps, path)[50:].mean(axis=0).max() < 0.03
 
 
+@pytest.mark.parametrize("body", BODIES)
+def test_a_receiver_that_is_later_than_the_other_is_waited_for(body):
+    rehearsal, path = rehearse(*EXACT)
+    rehearsal.post.taps[f"{body} receiver"] = lambda time, data: [(0.15, data)]
+    steps = list(rehearsal.run(60.0))
+    assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+    assert not any(math.isnan(record.measurement.tractor_x + record.measurement.trailer_x) for record, _ in steps[50:])
+    assert errors(steps, path)[50:].mean(axis=0).max() < 0.03
+
+
 def test_receivers_that_become_late_while_driving_are_followed():
     rehearsal, path = rehearse()
     late_receivers(rehearsal, lambda time: 0.15 if time > 30.0 else 0.0)

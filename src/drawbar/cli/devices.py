@@ -42,7 +42,7 @@ def check(
 
     config = _with_devices(configuration, changes)
     assert config.devices is not None
-    if not _tell(checking.check(config.devices, local_frame(config), seconds)):
+    if not _tell(checking.check(config.devices, local_frame(config), seconds, config.sample_time)):
         raise SystemExit(1)
     console.print("every device was heard, and nothing is missing", style="green")
     if store and not _store(config.devices):

@@ -6,7 +6,7 @@ from drawbar.safety.causes import Cause
 
 CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.CONTROLLER_SILENT: ("vom Regler kommt nichts Neues",
-        "Meldungen des Reglers ansehen; vielleicht rechnet er zu langsam"),
+        "ansehen, ob beide Empfänger gehört werden (drawbar check); wenn ja, die Meldungen des Reglers"),
     Cause.COMMAND_EXPIRED: ("der letzte Befehl des Reglers ist abgelaufen",
         "Meldungen des Reglers ansehen; vielleicht rechnet er zu langsam"),
     Cause.COMMAND_REFUSED: ("eine Nachricht des Reglers wurde abgelehnt",

@@ -5,7 +5,7 @@ Nothing is moved: boards are asked where they are, boards and valves told that n
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from drawbar.driving.actuators import isobus_wire
@@ -24,12 +24,16 @@ from drawbar.protocols.agopengps.frame import STEER_BOARD
 from drawbar.protocols.agopengps.network import ScanReply
 from drawbar.protocols.bare_valve import ValveBoard
 from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.gnss.firmware import ASK_UBX, firmware
+from drawbar.protocols.gnss.framing import Framer
+from drawbar.protocols.gnss.ubx import UBX
 from drawbar.protocols.sensors import SensorFault
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires
 from drawbar.signals import FixQuality
-from drawbar.transports.base import Transport
+from drawbar.transports.base import Received, Transport
 from drawbar.transports.open import open_transport
+from drawbar.transports.tapped import Direction, TappedTransport
 
 _SLOW = 1.0
 """limit of the speed, of which none is asked for, m/s"""
@@ -41,6 +45,9 @@ _SCAN = 1.0
 """for which answers to a scan are waited for, s"""
 _ASK_AGAIN = 0.4
 """between two scans, s"""
+_ENOUGH = 0.95
+"""of the epochs that the controller takes"""
+_UBX_KINDS = frozenset(name for name, _, _ in UBX.values())
 _OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
 _STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
 
@@ -57,15 +64,21 @@ class Finding:
     """what is missing, each with what to do"""
 
 
-def check(devices: DeviceSettings, frame: LocalFrame, seconds: float) -> Iterator[Finding]:
-    """Yield what was found out about each device, listening to each for a time, s.
+def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_time: float) -> Iterator[Finding]:
+    """Yield what was found out about each device.
+
+    Args:
+        devices: of the configuration.
+        frame: of the path.
+        seconds: to listen to each device.
+        sample_time: of the controller, s.
 
     Raises:
         DrawbarError: a transport cannot be opened.
     """
     corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
-    yield _receiver("tractor receiver", devices.tractor_receiver, frame, seconds, corrections)
-    yield _receiver("trailer receiver", devices.trailer_receiver, frame, seconds, corrections)
+    yield _receiver("tractor receiver", devices.tractor_receiver, frame, seconds, sample_time, corrections)
+    yield _receiver("trailer receiver", devices.trailer_receiver, frame, seconds, sample_time, corrections)
     boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
     yield from _boards({name: board for name, board in boards.items() if board is not None}, seconds)
     if devices.isobus is not None:
@@ -97,30 +110,63 @@ def _silent(finding: Finding, transport: Transport) -> None:
     finding.problems.append(f"nothing was heard{why}: check its power, its cable and its transport")
 
 
+class _Versions:
+    """Hears a receiver's make and version among its bytes, and asks a u-blox receiver for them once."""
+
+    def __init__(self, transport: Transport) -> None:
+        self.transport = TappedTransport(transport, self._hear)
+        self.told = ""
+        self._framer, self._asked = Framer(), False
+
+    def _hear(self, direction: Direction, received: Received) -> None:
+        if direction is Direction.IN:
+            for frame in self._framer.push(received.data, received.time):
+                self.told = firmware(frame) or self.told
+
+    def ask(self, kinds: Iterable[str]) -> None:
+        if not self._asked and not _UBX_KINDS.isdisjoint(kinds):
+            self._asked = self.transport.write(ASK_UBX)
+
+
 def _receiver(
-    name: str, settings: ReceiverSettings, frame: LocalFrame, seconds: float, corrections: Corrections | None
+    name: str,
+    settings: ReceiverSettings,
+    frame: LocalFrame,
+    seconds: float,
+    sample_time: float,
+    corrections: Corrections | None,
 ) -> Finding:
-    finding, epochs = Finding(device=name), list[Epoch]()
-    receiver = Receiver(open_transport(settings.transport), settings)
+    finding, epochs, versions = Finding(device=name), list[Epoch](), _Versions(open_transport(settings.transport))
+    receiver = Receiver(versions.transport, settings)
     for now in looks(seconds):
         epochs += receiver.poll(now)
+        versions.ask(receiver.kinds)
         if corrections is not None:
             correct(corrections, now, receiver, [receiver])
     finding.heard = bool(epochs)
     if not epochs:
         _silent(finding, receiver.transport)
     else:
-        _describe(finding, epochs, frame, receiver)
+        finding.facts += [versions.told] if versions.told else []
+        _describe(finding, epochs, frame, receiver, sample_time)
     receiver.close()
     return finding
 
 
-def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver: Receiver) -> None:
+def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver: Receiver, sample_time: float) -> None:
     last = epochs[-1]
     span = last.time - epochs[0].time
-    rate = f"{(len(epochs) - 1) / span:.1f} Hz, " if span > 0.0 else ""
-    finding.facts.append(f"{rate}{', '.join(sorted(receiver.kinds))}")
+    rate = (len(epochs) - 1) / span if span > 0.0 else math.nan
+    told = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
+    finding.facts.append(f"{told}{', '.join(sorted(receiver.kinds))}")
+    if rate < _ENOUGH / sample_time:
+        needed = f"{1.0 / sample_time:g}"
+        finding.problems.append(
+            f"it sends {rate:.1f} epochs a second, the controller takes {needed}: set it to {needed} Hz"
+        )
     finding.facts.append(f"fix {last.quality.name.lower()}, deviation {max(last.sigma_east, last.sigma_north):.3f} m")
+    if math.isfinite(last.correction_age):
+        finding.facts.append(f"corrections {last.correction_age:.0f} s old")
     if math.isfinite(last.roll):
         finding.facts.append(f"roll {math.degrees(last.roll):.1f}°")
     if math.isfinite(last.yaw_rate):

@@ -43,7 +43,7 @@ class Cause(Enum):
 
     # fmt: off
     CONTROLLER_SILENT = (101, True, Response.RELEASE, "the controller's state is missing or old",
-        "look at the controller's own messages; it may be computing too slowly")
+        "see whether both receivers are heard (drawbar check); if so, look at the controller's messages")
     COMMAND_EXPIRED = (102, True, Response.RELEASE, "the controller's last command has expired",
         "look at the controller's own messages; it may be computing too slowly")
     COMMAND_REFUSED = (103, True, Response.RELEASE, "a record of the controller was refused",

@@ -145,3 +145,21 @@ def test_one_lost_epoch_does_not_move_the_samples_of_a_faster_receiver():
     samples = sampled(epochs)
     assert [measured.time for measured in samples] == pytest.approx([0.2 * k for k in range(10)])
     assert [math.isnan(measured.tractor_x) for measured in samples] == [k == 4 for k in range(10)]
+
+
+@pytest.mark.parametrize("away", range(4))
+def test_samples_stay_with_the_slower_receiver(away):
+    """Tractor at 10 Hz, trailer at 5; both fall silent for a second, then go on where they like."""
+    epochs = [
+        (SECOND + k * SECOND // 10, {} if k % 2 == 0 else {"trailer_x": math.nan})
+        for k in range(60)
+        if not 20 <= k < 30 + away
+    ]
+    sampler, samples = Sampler(0.2), []
+    for epoch, given in epochs:
+        while sampler.deadline is not None and sampler.deadline <= epoch + DELAY:
+            samples.append(sampler.miss())
+        measured = sampler.take(fixes(epoch, **given))
+        samples += [measured] if measured is not None else []
+    assert all(measured.trailer_x == -3.0 for measured in samples[-10:])
+    assert all(measured.tractor_x == 1.0 for measured in samples[-10:])

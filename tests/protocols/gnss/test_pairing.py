@@ -60,14 +60,45 @@ def test_one_receiver_alone_gives_every_epoch() -> None:
     assert dropped == {"tractor alone": 5}
 
 
-@pytest.mark.parametrize(("offset", "count"), [(0.04, 10), (-0.04, 10), (0.06, 20)])
-def test_half_an_interval_is_the_same_instant(offset: float, count: int) -> None:
-    arrivals = [(0.1 * step, TRACTOR, 0.1 * step) for step in range(10)]
-    arrivals += [(0.1 * step + 0.01, TRAILER, 0.1 * step + offset) for step in range(10)]
+@pytest.mark.parametrize(("offset", "apart"), [(0.04, 0.04), (-0.04, -0.04), (0.06, -0.04)])
+def test_half_an_interval_is_the_same_instant(offset: float, apart: float) -> None:
+    arrivals = [(0.1 * step, TRACTOR, 0.1 * step) for step in range(20)]
+    arrivals += [(0.1 * step + 0.01, TRAILER, 0.1 * step + offset) for step in range(20)]
     pairs, _ = run(sorted(arrivals, key=lambda each: each[0]))
-    alone = sum(None in pair for pair in pairs)
-    assert len(pairs) in (count, count - 1)
-    assert alone == (0 if count == 10 else pytest.approx(18, abs=2))
+    both = [second - first for first, second in pairs if first is not None and second is not None]
+    assert len(both) >= 15
+    assert both[-10:] == pytest.approx([apart] * 10)
+
+
+@pytest.mark.parametrize("late", [TRACTOR, TRAILER])
+@pytest.mark.parametrize("behind", [0.0, 0.05, 0.07, 0.15, 0.21, 0.35, 0.45])
+@pytest.mark.parametrize("rate", [5, 10, 20])
+def test_a_receiver_that_is_always_later_is_waited_for(late: Body, behind: float, rate: int) -> None:
+    early = TRAILER if late is TRACTOR else TRACTOR
+    arrivals = [(step / rate, early, step / rate) for step in range(40)]
+    arrivals += [(step / rate + behind, late, step / rate) for step in range(40)]
+    pairs, dropped = run(sorted(arrivals, key=lambda each: each[0]))
+    learned = math.ceil(behind * rate) + 1
+    assert pairs[-(40 - learned) :] == [(pytest.approx(step / rate),) * 2 for step in range(learned, 40)]
+    assert sum(dropped.values()) <= 2 * learned
+
+
+def test_who_was_later_once_is_not_waited_for_longer() -> None:
+    arrivals = [(0.2 * step, TRACTOR, 0.2 * step) for step in range(10)]
+    arrivals += [(0.2 * step + (0.15 if step == 4 else 0.02), TRAILER, 0.2 * step) for step in range(10)]
+    pairing = Pairing()
+    for arrival, body, utc in sorted(arrivals, key=lambda each: each[0]):
+        pairing.add(body, epoch(utc), arrival)
+    pairing.add(TRACTOR, epoch(2.0), 2.0)
+    assert pairing.due == pytest.approx(2.08)
+
+
+def test_one_that_is_half_a_second_behind_stays_alone() -> None:
+    arrivals = [(0.2 * step, TRACTOR, 0.2 * step) for step in range(20)]
+    arrivals += [(0.2 * step + 0.55, TRAILER, 0.2 * step) for step in range(20)]
+    pairs, dropped = run(sorted(arrivals, key=lambda each: each[0]))
+    assert dropped == {"tractor alone": 20, "trailer alone": 20}
+    assert len(pairs) == 40
 
 
 def test_receivers_of_two_rates_pair_where_they_meet() -> None:

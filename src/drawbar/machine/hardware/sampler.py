@@ -21,7 +21,7 @@ _USUAL = 5
 _EARLY = 3 / 4
 """of a sample time, that an epoch comes after the sample before at the least"""
 _MOVED = 1 / 4
-"""the same after some samples without an epoch"""
+"""the same of an epoch with an antenna that some samples lacked"""
 _MISSED = 2
 """so many"""
 
@@ -35,7 +35,7 @@ class Sampler:
         self._start: int | None = None
         self._last = 0
         self._delays: deque[int] = deque(maxlen=_USUAL)
-        self._missed = 0  # samples in a row
+        self._without = [0, 0]  # samples in a row without tractor's and trailer's antenna
         self._gate: GateState | None = None
         self.dropped = 0
 
@@ -51,22 +51,30 @@ class Sampler:
     def take(self, fixes: Fixes) -> Measurement | None:
         """Return the measurement of an epoch's sample, None if the epoch is of none."""
         self._delays.append(fixes.time - fixes.epoch)
-        sample = fixes.epoch + min(self._delays)
+        sample, known = (
+            fixes.epoch + min(self._delays),
+            (math.isfinite(fixes.tractor_x), math.isfinite(fixes.trailer_x)),
+        )
+        moves = any(has and lacks >= _MISSED for has, lacks in zip(known, self._without, strict=True))
         if self._start is None:
-            if not math.isfinite(fixes.tractor_x + fixes.trailer_x):
+            if not all(known):
                 return None  # nothing begins without both antennas
             self._start = sample
-        elif sample - self._last < self._period * (_EARLY if self._missed < _MISSED else _MOVED):
+        elif sample - self._last < self._period * (_MOVED if moves else _EARLY):
             self.dropped += 1
             return None
-        self._last, self._missed = sample, 0
+        self._last = sample
+        self._count(known)
         return self._measured(fixes)
 
     def miss(self) -> Measurement:
         """Return the measurement of the sample that is due, without a fix."""
         self._last += self._period
-        self._missed += 1
+        self._count((False, False))
         return self._without_fix()
+
+    def _count(self, known: tuple[bool, bool]) -> None:
+        self._without = [0 if has else lacks + 1 for has, lacks in zip(known, self._without, strict=True)]
 
     def _without_fix(self) -> Measurement:
         """Return what is known at the sample besides what the receivers say: the steering."""

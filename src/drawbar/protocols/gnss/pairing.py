@@ -1,6 +1,6 @@
 """Pairing: the epochs of two receivers, one on each body, by their own times."""
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass
 from enum import Enum
 
@@ -8,7 +8,13 @@ from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.timing import SAME_EPOCH, difference
 
 WAIT = 0.06
-"""for the second receiver after the first, s"""
+"""for the second receiver, after it usually comes, s"""
+_MOST_BEHIND = 0.5
+"""by which one receiver may usually come after the other, s"""
+_USUAL = 5
+"""pairs, the shortest time between which is the usual one"""
+_REMEMBERED = 32
+"""epochs of a receiver: more than come in half a second"""
 _USUAL_INTERVAL = 0.2
 """of epochs, until it is known, s"""
 _LONGEST_INTERVAL = 1.0
@@ -30,48 +36,60 @@ class Pair:
     trailer: Epoch | None
 
 
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """An epoch that waits for the other receiver's of its instant."""
+
+    body: Body
+    epoch: Epoch
+    until: float
+
+
 class Pairing:
-    """Holds at most one epoch back; `dropped` counts those left alone and those that came too late to be of use."""
+    """Holds epochs back until the other receiver's usually come; `dropped` counts those left alone."""
 
     dropped: Counter[str]
 
-    def __init__(self, wait: float = WAIT) -> None:
+    def __init__(self) -> None:
         self.dropped = Counter()
-        self._wait = wait
-        self._held: tuple[Body, Epoch, float] | None = None  # and until when
-        self._last: dict[Body, Epoch] = {}
+        self._held: deque[_Held] = deque()  # all of one body
+        self._came = {body: deque[tuple[float, float]](maxlen=_REMEMBERED) for body in Body}  # (UTC, when)
+        self._behind = {body: deque[float](maxlen=_USUAL) for body in Body}  # after the other's of the instant, s
         self._steps: dict[Body, float] = {}
 
     @property
     def due(self) -> float:
         """Monotonic time at which `poll` has something to do, infinite while there is nothing, s."""
-        return self._held[2] if self._held else float("inf")
+        return min((each.until for each in self._held), default=float("inf"))
 
     def add(self, body: Body, epoch: Epoch, time: float) -> list[Pair]:
         """Take an epoch that one body's receiver ended at a monotonic time (s); return the pairs that it ends."""
         ended = self.poll(time)
-        self._learn(body, epoch)
-        if self._held is not None:
-            other, held, _ = self._held
-            if other is not body and abs(difference(epoch.utc, held.utc)) < self._half_interval():
-                self._held = None
-                return [*ended, _pair({body: epoch, other: held})]
-            if other is not body and difference(epoch.utc, held.utc) < 0.0:
+        self._learn(body, epoch, time)
+        while self._held and self._held[0].body is not body:
+            held = self._held[0]
+            after = difference(epoch.utc, held.epoch.utc)
+            if abs(after) < self._half_interval():
+                self._held.popleft()
+                return [*ended, _pair({body: epoch, held.body: held.epoch})]
+            if after < 0.0:
                 return [*ended, self._alone(body, epoch)]  # an older one: the held one still waits
-            ended += self._release()
-        self._held = (body, epoch, time + self._wait)
+            ended.append(self._release())
+        (other,) = (each for each in Body if each is not body)
+        wait = WAIT + max(min(self._behind[other], default=0.0), 0.0)
+        self._held.append(_Held(body, epoch, time + wait))
         return ended
 
     def poll(self, time: float) -> list[Pair]:
-        """Return the epoch whose partner has not come until this monotonic time (s)."""
-        return self._release() if self._held is not None and time >= self._held[2] else []
+        """Return the epochs whose partners have not come until this monotonic time (s)."""
+        ended = []
+        while self._held and time >= self._held[0].until:
+            ended.append(self._release())
+        return ended
 
-    def _release(self) -> list[Pair]:
-        if self._held is None:
-            return []
-        body, epoch, _ = self._held
-        self._held = None
-        return [self._alone(body, epoch)]
+    def _release(self) -> Pair:
+        held = self._held.popleft()
+        return self._alone(held.body, held.epoch)
 
     def _alone(self, body: Body, epoch: Epoch) -> Pair:
         self.dropped[f"{body.value} alone"] += 1
@@ -81,11 +99,18 @@ class Pairing:
         """Return half the interval of the faster receiver's epochs, s."""
         return min(self._steps.values(), default=_USUAL_INTERVAL) / 2.0
 
-    def _learn(self, body: Body, epoch: Epoch) -> None:
-        before, self._last[body] = self._last.get(body), epoch
-        step = difference(epoch.utc, before.utc) if before is not None else 0.0
+    def _learn(self, body: Body, epoch: Epoch, time: float) -> None:
+        """Learn the interval of a receiver's epochs, and how long after the other's it comes."""
+        before = self._came[body][-1][0] if self._came[body] else epoch.utc
+        step = difference(epoch.utc, before)
         if SAME_EPOCH < step < _LONGEST_INTERVAL:
             self._steps[body] = step
+        self._came[body].append((epoch.utc, time))
+        (other,) = (each for each in Body if each is not body)
+        for utc, came in self._came[other]:
+            if abs(difference(epoch.utc, utc)) < self._half_interval() and time - came <= _MOST_BEHIND:
+                self._behind[body].append(time - came)
+                self._behind[other].append(came - time)
 
 
 def _pair(epochs: dict[Body, Epoch]) -> Pair:
