@@ -10,6 +10,7 @@ from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.safety.engagement import STEERING
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.watch import Watch, agrees, largest
+from drawbar.statuses import FixQuality
 
 
 @pytest.mark.parametrize("state", list(SupervisorState), ids=lambda each: each.name)
@@ -63,6 +64,28 @@ def test_fixes_count_from_when_both_are_fixed():
     seen = bench.gate.watch.observe(bench.time, bench.state, (None, None), ())
     assert seen.fixed_for == pytest.approx(2.95)
     assert seen.fix_age <= 0.05
+
+
+@pytest.mark.parametrize(
+    ("quality", "lasts", "goes_on"),
+    [
+        (FixQuality.NONE, 0.4, True),
+        (FixQuality.NONE, 0.6, False),
+        (FixQuality.UNKNOWN, 0.1, False),
+        (FixQuality.SINGLE, 0.1, False),
+        (FixQuality.FLOAT, 0.1, False),
+    ],
+)
+@pytest.mark.parametrize("body", ["tractor", "trailer"])
+def test_epochs_that_are_lost_on_their_way_are_no_lost_fix(body, quality, lasts, goes_on):
+    bench = Bench()
+    bench.run(3.0)
+    bench.controller = {f"{body}_quality": int(quality)}
+    bench.run(lasts)
+    bench.controller = {}
+    bench.run(1.0)
+    seen = bench.gate.watch.observe(bench.time, bench.state, (None, None), ())
+    assert seen.fixed_for == pytest.approx(3.95 + lasts if goes_on else 0.95, abs=0.051)
 
 
 def test_how_long_fixes_have_been_missing_counts_from_when_each_was_fixed_last():

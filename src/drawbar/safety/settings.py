@@ -26,7 +26,7 @@ class EngageSettings(Settings):
     seen: Timeout = 1.0
     """oldest state of the gate that an operator may have seen when asking for something, s"""
     fixed: Annotated[float, Field(ge=0.0, le=600.0)] = 10.0
-    """for how long both receivers must have had an RTK fix, s"""
+    """for how long both receivers must have had an RTK fix, lost epochs of less than 0.5 s not counted, s"""
     correction_age: Positive = 5.0
     """largest, s"""
     lateral_deviation: Positive = 0.10

@@ -14,6 +14,9 @@ from drawbar.safety.settings import SafetySettings
 from drawbar.safety.speeds import Speeds
 from drawbar.statuses import FixQuality
 
+_SKIPPED = 0.5
+"""for which a receiver may tell nothing, as where epochs are lost on their way, without having lost its RTK fix, s"""
+
 
 @dataclass(slots=True)
 class Troubles:
@@ -53,7 +56,8 @@ class Watch:
         self._fixed = [
             time if each >= FixQuality.FIXED else last for each, last in zip(qualities, self._fixed, strict=True)
         ]
-        if min(qualities) < FixQuality.FIXED:
+        worse = any(each < FixQuality.FIXED and each != FixQuality.NONE for each in qualities)
+        if worse or time - min(self._fixed) > _SKIPPED:
             self._fixed_since = math.nan
         elif math.isnan(self._fixed_since):
             self._fixed_since = time
