@@ -5,8 +5,9 @@ import functools
 import math
 import os
 import re
+import sys
 import tempfile
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import fields
 from pathlib import Path
 
@@ -195,11 +196,21 @@ def _seen(element):
     return True
 
 
+@contextmanager
+def _modules_kept():
+    """Keep drawbar's modules, which NiceGUI takes away where they hold pages: other tests go on with them."""
+    kept = {name: module for name, module in sys.modules.items() if name.partition(".")[0] == "drawbar"}
+    try:
+        yield
+    finally:
+        sys.modules.update(kept)
+
+
 @asynccontextmanager
 async def console(stage, users=None, **orders):
     """Serve the pages to simulated browsers; yields what opens a new one."""
     settings = ConsoleOrders(**{"folder": "", "configuration": "", "names": (HOST,), **orders})
-    with nicegui_reset_globals():
+    with _modules_kept(), nicegui_reset_globals():
         os.environ["NICEGUI_USER_SIMULATION"] = "true"
         try:
             prepare_simulation()
