@@ -3,9 +3,10 @@
 import datetime
 
 import pytest
+from isobus_devices import isobus_devices
 from pyubx2 import GET, POLL, UBXMessage
 
-from drawbar.driving import check
+from drawbar.driving import check, check_receiver
 from drawbar.driving.memory import MemoryTransport
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
@@ -25,10 +26,10 @@ def finding_of(monkeypatch, told, rate=5.0, sample_time=0.2, write=None):
     for step in range(5):
         line.arrive(10.0 + step / rate, told(step, BEGIN + datetime.timedelta(seconds=step / rate)))
     monkeypatch.setattr(line, "write", write or (lambda data: pytest.fail("it was told something")))
-    monkeypatch.setattr(check, "open_transport", lambda _: line)
-    monkeypatch.setattr(check, "looks", lambda _: iter([10.0, 11.0, 12.0]))
+    monkeypatch.setattr(check_receiver, "open_transport", lambda _: line)
+    monkeypatch.setattr(check_receiver, "looks", lambda _: iter([10.0, 11.0, 12.0]))
     settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
-    return check._receiver("tractor receiver", settings, frame, 1.0, sample_time, None)
+    return check_receiver.check_receiver("tractor receiver", settings, frame, 1.0, sample_time, None)
 
 
 def facts_of(monkeypatch, **changes):
@@ -62,6 +63,25 @@ def test_a_receiver_that_is_slower_than_the_controller_is_told(monkeypatch, rate
     needed = f"{1.0 / sample_time:g}"
     problem = f"it sends {rate}.0 epochs a second, the controller takes {needed}: set it to {needed} Hz"
     assert finding.problems == ([] if enough else [problem])
+
+
+@pytest.mark.parametrize(("apart", "told"), [(18.0, "+18.0 s"), (-2.0, "-2.0 s"), (0.4, ""), (-86399.9, "")])
+def test_receivers_that_differ_about_the_time_are_told(monkeypatch, apart, told):
+    lines = []
+
+    def line(_):
+        ahead = datetime.timedelta(seconds=apart * len(lines))
+        lines.append(MemoryTransport())
+        for step in range(5):
+            report = report_at(BEGIN + datetime.timedelta(seconds=0.2 * step) + ahead)
+            lines[-1].arrive(10.0 + 0.2 * step, b"".join(nmea.sentences(report)))
+        return lines[-1]
+
+    monkeypatch.setattr(check_receiver, "open_transport", line)
+    monkeypatch.setattr(check_receiver, "looks", lambda _: iter([10.0, 11.0, 12.0]))
+    findings = list(check.check(isobus_devices(gnss="file:memory"), LocalFrame(latitude=50.0, longitude=4.0), 0.1, 0.2))
+    problems = [problem for finding in findings[:2] for problem in finding.problems]
+    assert (f"its time is {told} from" in "".join(problems)) is bool(told), problems
 
 
 def mon_ver(*extensions):

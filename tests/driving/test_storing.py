@@ -10,8 +10,8 @@ from board_server import BoardServer
 
 from drawbar.config import load_configuration
 from drawbar.driving import storing
-from drawbar.driving.check import Finding
 from drawbar.driving.demonstration import free_ports, with_stand_ins
+from drawbar.driving.finding import Finding
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory, SteerBoardSettings
 from drawbar.machine.stand_in.aio_v4 import AioV4

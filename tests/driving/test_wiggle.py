@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 from drawbar.cli.main import app
 from drawbar.config import load_configuration
 from drawbar.driving import wiggle, wiggled
-from drawbar.driving.check import Finding
 from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.finding import Finding
 from drawbar.driving.wiggle import TRAVEL, Phase, WiggleRun, carry_out
 from drawbar.errors import StorageError
 from drawbar.machine.hardware.steer_board import SteerBoardSettings

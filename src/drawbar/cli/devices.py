@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from drawbar.config import Configuration
-    from drawbar.driving.check import Finding
+    from drawbar.driving.finding import Finding
     from drawbar.machine.hardware.devices import DeviceSettings
 
 Changes = Annotated[

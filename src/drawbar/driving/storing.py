@@ -7,7 +7,8 @@ out.
 import math
 from collections.abc import Iterator
 
-from drawbar.driving.check import Finding, listen_to_board, looks
+from drawbar.driving.check import listen_to_board
+from drawbar.driving.finding import Finding, looks
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings

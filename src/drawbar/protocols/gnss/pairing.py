@@ -9,7 +9,7 @@ from drawbar.protocols.gnss.timing import SAME_EPOCH, difference
 
 WAIT = 0.06
 """for the second receiver, after it usually comes, s"""
-_MOST_BEHIND = 0.5
+MOST_BEHIND = 0.5
 """by which one receiver may usually come after the other, s"""
 _USUAL = 5
 """pairs, the shortest time between which is the usual one"""
@@ -108,7 +108,7 @@ class Pairing:
         self._came[body].append((epoch.utc, time))
         (other,) = (each for each in Body if each is not body)
         for utc, came in self._came[other]:
-            if abs(difference(epoch.utc, utc)) < self._half_interval() and time - came <= _MOST_BEHIND:
+            if abs(difference(epoch.utc, utc)) < self._half_interval() and time - came <= MOST_BEHIND:
                 self._behind[body].append(time - came)
                 self._behind[other].append(came - time)
 

@@ -1,0 +1,39 @@
+"""Finding: what `drawbar check` has found out about a device, and the times at which it looks."""
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from drawbar.transports.base import Transport
+
+_LOOK = 0.02
+"""between two looks at a device, s"""
+
+
+@dataclass(slots=True, kw_only=True)
+class Finding:
+    """What was found out about one device."""
+
+    device: str
+    heard: bool = False
+    facts: list[str] = field(default_factory=list)
+    """what it said"""
+    problems: list[str] = field(default_factory=list)
+    """what is missing, each with what to do"""
+    clock: float = math.nan
+    """of a receiver: its time of day when this computer's monotonic clock began, s"""
+
+
+def looks(seconds: float) -> Iterator[float]:
+    """Yield monotonic times, s, for so long."""
+    end = time.monotonic() + seconds
+    while (now := time.monotonic()) < end:
+        yield now
+        time.sleep(_LOOK)
+
+
+def tell_silence(finding: Finding, transport: Transport) -> None:
+    """Note that nothing was heard, and what to do."""
+    why = f" ({transport.trouble})" if transport.trouble else ""
+    finding.problems.append(f"nothing was heard{why}: check its power, its cable and its transport")
