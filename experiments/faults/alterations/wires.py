@@ -97,6 +97,10 @@ def receivers_late(trial):
     trial.tap(RECEIVERS, delayed(0.4))
 
 
+def receivers_very_late(trial):
+    trial.tap(RECEIVERS, delayed(1.2))
+
+
 def receivers_duplicated(trial):
     trial.tap(RECEIVERS, duplicated)
 
