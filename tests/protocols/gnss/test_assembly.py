@@ -4,6 +4,7 @@ import datetime
 import math
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -230,6 +231,24 @@ def test_the_least_delay_is_forgotten_after_a_minute(report: Maker) -> None:
     drift = 1e-4  # the receiver's second against the monotonic one: far more than any clock's
     epochs = run(stream, [(10.0 + (1.0 + drift) * step, [nmea.gga(report(step))]) for step in range(300)])
     assert max(epoch.received - epoch.time for epoch in epochs) == pytest.approx(60 * drift, rel=0.05)
+
+
+def test_a_line_that_has_become_slower_is_known_for_long(report: Maker) -> None:
+    stream = EpochStream(EpochSettings(latency=0.0))
+    bursts = [(10.0 + step + 0.4 * (step >= 20), [nmea.gga(report(step))]) for step in range(200)]
+    ages = [epoch.received - epoch.time for epoch in run(stream, bursts)]
+    assert ages[20] == pytest.approx(0.4)
+    assert ages[-1] == pytest.approx(0.4 - 5e-4 * 120.0, abs=1e-3)  # for a minute nothing is forgotten
+
+
+def test_a_receiver_that_gets_its_time_with_its_first_fix_is_believed_from_then(report: Maker) -> None:
+    stream = EpochStream(EpochSettings(latency=0.0))
+    nowhere = [nmea.gga(replace(report(0.2 * step), quality=FixQuality.NONE)) for step in range(10)]
+    bursts = [(10.0 + 0.2 * step, [data]) for step, data in enumerate(nowhere)]
+    bursts += [(12.1 + 0.2 * step, [nmea.gga(report(2.0 + 0.2 * step))]) for step in range(10)]
+    fixed = [epoch for epoch in run(stream, bursts) if epoch.has_fix]
+    assert len(fixed) == 10
+    assert [epoch.received - epoch.time for epoch in fixed] == pytest.approx([0.0] * 10, abs=1e-9)
 
 
 def test_the_least_delay_is_forgotten_over_a_pause(report: Maker) -> None:

@@ -67,7 +67,7 @@ class Assembler:
 
     def _start_over(self) -> None:
         """Forget the epochs so far, but not what the receiver sends."""
-        self._clock = ReceiverClock()
+        self._clock, self._located = ReceiverClock(), False
         self._hold = QualityHold(self._settings.quality_hold)
         self._behind, self._behind_utc = 0, 0.0
         self._place, self._repeats = (0.0, 0.0), 0
@@ -157,6 +157,9 @@ class Assembler:
 
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
         settings, position = self._settings, solution.position
+        if not self._located and math.isfinite(position.latitude + position.longitude):
+            self._clock.forget()
+            self._located = True
         usual = _LINE_LATENCY if solution.latency > 0.0 else _LATENCY
         latency = settings.latency if settings.latency is not None else usual
         time = self._clock.measured(utc, draft.received - solution.latency) - latency

@@ -9,6 +9,8 @@ SAME_EPOCH = 0.005
 """times closer than this are one epoch, s: sentences round to 1 or 10 ms, no receiver measures faster"""
 _WINDOW = 60
 """s over which the least delay is looked for"""
+_DRIFT = 5e-4
+"""by which the monotonic clock may run faster than the receiver's, as much as NTP's discipline may make it"""
 
 
 def difference(later: float, earlier: float) -> float:
@@ -20,13 +22,15 @@ def difference(later: float, earlier: float) -> float:
 class ReceiverClock:
     """The receiver's time in the monotonic clock: t_measured = t_gnss + min(t_received - t_gnss) over 60 s.
 
-    The minimum takes queues and the scheduler away; the constant part of the delay stays and is configured.
+    The minimum takes queues and the scheduler away; the constant part of the delay stays and is configured. Within those
+    60 s it grows no faster than clocks drift, so that a line which has become slower is known to be.
     """
 
     def __init__(self) -> None:
         self._utc = math.nan
-        self._elapsed = 0.0
+        self._elapsed = self._received = 0.0
         self._least: deque[tuple[int, float]] = deque(maxlen=_WINDOW)  # (second, least offset in it)
+        self._offset = math.inf
 
     def step(self, utc: float) -> float:
         """Return the seconds from the last epoch to this time; infinite before the first."""
@@ -37,10 +41,21 @@ class ReceiverClock:
         step = self.step(utc)
         self._elapsed += step if math.isfinite(step) else 0.0
         self._utc = utc
-        offset, second = received - self._elapsed, math.floor(received)
+        before, self._received = self._received, received
+        least = self._least_offset(received - self._elapsed, math.floor(received))
+        self._offset = min(least, self._offset + _DRIFT * max(received - before, 0.0))
+        return self._elapsed + self._offset
+
+    def _least_offset(self, offset: float, second: int) -> float:
         while self._least and self._least[0][0] <= second - _WINDOW:
             self._least.popleft()
-        if self._least and self._least[-1][0] == second:
+        if not self._least:
+            self._offset = math.inf
+        elif self._least[-1][0] == second:
             offset = min(offset, self._least.pop()[1])
         self._least.append((second, offset))
-        return self._elapsed + min(least for _, least in self._least)
+        return min(least for _, least in self._least)
+
+    def forget(self) -> None:
+        """Forget the delays so far: a receiver without a fix may have meant another time."""
+        self._least.clear()
