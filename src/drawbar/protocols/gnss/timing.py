@@ -22,8 +22,8 @@ def difference(later: float, earlier: float) -> float:
 class ReceiverClock:
     """The receiver's time in the monotonic clock: t_measured = t_gnss + min(t_received - t_gnss) over 60 s.
 
-    The minimum takes queues and the scheduler away; the constant part of the delay stays and is configured. Within those
-    60 s it grows no faster than clocks drift, so that a line which has become slower is known to be.
+    The minimum takes queues and the scheduler away; the constant part of the delay stays and is configured. It grows no
+    faster than clocks drift, so that a line which has become slower is known to be.
     """
 
     def __init__(self) -> None:
