@@ -1,6 +1,7 @@
 """A whole drive on stand-ins, with the real bytes between all parts and a clock of its own."""
 
 import math
+import random
 
 import numpy as np
 import pytest
@@ -142,12 +143,28 @@ def test_a_receiver_that_is_later_than_the_other_is_waited_for(body):
     assert errors(steps, path)[50:].mean(axis=0).max() < 0.03
 
 
-def test_receivers_that_become_late_while_driving_are_followed():
+@pytest.mark.parametrize("late", [BODIES, BODIES[:1], BODIES[1:]], ids=" ".join)
+@pytest.mark.parametrize("delay", [0.15, 0.3, 0.45])
+def test_receivers_that_become_late_and_prompt_again_while_driving_are_followed(late, delay):
     rehearsal, path = rehearse()
-    late_receivers(rehearsal, lambda time: 0.15 if time > 30.0 else 0.0)
+    for body in late:
+        rehearsal.post.taps[f"{body} receiver"] = lambda time, data: [(delay if 30.0 < time < 45.0 else 0.0, data)]
+    steps = list(rehearsal.run(60.0))
+    assert rehearsal.gate_state.state in (SupervisorState.ACTIVE, SupervisorState.DEGRADED)
+    assert sum(math.isnan(record.measurement.tractor_x) for record, _ in steps) < 15
+    assert errors(steps, path)[50:].max() < 0.1
+
+
+@pytest.mark.parametrize("most", [0.05, 0.1])
+def test_receivers_whose_delay_is_another_each_time_are_driven_with(most):
+    rehearsal, path = rehearse()
+    chance, delays = random.Random(SEED), {}
+    for body in BODIES:
+        rehearsal.post.taps[f"{body} receiver"] = lambda time, data, body=body: [
+            (delays.setdefault((body, time), chance.uniform(0.0, most)), data)
+        ]
     steps = list(rehearsal.run(60.0))
     assert rehearsal.gate_state.state is SupervisorState.ACTIVE
-    assert sum(math.isnan(record.measurement.tractor_x) for record, _ in steps) < 8
     assert errors(steps, path)[50:].max() < 0.1
 
 

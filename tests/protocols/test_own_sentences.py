@@ -8,6 +8,7 @@ from drawbar.errors import HardwareError
 from drawbar.protocols.bare_valve import ValveBoard, ValveReport, drive_sentence, drives_told
 from drawbar.protocols.own_sentence import SentenceReader, own_sentence
 from drawbar.protocols.sensor_board import SensorBoard, sentence
+from drawbar.protocols.sensors import Encoder
 
 
 def test_a_report_and_a_drive_are_those_bytes():
@@ -58,3 +59,31 @@ def test_the_sensor_board_speaks_the_same_form():
     assert len(board.push(sentence(2**32 + 5, None, 7), 2.0)) == 1
     assert board.push(own_sentence("PDBS", None, 1, 2) + own_sentence("PDBS", 1, -1, 2), 2.0) == []
     assert board.dropped == {"no time": 1, "not three whole numbers": 1}
+
+
+def sensed(*milliseconds):
+    """Return the wheel speeds of a board that rolls at 2 m/s, and what it has dropped; ms wrap at 2³²."""
+    board = SensorBoard(None, Encoder(pulses_per_metre=100.0, bits=32))
+    data = b"".join(sentence(each, None, round(0.2 * (each % 2**31))) for each in milliseconds)
+    return [report.wheel_speed for report in board.push(data, 1.0)], board.dropped
+
+
+def test_datagrams_that_overtake_each_other_or_come_twice_make_no_speed():
+    speeds, dropped = sensed(0, 100, 200, 150, 200, 300, 250, 100, 400)
+    assert speeds[1:] == pytest.approx([2.0] * 4)
+    assert dropped == {"not after the one before": 4}
+
+
+def test_a_board_that_has_begun_anew_is_heard_after_five_reports():
+    speeds, dropped = sensed(50000, 50100, *range(0, 1000, 100))
+    assert dropped == {"not after the one before": 4}
+    assert speeds[-5:] == pytest.approx([2.0] * 5)
+
+
+def test_a_board_whose_milliseconds_wrap_goes_on():
+    speeds, dropped = sensed(2**31 - 100, 2**31 - 50)
+    assert not dropped
+    board = SensorBoard(None, None)
+    assert len(board.push(sentence(2**32 - 40, None, 0) + sentence(10, None, 0), 1.0)) == 2
+    assert not board.dropped
+    assert len(speeds) == 2

@@ -14,6 +14,8 @@ from drawbar.protocols.sensors import Encoder, Potentiometer, SensorFault, Wheel
 
 _WRAP = 2**32
 """ms"""
+_RESTARTED = 5
+"""reports in a row that are not after the last one come from a board that has begun anew"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +38,7 @@ class SensorBoard:
         self._hitch, self._wheel = hitch, WheelSpeed(encoder) if encoder else None
         self._sentences = SentenceReader("PDBS")
         self._stamp: float | None = None
-        self._last = 0
+        self._last = self._not_after = 0
         self.faults: Counter[str] = Counter()
         """readings with a fault, by sensor and fault"""
 
@@ -59,11 +61,20 @@ class SensorBoard:
         if milliseconds is None:
             self.dropped["no time"] += 1
             return None
+        if self._comes_late(milliseconds):
+            self.dropped["not after the one before"] += 1
+            return None
         return SensorReport(
             time=time,
             hitch_angle=self._hitch_angle(counts),
             wheel_speed=self._wheel_speed(milliseconds, pulses),
         )
+
+    def _comes_late(self, milliseconds: int) -> bool:
+        """Whether a report was overtaken on its way, or came before, as datagrams may."""
+        after = self._stamp is None or 0 < (milliseconds - self._last) % _WRAP < _WRAP // 2
+        self._not_after = 0 if after else self._not_after + 1
+        return 0 < self._not_after < _RESTARTED
 
     def _hitch_angle(self, counts: int | None) -> float:
         if self._hitch is None or counts is None:

@@ -10,14 +10,17 @@ instants are monotonic, ns.
 import math
 from collections import deque
 from dataclasses import replace
+from statistics import median_low
 
 from drawbar.messages import Fixes, GateState
 from drawbar.signals import FixQuality, Measurement
 
-WAIT = 60_000_000
-"""time after its sample at which an epoch is given up, ns"""
+WAIT = 100_000_000
+"""time after its sample at which an epoch is given up, ns: longer than one receiver's waits for the other's"""
 _USUAL = 5
-"""epochs, the least delay of which is the usual one"""
+"""epochs, the median of whose delays is the usual one"""
+_AHEAD = 50_000_000
+"""by which an epoch may come before its sample, ns"""
 _EARLY = 3 / 4
 """of a sample time, that an epoch comes after the sample before at the least"""
 _MOVED = 1 / 4
@@ -50,11 +53,10 @@ class Sampler:
 
     def take(self, fixes: Fixes) -> Measurement | None:
         """Return the measurement of an epoch's sample, None if the epoch is of none."""
-        self._delays.append(fixes.time - fixes.epoch)
-        sample, known = (
-            fixes.epoch + min(self._delays),
-            (math.isfinite(fixes.tractor_x), math.isfinite(fixes.trailer_x)),
-        )
+        known = (math.isfinite(fixes.tractor_x), math.isfinite(fixes.trailer_x))
+        if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
+            self._delays.append(fixes.time - fixes.epoch)
+        sample = min(fixes.epoch + median_low(self._delays), fixes.time + _AHEAD)
         moves = any(has and lacks >= _MISSED for has, lacks in zip(known, self._without, strict=True))
         if self._start is None:
             if not all(known):
