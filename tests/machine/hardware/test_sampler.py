@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from drawbar.machine.hardware.sampler import WAIT, Sampler
+from drawbar.machine.hardware.sampler import Sampler
 from drawbar.messages import Fixes
 from drawbar.signals import FixQuality
 
@@ -62,10 +62,11 @@ def test_an_epoch_that_comes_twice_or_too_late_is_dropped():
     assert sampler.dropped == 2
 
 
-def test_a_sample_waits_no_longer_than_it_can():
-    sampler = Sampler(0.2)
+@pytest.mark.parametrize(("sample_time", "wait"), [(0.2, 0.1), (0.1, 0.075), (0.05, 0.0375)])
+def test_a_sample_waits_no_longer_than_it_can(sample_time, wait):
+    sampler = Sampler(sample_time)
     sampler.take(fixes(SECOND))
-    assert sampler.deadline == SECOND + DELAY + SECOND // 5 + WAIT
+    assert sampler.deadline == SECOND + DELAY + round(1e9 * (sample_time + wait))
 
 
 def test_quality_and_speed_come_with_the_fix():

@@ -16,9 +16,12 @@ from drawbar.messages import Fixes, GateState
 from drawbar.signals import FixQuality, Measurement
 
 WAIT = 100_000_000
-"""time after its sample at which an epoch is given up, ns: longer than one receiver's waits for the other's"""
+"""time after its sample at which an epoch is given up, ns: longer than one receiver's waits for the other's; or before
+the next sample"""
 _USUAL = 5
 """epochs, the median of whose delays is the usual one"""
+_NEXT = 3 / 4
+"""of a sample time, after which the next sample is near"""
 _AHEAD = 50_000_000
 """by which an epoch may come before its sample, ns"""
 _EARLY = 3 / 4
@@ -35,6 +38,7 @@ class Sampler:
     def __init__(self, sample_time: float) -> None:
         """Take the sample time, s."""
         self._period = round(sample_time * 1e9)
+        self._wait = min(WAIT, round(_NEXT * self._period))
         self._start: int | None = None
         self._last = 0
         self._delays: deque[int] = deque(maxlen=_USUAL)
@@ -45,7 +49,7 @@ class Sampler:
     @property
     def deadline(self) -> int | None:
         """When to take the next sample without its epoch, ns; None before the first epoch."""
-        return None if self._start is None else self._last + self._period + WAIT
+        return None if self._start is None else self._last + self._period + self._wait
 
     def hear(self, state: GateState) -> None:
         """Take in what the gate knows of the actuators."""
