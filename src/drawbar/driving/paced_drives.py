@@ -45,8 +45,9 @@ EXACT = (
 )
 """changes of a configuration after which nothing is drawn: by each engagement, and in `drawbar run`, which draws at
 steps and not at ticks, one seed would be another weather"""
-PROMPT = 0.03
-"""delay of a command up to which a drive is compared, of its time, s: beyond it the boards' wires are late too"""
+PROMPT = 0.025
+"""delay of a command up to which a drive is compared, of its time, s: half a tick of the gate, beyond which set points
+leave with the next one, and the boards' wires are late too"""
 SETTLING = 50
 """steps from the place where it was engaged onto the line"""
 _LONGEST = 400.0
