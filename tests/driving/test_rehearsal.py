@@ -116,7 +116,10 @@ def late_receivers(rehearsal, delay):
 def test_receivers_whose_first_epoch_was_held_up_are_heard():
     rehearsal, _ = rehearse()
     late_receivers(rehearsal, lambda time: 0.1 if time < 0.1 else 0.0)
+    steps = [record for record, _ in rehearsal.run(20.0)]
+    assert sum(math.isnan(record.measurement.tractor_x) for record in steps) <= 2
     drive_until(rehearsal, SupervisorState.ACTIVE)
+    assert rehearsal.gate_state.steers
 
 
 @pytest.mark.parametrize("told", [0.04, 0.15, 0.4])

@@ -16,20 +16,19 @@ from drawbar.messages import Fixes, GateState
 from drawbar.signals import FixQuality, Measurement
 
 WAIT = 100_000_000
-"""time after its sample at which an epoch is given up, ns: longer than one receiver's waits for the other's; or before
-the next sample"""
+"""time after its sample at which an epoch is given up, ns: longer than one receiver's waits for the other's"""
 _USUAL = 5
 """epochs, the median of whose delays is the usual one"""
-_NEXT = 3 / 4
-"""of a sample time, after which the next sample is near"""
+_LONGEST_WAIT = 3 / 4
+"""for an epoch, of a sample time: then the next sample is near"""
 _AHEAD = 50_000_000
 """by which an epoch may come before its sample, ns"""
-_EARLY = 3 / 4
-"""of a sample time, that an epoch comes after the sample before at the least"""
-_MOVED = 1 / 4
-"""the same of an epoch with an antenna that some samples lacked"""
-_MISSED = 2
-"""so many"""
+_STEP = 3 / 4
+"""shortest from a sample to the next, of a sample time"""
+_MOVING_STEP = 1 / 4
+"""the same where the samples move to an epoch with an antenna that the last ones lacked, of a sample time"""
+_LACKED = 2
+"""samples in a row without an antenna, after which they move to an epoch with it"""
 
 
 class Sampler:
@@ -38,7 +37,7 @@ class Sampler:
     def __init__(self, sample_time: float) -> None:
         """Take the sample time, s."""
         self._period = round(sample_time * 1e9)
-        self._wait = min(WAIT, round(_NEXT * self._period))
+        self._wait = min(WAIT, round(_LONGEST_WAIT * self._period))
         self._start: int | None = None
         self._last = 0
         self._delays: deque[int] = deque(maxlen=_USUAL)
@@ -61,12 +60,12 @@ class Sampler:
         if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
             self._delays.append(fixes.time - fixes.epoch)
         sample = min(fixes.epoch + median_low(self._delays), fixes.time + _AHEAD)
-        moves = any(has and lacks >= _MISSED for has, lacks in zip(known, self._without, strict=True))
+        moves = any(has and lacks >= _LACKED for has, lacks in zip(known, self._without, strict=True))
         if self._start is None:
             if not all(known):
                 return None  # nothing begins without both antennas
             self._start = sample
-        elif sample - self._last < self._period * (_MOVED if moves else _EARLY):
+        elif sample - self._last < self._period * (_MOVING_STEP if moves else _STEP):
             self.dropped += 1
             return None
         self._last = sample

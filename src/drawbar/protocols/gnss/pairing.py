@@ -27,6 +27,11 @@ class Body(Enum):
     TRACTOR = "tractor"
     TRAILER = "trailer"
 
+    @property
+    def other(self) -> "Body":
+        """The other body."""
+        return Body.TRAILER if self is Body.TRACTOR else Body.TRACTOR
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
@@ -75,8 +80,7 @@ class Pairing:
             if after < 0.0:
                 return [*ended, self._alone(body, epoch)]  # an older one: the held one still waits
             ended.append(self._release())
-        (other,) = (each for each in Body if each is not body)
-        wait = WAIT + max(min(self._behind[other], default=0.0), 0.0)
+        wait = WAIT + max(min(self._behind[body.other], default=0.0), 0.0)
         self._held.append(_Held(body, epoch, time + wait))
         return ended
 
@@ -106,11 +110,10 @@ class Pairing:
         if SAME_EPOCH < step < _LONGEST_INTERVAL:
             self._steps[body] = step
         self._came[body].append((epoch.utc, time))
-        (other,) = (each for each in Body if each is not body)
-        for utc, came in self._came[other]:
+        for utc, came in self._came[body.other]:
             if abs(difference(epoch.utc, utc)) < self._half_interval() and time - came <= MOST_BEHIND:
                 self._behind[body].append(time - came)
-                self._behind[other].append(came - time)
+                self._behind[body.other].append(came - time)
 
 
 def _pair(epochs: dict[Body, Epoch]) -> Pair:

@@ -41,17 +41,21 @@ class ReceiverClock:
         step = self.step(utc)
         self._elapsed += step if math.isfinite(step) else 0.0
         self._utc = utc
-        before, self._received = self._received, received
-        least = self._least_offset(received - self._elapsed, math.floor(received))
-        self._offset = min(least, self._offset + _DRIFT * max(received - before, 0.0))
-        return self._elapsed + self._offset
-
-    def _least_offset(self, offset: float, second: int) -> float:
-        while self._least and self._least[0][0] <= second - _WINDOW:
-            self._least.popleft()
+        self._forget_before(math.floor(received) - _WINDOW)
         if not self._least:
             self._offset = math.inf
-        elif self._least[-1][0] == second:
+        grown = self._offset + _DRIFT * max(received - self._received, 0.0)
+        self._received = received
+        self._offset = min(self._least_with(received - self._elapsed, math.floor(received)), grown)
+        return self._elapsed + self._offset
+
+    def _forget_before(self, second: int) -> None:
+        while self._least and self._least[0][0] <= second:
+            self._least.popleft()
+
+    def _least_with(self, offset: float, second: int) -> float:
+        """Return the least offset that is remembered, this one too."""
+        if self._least and self._least[-1][0] == second:
             offset = min(offset, self._least.pop()[1])
         self._least.append((second, offset))
         return min(least for _, least in self._least)
