@@ -7,7 +7,7 @@ product has no hook for it.
 import ctypes
 import math
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -144,34 +144,38 @@ class Rig:
 
 
 @pytest.fixture(scope="session", params=["python", "exported"])
-def rig(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Rig]]:
+def rig(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Rig]:
     """Return a function that makes a rig of a shipped configuration with changes."""
     texts = spoilt_sources()
-    with pytest.MonkeyPatch.context() as patch:
-        for module in (compiled_cache, sources, manifest):
-            patch.setattr(module, "runtime_sources", lambda: texts)
 
-        @cache
-        def exported(name: str, changes: tuple[str, ...]) -> Path:
-            folder = tmp_path_factory.mktemp("library")
-            export_library(load_configuration(name, changes), folder)
-            file = folder / "library.so"
-            texts = map(str, sorted((folder / "src").glob("*.c")))
-            command = [*find_compiler(), *FLAGS, f"-I{folder / 'include'}", *texts, "-lm", "-o", str(file)]
-            subprocess.run(command, check=True)
-            return file
+    @cache
+    def exported(name: str, changes: tuple[str, ...]) -> Path:
+        folder = tmp_path_factory.mktemp("library")
+        export_library(load_configuration(name, changes), folder)
+        file = folder / "library.so"
+        units = map(str, sorted((folder / "src").glob("*.c")))
+        command = [*find_compiler(), *FLAGS, f"-I{folder / 'include'}", *units, "-lm", "-o", str(file)]
+        subprocess.run(command, check=True)
+        return file
 
-        def make(name: str, *changes: str, seed: int = 0) -> Rig:
-            simulation = Simulation(load_configuration(name, changes), seed)
-            if request.param == "python":
-                hosted = simulation.autopilot.library
-                rig = Rig(hosted.file, hosted.state, simulation)
-            else:
-                file = exported(name, changes)
-                size = load(file).drawbar_state_size() // 8
-                rig = Rig(file, (ctypes.c_double * size)(), simulation)
-            for component in ("estimator", "tractor", "trailer"):
-                rig.fail(component, False)
-            return rig
+    def make(name: str, *changes: str, seed: int = 0) -> Rig:
+        simulation = Simulation(load_configuration(name, changes), seed)
+        if request.param == "python":
+            hosted = simulation.autopilot.library
+            rig = Rig(hosted.file, hosted.state, simulation)
+        else:
+            file = exported(name, changes)
+            size = load(file).drawbar_state_size() // 8
+            rig = Rig(file, (ctypes.c_double * size)(), simulation)
+        for component in ("estimator", "tractor", "trailer"):
+            rig.fail(component, False)
+        return rig
 
-        yield make
+    def make_of_spoilt_sources(name: str, *changes: str, seed: int = 0) -> Rig:
+        # not for longer than that: tests of other folders run in this process while the fixture lives
+        with pytest.MonkeyPatch.context() as patch:
+            for module in (compiled_cache, sources, manifest):
+                patch.setattr(module, "runtime_sources", lambda: texts)
+            return make(name, *changes, seed=seed)
+
+    return make_of_spoilt_sources
