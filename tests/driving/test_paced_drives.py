@@ -18,7 +18,8 @@ DRIVES = {
     "figure-eight, ISOBUS": (["path.radii=[8.0]"], with_isobus),
 }
 PACES = (10, 5, 3, 2)
-"""tried one after the other, until this computer, which has other tests to run, is fast enough"""
+"""tried one after the other, until this computer, which has other tests to run, is fast enough: processes that it lets
+wait anywhere else than between an epoch and its command only move the drives apart"""
 SECONDS = 75.0
 """of the drive, which is engaged after 35"""
 
@@ -27,16 +28,17 @@ SECONDS = 75.0
 def test_errors_are_those_of_one_process(name, tmp_path):
     line, with_devices = DRIVES[name]
     configuration = with_devices(load_configuration("articulated", [*line, *EXACT, *PATIENT]))
+    within = False
     for pace in PACES:
         (tmp_path / str(pace)).mkdir()
         driven = drive(configuration, tmp_path / str(pace), pace, SECONDS)
         print(f"pace {pace}: {driven.delay:.3f} s, {driven.late} late, {[each.name for each in driven.states]}")
-        if driven.held:
+        if not driven.held:
+            continue
+        alone = rehearse(configuration, SECONDS, driven.delays)
+        assert min(len(driven.errors), len(alone.errors)) > 50
+        mean, largest, _ = differences(driven, alone)
+        print(f"differs by {mean} m, {largest} m")
+        if within := mean < 0.001 and largest < 0.003:
             break
-    assert driven.held, "too busy even for twice real time"
-    assert len(driven.errors) > 50
-    alone = rehearse(configuration, SECONDS, driven.delays)
-    assert len(alone.errors) > 50
-    mean, largest, _ = differences(driven, alone)
-    assert mean < 0.001
-    assert largest < 0.003
+    assert within, "not even at twice real time"

@@ -29,6 +29,7 @@ from drawbar.driving.stand_ins import SEED
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as Line
 from drawbar.machine.stand_in.machine import BODIES
+from drawbar.message_records import decode
 from drawbar.messages import CommandMessage, ControllerState, Fixes, Mode, SupervisorState
 from drawbar.recording.drive_records import open_drive
 from drawbar.recording.log import LOG_NAME
@@ -112,11 +113,11 @@ def rehearse(
 
 
 class _Late:
-    """Lets a rehearsal have the delays of a drive in processes."""
+    """Lets a rehearsal have the delays of a drive in processes, each where it was, counted from the first command."""
 
     def __init__(self, delays: Sequence[tuple[float, float]]) -> None:
-        self._delays = itertools.cycle(delays)
-        self._now, self._time = (0.0, 0.0), -math.inf
+        self._all, self._delays = delays, itertools.cycle(delays)
+        self._now, self._time, self._drives = (0.0, 0.0), -math.inf, False
 
     def epoch(self, time: float, data: bytes) -> list[tuple[float, bytes]]:
         """Delay all messages of an instant but the first."""
@@ -126,6 +127,9 @@ class _Late:
         return [(self._now[0], data)]
 
     def command(self, time: float, data: bytes) -> list[tuple[float, bytes]]:
+        message = decode(data, CommandMessage)
+        if not self._drives and isinstance(message, CommandMessage) and message.mode is Mode.DRIVE:
+            self._drives, self._delays = True, itertools.cycle(self._all)
         return [(self._now[1], data)]
 
 
