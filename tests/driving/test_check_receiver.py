@@ -1,12 +1,14 @@
 """`drawbar check` of a receiver and of a bare valve: what they say, as somebody at the machine reads it."""
 
 import datetime
+import socket
 
 import pytest
 from isobus_devices import isobus_devices
 from pyubx2 import GET, POLL, UBXMessage
 
 from drawbar.driving import check, check_receiver
+from drawbar.driving import finding as finding_module
 from drawbar.driving.memory import MemoryTransport
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
@@ -27,7 +29,7 @@ def finding_of(monkeypatch, told, rate=5.0, sample_time=0.2, write=None):
         line.arrive(10.0 + step / rate, told(step, BEGIN + datetime.timedelta(seconds=step / rate)))
     monkeypatch.setattr(line, "write", write or (lambda data: pytest.fail("it was told something")))
     monkeypatch.setattr(check_receiver, "open_transport", lambda _: line)
-    monkeypatch.setattr(check_receiver, "looks", lambda _: iter([10.0, 11.0, 12.0]))
+    monkeypatch.setattr(check_receiver, "looks", lambda *_: iter([10.0, 11.0, 12.0]))
     settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
     return check_receiver.check_receiver("tractor receiver", settings, frame, 1.0, sample_time, None)
 
@@ -40,6 +42,17 @@ def facts_of(monkeypatch, **changes):
         return nmea.gga(report) + nmea.panda(report)
 
     return finding_of(monkeypatch, told).facts
+
+
+def test_bytes_are_read_when_they_come(monkeypatch):
+    # an epoch whose messages are read 20 ms after each other would be two
+    waited = []
+    monkeypatch.setattr(finding_module.select, "select", lambda read, *_: waited.append(read))
+    line, other = socket.socketpair()
+    with line, other:
+        looks = finding_module.looks(60.0, line, MemoryTransport())
+        assert next(looks) <= next(looks)
+        assert waited == [[line.fileno()]]
 
 
 def report_at(time):
@@ -78,7 +91,7 @@ def test_receivers_that_differ_about_the_time_are_told(monkeypatch, apart, told)
         return lines[-1]
 
     monkeypatch.setattr(check_receiver, "open_transport", line)
-    monkeypatch.setattr(check_receiver, "looks", lambda _: iter([10.0, 11.0, 12.0]))
+    monkeypatch.setattr(check_receiver, "looks", lambda *_: iter([10.0, 11.0, 12.0]))
     findings = list(check.check(isobus_devices(gnss="file:memory"), LocalFrame(latitude=50.0, longitude=4.0), 0.1, 0.2))
     problems = [problem for finding in findings[:2] for problem in finding.problems]
     assert (f"its time is {told} from" in "".join(problems)) is bool(told), problems
@@ -142,7 +155,7 @@ def test_a_bare_valves_board_is_listened_to_and_told_nothing(monkeypatch, senten
     line = MemoryTransport()
     line.arrive(10.0, sentence)
     monkeypatch.setattr(check, "open_transport", lambda _: line)
-    monkeypatch.setattr(check, "looks", lambda _: iter([10.0]))
+    monkeypatch.setattr(check, "looks", lambda *_: iter([10.0]))
     monkeypatch.setattr(line, "write", lambda data: pytest.fail("it was told something"))
     settings = BareValveSettings(transport="file:memory", counts=HITCH_COUNTS, angles=HITCH_ANGLES)
     finding = check._bare_valve(settings, 1.0)

@@ -66,7 +66,7 @@ def check_receiver(
     """
     finding, epochs, versions = Finding(device=name), list[Epoch](), _Versions(open_transport(settings.transport))
     receiver = Receiver(versions.transport, settings)
-    for now in looks(seconds):
+    for now in looks(seconds, receiver.transport):
         epochs += receiver.poll(now)
         versions.ask(receiver.kinds)
         if corrections is not None:

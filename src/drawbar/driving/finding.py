@@ -1,6 +1,7 @@
 """Finding: what `drawbar check` has found out about a device, and the times at which it looks."""
 
 import math
+import select
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -25,12 +26,13 @@ class Finding:
     """of a receiver: its time of day when this computer's monotonic clock began, s"""
 
 
-def looks(seconds: float) -> Iterator[float]:
-    """Yield monotonic times, s, for so long."""
+def looks(seconds: float, *watched: Transport) -> Iterator[float]:
+    """Yield monotonic times, s, for so long: of each look, and of the moments when bytes come from what is watched."""
     end = time.monotonic() + seconds
     while (now := time.monotonic()) < end:
         yield now
-        time.sleep(_LOOK)
+        descriptors = [each.fileno() for each in watched]
+        select.select([each for each in descriptors if each >= 0], [], [], _LOOK)
 
 
 def tell_silence(finding: Finding, transport: Transport) -> None:
