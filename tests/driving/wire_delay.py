@@ -105,7 +105,7 @@ def drive(rate: float, seconds: float) -> None:
     configuration = with_stand_ins(load_configuration("articulated", [*LINE, f"sample_time={1.0 / rate}"]))
     assert configuration.devices is not None
     assert configuration.devices.tractor_board is not None
-    wire, looks = Wire((configuration.devices.tractor_board.destination[1],)), list[tuple[float, float, float, float]]()
+    wire, looks = Wire((configuration.devices.tractor_board.destination[1],)), list[tuple[float, float, float]]()
     with tempfile.TemporaryDirectory(prefix="drawbar-wire-") as folder:
         run = Path(folder)
         (run / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
@@ -113,14 +113,14 @@ def drive(rate: float, seconds: float) -> None:
             front, end = FrontEnd(crew, demonstrates=True), time.monotonic() + seconds
             while time.monotonic() < end and not front.is_over and not crew.ended():
                 front.wait(1.0)
-                size = (run / LOG_NAME).stat().st_size * 1e-6
-                looks.append((time.monotonic(), processor_time(crew), memory(crew), size))
+                looks.append((time.monotonic(), processor_time(crew), memory(crew)))
             state = front.state
             front.close()
         wire.close()
         print(f"{rate:g} Hz, {state.state.name if state else 'silent'}: {_described(run / LOG_NAME, wire.seen)}")
+        log = 3600e-6 * (run / LOG_NAME).stat().st_size / (looks[-1][0] - looks[0][0])
     change = 3600.0 * (np.array(looks[-1]) - looks[len(looks) // 2]) / (looks[-1][0] - looks[len(looks) // 2][0])
-    print(f"    {change[1] / 36.0:.1f} % of a core, memory {change[2]:+.1f} MB/h, log {change[3]:.0f} MB/h")
+    print(f"    {change[1] / 36.0:.1f} % of a core, memory {change[2]:+.1f} MB/h, log {log:.0f} MB/h")
 
 
 def _described(log: Path, seen: list[SetPoint]) -> str:

@@ -91,3 +91,40 @@ def test_a_chunk_of_another_size_than_it_says_is_damaged(size: int) -> None:
     CHUNK_HEAD.pack_into(data, at, opcode, length, first, last, size, *rest)
     with pytest.raises((DamagedLogError, stream.zstandard.ZstdError)):
         list(read_records(BytesIO(data)))
+
+
+class Watched(BytesIO):
+    """A file of which each state is kept that a killed process may leave: after half a write, too."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.states = list[bytes]()
+
+    def write(self, data) -> int:
+        halves = (data[: len(data) // 2], data[len(data) // 2 :]) if len(data) > chunks.FRAME.size else (data,)
+        for half in halves:
+            super().write(half)
+            self.states.append(self.getvalue())
+        return len(data)
+
+    def truncate(self, size: int | None = None) -> int:
+        kept = super().truncate(size)
+        self.states.append(self.getvalue())
+        return kept
+
+
+@pytest.mark.parametrize("bytes_each", [10, 3000])
+def test_a_kill_at_any_moment_costs_one_message_at_most(monkeypatch: pytest.MonkeyPatch, bytes_each: int) -> None:
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 2 * bytes_each)  # those of 10 are longer when they are compressed
+    file, told = Watched(), [bytes([65 + number]) * bytes_each for number in range(6)]
+    writer = ChunkedWriter(file, "drawbar")
+    channel = writer.add_channel("/test", "", 0)
+    for number, data in enumerate(told):
+        before = len(file.states)
+        writer.add_message(channel, data, sequence=number, log_time=number, publish_time=number)
+        writer.flush()
+        found = [[record.data for record in read_records(BytesIO(state))] for state in file.states[before:]]
+        assert all(each in (told[:number], told[: number + 1]) for each in found)
+        assert found[-1] == told[: number + 1]
+    writer.finish()
+    assert [record.data for record in read_records(BytesIO(file.getvalue()))] == told

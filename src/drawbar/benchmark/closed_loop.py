@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 
 from drawbar.benchmark.probe import Probe
@@ -19,6 +20,8 @@ from drawbar.step.autopilot import Autopilot
 
 HORIZON = 3.0
 """Length of horizon and window, s: 15 samples of 0.2 s."""
+_RUNS = 5
+"""whole runs that a real-time factor is the median of"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,8 +110,8 @@ def whole_run(name: str) -> WholeRun:
         in_c=step_times(autopilot, simulation.path, measurements),
         bounded=bounded,
         python=python,
-        real_time_factor=_real_time_factor(name, logged=False),
-        real_time_factor_logged=_real_time_factor(name, logged=True),
+        real_time_factor=median(_real_time_factor(name, logged=False) for _ in range(_RUNS)),
+        real_time_factor_logged=median(_real_time_factor(name, logged=True) for _ in range(_RUNS)),
     )
 
 

@@ -5,6 +5,7 @@ the steps in that chunk, for the report alone; other programs pass over it. Posi
 they are, all else in single precision, and a number that stays the same for some time once.
 """
 
+import struct
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from operator import attrgetter
@@ -62,7 +63,7 @@ class Block(NamedTuple):
     """(m,) each, or (1,) of a number that stays the same"""
 
     @classmethod
-    def of(cls, times: Sequence[float], rows: Sequence[Sequence[Any]], names: Sequence[str]) -> "Block":
+    def of(cls, times: Sequence[float], rows: Sequence[Sequence[Any]] | Floats, names: Sequence[str]) -> "Block":
         """Return the rows (m, names) of m steps; None, and what JSON cannot hold, is missing: NaN."""
         table = np.array(rows, dtype=np.float64).reshape(len(times), len(names))
         table[~np.isfinite(table)] = np.nan
@@ -90,21 +91,22 @@ class StepColumns:
 
     def __init__(self) -> None:
         """Begin without steps."""
-        self._steps = list[tuple[float, bool, list[Any]]]()
+        self._steps = list[tuple[float, bool, bytes]]()
 
     def add(self, record: StepRecord, wall_time: int) -> None:
         """Add a step, and when it is written, ns since 1970."""
         has_truth = record.truth is not None
-        self._steps.append((wall_time * 1e-9, has_truth, _picker(has_truth)(record)))
+        self._steps.append((wall_time * 1e-9, has_truth, _packer(has_truth)(record)))
 
     def take(self) -> bytes:
-        """Return the steps since the last time for `decode_block`; nothing where only some of them have a truth."""
+        """Return the steps since the last time for `decode_block`; nothing for none, and where some have no truth."""
         steps, self._steps = self._steps, []
         truths = {has_truth for _, has_truth, _ in steps}
-        if len(truths) > 1:
+        if len(truths) != 1:
             return b""
-        names = reported(has_truth=truths.pop()) if truths else ()
-        block = Block.of([time for time, _, _ in steps], [row for _, _, row in steps], names)
+        names = reported(has_truth=truths.pop())
+        rows = np.frombuffer(b"".join(row for _, _, row in steps)).reshape(len(steps), len(names))
+        block = Block.of([time for time, _, _ in steps], rows, names)
         content = (names, block.wall_time.tobytes(), [column.tobytes() for column in block.columns])
         return _COMPRESSOR.compress(msgspec.msgpack.encode(content))
 
@@ -121,16 +123,17 @@ def decode_block(content: bytes) -> tuple[tuple[str, ...], Block] | None:
 
 
 @cache
-def _picker(has_truth: bool) -> Callable[[StepRecord], list[Any]]:
-    """Return what reads the reported numbers of a step."""
+def _packer(has_truth: bool) -> Callable[[StepRecord], bytes]:
+    """Return what packs the reported numbers of a step."""
     parts = [(name, *name.rpartition(".")[::2]) for name in reported(has_truth=has_truth)]
     of_arrays = [(place, int(last)) for place, (_, _, last) in enumerate(parts) if last.isdigit()]
     values = attrgetter(*(head if last.isdigit() else name for name, head, last in parts))
+    numbers = struct.Struct(f"={len(parts)}d")
 
-    def pick(record: StepRecord) -> list[Any]:
+    def pack(record: StepRecord) -> bytes:
         row = list(values(record))
         for place, index in of_arrays:
             row[place] = row[place][index]
-        return row
+        return numbers.pack(*row)
 
-    return pick
+    return pack

@@ -1,14 +1,14 @@
 """Writes an MCAP file (https://mcap.dev/spec) whose chunks are compressed and yet readable while they grow.
 
-A chunk is one zstd frame. Its header is written when it begins, with an impossible length; each message is compressed
-as it comes, and what has come is flushed to the operating system when the caller asks; when the chunk is full its
-header is written again, complete. A killed process leaves a last chunk that says it is endless: readers (stream.py)
-take from it what is there.
+A chunk grows as it is, behind a header with an impossible length; what has come is flushed to the operating system when
+the caller asks. When the chunk is full one zstd frame takes its place, in steps after each of which the file is whole.
+A killed process leaves a last chunk that says it is endless: readers (stream.py) take from it what is there.
 """
 
 import struct
 import zlib
 from collections.abc import Callable, Mapping
+from io import SEEK_END
 from typing import BinaryIO
 
 import zstandard
@@ -37,17 +37,19 @@ CHUNK_BYTES = 1 << 22
 """of messages, before they are compressed, after which a chunk ends"""
 _WINDOW_LOG = 22
 """of zstd's window, which a whole chunk fits into: one that wraps within a chunk takes twice as long to search"""
-BESIDE = 0x80
-"""operation code, of those that are left to applications, of a record that stands behind a chunk and tells of it"""
+BESIDE, VOID = 0x80, 0x81
+"""operation codes, of those that are left to applications: of a record that stands behind a chunk and tells of it;
+and of one that tells nothing"""
 COMPRESSION = "zstd"
 LEVEL = 1
 """of the compression: as much as a run at a thousand times real time can wait for"""
-CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
-"""opcode, length, first and last time, size uncompressed, its CRC (0: zstd's checksum of the frame stands for it, which
-is a fraction of the work), the compression's name, size compressed"""
-_HEADED = CHUNK_HEAD.size - 9
 FRAME = struct.Struct("<BQ")
 """operation code of a record, and length of the content that follows"""
+CHUNK_HEAD = struct.Struct("<BQQQQII")
+"""opcode, length, first and last time, size uncompressed, its CRC, length of the compression's name, which follows"""
+_COMPRESSED = struct.Struct("<Q")
+"""size compressed"""
+_HEADED = CHUNK_HEAD.size + _COMPRESSED.size - FRAME.size
 _MESSAGE = struct.Struct("<BQHIQQ")
 
 
@@ -113,9 +115,7 @@ class ChunkedWriter:
             self._end_chunk()
 
     def flush(self) -> None:
-        """Let all that was written reach the operating system; each time costs some of the compression."""
-        if self._chunk is not None:
-            self._chunk.flush()
+        """Let all that was written reach the operating system."""
         self._stream.flush()
 
     def finish(self) -> None:
@@ -204,46 +204,41 @@ class _Chunk:
 
     def __init__(self, stream: BinaryIO, compressor: zstandard.ZstdCompressor) -> None:
         self._stream, self._start = stream, stream.tell()
-        self._compressor = compressor.compressobj()
-        self._compressed = 0
+        self._compressor, self._compressed = compressor.compressobj(), list[bytes]()
         self._messages: dict[int, list[int]] = {}
         self.size = 0
         """bytes, uncompressed"""
-        self._write_head(ENDLESS, (0, 0))
+        self._stream.write(_chunk_head(ENDLESS, (0, 0), 0, "", 0))
 
     def append(self, channel: int, log_time: int, record: bytes) -> None:
         self._messages.setdefault(channel, []).extend((log_time, self.size))
         self.size += len(record)
+        self._stream.write(record)
         if compressed := self._compressor.compress(record):  # mostly it stays with the compressor
-            self._write(compressed)
-
-    def flush(self) -> None:
-        self._write(self._compressor.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK))
+            self._compressed.append(compressed)
 
     def counts(self) -> dict[int, int]:
         """Return how many messages it holds of each channel."""
         return {channel: len(entries) // 2 for channel, entries in self._messages.items()}
 
     def end(self) -> ChunkIndex:
-        """Complete the header, write the messages' index behind it; return what the summary says of the chunk."""
-        self._write(self._compressor.flush())
+        """Compress it, write the messages' index behind it; return what the summary says of the chunk."""
+        content = b"".join([*self._compressed, self._compressor.flush()])
         times = [entries[::2] for entries in self._messages.values()]
         span = min(map(min, times)), max(map(max, times))
-        end = self._stream.tell()
-        self._stream.seek(self._start)
-        self._write_head(_HEADED + self._compressed, span)
-        self._stream.seek(end)
-        offsets = {}
+        head = _chunk_head(_HEADED + len(COMPRESSION) + len(content), span, self.size, COMPRESSION, len(content))
+        start = _replace(self._stream, self._start, head + content)
+        end, offsets = self._stream.tell(), {}
         for channel, entries in self._messages.items():
             offsets[channel] = self._stream.tell()
             self._stream.write(_message_index(channel, entries))
         indexed = self._stream.tell() - end
         self._stream.flush()
         return ChunkIndex(
-            chunk_length=end - self._start,
-            chunk_start_offset=self._start,
+            chunk_length=end - start,
+            chunk_start_offset=start,
             compression=COMPRESSION,
-            compressed_size=self._compressed,
+            compressed_size=len(content),
             message_start_time=span[0],
             message_end_time=span[1],
             message_index_length=indexed,
@@ -251,12 +246,33 @@ class _Chunk:
             uncompressed_size=self.size,
         )
 
-    def _write(self, data: bytes) -> None:
-        self._stream.write(data)
-        self._compressed += len(data)
 
-    def _write_head(self, length: int, span: tuple[int, int]) -> None:
-        compression = COMPRESSION.encode()
-        self._stream.write(
-            CHUNK_HEAD.pack(Opcode.CHUNK, length, *span, self.size, 0, len(compression), compression, self._compressed)
-        )
+def _chunk_head(length: int, span: tuple[int, int], size: int, compression: str, compressed: int) -> bytes:
+    """Return the beginning of a chunk, up to its records. No CRC: zstd's of the frame stands for it."""
+    name = compression.encode()
+    return CHUNK_HEAD.pack(Opcode.CHUNK, length, *span, size, 0, len(name)) + name + _COMPRESSED.pack(compressed)
+
+
+def _replace(stream: BinaryIO, start: int, record: bytes) -> int:
+    """Put a record in the place of all that comes from a byte on; return where it begins: there, where it is shorter.
+
+    Whenever this ends, the file holds one of both, and never both. The record is written behind; what was there becomes
+    void, and only within that void the record is written once more before the void ends.
+    """
+    behind = stream.seek(0, SEEK_END)
+    void = FRAME.pack(VOID, behind - start - FRAME.size)
+    _write(stream, behind, record)
+    _write(stream, start, void)
+    if start + len(record) + FRAME.size > behind:
+        stream.seek(0, SEEK_END)
+        return behind
+    _write(stream, start + FRAME.size, record[FRAME.size :] + void)
+    _write(stream, start, record[: FRAME.size])
+    stream.truncate(stream.seek(start + len(record)))
+    return start
+
+
+def _write(stream: BinaryIO, place: int, data: bytes) -> None:
+    stream.seek(place)
+    stream.write(data)
+    stream.flush()

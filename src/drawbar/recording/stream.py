@@ -17,14 +17,14 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata
 
-from drawbar.recording.chunks import BESIDE, FRAME, MAGIC
+from drawbar.recording.chunks import BESIDE, FRAME, MAGIC, VOID
 
 _MESSAGE = struct.Struct("<HIQQ")
 _CHUNK = struct.Struct("<QQQII")
 _MESSAGE_CODE = int(Opcode.MESSAGE)  # comparing with a member of the enumeration is slow, and messages are many
 _ANYWHERE = (Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """records that are read wherever they are"""
-_ASIDE = (Opcode.MESSAGE_INDEX, BESIDE)
+_ASIDE = (Opcode.MESSAGE_INDEX, BESIDE, VOID)
 """records that no message is in"""
 _ZEROS = 64
 """at the end of a file, that nobody wrote: no compressed chunk ends so"""
@@ -145,6 +145,8 @@ def _of_frame(frame: _Frame, topics: dict[int, str]) -> Iterator[Logged]:
             return
         if opcode == _MESSAGE_CODE:
             yield _message(data, position, end, topics)
+        elif opcode == Opcode.CHUNK:  # the same once more, which was about to take its place
+            return
         else:
             yield from _of_record(opcode, data[position:end], topics)
         position = end
