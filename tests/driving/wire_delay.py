@@ -111,6 +111,7 @@ def drive(rate: float, seconds: float) -> None:
         (run / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
         with Crew(configuration, run, stand_ins=True) as crew:
             front, end = FrontEnd(crew, demonstrates=True), time.monotonic() + seconds
+            begun = (run / LOG_NAME).stat().st_size  # what is written once
             while time.monotonic() < end and not front.is_over and not crew.ended():
                 front.wait(1.0)
                 looks.append((time.monotonic(), processor_time(crew), memory(crew)))
@@ -118,7 +119,7 @@ def drive(rate: float, seconds: float) -> None:
             front.close()
         wire.close()
         print(f"{rate:g} Hz, {state.state.name if state else 'silent'}: {_described(run / LOG_NAME, wire.seen)}")
-        log = 3600e-6 * (run / LOG_NAME).stat().st_size / (looks[-1][0] - looks[0][0])
+        log = 3600e-6 * ((run / LOG_NAME).stat().st_size - begun) / seconds
     change = 3600.0 * (np.array(looks[-1]) - looks[len(looks) // 2]) / (looks[-1][0] - looks[len(looks) // 2][0])
     print(f"    {change[1] / 36.0:.1f} % of a core, memory {change[2]:+.1f} MB/h, log {log:.0f} MB/h")
 
