@@ -22,8 +22,11 @@ class SanitySettings(Settings):
     coarse_budget: Positive = 30.0
     """time with coarse fixes only after which the run ends, s"""
     hitch: PositiveAngle = 0.15
-    """difference of the measured hitch angle from the estimated one that is a contradiction, rad"""
-    hitch_patience: Positive = 1.5
+    """difference of the measured hitch angle from the estimated one that is a contradiction on any ground, rad"""
+    hitch_mean: PositiveAngle = 0.0489
+    """mean difference, of hitch and joint together, that is one on smooth ground; on rough ground it is seven times
+    what is usual there, rad"""
+    hitch_patience: Positive = 0.7
     """for how long it may last before the run ends, s"""
     swing: Positive = 0.15
     """error to both sides in turn that is an oscillation, m"""
@@ -40,4 +43,6 @@ class SanitySettings(Settings):
 def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings) -> Unit:
     """Return what watches a run from its first step on."""
     values: dict[str, ArrayLike] = {**settings.model_dump(), "wheelbase": vehicle.wheelbase}
+    for setting, key in (("least", "hitch_mean"), ("most", "hitch"), ("patience", "hitch_patience")):
+        values[f"hitch.{setting}"] = values.pop(key)
     return Unit(name="sanity", source='#include "sanity.h"', configure=lambda workspace: workspace.write(values))
