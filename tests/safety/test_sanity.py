@@ -204,7 +204,7 @@ def test_a_hitch_sensor_that_fails_in_a_curve_stops_the_run_near_the_line(speed:
     with Simulation(load_configuration("articulated", ["path.radii=[8.0]", f"speed={speed}"])) as simulation:
         simulation.machine = InterceptedMachine(simulation.machine, fail)
         log = simulation.log()
-    assert "hitch" in log.outcome.reason
+    assert "the sensor of the hitch angle" in log.outcome.reason
     errors = true_path_errors(log)
     assert max(float(np.nanmax(np.abs(each.error))) for each in (errors.tractor, errors.trailer)) < 0.2
 
@@ -219,6 +219,28 @@ def test_swapped_antennas_are_named_within_a_second() -> None:
         log = simulation.log()
     assert "swapped" in log.outcome.reason
     assert log.records[-1].measurement.time <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("sensor", "name"), [("tractor_steering", "front wheels"), ("trailer_steering", "trailer's joint")]
+)
+def test_a_steering_sensor_of_the_wrong_sign_is_named(sensor: str, name: str) -> None:
+    def reverse(m: Measurement) -> Measurement:
+        return replace(m, **{sensor: -getattr(m, sensor)}) if m.time > 20.0 else m
+
+    with Simulation(load_configuration("articulated", ["path.radii=[8.0]"])) as simulation:
+        simulation.machine = InterceptedMachine(simulation.machine, reverse)
+        log = simulation.log()
+    assert f"the sensor of the {name} shows" in log.outcome.reason
+    assert "wrong sign" in log.outcome.reason
+    assert log.records[-1].measurement.time <= 21.3
+
+
+def test_antennas_that_swap_while_driving_are_thought_of() -> None:
+    with Simulation(load_configuration("articulated", ["path.radii=[8.0]"])) as simulation:
+        simulation.machine = InterceptedMachine(simulation.machine, lambda m: swapped(m) if m.time > 20.0 else m)
+        log = simulation.log()
+    assert "swapped" in log.outcome.reason
 
 
 def test_a_limit_cycle_slows_the_vehicle_before_it_stops_it() -> None:

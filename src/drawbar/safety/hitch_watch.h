@@ -34,7 +34,7 @@ struct hitch_watch {
 
 #define HITCH_WATCH_FIELDS(type, place)                                                                      \
     SETTING(type, place.least, 0, 1, 0, 0) SETTING(type, place.most, 0, 1, 0, 0)                             \
-    SETTING(type, place.patience, 0, 1, 0, 0)
+    SETTING(type, place.patience, 0, 1, 0, 0) FIELD(type, place.stuck, 0, 1, 0, 0)
 
 static inline double hitch_difference(double measured, double estimated)
 {
