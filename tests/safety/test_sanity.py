@@ -104,6 +104,14 @@ def test_motion_backwards_is_seen_within_a_second() -> None:
     assert SAMPLE * first <= 1.0
 
 
+def test_wheels_that_report_a_reverse_speed_are_believed_within_a_second() -> None:
+    sanity, statuses = Sanity(), []
+    for k in range(12):
+        seen = measurement(k, speed=-0.5)
+        statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+    assert SAMPLE * statuses.index(Status.BACKWARDS) <= 1.0
+
+
 @pytest.mark.parametrize("jump", [-100.0, -2.0, 5.0])
 def test_a_jump_of_both_antennas_is_no_motion(jump: float) -> None:
     sanity = Sanity()

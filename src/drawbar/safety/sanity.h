@@ -58,7 +58,7 @@ static inline double coarse_for(struct component *sanity, const struct drawbar_m
     return coarse ? measurement->time - sanity->last_fine : 0.0;
 }
 
-/* Whether both points move against the way their bodies face, although the wheels turn. */
+/* Whether both points move against the way their bodies face, although the wheels turn, or the wheels say so themselves. */
 static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m,
                                   const struct drawbar_estimate *estimate)
 {
@@ -78,7 +78,8 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
     }
     memcpy(sanity->fixes, fixes, sizeof fixes);
     const double limit = -MOTION_SHARE * sanity->way;
-    return sanity->way > MOTION_LEAST && sanity->moved[0] < limit && sanity->moved[1] < limit;
+    return sanity->way < -MOTION_LEAST
+        || (sanity->way > MOTION_LEAST && sanity->moved[0] < limit && sanity->moved[1] < limit);
 }
 
 /* How many half waves in a row either error or the steering has swung. */
