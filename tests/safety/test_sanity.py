@@ -181,9 +181,9 @@ def hitch_statuses(angles: Iterable[tuple[float, float]]) -> list[int]:
 
 
 def test_a_hitch_sensor_that_stands_still_while_the_estimate_turns_is_stuck() -> None:
-    turning = [0.1 * SAMPLE * max(k - 20, 0) for k in range(40)]
-    statuses = hitch_statuses((0.0, each) for each in turning)
-    assert SAMPLE * (statuses.index(Status.HITCH) - 20) <= 2.0
+    turning = [min(max(0.1 * SAMPLE * (k - 20), 0.0), 0.08) - 0.035 for k in range(60)]
+    statuses = hitch_statuses((0.0, each) for each in turning)  # it is never off by what counts as lasting
+    assert 0.8 < SAMPLE * (statuses.index(Status.HITCH) - 20) <= 2.0
     rounded = [(round(each / 0.035) * 0.035, each) for each in turning]
     assert set(hitch_statuses(rounded)) == {0}
 
