@@ -196,6 +196,16 @@ class Configuration(Settings):
         return self
 
     @model_validator(mode="after")
+    def _begin_nearer_than_lost(self) -> Self:
+        begin, lost = self.guidance.maximum_start_distance, self.sanity.lost
+        if not begin < lost:
+            raise ValueError(
+                f"guidance.maximum_start_distance = {begin} m must be less than sanity.lost = {lost} m, beyond which a "
+                f"run ends; lower the one or raise the other"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _errors_of_what_is_there(self) -> Self:
         if self.machine.kind == "physics" and any(bound for _, bound in self.bounded_errors.ground):
             raise ValueError(

@@ -27,7 +27,6 @@ from drawbar.machine.simulated import SimulatedMachine
 from drawbar.recording.header import run_header
 from drawbar.recording.log import Outcome, RunHeader, RunLog
 from drawbar.safety.gate import PATIENCE
-from drawbar.safety.supervisor import BLIND, BLIND_WAY, LOST
 from drawbar.signals import Estimate, Measurement, Pose, Status, StepRecord
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.build import ENDURANCE, build_autopilot, build_tubes
@@ -35,6 +34,10 @@ from drawbar.termination import heeded_termination
 
 if TYPE_CHECKING:
     from drawbar.guidance.smoothing import DrivablePath
+
+
+_SWAPPED = math.radians(120.0)
+"""facing so far away from the path, a vehicle that drove along it may have its antennas swapped, rad"""
 
 
 class RunAborted(DrawbarError):  # noqa: N818 -- an outcome, not a mistake
@@ -316,11 +319,15 @@ def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autop
     """Say why a run has ended; `before`: the status of the step before its last."""
     at = f"At {record.measurement.time:.1f} s"
     if status is Status.OFF_COURSE:
-        return (
-            f"{at} the tractor was {abs(record.reference.tractor.lateral_error):.2f} m from the path (limit {LOST} m)."
-        )
+        away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "supervisor", "lost")
+        return f"{at} the tractor was {away:.2f} m from the path (limit {limit:g} m)."
     if status is Status.BLIND:
-        return f"{at} neither antenna had had a valid fix for more than {BLIND:.0f} s or {BLIND_WAY:.0f} m."
+        time, way = (_live(autopilot, "supervisor", name) for name in ("blind", "blind_way"))
+        return f"{at} neither antenna had had a valid fix for more than {time:g} s or {way:g} m."
+    if status is Status.STEERING:
+        return f"{at} {_not_followed(record, autopilot)}"
+    if status is Status.HITCH:
+        return f"{at} {_contradicted(record, autopilot)}"
     if status is Status.STOPPED and before is Status.TIME:
         return f"{at} the machine's time stamps had not increased, or were not finite, for {PATIENCE} s."
     if status is Status.STOPPED:
@@ -330,6 +337,39 @@ def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autop
     if status is Status.GUIDANCE:
         return f"{at} {_lost(record.estimate, autopilot)}"
     return f"{at} the run was {status.text}."
+
+
+def _live(autopilot: Autopilot, component: str, name: str, place: int = 0) -> float:
+    """Return a number of a component."""
+    return float(autopilot.library.components[component].live.array(name)[place])
+
+
+def _not_followed(record: StepRecord, autopilot: Autopilot) -> str:
+    """Say which steering does not follow its commands."""
+    sensed, angles = record.measurement, []
+    for place, body, name in ((0, "tractor", "the front wheels"), (1, "trailer", "the trailer's joint")):
+        stuck = _live(autopilot, "actuation", "stuck_for", place) > 0.0
+        if stuck or _live(autopilot, "actuation", "odd_for", place) > 0.0:
+            measured, asked = (math.degrees(getattr(each, f"{body}_steering")) for each in (sensed, record.command))
+            shows = f"the sensor of {name} shows {'the very same ' if stuck else ''}{measured:.1f}°"
+            angles.append(f"{shows}, {asked:.1f}° were commanded")
+    return (
+        f"{'; '.join(angles)}: it is stuck or has the wrong sign, the actuator does not follow its commands, or "
+        f"somebody steers; look at `drawbar check --wiggle`."
+    )
+
+
+def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
+    """Say which of the trailer's angles contradicts the motion: the one that is farther from its estimate."""
+    names = {"hitch_angle": "hitch angle", "trailer_steering": "trailer's joint"}
+    pairs = {name: [math.degrees(getattr(of, name)) for of in (record.measurement, record.estimate)] for name in names}
+    stuck = _live(autopilot, "sanity", "hitch.stuck") > 0.0
+    worst = "hitch_angle" if stuck else max(names, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
+    measured, found = pairs[worst]
+    return (
+        f"the sensor of the {names[worst]} shows {measured:.1f}°, which contradicts the motion of both bodies "
+        f"({found:.1f}° are estimated): it is stuck{'' if stuck else ', has the wrong sign or is off'}."
+    )
 
 
 def _lost(estimate: Estimate, autopilot: Autopilot) -> str:
@@ -348,5 +388,5 @@ def _lost(estimate: Estimate, autopilot: Autopilot) -> str:
         f"the tractor at ({tractor.x:z.2f}, {tractor.y:z.2f}) m faced {math.degrees(turned):.0f}° away from the "
         f"path; turns of {curvature:g} 1/m and {rate:g} 1/m² do not lead onto it within "
         f"{room:g} m beside it: turn the vehicle by hand, or raise guidance.turning_room or "
-        f"vehicle.curvature_limit"
+        f"vehicle.curvature_limit{'; or are the antennas swapped?' if abs(turned) > _SWAPPED else ''}"
     )

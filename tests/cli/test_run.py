@@ -165,7 +165,7 @@ def test_a_lost_run_ends_with_code_1_and_a_report(drawbar: Drawbar, tmp_path: Pa
     changes = ("start.left=-3.0", "start.yaw=-0.9", "machine.ground.tractor_slip.mean=0.3")
     code, said = drawbar("run", *SHORT, *(f"--set={change}" for change in changes), "--out", "out")
     assert code == 1
-    assert "m from the path (limit 5.0 m)" in " ".join(said.split())
+    assert "m from the path (limit 6 m)" in " ".join(said.split())
     assert {file.name for file in (tmp_path / "out").iterdir()} == FILES
     assert not json.loads((tmp_path / "out" / "metrics.json").read_bytes())["finished"]
     log = read_log(tmp_path / "out" / "log.mcap")

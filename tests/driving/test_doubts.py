@@ -184,3 +184,12 @@ def test_at_any_rate_they_are_averaged_over_a_second(sample_time):
 )
 def test_what_is_near_missing_or_not_estimated_is_no_contradiction(record):
     assert not doubts(record).exist
+
+
+def test_a_hitch_sensor_that_stands_still_while_the_estimate_turns_is_stuck():
+    found = Doubts(SanitySettings(), VehicleParameters(), 0.2)
+    for angle in (0.1, 0.12, 0.14, 0.16, 0.18, 0.18):
+        found.look(step(hitch=angle), engaged=True)
+        assert not found.trailer
+    found.look(step(hitch=0.18), engaged=True)
+    assert found.trailer

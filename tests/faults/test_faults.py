@@ -142,9 +142,9 @@ FAULTS = {
         change=at(0.2, "tractor_steering"), ends=Status.STEERING, within=4.2
     ),
     "the hitch sensor has the wrong sign": Fault(
-        change=lambda m: replace(m, hitch_angle=-m.hitch_angle), ends=Status.HITCH, within=4.2
+        change=lambda m: replace(m, hitch_angle=-m.hitch_angle), ends=Status.HITCH, within=1.4
     ),
-    "the hitch sensor is stuck": Fault(change=at(0.3, "hitch_angle"), ends=Status.HITCH, within=1.8),
+    "the hitch sensor is stuck": Fault(change=at(0.3, "hitch_angle"), ends=Status.HITCH, within=1.2),
     **{
         f"a caller who comes every {0.2 * every:.1f} s": Fault(
             every=every, ends=Status.OVERDUE, within=10.0, flags=Flag.LATE | Flag.SLOWED

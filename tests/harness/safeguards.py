@@ -7,6 +7,7 @@ from alone import Alone
 from c_signals import CBodyReference, Real, given, room, taken
 
 from drawbar.safety.gate import gate_unit
+from drawbar.safety.sanity import SanitySettings
 from drawbar.safety.supervisor import supervisor_unit
 from drawbar.signals import BodyReference, Command, Estimate, GateVerdict, Measurement, Supervision
 from drawbar.vehicle.parameters import VehicleParameters
@@ -56,7 +57,7 @@ class Supervisor(Alone):
 
     def __init__(self) -> None:
         """Compile the supervisor."""
-        super().__init__(supervisor_unit())
+        super().__init__(supervisor_unit(SanitySettings()))
 
     def watch(self, estimate: Estimate, tractor: BodyReference) -> Supervision:
         """Judge one step by its estimate and the tractor's reference."""

@@ -23,5 +23,5 @@ class Sanity(Alone):
         """Return 0 or the status with which the run ends, and the part of the set speed that may be driven."""
         share = Real()
         references = [byref(CBodyReference.of(each)) for each in (tractor, trailer)]
-        status = self.call("look", given(measurement), given(estimate), *references, byref(share))
+        status = self.call("look", given(measurement), given(measurement), given(estimate), *references, byref(share))
         return status, share.value

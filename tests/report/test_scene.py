@@ -3,14 +3,19 @@
 import dataclasses
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import plotly.graph_objects as go
 import pytest
+from chromium import open_chromium
 
 from drawbar.config import load_configuration
 from drawbar.geometry import arm_offset
 from drawbar.recording.log import RunLog
+from drawbar.report.metrics import compute_metrics
+from drawbar.report.page import render_page
+from drawbar.report.path_errors import true_path_errors
 from drawbar.report.scene import scene_figure
 from drawbar.report.solids import mast_solid, rotation, tractor_solid, trailer_solid
 from drawbar.simulation import simulate
@@ -70,5 +75,24 @@ def test_there_is_no_scene_without_truth_or_slope(log: RunLog) -> None:
     flat = load_configuration("articulated", FIELD).to_toml()
     header = dataclasses.replace(log.header, configuration=flat)
     assert scene_figure(dataclasses.replace(log, header=header))["data"] == []
+    physics = load_configuration("articulated", [*FIELD, "machine.kind=physics"]).to_toml()
+    header = dataclasses.replace(log.header, configuration=physics)
+    ground, *_ = scene_figure(dataclasses.replace(log, header=header))["data"]  # a body that leans, whatever the ground
+    assert not ground["z"].any()
+    assert not ground["showscale"]
     unknown = dataclasses.replace(log.header, configuration='of_another_version = "1"')
     assert scene_figure(dataclasses.replace(log, header=unknown))["data"] == []
+
+
+def test_the_scene_fills_a_phone(log: RunLog, tmp_path: Path) -> None:
+    errors = true_path_errors(log)
+    report = tmp_path / "report.html"
+    report.write_text(render_page(log, compute_metrics(log, errors), errors), "utf-8")
+    with open_chromium() as browser:
+        page = browser.new_page(viewport={"width": 360, "height": 740})
+        page.goto(report.as_uri())
+        page.wait_for_function("document.querySelector('#scene .gl-container canvas')", timeout=300_000)
+        shown, whole = page.evaluate(
+            "['#scene .gl-container > div', '#scene'].map(each => document.querySelector(each).clientWidth)"
+        )
+    assert shown > 0.95 * whole

@@ -11,6 +11,7 @@ from sanity import Sanity
 
 from drawbar.config import load_configuration
 from drawbar.experiment.alteration import InterceptedMachine
+from drawbar.report.path_errors import true_path_errors
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import BodyReference, Estimate, FixStatus, Flag, Measurement, Pose, Status
 from drawbar.simulation import Simulation
@@ -103,6 +104,14 @@ def test_motion_backwards_is_seen_within_a_second() -> None:
     assert SAMPLE * first <= 1.0
 
 
+def test_wheels_that_report_a_reverse_speed_are_believed_within_a_second() -> None:
+    sanity, statuses = Sanity(), []
+    for k in range(12):
+        seen = measurement(k, speed=-0.5)
+        statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+    assert SAMPLE * statuses.index(Status.BACKWARDS) <= 1.0
+
+
 @pytest.mark.parametrize("jump", [-100.0, -2.0, 5.0])
 def test_a_jump_of_both_antennas_is_no_motion(jump: float) -> None:
     sanity = Sanity()
@@ -145,12 +154,67 @@ def test_a_hitch_angle_that_contradicts_is_named() -> None:
     for k in range(30):
         seen = replace(measurement(k), hitch_angle=0.3 if k > 10 else 0.0)
         statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
-    assert statuses.index(Status.HITCH) == 10 + 8
+    assert SAMPLE * (statuses.index(Status.HITCH) - 10) <= 1.0
     for k in range(100):  # for a while, or missing for good, it is no contradiction
         angle = 0.3 if k % 6 else 0.0
         assert not Sanity().look(replace(measurement(k), hitch_angle=angle), estimate(), beside(0.0), beside(0.0))[0]
         missing = replace(measurement(k), hitch_angle=math.nan)
         assert not sanity.look(replace(missing, time=100.0 + SAMPLE * k), estimate(), beside(0.0), beside(0.0))[0]
+
+
+def test_a_coarse_fix_that_scatters_is_no_motion() -> None:
+    rng, sanity = np.random.default_rng(2), Sanity()
+    for k in range(2000):
+        seen = measurement(k, moved=SAMPLE * k + float(rng.normal(0.0, 0.6)), deviation=0.6)
+        assert sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0] in (0, Status.COARSE)
+
+
+def hitch_statuses(angles: Iterable[tuple[float, float]]) -> list[int]:
+    """Return the status after each sample with these hitch angles, measured and estimated."""
+    sanity = Sanity()
+    return [
+        sanity.look(
+            replace(measurement(k), hitch_angle=told), replace(estimate(), hitch_angle=true), beside(0.0), beside(0.0)
+        )[0]
+        for k, (told, true) in enumerate(angles)
+    ]
+
+
+def test_a_hitch_sensor_that_stands_still_while_the_estimate_turns_is_stuck() -> None:
+    turning = [min(max(0.1 * SAMPLE * (k - 20), 0.0), 0.08) - 0.035 for k in range(60)]
+    statuses = hitch_statuses((0.0, each) for each in turning)  # it is never off by what counts as lasting
+    assert 0.8 < SAMPLE * (statuses.index(Status.HITCH) - 20) <= 2.0
+    rounded = [(round(each / 0.035) * 0.035, each) for each in turning]
+    assert set(hitch_statuses(rounded)) == {0}
+
+
+def test_a_lasting_difference_of_hitch_and_joint_is_held_against_what_is_usual_on_this_ground() -> None:
+    rng = np.random.default_rng(3)
+    smooth = [(float(rng.normal(0.0, 0.0175)), 0.0) for _ in range(400)]
+    assert set(hitch_statuses(smooth)) == {0}
+    statuses = hitch_statuses([*smooth, *[(0.08, 0.0)] * 20])
+    assert SAMPLE * (statuses.index(Status.HITCH) - 400) <= 1.6
+    rough = [(float(each), 0.0) for each in np.repeat(rng.normal(0.0, 0.025, 400), 5)]  # lasts for a second each
+    assert set(hitch_statuses([*rough, *[(0.06, 0.0)] * 20])) == {0}
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize("reversed_sign", [True, False])
+def test_a_hitch_sensor_that_fails_in_a_curve_stops_the_run_near_the_line(speed: float, reversed_sign: bool) -> None:
+    begins, still = 20.0, []
+
+    def fail(m: Measurement) -> Measurement:
+        if m.time < begins:
+            return m
+        still.append(m.hitch_angle)
+        return replace(m, hitch_angle=-m.hitch_angle if reversed_sign else still[0])
+
+    with Simulation(load_configuration("articulated", ["path.radii=[8.0]", f"speed={speed}"])) as simulation:
+        simulation.machine = InterceptedMachine(simulation.machine, fail)
+        log = simulation.log()
+    assert "the sensor of the hitch angle" in log.outcome.reason
+    errors = true_path_errors(log)
+    assert max(float(np.nanmax(np.abs(each.error))) for each in (errors.tractor, errors.trailer)) < 0.2
 
 
 def swapped(m: Measurement) -> Measurement:
@@ -163,6 +227,28 @@ def test_swapped_antennas_are_named_within_a_second() -> None:
         log = simulation.log()
     assert "swapped" in log.outcome.reason
     assert log.records[-1].measurement.time <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("sensor", "name"), [("tractor_steering", "front wheels"), ("trailer_steering", "trailer's joint")]
+)
+def test_a_steering_sensor_of_the_wrong_sign_is_named(sensor: str, name: str) -> None:
+    def reverse(m: Measurement) -> Measurement:
+        return replace(m, **{sensor: -getattr(m, sensor)}) if m.time > 20.0 else m
+
+    with Simulation(load_configuration("articulated", ["path.radii=[8.0]"])) as simulation:
+        simulation.machine = InterceptedMachine(simulation.machine, reverse)
+        log = simulation.log()
+    assert f"the sensor of the {name} shows" in log.outcome.reason
+    assert "wrong sign" in log.outcome.reason
+    assert log.records[-1].measurement.time <= 21.3
+
+
+def test_antennas_that_swap_while_driving_are_thought_of() -> None:
+    with Simulation(load_configuration("articulated", ["path.radii=[8.0]"])) as simulation:
+        simulation.machine = InterceptedMachine(simulation.machine, lambda m: swapped(m) if m.time > 20.0 else m)
+        log = simulation.log()
+    assert "swapped" in log.outcome.reason
 
 
 def test_a_limit_cycle_slows_the_vehicle_before_it_stops_it() -> None:

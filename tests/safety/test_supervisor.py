@@ -8,9 +8,12 @@ import pytest
 from ordinary import believed
 from safeguards import Supervisor
 
-from drawbar.safety.supervisor import BLIND, BLIND_WAY, LOST
+from drawbar.config import load_configuration
+from drawbar.errors import ConfigurationError
+from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import BodyReference, FixStatus, Supervision
 
+LOST, BLIND, BLIND_WAY = (getattr(SanitySettings(), name) for name in ("lost", "blind", "blind_way"))
 LOST_FIX = FixStatus.MISSING
 SEEN = believed(time=3.0)
 
@@ -66,3 +69,11 @@ def test_a_run_that_begins_blind_is_given_the_same_time():
     supervisor, blind = Supervisor(), replace(SEEN, tractor_fix=FixStatus.MISSING, trailer_fix=FixStatus.MISSING)
     assert supervisor.watch(replace(blind, time=100.0), beside(0.0)) is Supervision.ON_COURSE
     assert supervisor.watch(replace(blind, time=100.1 + BLIND), beside(0.0)) is Supervision.BLIND
+
+
+def test_a_run_may_begin_only_where_it_would_go_on():
+    assert load_configuration("articulated").guidance.maximum_start_distance < LOST
+    changes = ["guidance.maximum_start_distance=9.0"]
+    with pytest.raises(ConfigurationError, match=r"sanity\.lost"):
+        load_configuration("articulated", changes)
+    assert load_configuration("articulated", [*changes, "sanity.lost=12.0"]).sanity.lost == 12.0

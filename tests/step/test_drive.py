@@ -86,7 +86,7 @@ def test_a_vehicle_that_left_the_path_is_given_up_after_its_record(build):
     machine, steps = driven(short(build), jump(4.0))
     told = [record.status for record in islice(steps, 26) if record.status is not Status.OK]
     assert told == [Status.OFF_COURSE]
-    with pytest.raises(RunAborted, match=r"At 5\.0 s the tractor was .* m from the path \(limit 5\.0 m\)"):
+    with pytest.raises(RunAborted, match=r"At 5\.0 s the tractor was .* m from the path \(limit 6 m\)"):
         next(steps)
     assert machine.told[-3:] == [0.0, "stop", "close"]
 

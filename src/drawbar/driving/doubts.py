@@ -5,7 +5,9 @@ both antennas have jumped, and the control step would end its run, and with it a
 
 A wrong angle of hitch or joint first bends the estimate: yaws and crab angles make up for most of it, and both bodies
 are steered beside the line without a word. What they cannot make up for shows in both angles, a few degrees for long,
-and fewer count where an antenna is contradicted as well; a hitch sensor that is reversed is seen sooner (reversal.py).
+and fewer count where an antenna is contradicted as well; a hitch sensor that is reversed is seen sooner (reversal.py),
+and so is one that reports the very same angle while the estimate turns. The control step goes by the same signs
+(safety/hitch_watch.h), but waits longer: it can only end the run.
 What they have bent is computed again without them (hindsight.py).
 Which of the two is wrong does not show, so all that is told of the trailer is left out: the tractor keeps to the line
 by its own antenna, and the joint is held where its sensor says that it is (driving/controller.py).
@@ -18,6 +20,7 @@ from statistics import fmean
 
 from drawbar.driving.reversal import Reversal
 from drawbar.driving.usual import Usual
+from drawbar.geometry import wrap
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, Measurement, Pose, SolverStatus, StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
@@ -38,6 +41,8 @@ _SHARE = 0.65
 """of the limit above, where an antenna is contradicted as well"""
 _MOVES = 0.1
 """speed below which nothing is learned of the ground, m/s"""
+_TURNED = 0.5
+"""share of the limit of a single hitch angle by which the estimate turns while a stuck sensor does not"""
 
 
 class _Antenna:
@@ -61,6 +66,23 @@ class _Antenna:
         return full and mean > _ASIDE * max(self._usual.value, _LEAST)
 
 
+class _Stuck:
+    """Whether the hitch sensor reports the very same angle although the estimate has turned away from it."""
+
+    def __init__(self, limit: float) -> None:
+        """Begin without a sample; `limit` of the estimate's turn in rad."""
+        self._limit, self._still, self._first = limit, math.nan, math.nan
+        self._samples = 0
+
+    def look(self, measured: float, estimated: float) -> bool:
+        """Take in both angles, rad; return whether it is stuck."""
+        if measured != self._still:  # also when it is missing
+            self._still, self._first = measured, estimated
+        turned, away = abs(wrap(estimated - self._first)), abs(wrap(estimated - measured))
+        self._samples = self._samples + 1 if turned > self._limit and away > 0.5 * self._limit else 0
+        return self._samples >= DOUBTED
+
+
 class Doubts:
     """What the last samples said of the positions, of both antennas together, and of the trailer's angles."""
 
@@ -68,6 +90,7 @@ class Doubts:
         """Begin without a doubt; `sample_time` in s."""
         self._hitch_limit = settings.hitch
         self._reversal = Reversal(vehicle, sample_time)
+        self._stuck = _Stuck(_TURNED * settings.hitch)
         count = max(round(_MEMORY / sample_time), DOUBTED)
         self._differences = deque[tuple[float, float]](maxlen=count)
         self._usual = Usual(sample_time, first=_FIRST, first_time=_FIRST_TIME)  # mean of them, rad
@@ -92,6 +115,7 @@ class Doubts:
         limit = _SHARE if self._aside(record, moves=moves) else 1.0
         differ = self._apart(moves=moves) > limit
         differ |= self._reversal.look(record)
+        differ |= self._stuck.look(record.measurement.hitch_angle, record.estimate.hitch_angle)
         if not (engaged and self.trailer):
             self._trailer = DOUBTED if differ else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         if self.trailer:  # by them the estimator was led astray, and rejects right fixes

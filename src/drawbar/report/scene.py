@@ -9,6 +9,7 @@ import numpy as np
 from drawbar.config import Configuration, recorded_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.geometry import Floats
+from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.terrain import Terrain
 from drawbar.recording.log import Columns
 from drawbar.report import style
@@ -23,14 +24,16 @@ _MARGIN = 4.0
 """of ground around the tracks, m"""
 _CELLS = 90
 """of the ground along its longer side: a page must stay light"""
+_LIGHT = {"x": -20000.0, "y": -40000.0, "z": 80000.0}
+"""where the light comes from: from behind whoever looks, high up, m"""
 _LIFTED = 0.03
 """lines are drawn this far above the ground, m"""
 
 
 def scene_figure(log: Columns) -> Figure:
-    """Draw the scene; it is empty where the ground is flat or not known, as on a real machine."""
+    """Draw the scene; it is empty where the ground is not known, as on a real machine, and for a chain on the flat."""
     configuration = _configuration(log) if log.has_truth else None
-    if configuration is None or configuration.machine.terrain.is_flat:
+    if configuration is None or not _has_height(configuration):
         return {"data": [], "layout": {}}
     terrain, vehicle = Terrain.of_seed(configuration.machine.terrain, log.header.seed), configuration.vehicle
     truths, moments = _truths(log, thinned(log.steps).tolist()), _truths(log, outlined_steps(log))
@@ -70,6 +73,12 @@ def _configuration(log: Columns) -> Configuration | None:
         return None
 
 
+def _has_height(configuration: Configuration) -> bool:
+    """Return whether the run shows anything in space that the map does not."""
+    machine = configuration.machine
+    return isinstance(machine, PhysicsMachineSettings) or not machine.terrain.is_flat
+
+
 def _ground(terrain: Terrain, track: Floats) -> dict[str, Any]:
     """Return the ground around a track (n, 2)."""
     low, high = track.min(axis=0) - _MARGIN, track.max(axis=0) + _MARGIN
@@ -89,8 +98,17 @@ def _ground(terrain: Terrain, track: Floats) -> dict[str, Any]:
         "cmin": -reach,
         "cmax": reach,
         "colorscale": [[0.0, "#6F6250"], [0.5, "#B9B08F"], [1.0, "#E4E2C8"]],
-        "colorbar": {"title": {"text": "above the slope, cm"}, "thickness": 12, "len": 0.6},
-        "lighting": {"diffuse": 0.9, "specular": 0.05, "roughness": 0.9},
+        "showscale": bool(bumps.any()),
+        "colorbar": {
+            "title": {"text": "Ground above the slope, cm", "side": "top", "font": {"size": 12}},
+            "orientation": "h",
+            "thickness": 10,
+            "len": 0.6,
+            "y": 0.0,
+            "yanchor": "bottom",
+        },
+        "lighting": {"ambient": 0.75, "diffuse": 0.5, "specular": 0.05, "roughness": 0.9},
+        "lightposition": _LIGHT,
         "hovertemplate": "%{x:.1f} m east, %{y:.1f} m north, %{z:.2f} m high<extra></extra>",
     }
 
@@ -125,8 +143,9 @@ def _bodies(
     corners, triangles = joined(placed)
     x, y, z = corners.round(3).T
     i, j, k = triangles.T
-    light = {"ambient": 0.6, "diffuse": 0.7, "specular": 0.1}
-    look = {"type": "mesh3d", "color": colour, "flatshading": True, "lighting": light, "hoverinfo": "skip"}
+    light = {"ambient": 0.9, "diffuse": 0.7, "specular": 0.1}
+    look = {"type": "mesh3d", "color": colour, "flatshading": True, "lighting": light, "lightposition": _LIGHT}
+    look["hoverinfo"] = "skip"
     return look | {"name": body.capitalize(), "x": x, "y": y, "z": z, "i": i, "j": j, "k": k}
 
 
@@ -142,12 +161,13 @@ def _layout() -> dict[str, Any]:
         "font": {"family": style.FONT, "size": 13, "color": style.INK},
         "paper_bgcolor": "#FFFFFF",
         "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
-        "legend": {"x": 0.01, "y": 0.99, "yanchor": "top", "bgcolor": "rgba(255,255,255,0.85)"},
+        "legend": {"orientation": "h", "x": 0.0, "y": 1.0, "yanchor": "top", "bgcolor": "rgba(255,255,255,0.85)"},
         "scene": {
             "aspectmode": "data",
             "xaxis": sides | {"title": {"text": "East, m"}},
             "yaxis": sides | {"title": {"text": "North, m"}},
             "zaxis": sides | {"title": {"text": "Height, m"}},
-            "camera": {"eye": {"x": 0.7, "y": -1.4, "z": 0.8}},
+            "domain": {"x": [0.0, 1.0], "y": [0.1, 1.0]},
+            "camera": {"eye": {"x": 0.8, "y": -1.6, "z": 0.95}, "center": {"x": 0.0, "y": 0.0, "z": -0.15}},
         },
     }

@@ -5,6 +5,7 @@
 
 #include <string.h>
 #include "geometry.h"
+#include "hitch_watch.h"
 #include "signals.h"
 #include "status.h"
 #include "swings.h"
@@ -19,13 +20,12 @@ struct component {
     /* settings: safety/sanity.py tells what they mean */
     double fine, coarse_after, coarse_share, coarse_budget;
     double swing, steering_swing, swing_share;
-    double hitch, hitch_patience;
+    struct hitch_watch hitch;
     double wheelbase;                      /* m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
     time_stamp time, last_fine;            /* of the last sample, of the last fine fix */
     double fixes[4];                       /* of the last sample, m */
-    time_stamp last_hitch;                 /* of the last hitch angle that agreed */
     double way, moved[2];                  /* lately: by the wheels, and of both points along their bodies, m */
     struct swings errors[2], steering;
     int32_t swinging, spells;              /* it oscillates; how often that has begun */
@@ -36,7 +36,7 @@ struct component {
     SETTING(component, fine, 0, 1, 0, 0) SETTING(component, coarse_after, 0, 1, 0, 0)                                  \
     SETTING(component, coarse_share, 0, 1, 0, 0) SETTING(component, coarse_budget, 0, 1, 0, 0)                         \
     SETTING(component, swing, 0, 1, 0, 0) SETTING(component, steering_swing, 0, 1, 0, 0)                               \
-    SETTING(component, hitch, 0, 1, 0, 0) SETTING(component, hitch_patience, 0, 1, 0, 0)                               \
+    HITCH_WATCH_FIELDS(component, hitch)                                                                               \
     SETTING(component, swing_share, 0, 1, 0, 0) SETTING(component, wheelbase, 0, 1, 0, 0)                              \
     SETTING(component, swings_slow, 1, 1, 0, 0) SETTING(component, swings_stop, 1, 1, 0, 0)
 
@@ -58,24 +58,28 @@ static inline double coarse_for(struct component *sanity, const struct drawbar_m
     return coarse ? measurement->time - sanity->last_fine : 0.0;
 }
 
-/* Whether both points move against the way their bodies face, although the wheels turn. */
+/* Whether both points move against the way their bodies face, although the wheels turn, or the wheels say so themselves. */
 static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m,
                                   const struct drawbar_estimate *estimate)
 {
-    const double fixes[] = {m->tractor_x, m->tractor_y, m->trailer_x, m->trailer_y};
+    double fixes[] = {m->tractor_x, m->tractor_y, m->trailer_x, m->trailer_y};
     const double yaws[] = {estimate->tractor.yaw, estimate->trailer.yaw};
+    const double told[] = {m->tractor_fix_deviation, m->trailer_fix_deviation};
     const double elapsed = m->time - sanity->time, kept = exp(-elapsed / MOTION_TIME);
     const double way = isfinite(m->speed) ? m->speed * elapsed : 0.0;
 
     sanity->way = kept * sanity->way + way;
     for (int i = 0; i < 2; ++i) {
+        if (told[i] > sanity->fine)        /* the noise of a coarse fix is no motion */
+            fixes[2 * i] = NAN;
         const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
         const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(way);
         sanity->moved[i] = kept * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);
     }
     memcpy(sanity->fixes, fixes, sizeof fixes);
     const double limit = -MOTION_SHARE * sanity->way;
-    return sanity->way > MOTION_LEAST && sanity->moved[0] < limit && sanity->moved[1] < limit;
+    return sanity->way < -MOTION_LEAST
+        || (sanity->way > MOTION_LEAST && sanity->moved[0] < limit && sanity->moved[1] < limit);
 }
 
 /* How many half waves in a row either error or the steering has swung. */
@@ -92,18 +96,20 @@ static inline int32_t swings_of(struct component *sanity, const struct drawbar_e
     return errors > steering ? errors : steering;
 }
 
-/* Look at one step: returns 0 or the status with which the run ends; `share` becomes the part of the set speed that may be
- * driven. */
-int UNIT(look)(struct component *sanity, const struct drawbar_measurement *measurement,
-               const struct drawbar_estimate *estimate, const struct drawbar_body_reference *tractor,
-               const struct drawbar_body_reference *trailer, double *share)
+/* Look at one step, as it was reported and as it was aligned: returns 0 or the status with which the run ends; `share`
+ * becomes the part of the set speed that may be driven. */
+int UNIT(look)(struct component *sanity, const struct drawbar_measurement *reported,
+               const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
+               const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer, double *share)
 {
     if (!sanity->begun) {
-        sanity->last_fine = sanity->last_hitch = sanity->time = measurement->time;
+        sanity->last_fine = sanity->time = measurement->time;
         sanity->begun = 1;
     }
     const double coarse = coarse_for(sanity, measurement, estimate);
     const int backwards = moves_backwards(sanity, measurement, estimate);
+    const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate,
+                                         measurement->time - sanity->time);
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
 
@@ -114,11 +120,8 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *measu
         *share *= sanity->swing_share;
     if (backwards)
         return DRAWBAR_BACKWARDS;
-    /* it agrees, or is missing, or there is nothing to hold against it */
-    if (!(fabs(measurement->hitch_angle - estimate->hitch_angle) > sanity->hitch) || estimate->status != SOLVED)
-        sanity->last_hitch = measurement->time;
-    if (measurement->time - sanity->last_hitch > sanity->hitch_patience)
-        return DRAWBAR_HITCH;
+    if (contradiction)
+        return contradiction;
     if (coarse > sanity->coarse_budget)
         return DRAWBAR_COARSE;
     return swings >= sanity->swings_stop || sanity->spells > MOST_SPELLS ? DRAWBAR_OSCILLATION : 0;

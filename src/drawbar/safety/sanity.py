@@ -13,6 +13,12 @@ from drawbar.vehicle.parameters import VehicleParameters
 class SanitySettings(Settings):
     """When a run is driven slower, and when it ends, for what its sensors show."""
 
+    lost: Positive = 6.0
+    """distance of the tractor from the path at which the run ends, m; more than `guidance.maximum_start_distance`"""
+    blind: Positive = 15.0
+    """time without a fix of either antenna that is believed after which the run ends, s"""
+    blind_way: Positive = 15.0
+    """way without one after which it does, m: a wrong heading leads the farther off, the farther it goes"""
     fine: Positive = 0.1
     """standard deviation up to which a fix is fine, m; RTK float is coarse"""
     coarse_after: NonNegative = 0.5
@@ -22,8 +28,11 @@ class SanitySettings(Settings):
     coarse_budget: Positive = 30.0
     """time with coarse fixes only after which the run ends, s"""
     hitch: PositiveAngle = 0.15
-    """difference of the measured hitch angle from the estimated one that is a contradiction, rad"""
-    hitch_patience: Positive = 1.5
+    """difference of the measured hitch angle from the estimated one that is a contradiction on any ground, rad"""
+    hitch_mean: PositiveAngle = 0.0489
+    """mean difference, of hitch and joint together, that is one on smooth ground; on rough ground it is seven times
+    what is usual there, rad; without meaning for an estimator that does not know the chain"""
+    hitch_patience: Positive = 0.7
     """for how long it may last before the run ends, s"""
     swing: Positive = 0.15
     """error to both sides in turn that is an oscillation, m"""
@@ -37,7 +46,14 @@ class SanitySettings(Settings):
     """half waves in a row after which the run ends"""
 
 
-def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings) -> Unit:
-    """Return what watches a run from its first step on."""
-    values: dict[str, ArrayLike] = {**settings.model_dump(), "wheelbase": vehicle.wheelbase}
+def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, chain: bool = True) -> Unit:
+    """Return what watches a run from its first step on; `chain`: the estimator knows the exact chain."""
+    values: dict[str, ArrayLike] = {
+        **settings.model_dump(exclude={"lost", "blind", "blind_way"}),
+        "wheelbase": vehicle.wheelbase,
+    }
+    for setting, key in (("least", "hitch_mean"), ("most", "hitch"), ("patience", "hitch_patience")):
+        values[f"hitch.{setting}"] = values.pop(key)
+    if not chain:  # its estimates of the angles are wrong in every curve
+        values |= {"hitch.least": settings.hitch, "hitch.patience": 2.0 * settings.hitch_patience}
     return Unit(name="sanity", source='#include "sanity.h"', configure=lambda workspace: workspace.write(values))

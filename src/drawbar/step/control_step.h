@@ -254,7 +254,7 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     default:
         break;
     }
-    const int insane = drawbar_sanity_look(COMPONENT(a->sanity), &aligned, &made->estimate,
+    const int insane = drawbar_sanity_look(COMPONENT(a->sanity), measurement, &aligned, &made->estimate,
                                            &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], &a->sane);
     if (insane)
         return end_run(a, insane, command);
