@@ -62,6 +62,7 @@ static const double measurement_limits[] = {
     10000000.0,                 /* trailer_fix_deviation */
     6.283185307179586,          /* tractor_roll */
     6.283185307179586,          /* tractor_pitch */
+    6.283185307179586,          /* tractor_yaw */
     50.0,                       /* tractor_yaw_rate */
     6.283185307179586,          /* trailer_roll */
     6.283185307179586,          /* trailer_pitch */

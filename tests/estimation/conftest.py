@@ -45,11 +45,12 @@ DEVIATIONS = np.array([0.03, 0.03, 0.03, 0.03, 0.0175, 0.1, 0.0175, 0.0175])
 
 UNIT = """
 #define NX {states}
+#define NY {outputs}
 #define CONSTANTS {constants}
 {indices}#include "{name}_estimation.h"
-struct component {{ struct estimation_model model; double state[12], y[13]; }};
+struct component {{ struct estimation_model model; double state[NX], y[NY]; }};
 #define COMPONENT_FIELDS MODEL_FIELDS(component, model.) \\
-    FIELD(component, state, 0, 12, 0, 0) FIELD(component, y, 0, 13, 0, 0)
+    FIELD(component, state, 0, NX, 0, 0) FIELD(component, y, 0, NY, 0, 0)
 int UNIT(first_guess)(struct component *component, const struct drawbar_measurement *first)
 {{
     return model_first_guess(&component->model, first, component->state);
@@ -80,25 +81,25 @@ class CompiledModel(Alone):
         constants = {f"model.{name}": value for name, value in model.constants.items()}
         names = transcribe(model.problem).names
         count = len(transcribe(model.problem).constants)
-        states, indices = len(names["X"]), emit_indices(names)
-        source = UNIT.format(name=model.name, states=states, constants=count, indices=indices)
+        sizes = {"states": len(names["X"]), "outputs": len(names["Y"]), "constants": count}
+        source = UNIT.format(name=model.name, **sizes, indices=emit_indices(names))
         super().__init__(Unit(name="model", source=source, configure=lambda workspace: workspace.write(constants)))
         self._outputs = names["Y"]
         self.state = self.live.array("state")
 
     def first_guess(self, measurement: Measurement) -> Floats | None:
-        """Return the state (12,), which is kept; None where there is no guess."""
+        """Return the state (nx,), which is kept; None where there is no guess."""
         return self.state.copy() if self.call("first_guess", given(measurement)) else None
 
     def outputs(self, measurement: Measurement) -> Floats:
-        """Return the outputs (12,), zero where the model has fewer."""
+        """Return the outputs (ny,)."""
         self.call("outputs", given(measurement))
         return self.live.array("y").copy()
 
     def steering_rates(self, command: Command) -> list[float]:
         """Return the rates that a command gives in the state that is kept."""
         self.call("told", given(command))
-        values = dict(zip(self._outputs, self.live.array("y").tolist(), strict=False))
+        values = dict(zip(self._outputs, self.live.array("y").tolist(), strict=True))
         return [values[name] for name in self._outputs if name.endswith("steering_rate")]
 
     def estimate(self, measurement: Measurement) -> Estimate:

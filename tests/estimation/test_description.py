@@ -92,19 +92,20 @@ def test_crab_angles_are_believed_small_only_while_a_fix_is_missing(compiled):
     settings = ArticulatedEstimatorSettings(model="articulated")
     model = compiled(ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, 0.2))
     _, _, measurement = standing(VehicleParameters(), np.random.default_rng(15))
-    assert model.outputs(measurement)[9:] == pytest.approx((math.nan, math.nan, 0.0, 0.0), nan_ok=True, abs=0.0)
+    assert model.outputs(measurement)[10:] == pytest.approx((math.nan, math.nan, 0.0, 0.0), nan_ok=True, abs=0.0)
     for name in NAMES[:4]:
         missing = replace(measurement, **{name: math.nan})
-        assert model.outputs(missing)[9:] == pytest.approx((0.0,) * 4, abs=0.0)
+        assert model.outputs(missing)[10:] == pytest.approx((0.0,) * 4, abs=0.0)
 
 
 @pytest.mark.parametrize(("told", "output"), [(0.12, 0.12), (math.nan, math.nan), (math.inf, math.nan)])
-def test_a_yaw_rate_is_an_output_where_it_is_measured(compiled, told, output):
+@pytest.mark.parametrize("name", ["tractor_yaw", "tractor_yaw_rate"])
+def test_yaw_and_yaw_rate_are_outputs_where_they_are_measured(compiled, name, told, output):
     settings = ArticulatedEstimatorSettings(model="articulated")
     model = compiled(ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, 0.2))
     _, _, measurement = standing(VehicleParameters(), np.random.default_rng(17))
-    there = model.outputs(replace(measurement, tractor_yaw_rate=told))
-    assert there[8] == pytest.approx(output, nan_ok=True, abs=0.0)
+    there = model.outputs(replace(measurement, **{name: told}))
+    assert there[{"tractor_yaw": 8, "tractor_yaw_rate": 9}[name]] == pytest.approx(output, nan_ok=True, abs=0.0)
 
 
 def test_steering_that_is_not_measured_stays_as_it_was_on_the_papers_model(compiled):

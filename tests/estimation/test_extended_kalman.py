@@ -68,7 +68,7 @@ def articulated_output(z):
         x - sum(r * math.cos(a) for r, a in parts),
         y - sum(r * math.sin(a) for r, a in parts),
     ]
-    return np.array([x, y, *trailer, theta - psi - joint, v, delta, joint, omega, z[9], z[11]])
+    return np.array([x, y, *trailer, theta - psi - joint, v, delta, joint, theta, omega, z[9], z[11]])
 
 
 TEXTBOOK = {"tricycle": (tricycle_rates, tricycle_output), "articulated": (articulated_rates, articulated_output)}
@@ -96,7 +96,7 @@ def outputs_of(model, measurement):
     if model.name == "tricycle":
         return np.array(y)
     crab = 0.0 if math.isnan(sum(y[:4])) else math.nan
-    return np.array([*y, measurement.tractor_yaw_rate, crab, crab, 0.0, 0.0])
+    return np.array([*y, measurement.tractor_yaw, measurement.tractor_yaw_rate, crab, crab, 0.0, 0.0])
 
 
 def dense_filter(model, measurements):
@@ -178,10 +178,11 @@ def test_agrees_with_a_dense_filter_on_the_chain(recording, patchy, gaps):
     assert_dense(make("articulated"), patchy if gaps else recording)
 
 
-def test_agrees_with_a_dense_filter_on_the_chain_with_yaw_rates(patchy):
-    rates = np.random.default_rng(5).normal(0.0, 0.1, len(patchy))
-    rates[::7] = math.nan
-    turning = [replace(each, tractor_yaw_rate=rate) for each, rate in zip(patchy, rates.tolist(), strict=True)]
+@pytest.mark.parametrize("name", ["tractor_yaw", "tractor_yaw_rate"])
+def test_agrees_with_a_dense_filter_on_the_chain_that_turns(patchy, name):
+    values = np.random.default_rng(5).normal(0.0, 0.1, len(patchy))
+    values[::7] = math.nan
+    turning = [replace(each, **{name: value}) for each, value in zip(patchy, values.tolist(), strict=True)]
     assert_dense(make("articulated"), turning)
 
 

@@ -1,8 +1,8 @@
 /* From what the sensors reported to what they would report of the points on the ground, now.
  *
  * Each position goes from its antenna to the ground with the yaw and the attitude of its own time, and from there as far as
- * the body has moved since; the other sensors' values by what they have changed since, the tractor's yaw rate without its
- * sensor's bias. Between two samples everything is taken to move evenly, as the estimator predicts it. A fix that its
+ * the body has moved since; the other sensors' values by what they have changed since, the tractor's yaw and yaw rate without
+ * their sensors' errors. Between two samples everything is taken to move evenly, as the estimator predicts it. A fix that its
  * receiver repeats is corrected as before, so that it stays recognisable as a repetition.
  */
 #ifndef DRAWBAR_ALIGNMENT_H
@@ -15,6 +15,7 @@
 #include "unit.h"
 #include "yaw_rate.h"
 #include "yaw_rate_sensor.h"
+#include "yaw_sensor.h"
 #include "yaws_at_rest.h"
 
 #define OLDEST 1.0                         /* what is older is missing, s */
@@ -38,6 +39,7 @@ struct component {
     struct ground_record ground;
     struct reported_fix fixes[ALIGNED];
     struct coarse_noise noises[ALIGNED];
+    struct yaw_sensor yaw;                 /* the tractor's */
     struct yaw_rate_sensor yaw_rate;       /* the tractor's */
 };
 
@@ -194,6 +196,15 @@ static inline double line_direction(const struct drawbar_estimate *estimate)
     return atan2(tractor->y - trailer->y, tractor->x - trailer->x);
 }
 
+/* Bring the tractor's yaw up to now, without its mounting's error, in place; NaN where it is not to be believed. */
+static inline void align_yaw(struct component *alignment, const struct since *since, struct drawbar_measurement *m)
+{
+    const double last = since->last->tractor.yaw, now = since->expected->tractor.yaw;
+    const double told = brought_up(since, m->tractor_yaw, m->tractor_attitude_age, last, now);
+
+    m->tractor_yaw = yaw_believed(&alignment->yaw, told, now, yaw_of_fixes(alignment, m));
+}
+
 /* Bring the tractor's yaw rate up to now, without the sensor's bias, in place; NaN where it is not to be believed. */
 static inline void align_yaw_rate(struct component *alignment, const struct since *since, struct drawbar_measurement *m)
 {
@@ -223,8 +234,20 @@ static inline void judge_deviations(struct component *alignment, const struct dr
         m->trailer_x = m->trailer_y = NAN;
 }
 
+/* Where the trailer's point is behind the tractor's, whose yaw and angles are known, in place; NaN where one is not. */
+static inline void complete_trailer(const struct chain *chain, struct drawbar_measurement *m)
+{
+    const double phi = m->tractor_yaw - m->hitch_angle, psi = phi - known(m->trailer_steering);
+    double antenna[2];
+
+    trailer_antenna(chain, m->tractor_x, m->tractor_y, m->tractor_yaw, phi, psi, antenna);
+    m->trailer_x = antenna[0];
+    m->trailer_y = antenna[1];
+}
+
 /* The measurement that a run begins with: of a vehicle at rest, so that only the masts matter. Its yaws follow from where
- * both points are, and these from the yaws: the arms are short, three rounds are enough. */
+ * both points are, and these from the yaws: the arms are short, three rounds are enough. A trailer without a position is
+ * where the tractor's yaw and the angles put it. */
 int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *first,
                 struct drawbar_measurement *aligned)
 {
@@ -240,6 +263,13 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
         const struct mast *mast = &alignment->masts[i / 2];
         const double angle = told[i] - (i % 2 ? mast->pitch_offset : mast->roll_offset);
         lean[i] = fabs(angle) <= MOST_LEAN ? angle : 0.0;
+    }
+    if (!isfinite(reported.trailer_x + reported.trailer_y)) {
+        lever_arm(&alignment->masts[ALIGNED_TRACTOR], reported.tractor_yaw, lean[0], lean[1], arms);
+        aligned->tractor_x = reported.tractor_x - arms[0];
+        aligned->tractor_y = reported.tractor_y - arms[1];
+        complete_trailer(&alignment->chain, aligned);
+        return 0;
     }
     for (int round = 0; round < 3; ++round) {
         if (!yaws_at_rest(&alignment->chain, aligned, &yaws[ALIGNED_TRACTOR], &yaws[ALIGNED_TRAILER]))
@@ -283,6 +313,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     aligned->trailer_y = trailer[1];
     judge_deviations(alignment, expected, aligned);
     align_angles(&since, aligned);
+    align_yaw(alignment, &since, aligned);
     align_yaw_rate(alignment, &since, aligned);
     return 0;
 }

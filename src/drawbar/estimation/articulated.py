@@ -16,7 +16,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
 _CRAB = {"trailer_crab": "rad", "tractor_crab": "rad"}
-_TURN = {"tractor_yaw_rate": "rad/s"}
+_TURN = {"tractor_yaw": "rad", "tractor_yaw_rate": "rad/s"}
 _RATES = ("tractor_steering_rate", "trailer_steering_rate")
 _KEYS = (
     dict.fromkeys(("tractor_x", "tractor_y"), "position")
@@ -59,7 +59,7 @@ class ArticulatedEstimation(EstimationModel):
         }
         deviations = (
             sensor_deviations(noise)
-            | dict.fromkeys(_TURN, noise.yaw_rate)
+            | {"tractor_yaw": noise.yaw, "tractor_yaw_rate": noise.yaw_rate}
             | dict.fromkeys(_CRAB, settings.crab)
             | dict.fromkeys(_RATES, settings.steering_rate)
         )
@@ -118,17 +118,18 @@ def _turns(model: Model, states: dict[str, Any], known: dict[str, Any]) -> dict[
 
 
 def _with_turn_and_crab(model: Model, acting: dict[str, Any]) -> Model:
-    """Return the model with the tractor's yaw rate and both crab angles as outputs too, before the rates.
+    """Return the model with the tractor's yaw, its yaw rate and both crab angles as outputs too, before the rates.
 
     On the whole, axles do not slip sideways.
     """
     known, split = by_name(model.parameters, model.p), len(MEASURED)
+    yaw = by_name(model.states, model.x)["tractor_yaw"]
     turn = by_name(model.states, model.derivative)["tractor_yaw"]
     turn = ca.substitute(turn, ca.vertcat(*(known[name] for name in acting)), ca.vertcat(*acting.values()))
     return replace(
         model,
         outputs=(*model.outputs[:split], *variables(**_TURN, **_CRAB), *model.outputs[split:]),
-        output=ca.vertcat(model.output[:split], turn, *(known[name] for name in _CRAB), model.output[split:]),
+        output=ca.vertcat(model.output[:split], yaw, turn, *(known[name] for name in _CRAB), model.output[split:]),
     )
 
 

@@ -54,7 +54,7 @@ static inline int model_at_rest(const struct estimation_model *model, const stru
 
 #include "first_guess.h"
 
-/* The measurement, with the tractor's yaw rate; zero for both crab angles while a fix is missing; zero for both steering
+/* The measurement, with the tractor's yaw and yaw rate; zero for both crab angles while a fix is missing; zero for both steering
  * rates.
  *
  * With both fixes the crab angles show, and to pull them to zero would hide a side slope; without, nothing holds them
@@ -64,6 +64,7 @@ static inline void model_outputs(const struct estimation_model *model, const str
 {
     (void)model;
     measured(measurement, y);
+    y[Y_TRACTOR_YAW] = if_finite(measurement->tractor_yaw);
     y[Y_TRACTOR_YAW_RATE] = if_finite(measurement->tractor_yaw_rate);
     const int missing = isnan(y[Y_TRACTOR_X] + y[Y_TRACTOR_Y] + y[Y_TRAILER_X] + y[Y_TRAILER_Y]);
     y[Y_TRAILER_CRAB] = y[Y_TRACTOR_CRAB] = missing ? 0.0 : NAN;

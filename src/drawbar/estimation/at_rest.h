@@ -8,7 +8,8 @@
 static const struct drawbar_measurement nothing_measured = {
     .time = (double)NAN, .tractor_x = (double)NAN, .tractor_y = (double)NAN, .trailer_x = (double)NAN,
     .trailer_y = (double)NAN, .hitch_angle = (double)NAN, .speed = (double)NAN, .tractor_steering = (double)NAN,
-    .trailer_steering = (double)NAN, .tractor_yaw_rate = (double)NAN
+    .trailer_steering = (double)NAN, .tractor_yaw = (double)NAN,
+    .tractor_yaw_rate = (double)NAN
 };
 
 /* The value, or NaN where it is not finite: missing. */

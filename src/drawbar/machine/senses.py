@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from drawbar.geometry import Floats, arm_offset
+from drawbar.geometry import Floats, arm_offset, wrap
 from drawbar.machine.events import Event
 from drawbar.machine.floating import Floating
 from drawbar.machine.history import BodyMoment, History
@@ -56,12 +56,13 @@ class Senses:
             settings: of the sensors.
             sample_time: s.
             rng: of positions, hitch angle, speed and steering.
-            attitude_rng: of roll, pitch and yaw rate.
+            attitude_rng: of roll, pitch, yaw rate and yaw.
             floating_rng: of fixes in float.
         """
         self._sensors, self._delays, self._sample_time = settings.sensors, settings.delays, sample_time
         attitude = {"tractor": settings.attitude.tractor, "trailer": settings.attitude.trailer}
         self._attitude = {body: sensor for body, sensor in attitude.items() if sensor.present}
+        self._yaw = settings.attitude.yaw
         self._arms = {
             body: tuple(
                 getattr(getattr(vehicle.masts, body), axis) + getattr(getattr(settings.masts, body), axis)
@@ -87,6 +88,8 @@ class Senses:
         told, resolution = delays.told, self._sensors.steering_resolution
         for body, sensor in self._attitude.items():
             report |= self._balance(body, sensor, history)
+        if self._yaw.present:
+            report |= self._direction(history)
         return Measurement(
             time=sample * self._sample_time,
             hitch_angle=hitch.hitch_angle + errors[4],
@@ -139,6 +142,14 @@ class Senses:
             f"{body}_pitch": seen.pitch + sensor.pitch_bias + sensor.noise * noise[1],
             f"{body}_yaw_rate": seen.yaw_rate + sensor.yaw_rate_bias + sensor.yaw_rate_noise * noise[2],
             f"{body}_attitude_age": delays.told * moment.age,
+        }
+
+    def _direction(self, history: History) -> dict[str, Any]:
+        """Return what the tractor's two antennas report."""
+        moment, noise = history.seen(self._delays.attitude), self._attitude_rng.standard_normal()
+        return {
+            "tractor_yaw": wrap(moment.tractor.yaw + self._yaw.bias + self._yaw.noise * noise),
+            "tractor_attitude_age": self._delays.told * moment.age,
         }
 
 

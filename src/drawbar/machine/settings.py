@@ -207,11 +207,23 @@ class AttitudeSensorSettings(Settings):
     """constant part of the yaw rate, rad/s"""
 
 
+class YawSensorSettings(Settings):
+    """A receiver with two antennas on the tractor, which tells where that faces."""
+
+    present: bool = False
+    noise: NonNegativeAngle = math.radians(0.3)
+    """white part, standard deviation, rad"""
+    bias: Angle = 0.0
+    """constant part: the antennas' line is not the one that is stated, rad"""
+
+
 class AttitudeSensors(Settings):
     """The attitude sensors of both bodies."""
 
     tractor: AttitudeSensorSettings = AttitudeSensorSettings()
     trailer: AttitudeSensorSettings = AttitudeSensorSettings()
+    yaw: YawSensorSettings = YawSensorSettings()
+    """of the tractor, as old as the rest"""
 
 
 class Delay(Settings):
@@ -233,7 +245,7 @@ class DelaySettings(Settings):
     steering: Delay = Delay()
     """of both steering angles"""
     attitude: Delay = Delay()
-    """of both bodies' roll, pitch and yaw rate"""
+    """of both bodies' roll, pitch and yaw rate, and the tractor's yaw"""
     told: bool = True
     """the measurement says how old its values are"""
 

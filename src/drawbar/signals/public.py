@@ -56,6 +56,8 @@ class Measurement:
     """right side down positive"""
     tractor_pitch: Radians = math.nan
     """nose up positive"""
+    tractor_yaw: Radians = math.nan
+    """direction in which the tractor faces, from east, by a receiver with two antennas on it, -2 pi to 2 pi"""
     tractor_yaw_rate: RadiansPerSecond = math.nan
     """counter-clockwise positive"""
     trailer_roll: Radians = math.nan
@@ -77,7 +79,7 @@ class Measurement:
     trailer_steering_age: Seconds = 0.0
     """of the trailer's steering angle at the time of the sample"""
     tractor_attitude_age: Seconds = 0.0
-    """of the tractor's roll, pitch and yaw rate at the time of the sample"""
+    """of the tractor's roll, pitch, yaw and yaw rate at the time of the sample"""
     trailer_attitude_age: Seconds = 0.0
     """of the trailer's roll, pitch and yaw rate at the time of the sample"""
     tractor_fix_quality: FixQuality = FixQuality.UNKNOWN

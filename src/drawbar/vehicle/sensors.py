@@ -43,6 +43,8 @@ class SensorNoise(Settings):
     """delta_t, rad"""
     trailer_steering: AngleDeviation = 0.0175
     """delta_i, rad"""
+    yaw: AngleDeviation = math.radians(0.5)
+    """of the tractor, where two antennas on it tell it, rad"""
     yaw_rate: AngleDeviation = math.radians(0.5)
     """of the tractor, where a sensor tells it: noise, and what its body turns beside what its wheels say, rad/s"""
     fixes: FixSettings = FixSettings()

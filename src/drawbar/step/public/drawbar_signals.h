@@ -127,6 +127,8 @@ struct drawbar_measurement {
     double trailer_fix_deviation;       /* standard deviation of each coordinate of the trailer's fix, m */
     double tractor_roll;                /* right side down positive, rad */
     double tractor_pitch;               /* nose up positive, rad */
+    double tractor_yaw;                 /* direction in which the tractor faces, from east, by a receiver with two
+                                         * antennas on it, -2 pi to 2 pi, rad */
     double tractor_yaw_rate;            /* counter-clockwise positive, rad/s */
     double trailer_roll;                /* right side down positive, rad */
     double trailer_pitch;               /* nose up positive, rad */
@@ -137,7 +139,8 @@ struct drawbar_measurement {
     double speed_age;                   /* of the speed at the time of the sample, s */
     double tractor_steering_age;        /* of the tractor's steering angle at the time of the sample, s */
     double trailer_steering_age;        /* of the trailer's steering angle at the time of the sample, s */
-    double tractor_attitude_age;        /* of the tractor's roll, pitch and yaw rate at the time of the sample, s */
+    double tractor_attitude_age;        /* of the tractor's roll, pitch, yaw and yaw rate at the time of the
+                                         * sample, s */
     double trailer_attitude_age;        /* of the trailer's roll, pitch and yaw rate at the time of the sample, s */
     int32_t tractor_fix_quality;        /* enum drawbar_quality */
     int32_t trailer_fix_quality;        /* enum drawbar_quality */

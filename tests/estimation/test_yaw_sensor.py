@@ -1,0 +1,152 @@
+"""The tractor's yaw by two antennas: its mounting's error, what is believed, and what it is worth to the estimate."""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from alignment import Alignment
+from alone import Alone
+from c_signals import Real
+from ordinary import believed, measured
+
+from drawbar.codegen import Unit
+from drawbar.config import load_configuration
+from drawbar.geometry import arm_offset, wrap
+from drawbar.report.path_errors import true_path_errors
+from drawbar.signals import Estimate, Pose, Status
+from drawbar.simulation import Simulation, simulate
+from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
+
+UNIT = """
+#include "yaw_sensor.h"
+#include "unit.h"
+struct component { struct yaw_sensor sensor; double believed; };
+#define COMPONENT_FIELDS FIELD(component, believed, 0, 1, 0, 0) FIELD(component, sensor.error, 0, 1, 0, 0)
+int UNIT(believed)(struct component *component, double told, double expected, double shown)
+{
+    component->believed = yaw_believed(&component->sensor, told, expected, shown);
+    return 0;
+}
+"""
+PRESENT = "machine.attitude.yaw.present=true"
+ALONE = 'machine.events=[{kind="gps_loss",start=0.0,duration=1e6,antenna="trailer"}]'
+"""no receiver on the trailer"""
+
+
+class Sensor(Alone):
+    """The sensor's judge by itself."""
+
+    def __init__(self) -> None:
+        super().__init__(Unit(name="yaw", source=UNIT, configure=lambda workspace: None))
+
+    def believed(self, told: float, expected: float, shown: float = math.nan) -> float:
+        self.call("believed", Real(told), Real(expected), Real(shown))
+        return float(self.live.array("believed").item())
+
+    @property
+    def error(self) -> float:
+        return float(self.live.array("sensor.error").item())
+
+
+@pytest.mark.parametrize("turns", [-3, 0, 2])
+def test_a_yaw_has_the_turns_of_the_expected_one(turns: int) -> None:
+    expected = 3.1 + 2.0 * math.pi * turns
+    assert Sensor().believed(-3.13, expected) == pytest.approx(expected + wrap(-3.13 - 3.1), abs=1e-12)
+
+
+@pytest.mark.parametrize("off", [0.11, -0.11, math.pi, math.nan, math.inf])
+def test_a_yaw_far_from_the_expected_one_is_not_believed(off: float) -> None:
+    assert math.isnan(Sensor().believed(1.0 + off, 1.0))
+
+
+def test_the_mountings_error_is_found_where_both_bodies_have_fixes() -> None:
+    rng, sensor, off = np.random.default_rng(7), Sensor(), math.radians(2.0)
+    for yaw in np.linspace(-4.0, 4.0, 300).tolist():
+        shown = wrap(yaw + rng.normal(0.0, math.radians(1.5)))
+        answer = sensor.believed(wrap(yaw + off), yaw, shown)
+    assert sensor.error == pytest.approx(-off, abs=math.radians(0.3))
+    assert answer == pytest.approx(yaw, abs=math.radians(0.3))
+
+
+def test_where_nothing_shows_the_mountings_error_the_told_yaw_counts() -> None:
+    sensor = Sensor()
+    assert [sensor.believed(0.05, 0.0) for _ in range(100)] == pytest.approx([0.05] * 100, abs=1e-15)
+
+
+def test_a_late_yaw_is_brought_up_to_the_sample() -> None:
+    def there(time: float) -> Estimate:
+        pose = Pose(x=0.0, y=0.0, yaw=0.2 * time)
+        return believed(pose, Pose(x=-2.0, y=0.0, yaw=0.0), time=time)
+
+    given = measured(0.0, 0.0, math.nan, math.nan, time=1.2, tractor_yaw=0.2, tractor_attitude_age=0.2)
+    aligned = Alignment(VehicleParameters()).apply(given, there(1.0), there(1.2))
+    assert aligned.tractor_yaw == pytest.approx(0.24, abs=1e-12)
+
+
+def driven(*changes: str, seed: int = 0) -> list[float]:
+    """Return the mean distances of both bodies from a figure-eight, cm, and the tractor's mean steering rate, °/s."""
+    log = simulate(load_configuration("articulated", ["path.radii=[8.0]", *changes]), seed=seed)
+    assert log.outcome is not None
+    assert log.outcome.finished
+    errors = true_path_errors(log)
+    rate = np.abs(np.diff(log.column("truth.tractor_steering"))).mean() / 0.2
+    means = [100.0 * float(np.abs(each.error).mean()) for each in (errors.tractor, errors.trailer)]
+    return [*means, math.degrees(float(rate))]
+
+
+@cache
+def mean_of(*changes: str) -> tuple[float, ...]:
+    return tuple(np.mean([driven(*changes, seed=seed) for seed in range(3)], axis=0).tolist())
+
+
+def test_a_measured_yaw_brings_the_tractor_nearer_with_less_steering() -> None:
+    usual, better = mean_of(), mean_of(PRESENT)
+    assert better[0] < 0.8 * usual[0]
+    assert better[1] < usual[1]
+    assert better[2] < 0.75 * usual[2]
+
+
+def test_the_mountings_error_costs_nothing_where_both_bodies_have_receivers() -> None:
+    assert mean_of(PRESENT, "machine.attitude.yaw.bias=0.03") == pytest.approx(mean_of(PRESENT), rel=0.1)
+
+
+def test_one_receiver_with_two_antennas_drives_both_bodies() -> None:
+    alone, usual = mean_of(PRESENT, ALONE), mean_of()
+    assert alone[0] < usual[0]
+    assert alone[1] < 1.2 * usual[1]
+
+
+@pytest.mark.parametrize("missing", ["tractor_yaw", "hitch_angle", "tractor_x"])
+def test_without_the_trailers_receiver_a_run_waits_for_yaw_hitch_angle_and_position(missing: str) -> None:
+    with Simulation(load_configuration("articulated", [PRESENT, ALONE])) as simulation:
+        first = simulation.machine.read()
+        status, command = simulation.autopilot.feedback(replace(first, **{missing: math.nan}))
+        simulation.autopilot.prepare()
+        assert (status, command.speed) == (Status.POSITION, 0.0)
+        status, _ = simulation.autopilot.feedback(simulation.machine.read())
+        assert status < Status.POSITION
+
+
+def test_a_run_begins_with_the_trailer_where_yaw_and_angles_put_it() -> None:
+    mast, yaw, hitch, joint, lean = Mast(forward=0.2, left=-0.1, up=2.5), 2.0, 0.3, -0.1, (0.05, 0.02)
+    vehicle = VehicleParameters(masts=Masts(tractor=mast))
+    east, north = arm_offset(yaw, *lean, (mast.forward, mast.left, mast.up))
+    told = {"tractor_yaw": yaw, "hitch_angle": hitch, "trailer_steering": joint}
+    given = measured(5.0 + east, 6.0 + north, math.nan, math.nan, tractor_roll=lean[0], tractor_pitch=lean[1], **told)
+    found = Alignment(vehicle).begin(given)
+    lengths = vehicle.free_joint_offset, vehicle.drawbar_length, vehicle.trailer_length - vehicle.trailer_antenna
+    behind = sum(np.array(lengths) * np.exp(1j * np.array([yaw, yaw - hitch, yaw - hitch - joint])))
+    trailer = complex(5.0, 6.0) - behind
+    assert (found.tractor_x, found.tractor_y) == pytest.approx((5.0, 6.0), abs=1e-12)
+    assert (found.trailer_x, found.trailer_y) == pytest.approx((trailer.real, trailer.imag), abs=1e-12)
+
+
+if __name__ == "__main__":
+    for kind, changes in {
+        "a receiver on each body": (),
+        "with two antennas on the tractor": (PRESENT,),
+        "that receiver alone": (PRESENT, ALONE),
+    }.items():
+        print("| " + " | ".join([kind, *(f"{each:.1f}" for each in mean_of(*changes))]) + " |")
