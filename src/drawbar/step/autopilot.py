@@ -128,7 +128,9 @@ def _require(status: Status, path: Path, at: float) -> None:
         )
     if status is Status.RANGE:
         raise PathError(f"{at} m is not on the path; give an arc length from 0 to below {path.length:.2f} m")
-    if status is Status.START:
-        raise PathError(f"the vehicle is not on the new path near {at:.2f} m, or faces away; the old path stays")
+    if status is Status.ELSEWHERE:
+        raise PathError(
+            f"the vehicle is not on the new path near {at:.2f} m, or faces away from it; the run goes on as it was"
+        )
     if status is not Status.OK:
         raise PathError(status.text)
