@@ -15,6 +15,7 @@ from itertools import count
 from numbers import Integral, Real
 from operator import attrgetter
 from pathlib import Path
+from reprlib import repr as short
 from struct import Struct
 from struct import error as StructError  # noqa: N812 -- a class
 from textwrap import wrap
@@ -97,15 +98,17 @@ class Layout:
         """Write a signal into a buffer.
 
         Raises:
-            SignalError: a value is no number, or beyond its field.
+            SignalError: it is no such signal, or a value is no number or beyond its field.
         """
         try:
             self.struct.pack_into(buffer, offset, *self._values(signal))
-        except StructError as error:
+        except (StructError, AttributeError) as error:
             raise self._refusal(signal, error) from error
 
-    def _refusal(self, signal: Any, error: StructError) -> SignalError:
+    def _refusal(self, signal: Any, error: Exception) -> SignalError:
         """Return what says which values are no numbers."""
+        if not isinstance(signal, self.kind):
+            return SignalError(f"a drawbar {self.kind.__name__} is needed, got {short(signal)}.")
         given = zip(_leaves(self.kind), self._values(signal), strict=True)
         allowed = [(place, Real if issubclass(leaf, float) else Integral, value) for (place, leaf), value in given]
         wrong = [f"{place} = {value!r}" for place, number, value in allowed if not isinstance(value, number)]
