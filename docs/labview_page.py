@@ -44,7 +44,9 @@ memory that stays where it is:
 
 *Adapt to Type*, data format *Handles by Value*: a cluster without arrays and strings goes as a pointer to its
 structure. The elements must have this order (*Reorder Controls In Cluster*) and these types. Angles are in rad,
-lengths in m, times in s; a missing measurement is NaN.
+lengths in m, times in s; a missing measurement is NaN. A new cluster is all zeros, and a zero is a measurement (a
+deviation of zero: the fix is missing): set the elements of `drawbar_measurement` once to the values of
+`DRAWBAR_NOTHING_MEASURED` (`drawbar_signals.h`) and *Make Current Values Default*.
 """
 _END = """
 ## Every sample

@@ -2,6 +2,7 @@
 
 import ctypes
 import dataclasses
+import math
 import re
 from collections.abc import Iterator
 from enum import IntEnum
@@ -93,6 +94,12 @@ int name(struct work *work)
         work->couplings[i] = couplings[i];
     return 0;
 }}
+int nothing(struct work *work, struct drawbar_measurement *s)
+{{
+    (void)work;
+    *s = (struct drawbar_measurement)DRAWBAR_NOTHING_MEASURED;
+    return 0;
+}}
 {chr(10).join(functions)}
 """
 
@@ -125,6 +132,16 @@ def test_what_is_written_by_name_c_finds_by_name(unit: Workspace, name: str) -> 
     layout.pack(written, EXAMPLES[name])
     assert differs(ctypes.byref(written)) == 0
     assert unit.function(f"size_{name}")() == layout.size
+
+
+def test_a_measurement_of_nothing_has_every_default_and_is_missing_where_there_is_none(unit: Workspace) -> None:
+    layout = Layout(Measurement)
+    filled = layout.buffer()
+    unit.function("nothing", pointers=1)(ctypes.byref(filled))
+    found = layout.unpack(filled)
+    for field in dataclasses.fields(Measurement):
+        expected = math.nan if field.default is dataclasses.MISSING else field.default
+        assert getattr(found, field.name) == pytest.approx(expected, abs=0.0, nan_ok=True), field.name
 
 
 def test_couplings_have_the_same_numbers(unit: Workspace) -> None:

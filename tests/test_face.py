@@ -70,6 +70,22 @@ WRONG_ARGUMENTS = {
     "no name of a new log": (lambda: drawbar.Recorder(None, None), "file must be the name of a file"),
     "no header": (lambda: drawbar.Recorder("never.mcap", CONFIGURATION), "header must be a RunHeader"),
     "no machine": (lambda: next(drawbar.drive(None, None, time_limit=1.0)), "machine must be a Machine, got None"),
+    "no configuration of a header": (lambda: drawbar.run_header(None, None, None), "configuration must be a Config"),
+    "no path of a header": (lambda: drawbar.run_header(CONFIGURATION, None, None), "path must be a Path, got None"),
+    "no measurement": (
+        lambda: drawbar.build_autopilot(CONFIGURATION).feedback(None),
+        "Measurement is needed, got None",
+    ),
+    "no estimate": (lambda: drawbar.build_autopilot(CONFIGURATION).give({}), "Estimate is needed, got {}"),
+    "no number of a speed": (lambda: drawbar.build_autopilot(CONFIGURATION).set_speed("1"), "speed must be a number"),
+    "a speed that is none": (
+        lambda: drawbar.build_autopilot(CONFIGURATION).set_speed(float("nan")),
+        "speed = nan m/s is not allowed",
+    ),
+    "no place to begin at": (
+        lambda: drawbar.build_autopilot(CONFIGURATION).begin(build_path(CONFIGURATION)[0], at=None),
+        "at must be a number, got None",
+    ),
     "no model": (
         lambda: drawbar.ControlProblem(model=None, horizon=3, sample_time=0.1, weights={}, terminal_weights={}),
         "model must be a Model, got None",

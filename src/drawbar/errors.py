@@ -1,6 +1,7 @@
 """The errors drawbar raises at its edges; inside the control loop a status is returned instead."""
 
 import os
+from numbers import Real
 from pathlib import Path
 from reprlib import repr as short
 
@@ -49,6 +50,12 @@ def demand(what: str, value: object, kind: type, advice: str, error: type[Drawba
     """Raise an error where an argument is of another type than is needed."""
     if not isinstance(value, kind):
         raise error(f"{what} must be a {kind.__name__}, got {short(value)}; {advice}.")
+
+
+def demand_number(what: str, value: object, advice: str, error: type[DrawbarError] = DrawbarError) -> None:
+    """Raise an error where an argument is no number."""
+    if not isinstance(value, Real):
+        raise error(f"{what} must be a number, got {short(value)}; {advice}.")
 
 
 def demand_path(what: str, value: object, error: type[DrawbarError] = DrawbarError) -> Path:

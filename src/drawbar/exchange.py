@@ -15,8 +15,10 @@ from itertools import count
 from numbers import Integral, Real
 from operator import attrgetter
 from pathlib import Path
+from reprlib import repr as short
 from struct import Struct
 from struct import error as StructError  # noqa: N812 -- a class
+from textwrap import wrap
 from typing import Any, get_args, get_type_hints
 
 from drawbar.declared_words import declared_words
@@ -96,15 +98,17 @@ class Layout:
         """Write a signal into a buffer.
 
         Raises:
-            SignalError: a value is no number, or beyond its field.
+            SignalError: it is no such signal, or a value is no number or beyond its field.
         """
         try:
             self.struct.pack_into(buffer, offset, *self._values(signal))
-        except StructError as error:
+        except (StructError, AttributeError) as error:
             raise self._refusal(signal, error) from error
 
-    def _refusal(self, signal: Any, error: StructError) -> SignalError:
+    def _refusal(self, signal: Any, error: Exception) -> SignalError:
         """Return what says which values are no numbers."""
+        if not isinstance(signal, self.kind):
+            return SignalError(f"a drawbar {self.kind.__name__} is needed, got {short(signal)}.")
         given = zip(_leaves(self.kind), self._values(signal), strict=True)
         allowed = [(place, Real if issubclass(leaf, float) else Integral, value) for (place, leaf), value in given]
         wrong = [f"{place} = {value!r}" for place, number, value in allowed if not isinstance(value, number)]
@@ -217,7 +221,8 @@ def _structure(kind: Any) -> str:
     lines = [_c_member(*member) for member in members] + counts
     if (len(counts) + sum(_is_small(hint) for _, hint, _ in members)) % 2:
         lines.append("    int32_t reserved;")
-    return f"/* {kind.__doc__} */\nstruct {_STRUCTURES[kind]} {{\n" + "\n".join(lines) + "\n};\n"
+    words = "\n * ".join(wrap(" ".join(kind.__doc__.split()), 114))
+    return f"/* {words} */\nstruct {_STRUCTURES[kind]} {{\n" + "\n".join(lines) + "\n};\n"
 
 
 def _c_member(name: str, hint: Any, words: str) -> str:
@@ -269,6 +274,20 @@ def _limits() -> str:
     return "static const double measurement_limits[] = {\n" + "\n".join(limits) + "\n};\n"
 
 
+def _nothing() -> str:
+    """Return the macro of a measurement in which every value has its default, and is missing where it has none."""
+    defaults = {field.name: field.default for field in fields(Measurement)}
+    values = []
+    for name, hint, _ in _members(Measurement):
+        default = defaults[name]
+        if _is_small(hint):
+            values.append(_ENUMERATIONS[_base(hint)][1] + default.name)
+        else:
+            values.append(repr(default) if isinstance(default, float) and math.isfinite(default) else "(double)NAN")
+    lines = wrap(", ".join(values), 100)
+    return "#define DRAWBAR_NOTHING_MEASURED {" + "".join(f" \\\n    {line}" for line in lines) + "}\n"
+
+
 _NOTE = "/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there."
 _PUBLIC = f"""\
 {_NOTE}
@@ -278,8 +297,13 @@ _PUBLIC = f"""\
 #ifndef DRAWBAR_SIGNALS_H
 #define DRAWBAR_SIGNALS_H
 
+#include <math.h>
 #include <stdint.h>
 
+"""
+_NOTHING = """\
+/* A measurement of nothing. Let every measurement begin as this, then write into it what the sensors report. Zeros are
+ * something else: they report rates of zero, and fixes with a deviation of zero, which count as missing. */
 """
 _INNER = f"""\
 {_NOTE}
@@ -314,7 +338,8 @@ _SOLVER = f"""\
 def headers() -> dict[str, str]:
     """Return the text of each generated header by its place in the package."""
     public = [_enumeration(kind) for kind in _PUBLIC_ENUMERATIONS]
-    public += [_structure(kind) for kind in _PUBLIC_STRUCTURES]
+    for kind in _PUBLIC_STRUCTURES:
+        public += [_structure(kind), *([_NOTHING + _nothing()] if kind is Measurement else [])]
     inner = [_enumeration(Supervision)]
     inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering)]
     inner += [

@@ -43,10 +43,14 @@ class Status(IntEnum):
     NULL = 256, "wrong call: a pointer is NULL"
     NOT_INITIALISED = 257, "wrong call: drawbar_init has not been called on this state"
     NO_PATH = 258, "wrong call: drawbar_set_path has not been called, or not with success"
-    ORDER = 259, "wrong call: feedback and prepare do not alternate"
+    ORDER = (
+        259,
+        "wrong call: out of order: feedback and prepare alternate, and where a run begins is told before it does",
+    )
     PATH = 260, "wrong call: the path's table is not a smooth path"
     RANGE = 261, "wrong call: a number is beyond what is allowed"
     NO_RUN = 262, "wrong call: no run has begun, or it has ended"
+    ELSEWHERE = 263, "wrong call: the vehicle is not on the new path at that place, or faces away from it"
 
     @property
     def is_new_command(self) -> bool:

@@ -160,14 +160,17 @@ def test_a_receiver_that_does_not_tell_its_age_has_the_configured_one() -> None:
 LEANING = VehicleParameters(masts=Masts(tractor=Mast(up=2.5), trailer=Mast(up=2.0)))
 
 
-def corrections(alignment: Alignment, rolls: list[float], yaw: float = 0.0) -> list[tuple[float, float]]:
-    """Return what is added to both fixes' north while a vehicle drives east, one per sample."""
+def corrections(
+    alignment: Alignment, rolls: list[float], yaw: float = 0.0, ages: dict[int, float] | None = None
+) -> list[tuple[float, float]]:
+    """Return what is added to both fixes' north while a vehicle drives east, one per sample; ages by sample, s."""
     added = []
     for k, roll in enumerate(rolls):
         last, now = straight(SAMPLE * max(k - 1, 0), yaw), straight(SAMPLE * k, yaw)
         north = 1e-6 * k  # no fix repeats the last one
         fixes = (now.tractor.x, now.tractor.y + north, now.trailer.x, now.trailer.y + north)
-        aligned = alignment.apply(measurement(SAMPLE * k, fixes, tractor_roll=roll, tractor_pitch=0.0), last, now)
+        lean = {"tractor_roll": roll, "tractor_pitch": 0.0, "tractor_attitude_age": (ages or {}).get(k, 0.0)}
+        aligned = alignment.apply(measurement(SAMPLE * k, fixes, **lean), last, now)
         added.append((aligned.tractor_y - fixes[1], aligned.trailer_y - fixes[3]))
     return added
 
@@ -182,6 +185,16 @@ def test_attitude_that_ends_fades_out_and_one_that_returns_fades_in() -> None:
     assert abs(added[-1] + full) < 0.01 * full
     # what was recorded of the ground takes the sensor's place; the way from one side to the other takes two seconds
     assert max(abs(np.diff(added))) < 0.3 * full
+
+
+@pytest.mark.parametrize("age", [-1e9, -100.0, 1e9, math.inf, math.nan])
+def test_one_attitude_of_a_wrong_age_is_dropped_and_the_next_ones_count(age: float) -> None:
+    vehicle = VehicleParameters(masts=Masts(tractor=Mast(up=2.5)))
+    rolls = [0.1] * 10 + [-0.3] + [0.1] * 10 + [-0.1] * 40
+    added = [tractor for tractor, _ in corrections(Alignment(vehicle), rolls, ages={10: age})]
+    full = 2.5 * math.sin(0.1)
+    assert added[:21] == pytest.approx([full] * 21)
+    assert added[-1] == pytest.approx(-full)
 
 
 def test_the_trailer_leans_where_the_tractor_leaned() -> None:

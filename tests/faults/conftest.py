@@ -21,6 +21,7 @@ from drawbar.config import load_configuration
 from drawbar.exchange import Layout
 from drawbar.export import manifest, sources
 from drawbar.export.export import export_library
+from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.signals import Command, Diagnostics, Flag, Measurement, Status, Truth
 from drawbar.simulation import Simulation
@@ -93,15 +94,31 @@ class Rig:
         self.functions, self.state = load(library), state
         self.simulation, self.machine = simulation, simulation.machine
         self._given, self._taken, self._told = _MEASUREMENT.buffer(), _COMMAND.buffer(), _DIAGNOSTICS.buffer()
-        nodes = simulation.path.nodes
+        self._nodes = simulation.path.nodes
         self.functions.drawbar_init(state)
-        assert self.functions.drawbar_set_path(state, ctypes.c_void_p(nodes.ctypes.data), len(nodes)) == 0
         self.run = Driven(path=simulation.path)
-        self._last_new = 0.0, 0
+        assert self.set_path(self._nodes) == 0
 
     def fail(self, name: str, fails: bool) -> None:
         """Let a component's solver fail, or not."""
         ctypes.c_int32.in_dll(self.functions, f"drawbar_{name}_fails").value = fails
+
+    def set_path(self, nodes: Floats) -> int:
+        """Begin a run along a path."""
+        status = int(self.functions.drawbar_set_path(self.state, ctypes.c_void_p(nodes.ctypes.data), len(nodes)))
+        if status == Status.OK:
+            self._nodes, self._begins, self._last_new = nodes, len(self.run.statuses), (-math.inf, 0)
+        return status
+
+    def change_path(self, nodes: Floats, at: float) -> int:
+        """Go on along another path from an arc length."""
+        address = ctypes.c_void_p(nodes.ctypes.data)
+        status = int(self.functions.drawbar_change_path(self.state, address, len(nodes), ctypes.c_double(at)))
+        self._nodes = nodes if status == Status.OK else self._nodes
+        return status
+
+    def set_speed(self, speed: float) -> int:
+        return int(self.functions.drawbar_set_speed(self.state, ctypes.c_double(speed)))
 
     def let_pass(self) -> Measurement:
         """Wait for a sample, and look how it really is."""
@@ -135,10 +152,12 @@ class Rig:
         assert math.isfinite(command.time)
         if status >= Status.FINISHED:
             assert command.speed == 0.0
-        if any(each >= Status.FINISHED for each in self.run.statuses[:-1]):
+        if any(each >= Status.FINISHED for each in self.run.statuses[self._begins : -1]):
             assert status == self.run.statuses[-2], "an ended run stays ended"
         if status < Status.REFUSED:
             self._last_new = self.run.times[-1], len(self.run.times)
+        elif status in (Status.POSITION, Status.START):
+            assert command.speed == 0.0, "a run that cannot begin stands"
         elif self.run.times[-1] > self._last_new[0] + 1.0 or len(self.run.times) > self._last_new[1] + 4:
             assert command.speed == 0.0, "a command acts for one second at most"
 

@@ -5,6 +5,7 @@ library; the fault begins at 20 s, on the first straight's end, or at 30 s, in a
 promises at every call (conftest.Rig). Distances are those of the true antennas.
 """
 
+import ctypes
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -35,6 +36,8 @@ class Fault:
     """time without any call when it begins, s"""
     lasts: float = math.inf
     """s"""
+    wish: Callable[[Any], None] = lambda rig: None
+    """what the caller asks for when it begins"""
     watched: float = 30.0
     """how long the run is watched from BEGINS on, s"""
     ends: Status = Status.OK
@@ -75,6 +78,28 @@ def moved(ahead: Callable[[float], float], left: Callable[[float], float]) -> Ch
 
 def floating(m: Measurement) -> Measurement:
     return replace(m, tractor_fix_quality=FixQuality.FLOAT, trailer_fix_quality=FixQuality.FLOAT)
+
+
+def ask_for_what_is_no_path(rig: Any) -> None:
+    """Ask for tables with a kink, a hole and a number that is none, and for one that is elsewhere."""
+    place, nodes = rig.diagnostics().tractor.progress, rig.simulation.path.nodes
+    for column, wrong in ((1, 1.0), (0, 1.0), (2, math.nan)):
+        spoilt = nodes.copy()
+        spoilt[len(nodes) // 2 :, column] += wrong
+        assert rig.set_path(spoilt) == Status.PATH
+        assert rig.change_path(spoilt, place) == Status.PATH
+    assert rig.change_path(nodes, place + 20.0) == Status.ELSEWHERE
+    assert rig.change_path(nodes, -1.0) == Status.RANGE
+
+
+def ask_for_the_path_anew(rig: Any) -> None:
+    """Go on along another table of the same path."""
+    assert rig.change_path(rig.simulation.path.nodes.copy(), rig.diagnostics().tractor.progress) == Status.OK
+
+
+def ask_for_speeds_that_are_none(rig: Any) -> None:
+    for speed in (-0.1, rig.simulation.configuration.speed + 0.1, math.nan, math.inf):
+        assert rig.set_speed(speed) == Status.RANGE
 
 
 POSITIONS = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
@@ -119,6 +144,10 @@ FAULTS = {
     "everything fails for good": Fault(
         fails=("estimator", "tractor", "trailer"), ends=Status.UNSOLVED, within=3.2, flags=Flag.SOLVER | Flag.SLOWED
     ),
+    "the path ends": Fault(watched=100.0, ends=Status.FINISHED, within=90.0),
+    "paths that are refused": Fault(wish=ask_for_what_is_no_path),
+    "another path, without a stop": Fault(wish=ask_for_the_path_anew),
+    "speeds that are refused": Fault(wish=ask_for_speeds_that_are_none),
     "both receivers in float for 20 s": Fault(change=floating, lasts=20.0, flags=Flag.SLOWED),
     "both receivers in float for good": Fault(
         change=floating, ends=Status.COARSE, within=30.4, watched=40.0, distance=0.5, flags=Flag.SLOWED
@@ -161,6 +190,7 @@ def drive(rig: Any, fault: Fault) -> Any:
         assert rig.step(measurement) in (0, Flag.LIMITED)
     for _ in range(round(fault.pause / 0.2) - 1):
         measurement = rig.let_pass()
+    fault.wish(rig)
     while measurement.time < BEGINS + fault.watched:
         lasts = measurement.time < BEGINS + fault.lasts - 0.01
         for name in fault.fails:
@@ -189,24 +219,40 @@ def test_a_fault_ends_as_it_must(rig: Callable[..., Any], name: str) -> None:
     print(f"| {name} | {stopped} | {told} | {100.0 * distance:.0f} |")  # docs/faults.md
 
 
-SEEDS = range(12)
+SEEDS = range(30)
 
 
 def random_faults(rng: np.random.Generator) -> list[Fault]:
-    """Return a sequence of faults, each of which ends, chosen from the table."""
-    transient = [replace(fault, lasts=min(fault.lasts, 3.0)) for fault in FAULTS.values() if not fault.pause]
+    """Return a sequence of faults, each of which ends, chosen from the table; gaps are of any length up to theirs."""
+    transient = [replace(fault, lasts=min(fault.lasts, 3.0)) for fault in FAULTS.values()]
     chosen = [transient[index] for index in rng.integers(len(transient), size=6)]
-    return [replace(fault, lasts=float(rng.uniform(0.2, fault.lasts))) for fault in chosen]
+    lasts = [rng.uniform(0.2, max(fault.lasts, 0.4)) for fault in chosen]
+    pauses = [rng.uniform(0.0, fault.pause) for fault in chosen]
+    return [replace(fault, lasts=a, pause=b) for fault, a, b in zip(chosen, lasts, pauses, strict=True)]
+
+
+def wish_anything(rig: Any, rng: np.random.Generator) -> None:
+    """Ask for another speed, another table, or for a new run from where the last one ended."""
+    nodes = rig.simulation.path.nodes.copy()
+    if rig.run.statuses[-1] >= Status.FINISHED:
+        assert rig.set_path(nodes) == Status.OK
+        place = float(rng.uniform(0.0, nodes[-1, 0] - 1.0))
+        assert rig.functions.drawbar_begin_at(rig.state, ctypes.c_double(place)) == Status.OK
+    assert rig.set_speed(float(rng.uniform(0.0, rig.simulation.configuration.speed))) == Status.OK
+    rig.change_path(nodes, float(rng.uniform(0.0, nodes[-1, 0])))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_any_sequence_of_faults_keeps_the_promises(rig: Callable[..., Any], seed: int) -> None:
-    """One fault after the other, with pauses between them; Rig holds every command against what is promised."""
+    """One fault or wish after the other, with pauses between them; Rig holds every command against what is promised."""
     rng = np.random.default_rng(seed)
     driven = rig("articulated", "path.radii=[8.0]", seed=seed)
     for fault in random_faults(rng):
         for _ in range(int(rng.integers(1, 30))):
             driven.step(driven.let_pass())
+        wish_anything(driven, rng)
+        for _ in range(round(fault.pause / 0.2)):
+            driven.let_pass()
         for name in fault.fails:
             driven.fail(name, True)
         for sample in range(round(fault.lasts / 0.2)):

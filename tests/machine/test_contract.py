@@ -118,6 +118,22 @@ def test_a_machine_whose_stop_fails_is_closed_nevertheless() -> None:
     assert machine.told == ["close"]
 
 
+@pytest.mark.parametrize("signal", [KeyboardInterrupt, SystemExit])
+def test_a_machine_that_is_interrupted_while_it_is_told_to_stop_is_told_again(signal: type[BaseException]) -> None:
+    machine = RecordingMachine(simulated())
+    stop, interrupts = machine.stop, iter([signal])
+
+    def slow() -> None:
+        for interrupt in interrupts:
+            raise interrupt
+        stop()
+
+    machine.stop = slow  # type: ignore[method-assign]
+    with pytest.raises(signal), machine:
+        raise ValueError
+    assert machine.told == ["stop", "close"]
+
+
 def test_what_was_recorded_is_replayed() -> None:
     recorder = RecordingMachine(simulated())
     with recorder:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.errors import PathError
+from drawbar.errors import DrawbarError, PathError
 from drawbar.guidance.path import Path
 from drawbar.signals import Flag, Status
 from drawbar.simulation import build_path
@@ -175,8 +175,9 @@ def test_the_speed_can_be_set_during_a_run(build):
     simulation = build("articulated")
     steps = simulation.steps()
     next(steps)
-    assert simulation.autopilot.set_speed(0.5)
-    assert not simulation.autopilot.set_speed(1.5)
+    simulation.autopilot.set_speed(0.5)
+    with pytest.raises(DrawbarError, match=r"speed = 1.5 m/s is not allowed; give 0 to"):
+        simulation.autopilot.set_speed(1.5)
     commanded = [next(steps).command.speed for _ in range(8)]
     np.testing.assert_allclose(commanded, [0.9, 0.8, 0.7, 0.6, 0.5, 0.5, 0.5, 0.5])
 

@@ -2,21 +2,26 @@
 
 import math
 import signal
+import sys
 from contextlib import closing
 from dataclasses import replace
-from itertools import islice
+from itertools import count, islice
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from mcap.reader import make_reader
 
+import drawbar
 from drawbar.errors import DrawbarError, HardwareError, PathError
 from drawbar.machine.base import Machine
 from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.signals import Status
-from drawbar.simulation import RunAborted, Simulation, drive
+from drawbar.simulation import RunAborted, Simulation, build_machine, drive
 from drawbar.step.build import build_autopilot
+
+PACKAGE = str(Path(drawbar.__file__).parent)
 
 
 class Watched(Machine):
@@ -146,6 +151,44 @@ def test_whatever_breaks_the_loop_the_machine_is_told_to_stop(build, monkeypatch
                 broken()
     assert machine.told[-2:] == ["stop", "close"]
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+def interrupted_at(line: int, steps) -> bool:
+    """Drive a step that is interrupted at one of the lines of drawbar's own code; return whether it has so many."""
+    lines = count()
+
+    def trace(frame, event, _):
+        if not frame.f_code.co_filename.startswith(PACKAGE):
+            return None
+        if event == "line" and next(lines) == line:
+            sys.settrace(None)
+            raise KeyboardInterrupt
+        return trace
+
+    before = sys.gettrace()
+    with closing(steps):
+        sys.settrace(trace)
+        try:
+            next(steps)
+        except KeyboardInterrupt:
+            return True
+        finally:
+            sys.settrace(before)
+    return False
+
+
+@pytest.mark.parametrize("every", range(4))
+def test_an_interrupt_at_any_line_of_a_step_ends_with_a_stop(build, every):
+    simulation = short(build)
+    for line in count(every, 4):
+        simulation.autopilot.begin(simulation.path)
+        simulation.machine = build_machine(simulation.configuration, simulation.path, 0)
+        machine, steps = driven(simulation)
+        list(islice(steps, 2))
+        if not interrupted_at(line, steps):
+            break
+        assert machine.told[-2:] == ["stop", "close"], f"line {line}"
+    assert line > 50
 
 
 def test_a_program_that_handles_sigterm_itself_goes_on_doing_so(build):

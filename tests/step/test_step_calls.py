@@ -21,6 +21,20 @@ def test_feedback_and_prepare_alternate(driver):
     assert driver.feedback(elapsed=0.0) == 0
 
 
+def test_a_path_that_is_set_ends_the_sample_one_that_is_refused_does_not(driver):
+    driver.step()
+    driver.feedback()
+    driver.nodes[20, 1] += 1.0
+    assert driver.set_path() == STATUS["PATH"]
+    assert driver.prepare() == 0
+    driver.feedback()
+    driver.nodes[20, 1] -= 1.0
+    assert driver.set_path() == 0
+    assert driver.prepare() == STATUS["ORDER"]
+    assert driver.feedback() == 0
+    assert driver.prepare() == 0
+
+
 def test_nothing_is_prepared_that_was_not_fed(driver):
     driver.step()
     ctypes.memset(driver.calls(), 0, 64)
@@ -121,7 +135,7 @@ def test_the_path_changes_during_a_run_where_the_vehicle_is_on_the_new_one(drive
     assert change(1.0) == STATUS["NO_RUN"]
     driver.step()
     assert change(1.0) == 0
-    assert change(6.0) == STATUS["START"]
+    assert change(6.0) == STATUS["ELSEWHERE"]
     assert change(-1.0) == STATUS["RANGE"]
     assert driver.step()[0] == 0
     driver.nodes[20, 1] += 1.0

@@ -72,10 +72,11 @@ static inline double age_of_fix(const struct component *alignment, double told)
 }
 
 /* Roll and pitch of a body's sensor, without its offsets. */
-static inline void take_attitude(struct component *alignment, int body, double time, double roll, double pitch)
+static inline void take_attitude(struct component *alignment, int body, time_stamp now, double age, double roll,
+                                 double pitch)
 {
     const struct mast *mast = &alignment->masts[body];
-    attitude_take(&alignment->tracks[body], time, roll - mast->roll_offset, pitch - mast->pitch_offset);
+    attitude_take(&alignment->tracks[body], now, age, roll - mast->roll_offset, pitch - mast->pitch_offset);
 }
 
 /* Record the ground below the tractor, or else below the trailer, as its newest attitude shows it. */
@@ -299,9 +300,9 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     const struct since since = {last, expected, measurement->time, measurement->time - last->time};
 
     *aligned = *measurement;
-    take_attitude(alignment, ALIGNED_TRACTOR, since.now - aligned->tractor_attitude_age, aligned->tractor_roll,
+    take_attitude(alignment, ALIGNED_TRACTOR, since.now, aligned->tractor_attitude_age, aligned->tractor_roll,
                   aligned->tractor_pitch);
-    take_attitude(alignment, ALIGNED_TRAILER, since.now - aligned->trailer_attitude_age, aligned->trailer_roll,
+    take_attitude(alignment, ALIGNED_TRAILER, since.now, aligned->trailer_attitude_age, aligned->trailer_roll,
                   aligned->trailer_pitch);
     record_ground(alignment, &since);
     double tractor[] = {aligned->tractor_x, aligned->tractor_y}, trailer[] = {aligned->trailer_x, aligned->trailer_y};

@@ -23,14 +23,15 @@ struct attitude_track {
     int32_t count, begun;
 };
 
-/* Take in an attitude (rad) of a time (s). What is not finite, leans too far or is not newer than the last is dropped; a
- * pitch that is missing counts as level. */
-static inline void attitude_take(struct attitude_track *track, double time, double roll, double pitch)
+/* Take in an attitude (rad) that is now (s) of an age (s). What is not finite, leans too far, is not newer than the last or
+ * of the future, and so would be the newest for long, is dropped; a pitch that is missing counts as level. */
+static inline void attitude_take(struct attitude_track *track, time_stamp now, double age, double roll, double pitch)
 {
+    const time_stamp time = now - age;
     const double level = isfinite(pitch) ? pitch : 0.0;
     const int32_t last = track->count - 1;
 
-    if (!isfinite(time) || !(fabs(roll) <= MOST_LEAN) || !(fabs(level) <= MOST_LEAN)
+    if (!isfinite(time) || age < 0.0 || !(fabs(roll) <= MOST_LEAN) || !(fabs(level) <= MOST_LEAN)
         || (last >= 0 && !(time > track->time[last])))
         return;
     if (track->count == ATTITUDES) {

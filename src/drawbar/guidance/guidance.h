@@ -70,8 +70,8 @@ static inline int guidance_change(struct guidance *guidance, const struct path *
     if (status != DRAWBAR_GUIDANCE_FINE)
         return status;
     path_sample(path, placed.progress[TRACTOR], sample);
-    if (!(hypot(tractor[0] - sample[0], tractor[1] - sample[1]) <= GUIDANCE_UNDER
-          && fabs(wrapped(estimate->tractor.yaw - sample[2])) <= ASTRAY))
+    if (!(hypot(tractor[0] - sample[AT_X], tractor[1] - sample[AT_Y]) <= GUIDANCE_UNDER
+          && fabs(wrapped(estimate->tractor.yaw - sample[AT_YAW])) <= ASTRAY))
         return DRAWBAR_GUIDANCE_FAR_FROM_START;
     *guidance = placed;
     return DRAWBAR_GUIDANCE_FINE;

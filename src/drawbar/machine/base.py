@@ -46,6 +46,9 @@ class Machine(ABC):
     ) -> None:
         try:
             self.stop()
+        except (KeyboardInterrupt, SystemExit):  # impatience, while it is told
+            self.stop()
+            raise
         finally:
             self.close()
 

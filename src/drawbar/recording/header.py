@@ -4,7 +4,8 @@ import os
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-from drawbar.config import Configuration
+from drawbar.config import Configuration, demand_configuration
+from drawbar.errors import PathError, demand
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
@@ -28,7 +29,13 @@ def run_header(
         drivable: how a recorded line was made drivable, None for other paths.
         seed: of everything random; a real machine has none.
         frame: of the path, where it is known otherwise than by its line.
+
+    Raises:
+        ConfigurationError: the configuration is none.
+        PathError: the path is none.
     """
+    demand_configuration(configuration)
+    demand("path", path, Path, "give one that build_path() made, or Path.through()", PathError)
     frame = frame or (drivable.frame if drivable else None)
     return RunHeader(
         configuration_name=configuration.name,

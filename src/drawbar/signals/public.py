@@ -28,7 +28,10 @@ class PathNode:
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """What the sensors report at one instant; a missing value is NaN. What a machine lacks keeps its default."""
+    """What the sensors report at one instant; a missing value is NaN. What a machine lacks keeps its default.
+
+    A value with an age below 0 or above 1 s is missing.
+    """
 
     time: Seconds
     """of the sample"""
@@ -49,9 +52,9 @@ class Measurement:
     trailer_steering: Radians
     """delta_i, actuated joint between drawbar and trailer"""
     tractor_fix_deviation: Metres = math.nan
-    """standard deviation of each coordinate of the tractor's fix"""
+    """standard deviation of each coordinate of the tractor's fix; 0 or less: the fix is missing"""
     trailer_fix_deviation: Metres = math.nan
-    """standard deviation of each coordinate of the trailer's fix"""
+    """standard deviation of each coordinate of the trailer's fix; 0 or less: the fix is missing"""
     tractor_roll: Radians = math.nan
     """right side down positive"""
     tractor_pitch: Radians = math.nan
@@ -67,9 +70,9 @@ class Measurement:
     trailer_yaw_rate: RadiansPerSecond = math.nan
     """counter-clockwise positive"""
     tractor_fix_age: Seconds = 0.0
-    """of the tractor's position at the time of the sample"""
+    """of the tractor's position at the time of the sample; 0: not told, `sensors.fixes.age` is taken"""
     trailer_fix_age: Seconds = 0.0
-    """of the trailer's position at the time of the sample"""
+    """of the trailer's position at the time of the sample; 0: not told, `sensors.fixes.age` is taken"""
     hitch_angle_age: Seconds = 0.0
     """of the hitch angle at the time of the sample"""
     speed_age: Seconds = 0.0

@@ -3,7 +3,7 @@
 import ctypes
 
 from drawbar.control.external import External
-from drawbar.errors import DrawbarError, PathError, demand
+from drawbar.errors import DrawbarError, PathError, demand, demand_number
 from drawbar.exchange import Layout
 from drawbar.guidance.path import Path
 from drawbar.signals import Command, Estimate, Measurement, Status, StepRecord, Truth
@@ -41,6 +41,7 @@ class Autopilot:
         Raises:
             PathError: the path is not smooth, or `at` is not on it.
         """
+        demand_number("at", at, "give an arc length in m", PathError)
         self._set_path("set_path", path)
         if at:
             _require(Status(self.library.call("begin_at", ctypes.c_double(at))), path, at)
@@ -56,6 +57,7 @@ class Autopilot:
         Raises:
             PathError: the path is not smooth, or not under the vehicle there; the run goes on along the old one.
         """
+        demand_number("at", at, "give an arc length in m", PathError)
         self._set_path("change_path", path, ctypes.c_double(at), at=at)
         self.path = path
 
@@ -66,9 +68,15 @@ class Autopilot:
         _require(Status(status), path, at)
         self._nodes = nodes
 
-    def set_speed(self, speed: float) -> bool:
-        """Change the set speed, m/s; return whether it is within what the configuration allows."""
-        return self.library.call("set_speed", ctypes.c_double(speed)) == Status.OK
+    def set_speed(self, speed: float) -> None:
+        """Change the set speed, m/s; in a run the commanded speed approaches it by the configuration's acceleration.
+
+        Raises:
+            DrawbarError: it is not from 0 to the configuration's own; the set speed stays.
+        """
+        demand_number("speed", speed, "give m/s")
+        if self.library.call("set_speed", ctypes.c_double(speed)) != Status.OK:
+            raise DrawbarError(f"speed = {speed} m/s is not allowed; give 0 to the configuration's own speed.")
 
     def set_engaged(self, engaged: bool) -> None:
         """Tell whether the commands are carried out; at first they are.
@@ -128,7 +136,9 @@ def _require(status: Status, path: Path, at: float) -> None:
         )
     if status is Status.RANGE:
         raise PathError(f"{at} m is not on the path; give an arc length from 0 to below {path.length:.2f} m")
-    if status is Status.START:
-        raise PathError(f"the vehicle is not on the new path near {at:.2f} m, or faces away; the old path stays")
+    if status is Status.ELSEWHERE:
+        raise PathError(
+            f"the vehicle is not on the new path near {at:.2f} m, or faces away from it; the run goes on as it was"
+        )
     if status is not Status.OK:
         raise PathError(status.text)

@@ -62,7 +62,7 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     initialise_components(a);
     drawbar_alignment_begin(COMPONENT(a->alignment), reported, &first);
     path_sample(&a->path, a->start, start);
-    a->diagnostics.start_distance = hypot(first.tractor_x - start[0], first.tractor_y - start[1]);
+    a->diagnostics.start_distance = hypot(first.tractor_x - start[AT_X], first.tractor_y - start[AT_Y]);
     if (drawbar_estimator_begin(COMPONENT(a->estimator), &first) == BAD_INPUT)
         return DRAWBAR_POSITION;
     a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, &first);

@@ -101,7 +101,7 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
         return DRAWBAR_RANGE;
     if (drawbar_guidance_change(COMPONENT(a->guidance), &path, arc_length, &a->made.estimate)
         != DRAWBAR_GUIDANCE_FINE)
-        return DRAWBAR_START;
+        return DRAWBAR_ELSEWHERE;
     a->path = path;
     return DRAWBAR_OK;
 }

@@ -1,4 +1,4 @@
-"""The fault campaign: a sample of its rows, driven; and what its analysis makes of a run."""
+"""The experiment `faults`: a sample of its rows, driven; and what its analysis makes of a run."""
 
 import math
 from collections.abc import Callable

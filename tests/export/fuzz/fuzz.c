@@ -196,7 +196,7 @@ static void change_path(struct fuzz *f)
     remember(f);
     const int status = drawbar_change_path(f->state, nodes, f->course.count, at);
     PROMISED((status == DRAWBAR_NO_RUN) == (!f->run.begun || f->run.ended));
-    PROMISED(status == DRAWBAR_OK || status == DRAWBAR_PATH || status == DRAWBAR_RANGE || status == DRAWBAR_START
+    PROMISED(status == DRAWBAR_OK || status == DRAWBAR_PATH || status == DRAWBAR_RANGE || status == DRAWBAR_ELSEWHERE
              || status == DRAWBAR_NO_RUN);
     changes += status == DRAWBAR_OK;
     settle(f, status == DRAWBAR_OK, nodes);

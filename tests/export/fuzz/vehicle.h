@@ -47,26 +47,18 @@ static inline void vehicle_drive(struct vehicle *v, const struct drawbar_command
 static inline struct drawbar_measurement vehicle_measure(const struct vehicle *v)
 {
     const double drawbar_yaw = v->trailer_yaw + v->joint;
+    struct drawbar_measurement measured = DRAWBAR_NOTHING_MEASURED;
 
-    return (struct drawbar_measurement){
-        .time = v->time,
-        .tractor_x = v->x,
-        .tractor_y = v->y,
-        .trailer_x = v->x - 0.9 * cos(v->yaw) - 0.2 * cos(drawbar_yaw) - 1.05 * cos(v->trailer_yaw),
-        .trailer_y = v->y - 0.9 * sin(v->yaw) - 0.2 * sin(drawbar_yaw) - 1.05 * sin(v->trailer_yaw),
-        .hitch_angle = v->yaw - drawbar_yaw,
-        .speed = v->speed,
-        .tractor_steering = v->steering,
-        .trailer_steering = v->joint,
-        .tractor_fix_deviation = NAN,
-        .trailer_fix_deviation = NAN,
-        .tractor_roll = NAN,
-        .tractor_pitch = NAN,
-        .tractor_yaw_rate = NAN,
-        .trailer_roll = NAN,
-        .trailer_pitch = NAN,
-        .trailer_yaw_rate = NAN,
-    };
+    measured.time = v->time;
+    measured.tractor_x = v->x;
+    measured.tractor_y = v->y;
+    measured.trailer_x = v->x - 0.9 * cos(v->yaw) - 0.2 * cos(drawbar_yaw) - 1.05 * cos(v->trailer_yaw);
+    measured.trailer_y = v->y - 0.9 * sin(v->yaw) - 0.2 * sin(drawbar_yaw) - 1.05 * sin(v->trailer_yaw);
+    measured.hitch_angle = v->yaw - drawbar_yaw;
+    measured.speed = v->speed;
+    measured.tractor_steering = v->steering;
+    measured.trailer_steering = v->joint;
+    return measured;
 }
 
 #endif

@@ -3,7 +3,7 @@
  *     drawbar_example measurements.csv [path.csv] > commands.csv
  *
  * measurements.csv: one line of names, then one line for each sample: the members of struct drawbar_measurement in their
- *     order, in its units. What is empty, or behind the end of the line, is missing: NaN, or 0 for an age or a quality.
+ *     order, in its units. What is empty, or behind the end of the line, is as in DRAWBAR_NOTHING_MEASURED.
  * path.csv: one line of names, then one line for each node: the members of struct drawbar_path_node
  */
 #include <math.h>
@@ -16,22 +16,22 @@
 
 #define LINE 2048
 #define NODE (sizeof(struct drawbar_path_node) / sizeof(double))
-/* Of a measurement, its numbers behind the time, the first of them that is an age, and the integers behind them. */
+/* Of a measurement, its numbers behind the time, and the integers behind them. */
 #define FIRST offsetof(struct drawbar_measurement, tractor_x)
 #define BEHIND offsetof(struct drawbar_measurement, tractor_fix_quality)
 #define NUMBERS ((BEHIND - FIRST) / sizeof(double))
-#define FIRST_AGE ((offsetof(struct drawbar_measurement, tractor_fix_age) - FIRST) / sizeof(double))
 #define INTEGERS ((sizeof(struct drawbar_measurement) - BEHIND) / sizeof(int32_t))
 
 static struct drawbar_state state;         /* too large for a microcontroller's stack */
 
-/* Read numbers between commas; what is no number is NaN. */
+/* Read numbers between commas; where there is none the value stays. */
 static void read_numbers(const char *line, double *values, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
         char *end;
         const double value = (double)strtod(line, &end);
-        values[i] = end != line && strchr(",\r\n", *end) != NULL ? value : (double)NAN;
+        if (end != line && strchr(",\r\n", *end) != NULL)
+            values[i] = value;
         line += strcspn(line, ",");
         line += *line == ',';
     }
@@ -58,7 +58,7 @@ static struct drawbar_path_node *read_path(const char *name, int32_t *count)
 
     *count = 0;
     while (fgets(line, LINE, file) != NULL) {
-        double values[NODE];
+        double values[NODE] = {(double)NAN, (double)NAN, (double)NAN, (double)NAN};
         if (*count % 1024 == 0)
             nodes = realloc(nodes, ((size_t)*count + 1024) * sizeof *nodes);
         if (nodes == NULL)
@@ -77,20 +77,20 @@ static struct drawbar_path_node *read_path(const char *name, int32_t *count)
 
 static struct drawbar_measurement read_measurement(const char *line)
 {
-    struct drawbar_measurement measurement;
-    double values[NUMBERS + INTEGERS];
+    struct drawbar_measurement measurement = DRAWBAR_NOTHING_MEASURED;
+    double values[NUMBERS + INTEGERS] = {0.0};
     int32_t integers[INTEGERS];
     char *end;
     const double time = strtod(line, &end);
 
-    measurement.time = end != line ? time : (double)NAN;
+    if (end != line)
+        measurement.time = time;
     line += strcspn(line, ",");
     line += *line == ',';
+    memcpy(values, (char *)&measurement + FIRST, NUMBERS * sizeof *values);
     read_numbers(line, values, NUMBERS + INTEGERS);
-    for (size_t i = FIRST_AGE; i < NUMBERS + INTEGERS; ++i)
-        values[i] = isnan(values[i]) ? 0.0 : values[i];
     for (size_t i = 0; i < INTEGERS; ++i)
-        integers[i] = (int32_t)values[NUMBERS + i];
+        integers[i] = isnan(values[NUMBERS + i]) ? 0 : (int32_t)values[NUMBERS + i];
     memcpy((char *)&measurement + FIRST, values, NUMBERS * sizeof *values);
     memcpy((char *)&measurement + BEHIND, integers, sizeof integers);
     return measurement;

@@ -1,6 +1,6 @@
 """Faults of a stand-in machine: what breaks at a receiver, a board, a steering or the bus, and when.
 
-Each is put in by a function of the machine, once; `drawbar stand-in --fault` and the fault campaign use the same.
+Each is put in by a function of the machine, once; `drawbar stand-in --fault` and the experiment `faults` use the same.
 """
 
 import math

@@ -5,7 +5,7 @@
  *                       or drawbar_step, which is both, where a millisecond of latency does not matter
  *
  * drawbar_size.h has DRAWBAR_SAMPLE_TIME in seconds. Call at every sample, even when the sensors report nothing: a missing
- * value is NaN. The state holds everything that is remembered: one per vehicle, used by one thread at a time. No function
+ * value is NaN. Let each measurement begin as DRAWBAR_NOTHING_MEASURED: a zero is a measurement. The state holds everything that is remembered: one per vehicle, used by one thread at a time. No function
  * allocates memory, reads a clock or keeps anything outside the state.
  *
  * Signals, statuses and their units: drawbar_signals.h.
@@ -42,25 +42,30 @@ struct drawbar_state {
 /* Prepare the state for its first path. */
 DRAWBAR_API int drawbar_init(struct drawbar_state *state);
 
-/* Begin a run at the start of a path; the next measurement starts it.
+/* Begin a run at the start of a path; the next measurement starts it. May be called at any time: a run that is on ends, a
+ * sample whose drawbar_prepare has not been called is over, and drawbar_feedback comes next.
  *
  * nodes: count (at least 2) poses with arc lengths that begin at zero and increase by 1 mm to 0.25 m, joined by arcs:
  *     no jumps, no kinks, yaw continuous. The library keeps the pointer, not a copy: keep the table unchanged until the
  *     run ends or another path is set.
  *
  * When it is refused (DRAWBAR_PATH) nothing changes. While the run cannot begin the vehicle stands, and status and
- * start_distance of the diagnostics tell why. */
+ * start_distance of the diagnostics tell why: an antenna's position is missing, or the tractor is further than
+ * guidance.maximum_start_distance of config.toml from where the run is to begin. */
 DRAWBAR_API int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node *nodes,
                                  int32_t count);
 
 /* Let the run that drawbar_set_path has announced begin elsewhere on the path.
  *
- * arc_length: from 0 to below the path's length, m; else DRAWBAR_RANGE, and nothing changes. */
+ * arc_length: from 0 to below the path's length, m; else DRAWBAR_RANGE, and nothing changes; nor once the run has begun
+ * (DRAWBAR_ORDER). */
 DRAWBAR_API int drawbar_begin_at(struct drawbar_state *state, double arc_length);
 
-/* Go on along another path, without a stop: the vehicle must be on it, and face along it, near an arc length (m).
+/* Go on along another path, without a stop. Its nodes are as those of drawbar_set_path; the tractor must be within 1 m of
+ * it, near an arc length (m), and face along it within 60 degrees.
  *
- * When it is refused (DRAWBAR_START: the vehicle is not there) nothing changes. */
+ * When it is refused (DRAWBAR_ELSEWHERE: the tractor is not there, DRAWBAR_PATH, DRAWBAR_RANGE, DRAWBAR_NO_RUN) nothing
+ * changes and the run goes on. */
 DRAWBAR_API int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_node *nodes, int32_t count,
                                     double arc_length);
 

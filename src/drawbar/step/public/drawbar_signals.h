@@ -5,6 +5,7 @@
 #ifndef DRAWBAR_SIGNALS_H
 #define DRAWBAR_SIGNALS_H
 
+#include <math.h>
 #include <stdint.h>
 
 /* What became of a control step; each status carries its text. Below REFUSED it is a set of flags (Flag). */
@@ -36,10 +37,13 @@ enum drawbar_status {
     DRAWBAR_NULL = 256,                 /* wrong call: a pointer is NULL */
     DRAWBAR_NOT_INITIALISED = 257,      /* wrong call: drawbar_init has not been called on this state */
     DRAWBAR_NO_PATH = 258,              /* wrong call: drawbar_set_path has not been called, or not with success */
-    DRAWBAR_ORDER = 259,                /* wrong call: feedback and prepare do not alternate */
+    DRAWBAR_ORDER = 259,                /* wrong call: out of order: feedback and prepare alternate, and where a
+                                         * run begins is told before it does */
     DRAWBAR_PATH = 260,                 /* wrong call: the path's table is not a smooth path */
     DRAWBAR_RANGE = 261,                /* wrong call: a number is beyond what is allowed */
     DRAWBAR_NO_RUN = 262,               /* wrong call: no run has begun, or it has ended */
+    DRAWBAR_ELSEWHERE = 263,            /* wrong call: the vehicle is not on the new path at that place, or faces
+                                         * away from it */
 };
 
 /* What there is to say of a step that made a new command; each flag carries its text. */
@@ -112,7 +116,8 @@ struct drawbar_path_node {
     double yaw;                         /* continuous along the path, rad */
 };
 
-/* What the sensors report at one instant; a missing value is NaN. What a machine lacks keeps its default. */
+/* What the sensors report at one instant; a missing value is NaN. What a machine lacks keeps its default. A value
+ * with an age below 0 or above 1 s is missing. */
 struct drawbar_measurement {
     double time;                        /* of the sample, s */
     double tractor_x;                   /* east of the tractor antenna, m */
@@ -123,8 +128,10 @@ struct drawbar_measurement {
     double speed;                       /* of the wheels, m/s */
     double tractor_steering;            /* delta_t, front wheels, left positive, rad */
     double trailer_steering;            /* delta_i, actuated joint between drawbar and trailer, rad */
-    double tractor_fix_deviation;       /* standard deviation of each coordinate of the tractor's fix, m */
-    double trailer_fix_deviation;       /* standard deviation of each coordinate of the trailer's fix, m */
+    double tractor_fix_deviation;       /* standard deviation of each coordinate of the tractor's fix; 0 or less:
+                                         * the fix is missing, m */
+    double trailer_fix_deviation;       /* standard deviation of each coordinate of the trailer's fix; 0 or less:
+                                         * the fix is missing, m */
     double tractor_roll;                /* right side down positive, rad */
     double tractor_pitch;               /* nose up positive, rad */
     double tractor_yaw;                 /* direction in which the tractor faces, from east, by a receiver with two
@@ -133,8 +140,10 @@ struct drawbar_measurement {
     double trailer_roll;                /* right side down positive, rad */
     double trailer_pitch;               /* nose up positive, rad */
     double trailer_yaw_rate;            /* counter-clockwise positive, rad/s */
-    double tractor_fix_age;             /* of the tractor's position at the time of the sample, s */
-    double trailer_fix_age;             /* of the trailer's position at the time of the sample, s */
+    double tractor_fix_age;             /* of the tractor's position at the time of the sample; 0: not told,
+                                         * `sensors.fixes.age` is taken, s */
+    double trailer_fix_age;             /* of the trailer's position at the time of the sample; 0: not told,
+                                         * `sensors.fixes.age` is taken, s */
     double hitch_angle_age;             /* of the hitch angle at the time of the sample, s */
     double speed_age;                   /* of the speed at the time of the sample, s */
     double tractor_steering_age;        /* of the tractor's steering angle at the time of the sample, s */
@@ -145,6 +154,14 @@ struct drawbar_measurement {
     int32_t tractor_fix_quality;        /* enum drawbar_quality */
     int32_t trailer_fix_quality;        /* enum drawbar_quality */
 };
+
+/* A measurement of nothing. Let every measurement begin as this, then write into it what the sensors report. Zeros are
+ * something else: they report rates of zero, and fixes with a deviation of zero, which count as missing. */
+#define DRAWBAR_NOTHING_MEASURED { \
+    (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, \
+    (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, \
+    (double)NAN, (double)NAN, (double)NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, \
+    DRAWBAR_QUALITY_UNKNOWN, DRAWBAR_QUALITY_UNKNOWN}
 
 /* Position on the ground and continuous yaw of one body's point. */
 struct drawbar_pose {
