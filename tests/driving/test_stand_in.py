@@ -17,6 +17,7 @@ from drawbar.driving.demonstration import free_ports, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.pace import shown_pace
 from drawbar.driving.place import local_frame
+from drawbar.driving.wiggle import wiggle_both
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.messages import SupervisorState
 from drawbar.protocols.agopengps.network import HELLO
@@ -53,6 +54,13 @@ def served(file, tmp_path, *options):
     finally:
         process.terminate()
         assert process.wait(10.0) == 0, words.read_text()
+
+
+def test_the_wiggle_test_is_passed_against_a_stand_in(configuration, tmp_path):
+    with served(configuration[1], tmp_path):
+        found = dict(wiggle_both(configuration[0]))
+    assert all(each.passed for each in found.values()), found
+    assert found.keys() == {"front wheels", "joint"}
 
 
 def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent(configuration, tmp_path):

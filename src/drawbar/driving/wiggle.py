@@ -31,8 +31,10 @@ _SETTLED = 0.5
 """before the first motion, s"""
 _RESTS = 1.0
 """after the last one, s"""
+ROLLS = 30.0
+"""within which the vehicle must roll, s"""
 _READY, _TAKES = 5.0, 3.0
-"""within which the actuator must become ready, and then take over, s"""
+"""within which the actuator must be ready once it rolls, and then take over, s"""
 _SILENCE = 0.3
 """oldest measured angle, s"""
 _STIFF, _LEAST = 0.8, math.radians(0.3)
@@ -62,7 +64,7 @@ class WiggleRun:
         self.phase = Phase.READYING
         self.reason = ""
         """why it was broken off, and what to do"""
-        self._since = self._taken = self._origin = self._turned = math.nan
+        self._since = self._rolls = self._taken = self._origin = self._turned = math.nan
         self._rows: list[tuple[float, float, float]] = []
         self._set_point = self._at_turn = 0.0
 
@@ -89,11 +91,16 @@ class WiggleRun:
             self.phase, self.reason = Phase.ENDED, reason
 
     def _ready(self, now: float, report: SteeringReport, speed: float) -> None:
-        if report.readiness is Readiness.READY and SLOWEST <= speed <= FASTEST:
+        if not SLOWEST <= speed <= FASTEST:
+            self._rolls = math.nan
+            if now - self._since > ROLLS:
+                self.end(_rolling(speed))
+            return
+        self._rolls = now if math.isnan(self._rolls) else self._rolls
+        if report.readiness is Readiness.READY:
             self.phase, self._since, self._origin = Phase.TAKING, now, report.angle
-        elif now - self._since > _READY:
-            rolls = SLOWEST <= speed <= FASTEST
-            self.end(_rolling(speed) if not rolls else f"the actuator {report.readiness.value}")
+        elif now - self._rolls > _READY:
+            self.end(f"the actuator {report.readiness.value}")
 
     def _go_on(self, now: float, report: SteeringReport, speed: float) -> None:
         if reason := self._wrong(now, report, speed):
