@@ -19,6 +19,7 @@ from drawbar.driving.pace import shown_pace
 from drawbar.driving.place import local_frame
 from drawbar.driving.wiggle import wiggle_both
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.messages import SupervisorState
 from drawbar.protocols.agopengps.network import HELLO
 from drawbar.recording.drive_records import RawBytes, open_drive
@@ -241,3 +242,21 @@ def test_a_serial_line_that_there_is_already_is_left_alone(serial, tmp_path):
     assert "the simulated machine is there" not in said
     assert (tmp_path / "trailer_receiver").read_text() == "a device"
     assert not (tmp_path / "tractor_receiver").is_symlink(), "what was opened before is closed again"
+
+
+def test_a_drive_whose_receivers_are_on_the_boards_and_send_to_the_port_of_their_replies(configuration, tmp_path):
+    whole, file = configuration
+    devices = whole.devices
+    receivers = {
+        f"{body}_receiver": ReceiverSettings(
+            transport=f"udp://{getattr(devices, f'{body}_board').listen}", sender=f"127.0.{subnet}.126"
+        )
+        for body, subnet in (("tractor", 5), ("trailer", 6))
+    }
+    whole = whole.model_copy(update={"devices": devices.model_copy(update=receivers)})
+    file.write_text(whole.to_toml(), "utf-8")
+    with served(file, tmp_path), Crew(whole, tmp_path, stand_ins=False) as crew:
+        front = FrontEnd(crew, demonstrates=True)
+        state = watch(front, lambda front: front.state and front.state.state is SupervisorState.ACTIVE, ENGAGE)
+        assert state.steers
+        front.close()

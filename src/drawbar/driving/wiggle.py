@@ -6,17 +6,18 @@
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, closing
 from enum import Enum, auto
 
 from drawbar.config import Configuration
-from drawbar.driving.crew import gate_orders
+from drawbar.driving.crew import folder_of_sockets, gate_orders
 from drawbar.driving.gate_main import wires as open_wires
+from drawbar.driving.receiver_lines import open_receivers
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires
-from drawbar.transports.open import open_transport
 
 SLOWEST, FASTEST = 0.2, 1.5
 """m/s, between which the vehicle must roll: a standing tyre is not turned"""
@@ -148,17 +149,14 @@ def wiggle_both(configuration: Configuration) -> Iterator[tuple[str, Wiggle]]:
         DrawbarError: a transport cannot be opened.
     """
     assert configuration.devices is not None
-    settings = configuration.devices.tractor_receiver
-    receiver = Receiver(open_transport(settings.transport), settings)
-    try:
-        wires = Wires(open_wires(gate_orders(configuration, folder="", controller=-1)))
-        try:
-            for body, name in enumerate(STEERINGS):
-                yield name, carry_out(wires, body, lambda now: _speed(receiver, now))
-        finally:
-            wires.close()
-    finally:
-        receiver.close()
+    with ExitStack() as opened:
+        orders = gate_orders(configuration, folder=opened.enter_context(folder_of_sockets()), controller=-1)
+        tractor, trailer = open_receivers(configuration.devices, orders.sentences)
+        opened.callback(trailer.close)
+        receiver = opened.enter_context(closing(Receiver(tractor, configuration.devices.tractor_receiver)))
+        wires = opened.enter_context(closing(Wires(open_wires(orders))))
+        for body, name in enumerate(STEERINGS):
+            yield name, carry_out(wires, body, lambda now: _speed(receiver, now))
 
 
 def _speed(receiver: Receiver, now: float) -> float:
