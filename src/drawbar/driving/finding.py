@@ -3,9 +3,10 @@
 import math
 import select
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+from drawbar.errors import HardwareError
 from drawbar.transports.base import Transport
 
 _LOOK = 0.02
@@ -24,6 +25,14 @@ class Finding:
     """what is missing, each with what to do"""
     clock: float = math.nan
     """of a receiver: its time of day when this computer's monotonic clock began, s"""
+
+
+def found(device: str, look: Callable[[], Finding]) -> Finding:
+    """Return what is found out about a device; why it cannot be opened, where it cannot."""
+    try:
+        return look()
+    except HardwareError as error:
+        return Finding(device=device, problems=[str(error)])
 
 
 def looks(seconds: float, *watched: Transport) -> Iterator[float]:

@@ -75,9 +75,14 @@ class DeviceSettings(Settings):
 
     def _refuse_one_line_for_two(self) -> None:
         tractor, trailer = self._receivers
-        if self.sensors is not None and self.sensors.transport in (tractor.transport, trailer.transport):
+        recorded = tractor.is_recorded or trailer.is_recorded
+        if (
+            self.sensors is not None
+            and not recorded
+            and self.sensors.transport in (tractor.transport, trailer.transport)
+        ):
             raise ValueError(f"a receiver and sensors have one transport, {self.sensors.transport}; give each its own")
-        if tractor.transport != trailer.transport:
+        if tractor.transport != trailer.transport or tractor.is_recorded:
             return
         if not tractor.has_senders:
             raise ValueError(f"both receivers have one transport, {tractor.transport}; give each its own")

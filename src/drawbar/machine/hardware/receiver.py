@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
-from drawbar.transports.address import TransportText, UdpAddress, parse_transport
+from drawbar.transports.address import FileAddress, TransportText, UdpAddress, parse_transport
 from drawbar.transports.base import Transport
 
 _ANY = "0.0.0.0"
@@ -31,6 +31,11 @@ class ReceiverSettings(EpochSettings):
     def is_on_can(self) -> bool:
         """Whether it speaks NMEA 2000."""
         return self.transport.startswith(CAN)
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether its bytes come from a file, which may be read twice."""
+        return not self.is_on_can and isinstance(parse_transport(self.transport), FileAddress)
 
     @property
     def has_senders(self) -> bool:
