@@ -196,7 +196,7 @@ def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
     report = line.last
     finding.heard = math.isfinite(report.time)
     if not finding.heard:
-        tell_silence(finding, line.transport)
+        tell_silence(finding, line.transport, line.board.dropped)
     if math.isfinite(report.hitch_angle):
         finding.facts.append(f"hitch angle {math.degrees(report.hitch_angle):.1f}°")
     if math.isfinite(report.wheel_speed):
@@ -216,7 +216,7 @@ def _bare_valve(settings: BareValveSettings, seconds: float) -> Finding:
     ]
     finding.heard = bool(reports)
     if not reports:
-        tell_silence(finding, transport)
+        tell_silence(finding, transport, board.dropped)
     else:
         reading = settings.sensor().read(reports[-1].counts)
         finding.facts.append(f"angle {math.degrees(reading.value):.1f}°")

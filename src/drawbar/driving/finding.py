@@ -3,7 +3,7 @@
 import math
 import select
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from drawbar.errors import HardwareError
@@ -44,7 +44,14 @@ def looks(seconds: float, *watched: Transport) -> Iterator[float]:
         select.select([each for each in descriptors if each >= 0], [], [], _LOOK)
 
 
-def tell_silence(finding: Finding, transport: Transport) -> None:
-    """Note that nothing was heard, and what to do."""
+def tell_silence(finding: Finding, transport: Transport, dropped: Mapping[str, int] | None = None) -> None:
+    """Note that nothing was heard, or nothing but what was dropped (by kind), and what to do."""
+    if dropped:
+        what = ", ".join(f"{count} {kind}" for kind, count in dropped.items())
+        finding.problems.append(
+            f"something comes, but nothing that is understood ({what}): check the baud rate, the sender, and which "
+            "messages it is set up to send"
+        )
+        return
     why = f" ({transport.trouble})" if transport.trouble else ""
     finding.problems.append(f"nothing was heard{why}: check its power, its cable and its transport")
