@@ -4,7 +4,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 import pytest
 from patience import ENGAGE, PATIENT, watch
@@ -17,9 +17,12 @@ from drawbar.driving.demonstration import free_ports, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.pace import shown_pace
 from drawbar.driving.place import local_frame
+from drawbar.driving.stand_in_lines import BoardLine
 from drawbar.driving.wiggle import wiggle_both
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.machine.stand_in.board import Output
 from drawbar.messages import SupervisorState
 from drawbar.protocols.agopengps.network import HELLO
 from drawbar.recording.drive_records import RawBytes, open_drive
@@ -260,3 +263,14 @@ def test_a_drive_whose_receivers_are_on_the_boards_and_send_to_the_port_of_their
         state = watch(front, lambda front: front.state and front.state.state is SupervisorState.ACTIVE, ENGAGE)
         assert state.steers
         front.close()
+
+
+def test_a_board_that_speaks_unasked_is_heard_by_who_only_listens():
+    board, listen = free_ports(socket.SOCK_DGRAM, 2)
+    settings = SteerBoardSettings(address=f"127.0.0.1:{board}", listen=f"0.0.0.0:{listen}", max_angle=0.5)
+    with closing(BoardLine(settings)) as line, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as shadow:
+        line.send(Output(0.0, b"nobody hears it", ""))
+        shadow.bind(("0.0.0.0", listen))
+        shadow.settimeout(5.0)
+        line.send(Output(0.0, b"angle", ""))
+        assert shadow.recv(100) == b"angle"

@@ -7,7 +7,7 @@ from contextlib import suppress
 from urllib.parse import urlsplit
 
 from drawbar.errors import HardwareError
-from drawbar.machine.hardware.receiver import CAN
+from drawbar.machine.hardware.receiver import ANY, CAN
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
 from drawbar.transports.address import SerialAddress, parse_transport
@@ -136,7 +136,8 @@ class BoardLine:
             HardwareError: the port is taken.
         """
         self._socket = _bound(socket.SOCK_DGRAM, settings.destination, settings.address)
-        self._computer: tuple[str, int] | None = None
+        host, port = settings.listening
+        self._computer = ("127.0.0.1" if host == ANY else host, port)
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""
@@ -154,12 +155,9 @@ class BoardLine:
         return came
 
     def send(self, output: Output) -> None:
-        """Send to the computer that was heard last."""
-        if self._computer is not None:
-            try:
-                self._socket.sendto(output.data, self._computer)
-            except OSError:
-                return
+        """Send to the computer that was heard last; before, to this one, as a board's broadcast reaches it."""
+        with suppress(OSError):  # nobody listens there
+            self._socket.sendto(output.data, self._computer)
 
     def close(self) -> None:
         """Close the socket."""

@@ -11,7 +11,7 @@ from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.transports.address import FileAddress, TransportText, UdpAddress, parse_transport
 from drawbar.transports.base import Transport
 
-_ANY = "0.0.0.0"
+ANY = "0.0.0.0"
 """all addresses of this computer"""
 CAN = "can:"
 """begins the address of a CAN bus"""
@@ -47,7 +47,7 @@ class ReceiverSettings(EpochSettings):
         address = None if self.is_on_can else parse_transport(self.transport)
         if not isinstance(address, UdpAddress) or address.port != place[1]:
             return False
-        return address.host == place[0] or _ANY in (address.host, place[0])
+        return address.host == place[0] or ANY in (address.host, place[0])
 
     @model_validator(mode="after")
     def _sender_fits(self) -> Self:
