@@ -1,9 +1,8 @@
-import csv
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from golden import rows
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,19 +34,10 @@ def test_nearest_branch_moves_by_whole_turns_to_within_half_a_turn(angle: float,
 
 
 ORIGINS = [(-60.0, 11.2, 0.0), (-20.0, -179.99, 300.0), (0.0, 0.0, 0.0), (50.88, 4.7, 88.0), (67.0, 25.0, 150.0)]
-SHARED = Path(__file__).parents[2] / "shared" / "vectors"
-
-
-def vectors(name: str) -> list[dict[str, float]]:
-    """Return the rows of a golden file, which only some machines have beside the repository."""
-    if not (SHARED / name).exists():
-        pytest.skip(f"the golden file {name} is not on this machine")
-    with (SHARED / name).open(encoding="utf-8") as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 
 def test_the_frame_gives_the_golden_coordinates() -> None:
-    for row in vectors("enu.csv"):
+    for row in rows("enu.csv"):
         frame = LocalFrame(
             latitude=row["origin_latitude_deg"], longitude=row["origin_longitude_deg"], height=row["origin_height_m"]
         )
@@ -107,13 +97,8 @@ def test_east_and_north_are_where_the_words_say() -> None:
     assert east[1] > 60.0
 
 
-_GOLDEN = Path(__file__).parents[2] / "shared" / "vectors" / "lever_arm.csv"
-
-
-@pytest.mark.skipif(not _GOLDEN.is_file(), reason="the golden lever arms are not on this machine")
 def test_arms_are_those_of_the_golden_file() -> None:
-    for row in csv.DictReader(_GOLDEN.read_text("utf-8").splitlines()):
-        value = {key: float(text) for key, text in row.items()}
+    for value in rows("lever_arm.csv"):
         arm = (value["arm_forward_m"], value["arm_left_m"], value["arm_up_m"])
         east, north = arm_offset(value["yaw_rad"], value["roll_right_rad"], value["pitch_up_rad"], arm)
         ground = value["antenna_east_m"] - east, value["antenna_north_m"] - north

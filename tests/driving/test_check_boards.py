@@ -11,12 +11,16 @@ from board_server import BoardServer
 from drawbar.driving import check
 from drawbar.driving.demonstration import free_ports
 from drawbar.machine.hardware import board_scan
+from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.aio_26 import Aio26
 from drawbar.machine.stand_in.aio_v4 import AioV4
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.protocols.agopengps.frame import STEER_BOARD, pack
 from drawbar.protocols.agopengps.network import SCAN
+from drawbar.transports.udp import KNOWN_PORTS
 
 NOWHERE = "127.0.0.1:1"
 
@@ -101,3 +105,23 @@ def test_a_board_that_hears_this_computer_from_another_network_is_told(listen):
 def test_a_computer_without_boards_scans_nothing(monkeypatch):
     monkeypatch.setattr(check, "BoardScan", lambda *_: pytest.fail("it scanned"))
     assert found({}) == {}
+
+
+def test_a_port_that_agio_has_is_a_finding_and_the_other_devices_are_listened_to(monkeypatch, listen):
+    host, port = listen.split(":")
+    monkeypatch.setitem(KNOWN_PORTS, int(port), "AgIO")
+    devices = DeviceSettings(
+        tractor_receiver=ReceiverSettings(transport=f"udp://{listen}", sender="127.0.0.2"),
+        trailer_receiver=ReceiverSettings(transport="file:/nonexistent"),
+        tractor_board=settings(NOWHERE, listen),
+        trailer_board=settings("127.0.0.2:1", listen),
+        sensors=SensorBoardSettings(transport="serial:/nonexistent@115200", pulses_per_metre=1.0),
+    )
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as agio:
+        agio.bind((host, int(port)))
+        told = {each.device: each.problems for each in check.check(devices, devices.origin.frame(), 0.1, 0.2)}
+    taken = [f"port {port} is taken: another program (AgIO?) listens there; stop it or give another port"]
+    assert told.keys() == {"tractor receiver", "trailer receiver", "tractor board", "trailer board", "sensor board"}
+    assert told["tractor receiver"] == told["tractor board"] == told["trailer board"] == taken
+    assert "No such file" in told["trailer receiver"][0]
+    assert "cannot be opened" in told["sensor board"][0]

@@ -3,6 +3,7 @@
 import datetime
 import socket
 
+import numpy as np
 import pytest
 from isobus_devices import isobus_devices
 from pyubx2 import GET, POLL, UBXMessage
@@ -59,6 +60,15 @@ def report_at(time):
     return Report(
         time=time, latitude=50.0, longitude=4.0, height=0.0, quality=FixQuality.FIXED, speed=0.0, correction_age=1.0
     )
+
+
+def test_bytes_of_another_baud_rate_are_told_from_silence(monkeypatch):
+    noise = np.random.default_rng(0).integers(128, 256, 200, dtype=np.uint8).tobytes()
+    (problem,) = finding_of(monkeypatch, lambda step, time: noise).problems
+    assert problem.startswith("something comes, but nothing that is understood (")
+    assert "noise bytes): check the baud rate, the sender" in problem
+    (problem,) = finding_of(monkeypatch, lambda step, time: b"").problems
+    assert problem == "nothing was heard: check its power, its cable and its transport"
 
 
 def test_the_age_of_corrections_is_told(monkeypatch):

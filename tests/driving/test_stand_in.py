@@ -4,7 +4,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 import pytest
 from patience import ENGAGE, PATIENT, watch
@@ -17,7 +17,12 @@ from drawbar.driving.demonstration import free_ports, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.pace import shown_pace
 from drawbar.driving.place import local_frame
+from drawbar.driving.stand_in_lines import BoardLine
+from drawbar.driving.wiggle import wiggle_both
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.machine.stand_in.board import Output
 from drawbar.messages import SupervisorState
 from drawbar.protocols.agopengps.network import HELLO
 from drawbar.recording.drive_records import RawBytes, open_drive
@@ -53,6 +58,13 @@ def served(file, tmp_path, *options):
     finally:
         process.terminate()
         assert process.wait(10.0) == 0, words.read_text()
+
+
+def test_the_wiggle_test_is_passed_against_a_stand_in(configuration, tmp_path):
+    with served(configuration[1], tmp_path):
+        found = dict(wiggle_both(configuration[0]))
+    assert all(each.passed for each in found.values()), found
+    assert found.keys() == {"front wheels", "joint"}
 
 
 def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent(configuration, tmp_path):
@@ -233,3 +245,32 @@ def test_a_serial_line_that_there_is_already_is_left_alone(serial, tmp_path):
     assert "the simulated machine is there" not in said
     assert (tmp_path / "trailer_receiver").read_text() == "a device"
     assert not (tmp_path / "tractor_receiver").is_symlink(), "what was opened before is closed again"
+
+
+def test_a_drive_whose_receivers_are_on_the_boards_and_send_to_the_port_of_their_replies(configuration, tmp_path):
+    whole, file = configuration
+    devices = whole.devices
+    receivers = {
+        f"{body}_receiver": ReceiverSettings(
+            transport=f"udp://{getattr(devices, f'{body}_board').listen}", sender=f"127.0.{subnet}.126"
+        )
+        for body, subnet in (("tractor", 5), ("trailer", 6))
+    }
+    whole = whole.model_copy(update={"devices": devices.model_copy(update=receivers)})
+    file.write_text(whole.to_toml(), "utf-8")
+    with served(file, tmp_path), Crew(whole, tmp_path, stand_ins=False) as crew:
+        front = FrontEnd(crew, demonstrates=True)
+        state = watch(front, lambda front: front.state and front.state.state is SupervisorState.ACTIVE, ENGAGE)
+        assert state.steers
+        front.close()
+
+
+def test_a_board_that_speaks_unasked_is_heard_by_who_only_listens():
+    board, listen = free_ports(socket.SOCK_DGRAM, 2)
+    settings = SteerBoardSettings(address=f"127.0.0.1:{board}", listen=f"0.0.0.0:{listen}", max_angle=0.5)
+    with closing(BoardLine(settings)) as line, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as shadow:
+        line.send(Output(0.0, b"nobody hears it", ""))
+        shadow.bind(("0.0.0.0", listen))
+        shadow.settimeout(5.0)
+        line.send(Output(0.0, b"angle", ""))
+        assert shadow.recv(100) == b"angle"

@@ -44,7 +44,7 @@ def tried(wheel=None, *, change=lambda now, board: None, speed=lambda now: 0.5, 
         for reply in replies:
             actuator.receive(now, reply.data, SOURCE)
         farthest = max(farthest, abs(wheel.angle))
-        assert now < 20.0, "it ends by itself"
+        assert now < 40.0, "it ends by itself"
     assert not run.tick(now, actuator.report(now), 0.5).steer
     return run, farthest
 
@@ -98,6 +98,11 @@ def test_it_moves_nothing_unless_the_vehicle_rolls(speed):
     run, farthest = tried(speed=speed)
     assert "roll straight ahead" in refusal(run)
     assert farthest == 0.0 or speed(0.0) == 0.5
+
+
+def test_it_waits_until_the_vehicle_rolls():
+    run, _ = tried(speed=lambda now: 0.0 if now < 20.0 else 0.5)
+    assert run.judged().passed
 
 
 def test_it_passes_over_a_real_socket():

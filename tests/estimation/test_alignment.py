@@ -1,14 +1,13 @@
 """Alignment: lever arms, attitude that fades, the ground's record, ages, deviations; against closed forms and truth."""
 
-import csv
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from alignment import Alignment
+from golden import rows
 from ordinary import believed, measured
 
 from drawbar.config import load_configuration
@@ -19,7 +18,6 @@ from drawbar.simulation import Simulation
 from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
 from drawbar.vehicle.sensors import FixSettings, SensorNoise
 
-GOLDEN = Path(__file__).parents[3] / "shared" / "vectors" / "lever_arm.csv"
 SAMPLE = 0.2
 
 
@@ -43,10 +41,8 @@ def standing(yaw: float, trailer_yaw: float) -> Estimate:
     return estimate(0.0, Pose(x=0.0, y=0.0, yaw=yaw), Pose(x=-2.0, y=0.0, yaw=trailer_yaw))
 
 
-@pytest.mark.skipif(not GOLDEN.is_file(), reason="the golden lever arms are not on this machine")
 def test_lever_arms_are_those_of_the_golden_file() -> None:
-    for row in csv.DictReader(GOLDEN.read_text("utf-8").splitlines()):
-        value = {key: float(text) for key, text in row.items()}
+    for value in rows("lever_arm.csv"):
         mast = Mast(forward=value["arm_forward_m"], left=value["arm_left_m"], up=value["arm_up_m"])
         antenna = value["antenna_east_m"], value["antenna_north_m"]
         for body in ("tractor", "trailer"):

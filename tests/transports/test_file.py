@@ -24,6 +24,12 @@ def recording(folder: Path, *lines: str) -> FileAddress:
     return FileAddress(path=str(folder / "recording.txt"))
 
 
+@pytest.mark.parametrize("path", ["/dev/zero", "/dev"])
+def test_what_is_no_file_is_refused_and_not_read_for_ever(path: str) -> None:
+    with pytest.raises(HardwareError, match=rf"{path}: is no file; a serial line is written serial:"):
+        FileTransport(FileAddress(path=path))
+
+
 def test_pieces_come_as_much_later_as_they_came(tmp_path: Path) -> None:
     clock = FakeClock(1000.0)
     transport = FileTransport(recording(tmp_path, *map(recorded_line, PIECES)), clock)

@@ -99,6 +99,11 @@ def test_device_that_is_not_there_is_told_and_tried_again(tmp_path: Path) -> Non
     line.unplug()
 
 
+def test_what_is_no_serial_line_is_told() -> None:
+    transport = SerialTransport(SerialAddress(device="/dev/null", baud=115200), FakeClock())
+    assert transport.trouble == "/dev/null cannot be opened: it is no serial line"
+
+
 def test_bytes_a_full_line_does_not_take_are_counted_and_dropped(line: Line) -> None:
     transport = open_transport(f"serial:{line.path}@9600")
     flood = bytes(1 << 20)

@@ -81,12 +81,13 @@ def _wiggle(config: "Configuration") -> bool:
     """Make the wiggle test if the operator wants it, twice; return whether it is passed."""
     from rich.text import Text
 
-    from drawbar.driving.wiggle import FASTEST, SLOWEST, wiggle_both
+    from drawbar.driving.wiggle import FASTEST, ROLLS, SLOWEST, wiggle_both
     from drawbar.driving.wiggled import forget_passed, keep_passed
 
     console.print(
         "The wiggle test turns the front wheels, then the joint, by 2° to both sides. Roll straight ahead at "
-        f"{SLOWEST} to {FASTEST} m/s, somebody on the seat, nobody near the machine. Ctrl-C ends it."
+        f"{SLOWEST} to {FASTEST} m/s, somebody on the seat, nobody near the machine; it begins once the vehicle rolls, "
+        f"within {ROLLS:.0f} s. Ctrl-C ends it."
     )
     if not agreed("Is the field ahead clear, and is somebody on the seat?", "Move the steering now?"):
         return False

@@ -48,7 +48,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.LINE_LOST: ("Traktor oder Anhänger hat die Linie verlassen",
         "zur Linie zurückfahren"),
     Cause.ACROSS_LINE: ("Traktor oder Anhänger zeigt nicht entlang der Linie, oder die Richtung ist unbekannt",
-        "in die Richtung der Linie einlenken"),
+        "in die Richtung der Linie einlenken; zeigen beide schon so, sind die Empfänger vertauscht"),
     Cause.HITCH_ANGLE: ("der Knickwinkel ist zu groß oder unbekannt",
         "Traktor und Anhänger gerader ziehen"),
     Cause.HITCH_FOLDED: ("Traktor und Anhänger drohen einzuknicken, oder der Winkel ist unbekannt",

@@ -3,6 +3,7 @@
 import time
 
 from drawbar.machine.hardware.isobus import IsobusSettings, guidance_valve
+from drawbar.machine.hardware.sentences import SentenceRelay
 from drawbar.machine.hardware.shared_socket import own_sources, share
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.protocols.agopengps.network import COMPUTER_PORT
@@ -16,7 +17,11 @@ from drawbar.transports.udp import UdpTransport
 
 
 def board_wires(
-    boards: dict[str, SteerBoardSettings | None], clock: Clock = time.monotonic, *, listens: bool = False
+    boards: dict[str, SteerBoardSettings | None],
+    clock: Clock = time.monotonic,
+    *,
+    listens: bool = False,
+    sentences: str = "",
 ) -> list[Wire]:
     """Open the transports of boards by the names of their bodies; those that listen at one place share one socket.
 
@@ -24,6 +29,7 @@ def board_wires(
         boards: their settings.
         clock: of what they say, s.
         listens: open sockets that hear the boards, and have nobody to send to.
+        sentences: path to hand the boards' sentences to, for receivers on them; empty: nobody hears those.
 
     Raises:
         HardwareError: a port is taken.
@@ -34,9 +40,10 @@ def board_wires(
         first = next(iter(here.values()))
         line = open_transport(first.ear if listens else first.transport, clock)
         assert isinstance(line, UdpTransport)
+        heard = SentenceRelay(line, sentences) if sentences else line
         peers = [board.destination for board in here.values()]
         own = own_sources(peers, COMPUTER_PORT)
-        for (body, board), transport in zip(here.items(), share(line, peers), strict=True):
+        for (body, board), transport in zip(here.items(), share(heard, peers), strict=True):
             actuator = board.actuator(own)
             tractor, trailer = (actuator, None) if body == "tractor" else (None, actuator)
             opened.append(Wire(transport=transport, tractor=tractor, trailer=trailer))

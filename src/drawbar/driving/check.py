@@ -6,16 +6,19 @@ Nothing is moved: boards are asked where they are, boards and valves told that n
 import math
 import time
 from collections.abc import Iterator
+from functools import partial
 
 from drawbar.driving.actuators import isobus_wire
 from drawbar.driving.check_receiver import check_receiver, other_time
-from drawbar.driving.finding import Finding, looks, tell_silence
+from drawbar.driving.finding import Finding, found, looks, tell_silence
+from drawbar.errors import HardwareError
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.board_scan import BoardScan
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.isobus import IsobusSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.protocols.actuator import Readiness, SteeringRequest
@@ -48,13 +51,19 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
         seconds: to listen to each device.
         sample_time: of the controller, s.
 
+    A device whose port is taken, or whose recording cannot be read, is a finding, and the others are listened to.
+
     Raises:
-        DrawbarError: a transport cannot be opened.
+        ConfigurationError: the login of the corrections cannot be had.
     """
     corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
-    tractor = check_receiver("tractor receiver", devices.tractor_receiver, frame, seconds, sample_time, corrections)
+
+    def receiver(name: str, settings: ReceiverSettings) -> Finding:
+        return found(name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections))
+
+    tractor = receiver("tractor receiver", devices.tractor_receiver)
     yield tractor
-    trailer = check_receiver("trailer receiver", devices.trailer_receiver, frame, seconds, sample_time, corrections)
+    trailer = receiver("trailer receiver", devices.trailer_receiver)
     trailer.problems += other_time(tractor, trailer)
     yield trailer
     boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
@@ -62,9 +71,9 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
     if devices.isobus is not None:
         yield from _isobus(devices.isobus, seconds, drives=devices.speed == "isobus")
     if devices.sensors is not None:
-        yield _sensors(devices.sensors, seconds)
+        yield found("sensor board", partial(_sensors, devices.sensors, seconds))
     if devices.bare_valve is not None:
-        yield _bare_valve(devices.bare_valve, seconds)
+        yield found("bare valve", partial(_bare_valve, devices.bare_valve, seconds))
     if corrections is not None:
         for now in looks(seconds):
             corrections.advance(now)
@@ -77,12 +86,12 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
 
 def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[Finding]:
     """Ask all boards where they are, then listen to those that the configuration names."""
-    found = _scan(list(boards.values()), min(seconds, _SCAN))
-    named = {source for board in boards.values() for source in found if board.actuator().is_board(source)}
-    strangers = {source: reply for source, reply in found.items() if source not in named}
+    replies = _scan(list(boards.values()), min(seconds, _SCAN))
+    named = {source for board in boards.values() for source in replies if board.actuator().is_board(source)}
+    strangers = {source: reply for source, reply in replies.items() if source not in named}
     for name, board in boards.items():
-        finding = listen_to_board(name, board, seconds)
-        answers = [reply for source, reply in found.items() if board.actuator().is_board(source)]
+        finding = found(name, partial(listen_to_board, name, board, seconds))
+        answers = [reply for source, reply in replies.items() if board.actuator().is_board(source)]
         finding.facts += [f"scan: {reply.kind} {reply.address}" for reply in answers]
         finding.problems += [_elsewhere(reply) for reply in answers if not reply.address.startswith(f"{reply.subnet}.")]
         if not finding.heard:
@@ -94,10 +103,13 @@ def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[F
 
 
 def _scan(boards: list[SteerBoardSettings], seconds: float) -> dict[str, ScanReply]:
-    """Return what boards answer to the question where they are, by their `address:port`."""
-    found: dict[str, ScanReply] = {}
+    """Return what boards answer to the question where they are, by their `address:port`; nothing at a taken port."""
+    replies: dict[str, ScanReply] = {}
     for listen in {board.listening for board in boards}:
-        scan = BoardScan(listen, [board.destination for board in boards if board.listening == listen])
+        try:
+            scan = BoardScan(listen, [board.destination for board in boards if board.listening == listen])
+        except HardwareError:  # listening to the boards themselves says why
+            continue
         asked = 0.0
         for now in looks(seconds):
             if now - asked >= _ASK_AGAIN:
@@ -105,8 +117,8 @@ def _scan(boards: list[SteerBoardSettings], seconds: float) -> dict[str, ScanRep
                 scan.ask()
             scan.poll()
         scan.close()
-        found |= scan.found
-    return found
+        replies |= scan.found
+    return replies
 
 
 def _elsewhere(reply: ScanReply) -> str:
@@ -184,7 +196,7 @@ def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
     report = line.last
     finding.heard = math.isfinite(report.time)
     if not finding.heard:
-        tell_silence(finding, line.transport)
+        tell_silence(finding, line.transport, line.board.dropped)
     if math.isfinite(report.hitch_angle):
         finding.facts.append(f"hitch angle {math.degrees(report.hitch_angle):.1f}°")
     if math.isfinite(report.wheel_speed):
@@ -204,7 +216,7 @@ def _bare_valve(settings: BareValveSettings, seconds: float) -> Finding:
     ]
     finding.heard = bool(reports)
     if not reports:
-        tell_silence(finding, transport)
+        tell_silence(finding, transport, board.dropped)
     else:
         reading = settings.sensor().read(reports[-1].counts)
         finding.facts.append(f"angle {math.degrees(reading.value):.1f}°")

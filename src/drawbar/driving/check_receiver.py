@@ -73,7 +73,7 @@ def check_receiver(
             correct(corrections, now, receiver, [receiver])
     finding.heard = bool(epochs)
     if not epochs:
-        tell_silence(finding, receiver.transport)
+        tell_silence(finding, receiver.transport, receiver.dropped)
     else:
         finding.facts += [versions.told] if versions.told else []
         _describe(finding, epochs, frame, receiver, sample_time)

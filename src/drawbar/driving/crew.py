@@ -14,7 +14,7 @@ from typing import IO, Self
 from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.ending import undisturbed
-from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, RECORDER, SOCKETS, GateOrders, Orders
+from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, RECORDER, SENTENCES, SOCKETS, GateOrders, Orders
 from drawbar.driving.pace import driver_socket, shown_pace
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
@@ -65,7 +65,7 @@ class Crew:
         self.configuration, self._run = configuration, run
         self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
-        self._folder = _folder_of_sockets()
+        self._folder = folder_of_sockets()
         self._messages: IO[bytes] = (run / "messages.txt").open("wb")
         self.orders = Orders(
             folder=self._folder.name,
@@ -175,7 +175,7 @@ class Crew:
                     process.wait()
 
 
-def _folder_of_sockets() -> "tempfile.TemporaryDirectory[str]":
+def folder_of_sockets() -> "tempfile.TemporaryDirectory[str]":
     """Return a new folder, the user's own, with room for the names of sockets."""
     folder = tempfile.TemporaryDirectory(prefix="drawbar-")
     longest = _LONGEST_PATH - len(os.sep) - len(max(SOCKETS, key=len))
@@ -204,6 +204,7 @@ def gate_orders(
         tractor_board=devices.tractor_board,
         trailer_board=devices.trailer_board,
         isobus=devices.isobus,
+        sentences=str(Path(folder) / SENTENCES) if devices.receivers_on_boards else "",
         drives=devices.speed == "isobus",
         driver=driver_socket(devices, shown) if shown is not None else "",
         shadow=shadow,

@@ -38,7 +38,7 @@ def wires(orders: GateOrders) -> list[Wire]:
         HardwareError: a port is taken.
     """
     boards, clock = {"tractor": orders.tractor_board, "trailer": orders.trailer_board}, orders.clock
-    opened = board_wires(boards, clock, listens=orders.shadow)
+    opened = board_wires(boards, clock, listens=orders.shadow, sentences=orders.sentences)
     if orders.isobus is not None:
         limit = orders.safety.envelope.speed if orders.drives else None
         opened.append(isobus_wire(orders.isobus, limit, open_can(orders.isobus.bus, clock)))

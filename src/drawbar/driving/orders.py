@@ -46,9 +46,9 @@ class Orders(PacedOrders):
 
 
 GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER = "gate", "controller", "recorder", "front", "driver"
-CONSOLE, GUARD, RECEIVERS = "console", "guard", "receivers"
-"""names of the sockets; the driver's is that of this drive's own stand-in"""
-SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS)
+CONSOLE, GUARD, RECEIVERS, SENTENCES = "console", "guard", "receivers", "sentences"
+"""names of the sockets; the driver's is that of this drive's own stand-in, the last that of receivers on boards"""
+SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS, SENTENCES)
 ORDERS_NAME = "orders.json"
 """in the folder of the sockets: what a console that is started later needs to know"""
 
@@ -71,6 +71,8 @@ class GateOrders(PacedOrders):
     isobus: IsobusSettings | None
     drives: bool = False
     """the tractor's speed is commanded over the ISOBUS"""
+    sentences: str = ""
+    """path to hand sentences to that come to the boards' port; empty: no receiver is on a board"""
     driver: str = ""
     """address of the driver of a stand-in that is a program of its own; empty: of this drive's own stand-in"""
     shadow: bool = False

@@ -10,19 +10,20 @@ from drawbar.driving.beat import Beat
 from drawbar.driving.ending import Ending, told
 from drawbar.driving.letters import Device, pack
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECEIVERS, RECORDER, Orders
+from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECEIVERS, RECORDER, SENTENCES, Orders
 from drawbar.driving.place import local_frame
+from drawbar.driving.receiver_lines import open_receivers
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.corrections.receivers import correct
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
-from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
+from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
 from drawbar.messages import Role, nanoseconds, seconds
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
-from drawbar.transports.base import Received
+from drawbar.transports.base import Received, Transport
 from drawbar.transports.clock import Clock
 from drawbar.transports.open import open_transport
 from drawbar.transports.tapped import Direction, TappedTransport
@@ -46,7 +47,9 @@ def main() -> int:
     mailbox = Mailbox(orders.socket(RECEIVERS))
     clock = orders.clock
     witness = Witness(mailbox, orders.socket(RECORDER), clock)
-    tractor, trailer = (_receiver(settings, device, witness) for settings, device in _receivers(devices))
+    lines = open_receivers(devices, orders.socket(SENTENCES), clock)
+    tractor = Receiver(witness.tap(lines[0], Device.TRACTOR_RECEIVER), devices.tractor_receiver)
+    trailer = Receiver(witness.tap(lines[1], Device.TRAILER_RECEIVER), devices.trailer_receiver)
     sensors = _sensors(devices, witness)
     navigation = Navigation(tractor, trailer, local_frame(configuration), sensors)
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
@@ -66,8 +69,8 @@ def main() -> int:
         beat.pass_time(now)
         if corrections is not None:
             correct(corrections, clock(), tractor, (tractor, trailer))
-        lines = [tractor.transport, trailer.transport, *([sensors.transport] if sensors else [])]
-        descriptors = [each for each in (line.fileno() for line in lines) if each >= 0]
+        watched = [tractor.transport, trailer.transport, *([sensors.transport] if sensors else [])]
+        descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
         most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
         clock.wait(descriptors, min(min(navigation.due, seconds(beat.due)) - clock(), most))
     for each in (tractor, trailer, corrections, sensors, mailbox):
@@ -76,18 +79,12 @@ def main() -> int:
     return 0
 
 
-def _receivers(devices: DeviceSettings) -> tuple[tuple[ReceiverSettings, Device], tuple[ReceiverSettings, Device]]:
-    return (devices.tractor_receiver, Device.TRACTOR_RECEIVER), (devices.trailer_receiver, Device.TRAILER_RECEIVER)
-
-
-def _receiver(settings: ReceiverSettings, device: Device, witness: "Witness") -> Receiver:
-    return Receiver(witness.open(settings.transport, device), settings)
-
-
 def _sensors(devices: DeviceSettings, witness: "Witness") -> SensorLine | None:
     if devices.sensors is None:
         return None
-    return SensorLine(witness.open(devices.sensors.transport, Device.SENSORS), devices.sensors)
+    return SensorLine(
+        witness.tap(open_transport(devices.sensors.transport, witness.clock), Device.SENSORS), devices.sensors
+    )
 
 
 class Witness:
@@ -95,12 +92,12 @@ class Witness:
 
     def __init__(self, mailbox: Mailbox, recorder: str, clock: Clock) -> None:
         """Take the own mailbox, the path of the recorder's and the clock of what comes, s."""
-        self._mailbox, self._recorder, self._clock = mailbox, recorder, clock
+        self._mailbox, self._recorder, self.clock = mailbox, recorder, clock
         self._pieces = 0
         self._looks: list[Happening] = []
 
-    def open(self, address: str, device: Device) -> TappedTransport:
-        """Open a transport, every byte of which goes to the recorder too."""
+    def tap(self, transport: Transport, device: Device) -> TappedTransport:
+        """Return a transport, every byte of which goes to the recorder too."""
 
         def tap(direction: Direction, received: Received) -> None:
             self._pieces += direction is Direction.IN
@@ -113,7 +110,7 @@ class Witness:
             )
             self._mailbox.post(self._recorder, pack(raw))
 
-        return TappedTransport(open_transport(address, self._clock), tap, self._clock)
+        return TappedTransport(transport, tap, self.clock)
 
     def note_look(self, time: int, *, was_due: bool, found: bool) -> None:
         """Note a look at a time, ns, at which something came or was due; any other has done nothing.

@@ -7,7 +7,7 @@ from contextlib import suppress
 from urllib.parse import urlsplit
 
 from drawbar.errors import HardwareError
-from drawbar.machine.hardware.receiver import CAN
+from drawbar.machine.hardware.receiver import ANY, CAN
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.board import Output
 from drawbar.transports.address import SerialAddress, parse_transport
@@ -21,8 +21,8 @@ _TERMINALS = "/dev/pts/"
 class DataLine:
     """Where the bytes of a receiver or a sensor board go: everybody who is connected to its TCP port, or a UDP port."""
 
-    def __init__(self, address: str) -> None:
-        """Open it.
+    def __init__(self, address: str, sender: str = "") -> None:
+        """Open it; of datagrams the sender, an address of this computer, may be told.
 
         Raises:
             HardwareError: the port is taken, or a stand-in cannot be at such an address.
@@ -39,8 +39,7 @@ class DataLine:
             self._socket = _bound(socket.SOCK_STREAM, self._place, address)
             self._socket.listen()
         else:
-            self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            self._socket.setblocking(False)
+            self._socket = _bound(socket.SOCK_DGRAM, (sender, 0), sender)
 
     def send(self, data: bytes) -> None:
         """Send to whoever is there."""
@@ -137,7 +136,8 @@ class BoardLine:
             HardwareError: the port is taken.
         """
         self._socket = _bound(socket.SOCK_DGRAM, settings.destination, settings.address)
-        self._computer: tuple[str, int] | None = None
+        host, port = settings.listening
+        self._computer = ("127.0.0.1" if host == ANY else host, port)
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""
@@ -155,12 +155,9 @@ class BoardLine:
         return came
 
     def send(self, output: Output) -> None:
-        """Send to the computer that was heard last."""
-        if self._computer is not None:
-            try:
-                self._socket.sendto(output.data, self._computer)
-            except OSError:
-                return
+        """Send to the computer that was heard last; before, to this one, as a board's broadcast reaches it."""
+        with suppress(OSError):  # nobody listens there
+            self._socket.sendto(output.data, self._computer)
 
     def close(self) -> None:
         """Close the socket."""
@@ -206,19 +203,19 @@ def _bound(kind: socket.SocketKind, place: tuple[str, int], address: str) -> soc
     return bound
 
 
-def open_line(address: str) -> DataLine | SerialLine | CanLine:
+def open_line(address: str, sender: str = "") -> DataLine | SerialLine | CanLine:
     """Return the stand-in's end of what a configuration calls so.
 
     Raises:
         HardwareError: the port is taken, or a stand-in cannot be at such an address.
     """
-    return CanLine(address) if address.startswith(CAN) else open_data_line(address)
+    return CanLine(address) if address.startswith(CAN) else open_data_line(address, sender)
 
 
-def open_data_line(address: str) -> DataLine | SerialLine:
+def open_data_line(address: str, sender: str = "") -> DataLine | SerialLine:
     """Return the stand-in's end of a line that carries bytes.
 
     Raises:
         HardwareError: as `open_line`; or it is a CAN bus.
     """
-    return SerialLine(address) if address.startswith("serial:") else DataLine(address)
+    return SerialLine(address) if address.startswith("serial:") else DataLine(address, sender)

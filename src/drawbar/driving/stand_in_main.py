@@ -53,13 +53,14 @@ class StandIns:
         devices = configuration.devices
         assert devices is not None
         self._machine = machine
-        lines = {"tractor": devices.tractor_receiver.transport, "trailer": devices.trailer_receiver.transport}
-        lines |= {SENSORS: devices.sensors.transport} if devices.sensors else {}
+        receivers = {"tractor": devices.tractor_receiver, "trailer": devices.trailer_receiver}
+        lines = {body: (receiver.transport, receiver.sender) for body, receiver in receivers.items()}
+        lines |= {SENSORS: (devices.sensors.transport, "")} if devices.sensors else {}
         boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
         self._corrected: dict[str, tuple[DataLine | SerialLine, RtcmFramer]] = {}
         self._caster: Caster | None = None
         with ExitStack() as opened:
-            self._lines = {name: opened.enter_context(closing(open_line(each))) for name, each in lines.items()}
+            self._lines = {name: opened.enter_context(closing(open_line(*each))) for name, each in lines.items()}
             self.boards = {
                 body: opened.enter_context(closing(BoardLine(settings)))
                 for body, settings in boards.items()

@@ -57,6 +57,8 @@ def stand_in_machine(
     for index, body in enumerate(BODIES):
         receiver = getattr(devices, f"{body}_receiver") if devices else ReceiverSettings(transport="file:memory")
         encoders[body] = nmea2000(int(receiver.sender or 0x20 + index)) if receiver.is_on_can else _nmea
+        if devices is not None and receiver in devices.receivers_on_boards:
+            encoders[body] = _on_board
         settings = getattr(devices, f"{body}_board") if devices else None
         if devices is None or settings is not None:
             wheel = HeldWheel()
@@ -85,6 +87,10 @@ def _board(firmware: Firmware, wheel: HeldWheel, subnet: str, settings: SteerBoa
     board = Aio26(wheel, subnet=subnet)
     board.computer_port = settings.listening[1] if settings else board.computer_port
     return board
+
+
+def _on_board(report: Report) -> list[bytes]:
+    return [panda(report)]
 
 
 def _nmea(report: Report) -> list[bytes]:

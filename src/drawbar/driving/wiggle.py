@@ -6,17 +6,18 @@
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, closing
 from enum import Enum, auto
 
 from drawbar.config import Configuration
-from drawbar.driving.crew import gate_orders
+from drawbar.driving.crew import folder_of_sockets, gate_orders
 from drawbar.driving.gate_main import wires as open_wires
+from drawbar.driving.receiver_lines import open_receivers
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires
-from drawbar.transports.open import open_transport
 
 SLOWEST, FASTEST = 0.2, 1.5
 """m/s, between which the vehicle must roll: a standing tyre is not turned"""
@@ -31,8 +32,10 @@ _SETTLED = 0.5
 """before the first motion, s"""
 _RESTS = 1.0
 """after the last one, s"""
+ROLLS = 30.0
+"""within which the vehicle must roll, s"""
 _READY, _TAKES = 5.0, 3.0
-"""within which the actuator must become ready, and then take over, s"""
+"""within which the actuator must be ready once it rolls, and then take over, s"""
 _SILENCE = 0.3
 """oldest measured angle, s"""
 _STIFF, _LEAST = 0.8, math.radians(0.3)
@@ -62,7 +65,7 @@ class WiggleRun:
         self.phase = Phase.READYING
         self.reason = ""
         """why it was broken off, and what to do"""
-        self._since = self._taken = self._origin = self._turned = math.nan
+        self._since = self._rolls = self._taken = self._origin = self._turned = math.nan
         self._rows: list[tuple[float, float, float]] = []
         self._set_point = self._at_turn = 0.0
 
@@ -89,11 +92,16 @@ class WiggleRun:
             self.phase, self.reason = Phase.ENDED, reason
 
     def _ready(self, now: float, report: SteeringReport, speed: float) -> None:
-        if report.readiness is Readiness.READY and SLOWEST <= speed <= FASTEST:
+        if not SLOWEST <= speed <= FASTEST:
+            self._rolls = math.nan
+            if now - self._since > ROLLS:
+                self.end(_rolling(speed))
+            return
+        self._rolls = now if math.isnan(self._rolls) else self._rolls
+        if report.readiness is Readiness.READY:
             self.phase, self._since, self._origin = Phase.TAKING, now, report.angle
-        elif now - self._since > _READY:
-            rolls = SLOWEST <= speed <= FASTEST
-            self.end(_rolling(speed) if not rolls else f"the actuator {report.readiness.value}")
+        elif now - self._rolls > _READY:
+            self.end(f"the actuator {report.readiness.value}")
 
     def _go_on(self, now: float, report: SteeringReport, speed: float) -> None:
         if reason := self._wrong(now, report, speed):
@@ -141,17 +149,14 @@ def wiggle_both(configuration: Configuration) -> Iterator[tuple[str, Wiggle]]:
         DrawbarError: a transport cannot be opened.
     """
     assert configuration.devices is not None
-    settings = configuration.devices.tractor_receiver
-    receiver = Receiver(open_transport(settings.transport), settings)
-    try:
-        wires = Wires(open_wires(gate_orders(configuration, folder="", controller=-1)))
-        try:
-            for body, name in enumerate(STEERINGS):
-                yield name, carry_out(wires, body, lambda now: _speed(receiver, now))
-        finally:
-            wires.close()
-    finally:
-        receiver.close()
+    with ExitStack() as opened:
+        orders = gate_orders(configuration, folder=opened.enter_context(folder_of_sockets()), controller=-1)
+        tractor, trailer = open_receivers(configuration.devices, orders.sentences)
+        opened.callback(trailer.close)
+        receiver = opened.enter_context(closing(Receiver(tractor, configuration.devices.tractor_receiver)))
+        wires = opened.enter_context(closing(Wires(open_wires(orders))))
+        for body, name in enumerate(STEERINGS):
+            yield name, carry_out(wires, body, lambda now: _speed(receiver, now))
 
 
 def _speed(receiver: Receiver, now: float) -> float:

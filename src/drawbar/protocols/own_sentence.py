@@ -22,7 +22,7 @@ class SentenceReader:
         *lines, rest = (self._rest + data).split(b"\n")
         if len(rest) > _LONGEST:
             self.dropped["too long"] += 1
-            rest = b""
+            rest = rest[-_LONGEST:]  # the beginning of a sentence may be in it
         self._rest = rest
         for line in lines:
             fields = self._fields(line.rstrip(b"\r"))
@@ -32,7 +32,8 @@ class SentenceReader:
                 yield fields
 
     def _fields(self, line: bytes) -> list[bytes] | str:
-        """Return a sentence's fields, or why it has none."""
+        """Return the fields of the sentence that a line ends with, or why it does with none."""
+        line = line[max(line.rfind(self._head), 0) :]
         if not line.startswith(self._head) or len(line) > _LONGEST or line[-3:-2] != b"*":
             return "no sentence of this board"
         try:

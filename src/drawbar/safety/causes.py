@@ -86,7 +86,7 @@ class Cause(Enum):
     LINE_LOST = (209, True, Response.STOP, "a body has left the line",
         "drive back to the line")
     ACROSS_LINE = (210, True, Response.NONE, "a body does not point along the line, or its direction is not known",
-        "turn into the line's direction")
+        "turn into the line's direction; if both bodies do, the two receivers are swapped")
     HITCH_ANGLE = (211, True, Response.NONE, "the hitch angle is too large, or not known",
         "pull tractor and trailer straighter")
     HITCH_FOLDED = (212, True, Response.RELEASE, "a jackknife is near, or the hitch angle is not known",

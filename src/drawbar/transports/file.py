@@ -30,8 +30,11 @@ class FileTransport(Transport):
         self._clock = clock
         self._shift: float | None = None
         """from the recording's time to now, s"""
+        path = Path(address.path)
+        if path.exists() and not path.is_file():  # of a device or a pipe, reading could go on for ever
+            raise HardwareError(f"recording {path}: is no file; a serial line is written serial:{path}@115200")
         try:
-            self._file = Path(address.path).open(encoding="ascii", errors="replace")  # noqa: SIM115 (close does it)
+            self._file = path.open(encoding="ascii", errors="replace")
         except OSError as error:
             raise HardwareError(f"recording {address.path}: cannot be read ({error.strerror})") from None
         self._pieces = self._read_pieces()

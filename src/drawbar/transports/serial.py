@@ -111,4 +111,6 @@ def _reason(error: Exception) -> str:
     code = getattr(error, "errno", None)
     if "exclusively lock" in str(error):
         return "another program has it open; stop that program"
+    if "Could not configure port" in str(error):
+        return "it is no serial line"
     return os.strerror(code) if code else str(error)

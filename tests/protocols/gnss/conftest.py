@@ -1,33 +1,25 @@
 """The golden files of receivers, and shorthands for one epoch through the whole way."""
 
 import datetime
-import json
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
+from golden import load
 
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.gnss.stream import EpochStream
 
-VECTORS = Path(__file__).parents[4] / "shared" / "vectors"
 NOON = datetime.datetime(2026, 11, 22, 12, 0, 0, tzinfo=datetime.UTC)
 
 
 @pytest.fixture(scope="session")
 def golden() -> Callable[[str], Any]:
     """Return a function that reads a golden file, which only some machines have beside the repository."""
-
-    def golden(name: str) -> Any:
-        if not (VECTORS / name).exists():
-            pytest.skip(f"the golden file {name} is not on this machine")
-        return json.loads((VECTORS / name).read_text("utf-8"))
-
-    return golden
+    return load
 
 
 @pytest.fixture(scope="session")

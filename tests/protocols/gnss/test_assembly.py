@@ -20,11 +20,11 @@ Maker = Callable[..., Report]
 
 
 def run(stream: EpochStream, bursts: list[tuple[float, list[bytes]]], gap: float = 0.001) -> list[Epoch]:
-    """Push bursts that begin at given times, their frames some ms after each other; end with a silence."""
+    """Push bursts that begin at given times, their frames some ms after each other, read as they come; then silence."""
     epochs = []
     for begin, frames in bursts:
         for index, frame in enumerate(frames):
-            epochs += stream.push(frame, begin + gap * index)
+            epochs += stream.poll(begin + gap * index) + stream.push(frame, begin + gap * index)
     return epochs + stream.poll(1e9)
 
 
@@ -37,6 +37,15 @@ def test_silence_ends_an_epoch(report: Maker) -> None:
     (epoch,) = stream.poll(10.0241)
     assert (epoch.received, epoch.speed) == (10.0, pytest.approx(1.0, abs=1e-4))
     assert stream.poll(20.0) == []
+
+
+def test_who_reads_late_does_not_take_the_time_between_two_looks_for_a_silence(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    gga, vtg, gst = nmea.sentences(report())
+    assert stream.push(gga + vtg[:9], 10.0) == []
+    assert stream.push(vtg[9:] + gst, 10.06) == []
+    (epoch,) = stream.poll(10.09)
+    assert (epoch.speed, epoch.sigma_east) == pytest.approx((1.0, 0.015), abs=1e-4)
 
 
 def test_another_time_ends_an_epoch_at_once(report: Maker) -> None:

@@ -58,13 +58,36 @@ class DeviceSettings(Settings):
                     f"the {body} is steered by {body}_board or by isobus.{body}_valve; {given} is given, give one"
                 )
         refuse_equal_boards([board for board in (self.tractor_board, self.trailer_board) if board is not None])
-        receivers = (self.tractor_receiver, self.trailer_receiver)
-        if receivers[0].is_on_can and receivers[0].transport == receivers[1].transport:
-            senders = [receiver.sender for receiver in receivers]
-            if "" in senders or senders[0] == senders[1]:
-                raise ValueError(
-                    f"two receivers on one CAN bus need a sender each, and different ones; given are {senders}"
-                )
+        self._refuse_one_line_for_two()
         if self.speed == "isobus" and self.isobus is None:
             raise ValueError('speed = "isobus" needs the section isobus; add it, or set speed = "driver"')
         return self
+
+    @property
+    def receivers_on_boards(self) -> tuple[ReceiverSettings, ...]:
+        """The receivers whose datagrams come to the port where boards are listened to."""
+        places = [board.listening for board in (self.tractor_board, self.trailer_board) if board is not None]
+        return tuple(receiver for receiver in self._receivers if any(map(receiver.is_at, places)))
+
+    @property
+    def _receivers(self) -> tuple[ReceiverSettings, ReceiverSettings]:
+        return self.tractor_receiver, self.trailer_receiver
+
+    def _refuse_one_line_for_two(self) -> None:
+        tractor, trailer = self._receivers
+        recorded = tractor.is_recorded or trailer.is_recorded
+        if (
+            self.sensors is not None
+            and not recorded
+            and self.sensors.transport in (tractor.transport, trailer.transport)
+        ):
+            raise ValueError(f"a receiver and sensors have one transport, {self.sensors.transport}; give each its own")
+        if tractor.transport != trailer.transport or tractor.is_recorded:
+            return
+        if not tractor.has_senders:
+            raise ValueError(f"both receivers have one transport, {tractor.transport}; give each its own")
+        senders = [tractor.sender, trailer.sender]
+        if "" in senders or senders[0] == senders[1]:
+            raise ValueError(
+                f"two receivers at {tractor.transport} need a sender each, and different ones; given are {senders}"
+            )

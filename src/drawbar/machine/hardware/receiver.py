@@ -8,9 +8,11 @@ from pydantic import model_validator
 
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
-from drawbar.transports.address import TransportText
+from drawbar.transports.address import FileAddress, TransportText, UdpAddress, parse_transport
 from drawbar.transports.base import Transport
 
+ANY = "0.0.0.0"
+"""all addresses of this computer"""
 CAN = "can:"
 """begins the address of a CAN bus"""
 
@@ -29,6 +31,23 @@ class ReceiverSettings(EpochSettings):
     def is_on_can(self) -> bool:
         """Whether it speaks NMEA 2000."""
         return self.transport.startswith(CAN)
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether its bytes come from a file, which may be read twice."""
+        return not self.is_on_can and isinstance(parse_transport(self.transport), FileAddress)
+
+    @property
+    def has_senders(self) -> bool:
+        """Whether its transport tells who has sent something."""
+        return self.is_on_can or isinstance(parse_transport(self.transport), UdpAddress)
+
+    def is_at(self, place: tuple[str, int]) -> bool:
+        """Whether its datagrams come to a host and port of this computer."""
+        address = None if self.is_on_can else parse_transport(self.transport)
+        if not isinstance(address, UdpAddress) or address.port != place[1]:
+            return False
+        return address.host == place[0] or ANY in (address.host, place[0])
 
     @model_validator(mode="after")
     def _sender_fits(self) -> Self:

@@ -20,8 +20,13 @@ _WAITING = 1000
 class DatagramSocket(Protocol):
     """What is asked of the socket that is shared."""
 
-    connected: bool
-    trouble: str
+    @property
+    def connected(self) -> bool:
+        """Whether it is open."""
+
+    @property
+    def trouble(self) -> str:
+        """What was last not sent, in words for the operator."""
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""

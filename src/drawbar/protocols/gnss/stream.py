@@ -44,13 +44,15 @@ class EpochStream:
         return self._last_byte + BROKEN_OFF if self._framer.is_waiting else math.inf
 
     def push(self, data: bytes, time: float) -> list[Epoch]:
-        """Take bytes that came at a monotonic time (s), and return the epochs that they end."""
-        ended = self.poll(time)
+        """Take bytes that were read at a monotonic time (s), and return the epochs that they end.
+
+        A silence before them ends nothing: who reads late finds bytes that have long been there. Only `poll` is sure.
+        """
         self._last_byte = time if data else self._last_byte
-        return ended + self._epochs(self._framer.push(data, time))
+        return self._epochs(self._framer.push(data, time))
 
     def poll(self, time: float) -> list[Epoch]:
-        """Return the epochs that a silence until this monotonic time (s) has ended."""
+        """Return the epochs that a silence until this monotonic time (s), when nothing is left to read, has ended."""
         ended: list[Epoch] = []
         if self._framer.is_waiting and time >= self._last_byte + BROKEN_OFF:
             ended += self._epochs(self._framer.settle())
