@@ -185,17 +185,17 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
 def test_a_drives_steps_and_what_is_drawn_of_them_fill_few_megabytes_an_hour(tmp_path, build):
     simulation, frame = build("articulated"), LocalFrame(latitude=50.0, longitude=4.0)
     scene = Scene(path=simulation.path, vehicle=simulation.configuration.vehicle, frame=frame)
-    encoder, sizes = msgspec.json.Encoder(enc_hook=encode_special), []
-    with DriveLog(tmp_path / "log.mcap", simulation.header(), scene) as log:
-        for record in islice(simulation.steps(), 200):
+    encoder, file, steps = msgspec.json.Encoder(enc_hook=encode_special), tmp_path / "log.mcap", 400
+    with DriveLog(file, simulation.header(), scene) as log:
+        begin = file.stat().st_size
+        for record in islice(simulation.steps(), steps):
             log.add_step(round(record.measurement.time * 1e9), encoder.encode(record), record)
-            sizes.append((tmp_path / "log.mcap").stat().st_size)
-    hourly = 3600.0 / simulation.configuration.sample_time * (sizes[-1] - sizes[20]) / (len(sizes) - 21) * 1e-6
+    hourly = 3600.0 / simulation.configuration.sample_time * (file.stat().st_size - begin) / steps * 1e-6
     print(f"\n{hourly:.1f} MB an hour")
     assert hourly < 30.0
-    with (tmp_path / "log.mcap").open("rb") as stream:
+    with file.open("rb") as stream:
         topics = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
-    assert topics == dict.fromkeys(("/step", "/tf", "/plan", "/tractor/fix", "/trailer/fix"), 200) | {
+    assert topics == dict.fromkeys(("/step", "/tf", "/plan", "/tractor/fix", "/trailer/fix"), steps) | {
         "/path": 1,
         "/bodies": 1,
     }
