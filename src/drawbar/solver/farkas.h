@@ -32,8 +32,8 @@ static double farkas_bounds(const struct qp *restrict s, struct farkas *restrict
     double crossed = 0.0;
 
     for (int i = 0; i < NZ; ++i) {
-        f->low[i] = -INFINITY;
-        f->high[i] = INFINITY;
+        f->low[i] = !FREE_INITIAL && i < NX ? s->initial[i] : -INFINITY;
+        f->high[i] = !FREE_INITIAL && i < NX ? s->initial[i] : INFINITY;
     }
     for (int i = 0; i < NB; ++i) {
         const int at = s->bound[i];
@@ -156,7 +156,7 @@ static double farkas_margin(const struct qp *restrict s, const double *restrict 
     for (int k = N - 1; k >= 0; --k)
         farkas_stage(s, &f, k, pi, terms);
     for (int i = 0; i < NX; ++i)
-        farkas_least(&f, pi[i], terms[i], FREE_INITIAL ? f.low[i] : s->initial[i], FREE_INITIAL ? f.high[i] : s->initial[i], i);
+        farkas_least(&f, pi[i], terms[i], f.low[i], f.high[i], i);
     const double doubt = farkas_doubt(&f);
     return f.value > doubt * f.terms ? f.value / f.terms - doubt : 0.0;
 }

@@ -263,7 +263,7 @@ static double ip_iterate(struct qp *restrict s, struct interior_point *restrict 
 static void ip_watch(const struct qp *restrict s, struct interior_point *restrict ip, double step)
 {
     ip->stalled = s->kkt > STALL_RATIO * ip->before && step > 0.5 ? ip->stalled + 1 : 0;
-    ip->before = s->kkt;
+    ip->before = s->kkt < ip->before ? s->kkt : ip->before;
     if (ip->stalled >= STALLED && ip_outside(s) < LOOSEN_OUTSIDE && ip_loosen(ip))
         ip->stalled = 0;
 }
@@ -275,9 +275,10 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip)
     const int bounded = ip_stages(s);
     int stages = ip->damping.on ? N + 1 : bounded;
 
-    if (!ip_approach(s, ip))
+    const double near = ip_approach(s, ip);
+    if (near == 0.0)
         return NOT_FINITE;
-    ip_start(s, ip);
+    ip_start(s, ip, near);
     best->kkt = ip->before = INFINITY;
     if (kkt_check(s, 1, ip->gradient, ip->defect) == NOT_FINITE)
         return NOT_FINITE;

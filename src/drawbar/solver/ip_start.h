@@ -6,7 +6,10 @@
 
 #include "kkt.h"
 
-#define FAR_OUT 1e6                        /* times the largest bound: no start lies further out than that */
+#define FAR_OUT 1e3                        /* times the largest bound: no start lies further out than that */
+#define NEAR 1e-3                          /* of its kind's size: no start lies nearer to a bound than that; */
+#define DRAWN 0.1                          /* or than that, where it was drawn in from far out */
+#define FLAT 1e-12                         /* of the largest curvature: as much as none */
 #define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
 
 /* Curvature of the cost to go along bounded variable i, as factorised. A state without any, such as a bounded output, has that
@@ -127,13 +130,14 @@ static int ip_far_out(const struct qp *restrict s, double *restrict out, double 
 }
 
 /* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
- * bounded variables towards their bounds until the point is about as near as those are; returns 0 on failure. */
-static int ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
+ * bounded variables towards their bounds until the point is about as near as those are. Returns how near to a bound a start
+ * may lie then, 0 on failure. */
+static double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
 {
     double out[NX + NU] = {0.0}, span[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, gradient[NZ];
 
     if (!ip_far_out(s, out, span))
-        return 1;
+        return NEAR;
     for (int i = 0; i < NB; ++i)
         curve[kind_of(s->bound[i])] = largest(curve[kind_of(s->bound[i])], ip_curvature(s, i));
     ip_clear_barrier(ip);
@@ -147,15 +151,15 @@ static int ip_approach(struct qp *restrict s, struct interior_point *restrict ip
         gradient[i] -= weight * ip_bound(s, m);
     }
     if (!qp_factor(s, ip->barrier, N + 1))
-        return 0;
+        return 0.0;
     qp_solve(s, gradient, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    return 1;
+    return DRAWN;
 }
 
 /* Start from the solution without bounds, with every distance pushed well inside. */
-static void ip_start(struct qp *restrict s, struct interior_point *restrict ip)
+static void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
 {
-    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0};
+    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, flat = 0.0;
     const struct ip_damping damping = ip->damping;
 
     memset(ip, 0, sizeof *ip);
@@ -167,7 +171,7 @@ static void ip_start(struct qp *restrict s, struct interior_point *restrict ip)
     for (int m = 0; m < NSIDES; ++m) {
         const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
         const double bound = ip_bound(s, m);
-        if (!(fabs(bound) < INFINITY))
+        if (!(fabs(bound) < INFINITY) || is_given(s, m / 2))
             continue;
         const double distance = bound_distance(s, s->z, m);
         ip->exists[slot] = 1.0;
@@ -175,18 +179,20 @@ static void ip_start(struct qp *restrict s, struct interior_point *restrict ip)
         ip->pairs += 1.0;
         worst[kind] = largest(worst[kind], distance < 0.0 ? distance : 0.0);
         curve[kind] = largest(curve[kind], ip_curvature(s, m / 2));
+        flat = largest(flat, curve[kind]);
     }
+    flat = FLAT * (flat > 0.0 && flat < 1.0 ? flat : 1.0);
     for (int m = 0; m < NSIDES; ++m) {
         const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
         if (ip->exists[slot] == 0.0)
             continue;
-        const double distance = bound_distance(s, s->z, m), least = 1e-3 * size[kind] + 1e-12;
+        const double distance = bound_distance(s, s->z, m), least = near * size[kind] + 1e-12;
         const double margin = worst[kind] > least ? worst[kind] : least, price = s->soft_linear[m / 2];
         const double curvature = ip_curvature(s, m / 2);
         double lambda;
         ip->t[slot] = distance > margin ? distance : margin;
-        ip->ease[slot] = 1.0 / (curve[kind] > 1e-12 ? curve[kind] : 1e-12);
-        lambda = margin * margin * (curvature > 1e-12 ? curvature : 1e-12) / ip->t[slot];
+        ip->ease[slot] = 1.0 / (curve[kind] > flat ? curve[kind] : flat);
+        lambda = margin * margin * (curvature > flat ? curvature : flat) / ip->t[slot];
         if (price < INFINITY) {            /* starts where its own multipliers add up to the violation's price */
             lambda = lambda < 0.5 * price ? lambda : 0.5 * price;
             ip->soft[slot] = 1.0;

@@ -5,12 +5,15 @@
 #ifndef DRAWBAR_KKT_H
 #define DRAWBAR_KKT_H
 
+#include <float.h>
+
 #include "qp.h"
 
 #define CHECK_TOLERANCE 1e-8
 #define GAP_TOLERANCE 1e-7                 /* of what the answer may cost above the optimum, relative to the cost's terms */
 #define ROUNDING 1e-6                      /* a kind this much smaller than the largest is judged by the largest: their
                                             * rounding errors mix in the factorisation */
+#define DROWNED 1e-3                       /* of that: a cost smaller than this is nothing but rounding */
 
 static inline double largest(double bound, double value)
 {
@@ -92,6 +95,12 @@ static inline int kind_of(int i)
     return i < (N + 1) * NX ? i % NX : NX + (i - (N + 1) * NX) % NU;
 }
 
+/* Is bounded variable i a hard bound of a given first state? No multiplier can act there. */
+static inline int is_given(const struct qp *s, int i)
+{
+    return !FREE_INITIAL && s->bound[i] < NX && !(s->soft_linear[i] < INFINITY);
+}
+
 /* The least step of a state or input that is judged by its own size. */
 static inline double least_step(const struct qp *s, int j)
 {
@@ -114,19 +123,20 @@ static double least_cost(const struct qp *restrict s)
 }
 
 /* Sizes against which residuals are judged, one for each state and input, since their units differ. Multipliers are
- * among them, but not among the cost's `terms`. */
+ * among them, but not in the cost's `slope`, what is left of its linear part and the price of violations, and not in their
+ * `terms`. */
 struct kkt_scale {
-    double primal[NX + NU], dual[NX + NU], terms, objective;
+    double primal[NX + NU], dual[NX + NU], slope, terms, objective;
 };
 
 static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scale *restrict scale)
 {
-    double primal[NX + NU] = {0.0}, dual[NX + NU] = {0.0}, size[NX + NU] = {0.0};
-    pack most[PACKS], steepest[PACKS], sum[PACKS];
-    double least_primal = 1e-12, least_dual = 1e-12, objective = 1e-12, terms = 0.0;
+    double primal[NX + NU] = {0.0}, dual[NX + NU] = {0.0}, size[NX + NU] = {0.0}, sloped[NX + NU] = {0.0};
+    pack most[PACKS], steepest[PACKS], sum[PACKS], slope[PACKS];
+    double least_primal = 1e-12, least_dual = 1e-100, objective = 1e-12, terms = 0.0, left = 0.0;
 
     EACH_PACK(b)
-        most[b] = steepest[b] = sum[b] = (pack){0};
+        most[b] = steepest[b] = sum[b] = slope[b] = (pack){0};
     for (int k = 0; k <= N; ++k) {
         pack x[PACKS], q[PACKS], pi[PACKS], term[PACKS];
         read_vector(x, STATE(s->z, k));
@@ -141,12 +151,15 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         EACH_PACK(b)
             term[b] *= x[b];
         grow(steepest, term);
-        EACH_PACK(b)
+        EACH_PACK(b) {
             sum[b] += pack_size(q[b] * x[b]);
+            slope[b] += q[b] * x[b];
+        }
     }
     write_vector(primal, most);
     write_vector(dual, steepest);
     write_vector(size, sum);
+    write_vector(sloped, slope);
     for (int k = 0; k < N; ++k)
         for (int a = 0; a < NU; ++a) {
             const double u = INPUT(s->z, k)[a], r = INPUT(s->g, k)[a];
@@ -156,6 +169,7 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
             primal[NX + a] = largest(primal[NX + a], u);
             dual[NX + a] = largest(largest(largest(dual[NX + a], r), s->R[k][a][a] * u), pull);
             size[NX + a] += fabs(r * u);
+            sloped[NX + a] += r * u;
         }
     for (int i = 0; bounded && i < NB; ++i) {   /* both sides of a bound at once: only their difference acts */
         const double net = s->multiplier[2 * i] - s->multiplier[2 * i + 1];
@@ -168,18 +182,20 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
         least_primal = largest(least_primal, ROUNDING * primal[j]);
         least_dual = largest(least_dual, ROUNDING * dual[j]);
         terms += size[j];
+        left += sloped[j];
     }
     for (int j = 0; j < NX + NU; ++j) {    /* a variable that is zero throughout has no size of its own */
         scale->primal[j] = largest(largest(least_primal, primal[j]), least_step(s, j));
         scale->dual[j] = largest(least_dual, dual[j]);
     }
+    scale->slope = left;
     scale->terms = terms;
     scale->objective = objective + terms + least_cost(s);
 }
 
-/* What the bounds add: their multipliers to the gradient; returns their own worst relative residual, and what their
- * multipliers and distances from them cost together, the gap. */
-static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *restrict scale, double *restrict gradient,
+/* What the bounds add: their multipliers to the gradient, the price of violations to the cost; returns their own worst
+ * relative residual, and what their multipliers and distances from them cost together, the gap. */
+static double kkt_bounds(const struct qp *restrict s, struct kkt_scale *restrict scale, double *restrict gradient,
                          double *restrict total)
 {
     double outside[NX + NU] = {0.0}, negative[NX + NU] = {0.0}, worst = 0.0, gap = 0.0;
@@ -197,8 +213,11 @@ static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *re
         gap += fabs(lambda * distance);
         if (soft) {                        /* the multiplier of slack >= 0 is what remains of its cost */
             const double sigma = s->soft_linear[i] + s->soft_quadratic[i] * slack - lambda;
+            const double price = fabs((s->soft_linear[i] + 0.5 * s->soft_quadratic[i] * slack) * slack);
+            scale->slope += price;
+            scale->terms += price;
             negative[kind] = largest(negative[kind], sigma < 0.0 ? sigma : 0.0);
-            gap += fabs(sigma * slack);
+            gap += fabs(sigma) * (fabs(slack) + (distance < 0.0 ? -distance : 0.0));   /* told, and not told of */
         }
     }
     for (int j = 0; j < NX + NU; ++j)
@@ -207,35 +226,41 @@ static double kkt_bounds(const struct qp *restrict s, const struct kkt_scale *re
     return largest(worst, gap / scale->objective);
 }
 
-/* The cost's own size, of data and variables alone: its linear and its quadratic part and the price of violations, each
- * by itself, where single terms may cancel; and what rounding makes of the terms. */
-static double kkt_cost(const struct qp *restrict s, int bounded)
+/* What z costs beside the linear part, `square`, the sizes of its terms, and the size of the data. */
+static void kkt_quadratic(const struct qp *restrict s, double *restrict square, double *restrict terms, double *restrict data)
 {
-    double linear[NX + NU] = {0.0}, square[NX + NU] = {0.0}, terms[NX + NU] = {0.0};
-    double cost = 1e-12, slope = 0.0;
-
-    for (int k = 0; k <= N; ++k)
+    for (int i = 0; i < NZ; ++i)
+        *data = largest(*data, s->g[i]);
+    for (int k = 0; k <= N; ++k) {
+        const double *x = STATE(s->z, k), *u = INPUT(s->z, k);
+        pack state[PACKS];
+        read_vector(state, x);
         for (int j = 0; j < NX; ++j) {
-            const double x = STATE(s->z, k)[j], sloped = STATE(s->g, k)[j] * x;
-            linear[j] += sloped;
-            terms[j] += fabs(sloped);
-            square[j] += s->Q[k][j][j] * x * x;
+            *square += 0.5 * x[j] * add_dot(0.0, s->Q[k][j], state);
+            *terms += 0.5 * s->Q[k][j][j] * x[j] * x[j];
+            *data = largest(*data, s->Q[k][j][j]);
         }
-    for (int k = 0; k < N; ++k)
-        for (int a = 0; a < NU; ++a) {
-            const double u = INPUT(s->z, k)[a], sloped = INPUT(s->g, k)[a] * u;
-            linear[NX + a] += sloped;
-            terms[NX + a] += fabs(sloped);
-            square[NX + a] += s->R[k][a][a] * u * u;
+        for (int a = 0; a < NU && k < N; ++a) {
+            double pull = CROSS ? add_dot(0.0, s->S[k][a], state) : 0.0;
+            for (int b = 0; b < NU; ++b)
+                pull += 0.5 * s->R[k][a][b] * u[b];
+            *square += u[a] * pull;
+            *terms += 0.5 * s->R[k][a][a] * u[a] * u[a];
+            *data = largest(*data, s->R[k][a][a]);
         }
-    for (int m = 0; bounded && m < NSIDES; ++m)
-        if (s->violation[m] > 0.0)
-            cost += (s->soft_linear[m / 2] + 0.5 * s->soft_quadratic[m / 2] * s->violation[m]) * s->violation[m];
-    for (int j = 0; j < NX + NU; ++j) {
-        slope += linear[j];
-        cost += ROUNDING * terms[j] + 0.5 * square[j];
     }
-    return cost + fabs(slope);
+}
+
+/* The cost's own size, of data and variables alone: what is left of its linear part beside the price of violations, and its
+ * quadratic part. Rounding makes something of terms that cancel; where it drowns what is left of them nothing is known of the
+ * cost, and no answer passes. */
+static double kkt_cost(const struct qp *restrict s, const struct kkt_scale *restrict scale)
+{
+    double square = 0.0, terms = scale->terms, data = 0.0;
+
+    kkt_quadratic(s, &square, &terms, &data);
+    const double left = fabs(scale->slope) + fabs(square) + least_cost(s), rounding = ROUNDING * terms;
+    return left < DROWNED * rounding ? 0.0 : left + (rounding < left ? rounding : left) + 1e-12 * (data > 0.0 ? data : 1.0);
 }
 
 /* Judge z, pi and (bounded: also) the multipliers: sets s->kkt, the largest residual relative to the sizes above, and
@@ -244,7 +269,8 @@ static double kkt_cost(const struct qp *restrict s, int bounded)
  *
  * Where multipliers have run away their own size forgives everything. So what all residuals together may cost is held
  * against the cost itself: a residual of the gradient moves it by as much times the variable, one of the dynamics by as
- * much times the costate, and the gap of bounds and multipliers by itself. */
+ * much times the costate, and the gap of bounds and multipliers by itself. No state is known better than to its rounding:
+ * what costates of 1e16 make of that is among it. */
 static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defect)[NX])
 {
     double stationarity[NX + NU] = {0.0}, feasibility[NX], worst = 0.0, gap = 0.0;
@@ -279,11 +305,12 @@ static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defec
     }
     for (int j = 0; j < NX; ++j) {
         worst = largest(worst, feasibility[j] / scale.primal[j]);
-        gap += (N + 1) * feasibility[j] * scale.dual[j];
+        gap += ((N + 1) * feasibility[j] + DBL_EPSILON * scale.primal[j]) * scale.dual[j];
     }
     gap *= CHECK_TOLERANCE / GAP_TOLERANCE;    /* told as a residual; one that is no number is none that passes */
-    if (worst <= CHECK_TOLERANCE && !(gap <= CHECK_TOLERANCE * (bounded ? ROUNDING : 1.0) * scale.terms)) {
-        gap /= kkt_cost(s, bounded) + least_cost(s);
+    const double left = fabs(scale.slope), known = left > DROWNED * ROUNDING * scale.terms ? left : 0.0;
+    if (worst <= CHECK_TOLERANCE && !(gap <= CHECK_TOLERANCE * known)) {
+        gap /= kkt_cost(s, &scale);
         worst = gap <= worst ? worst : gap;
     }
     s->kkt = worst;

@@ -6,8 +6,9 @@ from dataclasses import fields
 import numpy as np
 
 from drawbar.benchmark.hostile.construct import HostileProblem, optimal_problem
-from drawbar.benchmark.hostile.edge import hidden_conflict, just_feasible, just_infeasible
-from drawbar.benchmark.hostile.recipe import OUTPUTS, RECIPES, Recipe
+from drawbar.benchmark.hostile.edge import first_state, hidden_conflict, just_feasible, just_infeasible
+from drawbar.benchmark.hostile.recipe import LATER, RECIPES, Recipe
+from drawbar.benchmark.hostile.rounding import moved_by_rounding
 
 
 def _maker(name: str, recipe: Recipe) -> Callable[[np.random.Generator], HostileProblem]:
@@ -28,7 +29,9 @@ CLASSES: dict[str, Callable[[np.random.Generator], HostileProblem]] = {
     "just feasible": just_feasible,
     "just infeasible": just_infeasible,
     "hidden conflict": hidden_conflict,
-    "bounded outputs": _maker("bounded outputs", OUTPUTS),
+    **{name: _maker(name, recipe) for name, recipe in LATER.items()},
+    "first state": first_state,
+    "moved by rounding": moved_by_rounding,
 }
 
 

@@ -16,6 +16,7 @@ from drawbar.optimal.stage_problem import StageProblem
 
 _FEASIBLE_MARGIN = (-8.5, -1.0)
 _INFEASIBLE_MARGIN = (-9.0, 0.0)
+_FIRST_MARGIN = (-5.0, 0.0)
 _OPEN = Recipe(inputs_bounded=0.0, states_bounded=(0.0, 0.0), growth=(0.7, 1.0))
 
 
@@ -139,3 +140,17 @@ def hidden_conflict(rng: np.random.Generator) -> HostileProblem:
         problem=replace(problem, initial=first, lower=lower, upper=upper),
         optimum=None,
     )
+
+
+def first_state(rng: np.random.Generator) -> HostileProblem:
+    """Return a problem with a bound on its given first state, which obeys it, or is beyond it by a margin."""
+    truth = optimal_problem(rng, "first state", Recipe(sizes=GIVEN))
+    problem, nx = truth.problem, truth.problem.sizes.states
+    bound, lower, upper = problem.bound.copy(), problem.lower.copy(), problem.upper.copy()
+    j, within = int(rng.integers(nx)), bool(rng.random() < 0.5)
+    margin = float(decades(rng, _FIRST_MARGIN)[0]) * max(1.0, np.abs(problem.initial).max())
+    bound[-1] = j
+    lower[-1] = problem.initial[j] + (-margin * rng.integers(2) if within else margin)
+    upper[-1] = problem.initial[j] + margin * rng.integers(2) if within else np.inf
+    bounded = replace(problem, bound=bound, lower=lower, upper=upper)
+    return replace(truth, problem=bounded, optimum=truth.optimum if within else None)

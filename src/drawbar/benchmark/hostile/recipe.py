@@ -102,4 +102,14 @@ RECIPES = {
     "long": replace(_PLAIN, sizes=LONGEST),
     "long, unstable, unbounded": replace(_PLAIN, sizes=LONGEST, growth=(0.9, 3.0), inputs_bounded=0.0),
 }
-OUTPUTS = replace(_PLAIN, sizes=(GIVEN[3], GIVEN[4], GIVEN[5]), outputs=True, states_bounded=(0.5, 1.0))
+LATER = {
+    "bounded outputs": replace(_PLAIN, sizes=(GIVEN[3], GIVEN[4], GIVEN[5]), outputs=True, states_bounded=(0.5, 1.0)),
+    "few bounds": replace(_PLAIN, rank=0.5, inputs_bounded=0.0, states_bounded=(0.0, 0.1)),
+    "far bounds": replace(_PLAIN, rank=0.5, width_decades=(3.0, 9.0), multiplier_decades=(-12.0, -3.0)),
+    "far soft bounds": replace(_PLAIN, rank=0.0, soft=1.0, width_decades=(3.0, 9.0), states_bounded=(0.3, 1.0)),
+    "tiny cost": replace(_PLAIN, cost_decades=(-30.0, -8.0)),
+    "crowded": replace(_PLAIN, sizes=LONGEST, states_bounded=(0.5, 1.0)),
+}
+"""found when the others were there; the mixed ones have nothing of them, and stay what they were"""
+DENSE = (sizes(1, 12, 8, free_initial=False), sizes(1, 20, 10, free_initial=False))
+"""one stage, as a dense program becomes"""
