@@ -161,6 +161,11 @@ class Configuration(Settings):
     bounded_errors: BoundedErrors = BoundedErrors()
     tuning: TuningSettings = TuningSettings()
 
+    @property
+    def has_trailer_receiver(self) -> bool:
+        """Whether the trailer's position is measured."""
+        return self.devices is None or self.devices.trailer_receiver is not None
+
     @model_validator(mode="before")
     @classmethod
     def _controller_of_ones_own(cls, data: Any) -> Any:

@@ -156,7 +156,7 @@ class ControllerState(Message):
     tractor_quality: Byte
     """FixQuality of statuses.py, debounced"""
     trailer_quality: Byte
-    """FixQuality of statuses.py, debounced"""
+    """the same; the tractor's where the trailer has no receiver"""
     wiggled: Byte
     """1: the wiggle test of sign, gain and delay of the actuators has been passed"""
     status: Count
@@ -314,10 +314,12 @@ class Fixes(Message):
     """right side down positive, rad"""
     tractor_pitch: Known
     """nose up positive, rad"""
+    tractor_yaw: Known = math.nan
+    """of the body, by two antennas on it, rad"""
     tractor_yaw_rate: Known = math.nan
     """counter-clockwise, rad/s"""
     tractor_attitude_time: Time = 0
-    """when roll, pitch and yaw rate were measured, ns; 0: never"""
+    """when roll, pitch, yaw and yaw rate were measured, ns; 0: never"""
     tractor_correction_age: Known
     """s"""
     tractor_satellites: Byte = 0

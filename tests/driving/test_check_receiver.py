@@ -1,6 +1,8 @@
 """`drawbar check` of a receiver and of a bare valve: what they say, as somebody at the machine reads it."""
 
+import dataclasses
 import datetime
+import math
 import socket
 
 import numpy as np
@@ -23,7 +25,7 @@ from drawbar.signals import FixQuality
 BEGIN = datetime.datetime(2026, 11, 22, 12, tzinfo=datetime.UTC)
 
 
-def finding_of(monkeypatch, told, rate=5.0, sample_time=0.2, write=None):
+def finding_of(monkeypatch, told, rate=5.0, sample_time=0.2, write=None, alone=False):
     """Return what is found of a receiver that sends so many bytes, by the number of the epoch."""
     line = MemoryTransport()
     for step in range(5):
@@ -32,7 +34,7 @@ def finding_of(monkeypatch, told, rate=5.0, sample_time=0.2, write=None):
     monkeypatch.setattr(check_receiver, "open_transport", lambda _: line)
     monkeypatch.setattr(check_receiver, "looks", lambda *_: iter([10.0, 11.0, 12.0]))
     settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
-    return check_receiver.check_receiver("tractor receiver", settings, frame, 1.0, sample_time, None)
+    return check_receiver.check_receiver("tractor receiver", settings, frame, 1.0, sample_time, None, alone=alone)
 
 
 def facts_of(monkeypatch, **changes):
@@ -69,6 +71,16 @@ def test_bytes_of_another_baud_rate_are_told_from_silence(monkeypatch):
     assert "noise bytes): check the baud rate, the sender" in problem
     (problem,) = finding_of(monkeypatch, lambda step, time: b"").problems
     assert problem == "nothing was heard: check its power, its cable and its transport"
+
+
+@pytest.mark.parametrize(("yaw", "alone", "missing"), [(0.5, True, 0), (math.nan, True, 1), (math.nan, False, 0)])
+def test_the_only_receiver_has_to_tell_a_heading(monkeypatch, yaw, alone, missing):
+    def told(step, time):
+        return b"".join(nmea.sentences(dataclasses.replace(report_at(time), yaw=yaw)))
+
+    finding = finding_of(monkeypatch, told, alone=alone)
+    assert sum("it tells no heading" in problem for problem in finding.problems) == missing
+    assert (f"heading {90.0 - math.degrees(0.5):.1f}°" in finding.facts) == math.isfinite(yaw)
 
 
 def test_the_age_of_corrections_is_told(monkeypatch):

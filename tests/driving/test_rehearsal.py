@@ -8,6 +8,7 @@ import pytest
 from isobus_devices import isobus_devices
 
 from drawbar.config import load_configuration
+from drawbar.driving.demonstration import with_stand_ins
 from drawbar.driving.paced_drives import EXACT
 from drawbar.driving.rehearsal import Part, Rehearsal
 from drawbar.machine.hardware.receiver import ReceiverSettings
@@ -71,6 +72,19 @@ def test_its_errors_are_those_of_a_run_in_process(whole):
     assert alone.mean() > 0.003
     np.testing.assert_allclose(driven.mean(axis=0), alone.mean(axis=0), atol=0.001)
     np.testing.assert_allclose(driven.max(axis=0), alone.max(axis=0), atol=0.003)
+
+
+def test_one_receiver_with_two_antennas_drives_both_bodies():
+    devices = with_stand_ins(load_configuration("articulated", ["path.radii=[8.0]"])).devices
+    rehearsal, path = rehearse(devices=devices.model_copy(update={"trailer_receiver": None}))
+    steps = list(rehearsal.run(140.0))
+    assert rehearsal.gate_state.state is SupervisorState.STOPPED
+    assert Cause(rehearsal.gate_state.cause) in (Cause.CONTROLLER_STOPS, Cause.NOT_STANDING)
+    driven = errors(steps, path)[50:]
+    assert len(driven) > 400
+    assert driven.mean(axis=0) == pytest.approx((0.0, 0.0), abs=0.02)
+    assert all(math.isnan(record.measurement.trailer_x) for record, _ in steps)
+    assert math.isfinite(steps[-1][0].measurement.tractor_yaw)
 
 
 def test_before_it_is_engaged_nothing_is_steered(whole):

@@ -104,6 +104,22 @@ def test_motion_backwards_is_seen_within_a_second() -> None:
     assert SAMPLE * first <= 1.0
 
 
+@pytest.mark.parametrize("lost", ["tractor", "trailer"])
+def test_motion_backwards_is_seen_by_one_antenna(lost: str) -> None:
+    sanity, statuses = Sanity(), []
+    for k in range(15):
+        seen = replace(measurement(k, moved=-SAMPLE * k), **{f"{lost}_x": math.nan, f"{lost}_y": math.nan})
+        statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+    assert SAMPLE * statuses.index(Status.BACKWARDS) <= 1.6
+
+
+def test_without_any_fix_nothing_moves_backwards() -> None:
+    sanity, nowhere = Sanity(), dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
+    for k in range(60):
+        seen = replace(measurement(k, moved=SAMPLE * k), **(nowhere if k > 20 else {}))
+        assert sanity.look(seen, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
+
+
 def test_wheels_that_report_a_reverse_speed_are_believed_within_a_second() -> None:
     sanity, statuses = Sanity(), []
     for k in range(12):

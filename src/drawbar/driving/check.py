@@ -59,13 +59,17 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
     corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
 
     def receiver(name: str, settings: ReceiverSettings) -> Finding:
-        return found(name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections))
+        alone = devices.trailer_receiver is None
+        return found(
+            name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections, alone=alone)
+        )
 
     tractor = receiver("tractor receiver", devices.tractor_receiver)
     yield tractor
-    trailer = receiver("trailer receiver", devices.trailer_receiver)
-    trailer.problems += other_time(tractor, trailer)
-    yield trailer
+    if devices.trailer_receiver is not None:
+        trailer = receiver("trailer receiver", devices.trailer_receiver)
+        trailer.problems += other_time(tractor, trailer)
+        yield trailer
     boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
     yield from _boards({name: board for name, board in boards.items() if board is not None}, seconds)
     if devices.isobus is not None:

@@ -50,6 +50,8 @@ def check_receiver(
     seconds: float,
     sample_time: float,
     corrections: Corrections | None,
+    *,
+    alone: bool = False,
 ) -> Finding:
     """Return what a receiver says.
 
@@ -60,6 +62,7 @@ def check_receiver(
         seconds: to listen.
         sample_time: of the controller, s.
         corrections: that it is sent meanwhile; None: it has its own.
+        alone: it is the only receiver, which has to tell a heading.
 
     Raises:
         DrawbarError: its transport cannot be opened.
@@ -77,6 +80,11 @@ def check_receiver(
     else:
         finding.facts += [versions.told] if versions.told else []
         _describe(finding, epochs, frame, receiver, sample_time)
+        if alone and not math.isfinite(epochs[-1].yaw):
+            finding.problems.append(
+                "it tells no heading, and the trailer has no receiver: let it send that of its two antennas, or wait "
+                "until it is fixed"
+            )
     receiver.close()
     return finding
 
@@ -98,6 +106,8 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
         finding.facts.append(f"corrections {last.correction_age:.0f} s old")
     if math.isfinite(last.roll):
         finding.facts.append(f"roll {math.degrees(last.roll):.1f}°")
+    if math.isfinite(last.yaw):
+        finding.facts.append(f"heading {math.degrees(0.5 * math.pi - last.yaw) % 360.0:.1f}°")
     if math.isfinite(last.yaw_rate):
         finding.facts.append(f"yaw rate {math.degrees(last.yaw_rate):.1f}°/s")
     if last.has_fix:

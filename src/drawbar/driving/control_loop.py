@@ -46,7 +46,7 @@ class ControlLoop:
         self._controller, self._sampler = controller, sampler
         self._send, self._record, self._clock, self._tell = send, record, clock, tell
         self._repeat = _NEVER
-        self._corrected = [math.nan, math.nan]  # when the corrections of both receivers were made, s
+        self._corrected = [math.nan] * controller.receivers  # when the corrections of each were made, s
         self._receiver_speed = math.nan
 
     @property
@@ -68,7 +68,8 @@ class ControlLoop:
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        for i, age in enumerate((fixes.tractor_correction_age, fixes.trailer_correction_age)):
+        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
+        for i, age in enumerate(ages[: len(self._corrected)]):
             if math.isfinite(age):
                 self._corrected[i] = seconds(fixes.epoch) - age
         self._receiver_speed = fixes.tractor_speed

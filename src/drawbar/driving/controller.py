@@ -13,7 +13,7 @@ from drawbar.errors import PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
-from drawbar.signals import Command, Measurement, Status, StepRecord
+from drawbar.signals import Command, FixQuality, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
@@ -61,6 +61,11 @@ class Controller:
         self._record: StepRecord | None = None
         self._status = Status.POSITION
         self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
+
+    @property
+    def receivers(self) -> int:
+        """How many there are: the tractor's, and the trailer's or none."""
+        return 1 + self._configuration.has_trailer_receiver
 
     @property
     def engaged(self) -> bool:
@@ -169,7 +174,7 @@ class Controller:
             valid_until=now + 2 * round(self._configuration.sample_time * 1e9),
             configuration=self._fingerprint,
             tractor_quality=int(measurement.tractor_fix_quality),
-            trailer_quality=int(measurement.trailer_fix_quality),
+            trailer_quality=int(self._trailer_quality(measurement)),
             wiggled=int(self.wiggled),
             status=int(self._status),
             flags=int(record.flags),
@@ -188,6 +193,9 @@ class Controller:
             line_offset=self._line.offset,
             against=int(self._line.against),
         )
+
+    def _trailer_quality(self, measurement: Measurement) -> FixQuality:
+        return measurement.tractor_fix_quality if self.receivers == 1 else measurement.trailer_fix_quality
 
     def _mode(self) -> Mode:
         if self._status.has_ended:

@@ -47,7 +47,7 @@ def main() -> int:
     controller, look = Controller(configuration, path, configuration.safety.fingerprint()), 0
     loop = ControlLoop(
         controller,
-        Sampler(configuration.sample_time),
+        Sampler(configuration.sample_time, has_trailer=configuration.has_trailer_receiver),
         send=words.send,
         record=lambda record: words.keep(record, controller.sureness.parameters),
         clock=clock.nanoseconds,

@@ -61,13 +61,14 @@ class DrivenLine:
         """Return whether this line is to be turned round for a vehicle that is seen there.
 
         Args:
-            measurement: with both antennas; where one is missing, the line stays as it is.
+            measurement: with both antennas or the tractor's yaw; without, the line stays as it is.
             yaw: of the line beside the vehicle, rad.
         """
         if not self.configuration.path.working_width > 0.0:
             return False
         ahead = measurement.tractor_x - measurement.trailer_x, measurement.tractor_y - measurement.trailer_y
-        return abs(wrap(math.atan2(ahead[1], ahead[0]) - yaw)) > _AWAY
+        faces = measurement.tractor_yaw if math.isnan(sum(ahead)) else math.atan2(ahead[1], ahead[0])
+        return abs(wrap(faces - yaw)) > _AWAY
 
     def nearest(self, measurement: Measurement) -> tuple[Self, float]:
         """Return this line in the direction in which the vehicle faces, and the nearest arc length on it, m."""

@@ -16,7 +16,7 @@ _NOBODY = ("0.0.0.0", 0)
 
 
 def open_receivers(devices: DeviceSettings, sentences: str, clock: Clock = time.monotonic) -> Sequence[Transport]:
-    """Return the transports of tractor's and trailer's receivers.
+    """Return the transports of the tractor's receiver and, where there is one, of the trailer's.
 
     Args:
         devices: of the configuration.
@@ -26,11 +26,12 @@ def open_receivers(devices: DeviceSettings, sentences: str, clock: Clock = time.
     Raises:
         HardwareError: a port is taken.
     """
-    receivers, on_boards = (devices.tractor_receiver, devices.trailer_receiver), devices.receivers_on_boards
+    receivers, on_boards = devices.receivers, devices.receivers_on_boards
     if on_boards:
         relayed = share(RelayedSentences(sentences), [_NOBODY] * len(on_boards))
         return [relayed.pop() if each in on_boards else open_transport(each.transport, clock) for each in receivers]
     first = open_transport(receivers[0].transport, clock)
-    if receivers[0].transport == receivers[1].transport and isinstance(first, UdpTransport):
+    others = [receiver.transport for receiver in receivers[1:]]
+    if receivers[0].transport in others and isinstance(first, UdpTransport):
         return share(first, [first.address.peer or _NOBODY] * 2)
-    return [first, open_transport(receivers[1].transport, clock)]
+    return [first, *(open_transport(each, clock) for each in others)]

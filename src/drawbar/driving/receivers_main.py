@@ -32,6 +32,7 @@ _PRIORITY = 35
 """of scheduling, below gate and controller, where the bytes are a stand-in's and nobody else can flood it with them"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
+_DEVICES = (Device.TRACTOR_RECEIVER, Device.TRAILER_RECEIVER)
 _TOGETHER = 32
 """looks that are told at once, at most"""
 _ASK_AGAIN = 0.05
@@ -48,10 +49,12 @@ def main() -> int:
     clock = orders.clock
     witness = Witness(mailbox, orders.socket(RECORDER), clock)
     lines = open_receivers(devices, orders.socket(SENTENCES), clock)
-    tractor = Receiver(witness.tap(lines[0], Device.TRACTOR_RECEIVER), devices.tractor_receiver)
-    trailer = Receiver(witness.tap(lines[1], Device.TRAILER_RECEIVER), devices.trailer_receiver)
+    receivers = [
+        Receiver(witness.tap(line, device), settings)
+        for line, device, settings in zip(lines, _DEVICES, devices.receivers, strict=False)
+    ]
     sensors = _sensors(devices, witness)
-    navigation = Navigation(tractor, trailer, local_frame(configuration), sensors)
+    navigation = Navigation(receivers, local_frame(configuration), sensors)
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
     for word in prepare(0 if orders.pace == 1 else _PRIORITY):
@@ -68,12 +71,12 @@ def main() -> int:
             mailbox.post(orders.socket(RECORDER), record)
         beat.pass_time(now)
         if corrections is not None:
-            correct(corrections, clock(), tractor, (tractor, trailer))
-        watched = [tractor.transport, trailer.transport, *([sensors.transport] if sensors else [])]
+            correct(corrections, clock(), receivers[0], receivers)
+        watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
         most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
         clock.wait(descriptors, min(min(navigation.due, seconds(beat.due)) - clock(), most))
-    for each in (tractor, trailer, corrections, sensors, mailbox):
+    for each in (*receivers, corrections, sensors, mailbox):
         if each is not None:
             each.close()
     return 0

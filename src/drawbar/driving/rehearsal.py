@@ -97,7 +97,7 @@ class Rehearsal:
         self._states: list[GateState] = []
         self.loop = ControlLoop(
             Controller(configuration, path, safety.fingerprint()),
-            Sampler(configuration.sample_time),
+            Sampler(configuration.sample_time, has_trailer=configuration.has_trailer_receiver),
             send=self._send,
             record=lambda record: self._records.append((record, self.machine.world.truth)),
             clock=lambda: self.now,
@@ -106,13 +106,12 @@ class Rehearsal:
 
     def _build_navigation(self, devices: DeviceSettings | None, frame: LocalFrame) -> Navigation:
         plain = ReceiverSettings(transport="file:memory")
-        tractor, trailer = (
-            Receiver(self._lines[body], getattr(devices, f"{body}_receiver") if devices else plain) for body in BODIES
-        )
+        settings = devices.receivers if devices else (plain, plain)
+        receivers = [Receiver(self._lines[body], each) for body, each in zip(BODIES, settings, strict=False)]
         board = SensorBoardSettings(
             transport="file:memory", hitch_counts=HITCH_COUNTS, hitch_angles=HITCH_ANGLES, pulses_per_metre=PULSES
         )
-        return Navigation(tractor, trailer, frame, SensorLine(self._lines[SENSORS], board))
+        return Navigation(receivers, frame, SensorLine(self._lines[SENSORS], board))
 
     def _build_wires(self, devices: DeviceSettings | None, safety: SafetySettings, bus: list[MemoryBus]) -> list[Wire]:
         """Return the gate's wires to the boards, and to the valves where there is an ISOBUS."""

@@ -78,8 +78,12 @@ def _navigation(configuration: Configuration, header: RunHeader, lines: dict[str
     latitude, longitude, height = header.origin
     line = lines[Device.SENSORS.topic]
     return Navigation(
-        Receiver(lines[Device.TRACTOR_RECEIVER.topic], devices.tractor_receiver),
-        Receiver(lines[Device.TRAILER_RECEIVER.topic], devices.trailer_receiver),
+        [
+            Receiver(lines[device.topic], settings)
+            for device, settings in zip(
+                (Device.TRACTOR_RECEIVER, Device.TRAILER_RECEIVER), devices.receivers, strict=False
+            )
+        ],
         LocalFrame(latitude=latitude, longitude=longitude, height=height),
         SensorLine(line, devices.sensors) if devices.sensors is not None else None,
     )
@@ -128,7 +132,7 @@ class _Controller:
         self._steps: list[StepRecord] = []
         self._loop = ControlLoop(
             Controller(configuration, header.path.path(), configuration.safety.fingerprint()),
-            Sampler(configuration.sample_time),
+            Sampler(configuration.sample_time, has_trailer=configuration.has_trailer_receiver),
             send=self._compare_command,
             record=self._compare_step,
             clock=lambda: self._now,

@@ -54,7 +54,7 @@ class StandIns:
         assert devices is not None
         self._machine = machine
         receivers = {"tractor": devices.tractor_receiver, "trailer": devices.trailer_receiver}
-        lines = {body: (receiver.transport, receiver.sender) for body, receiver in receivers.items()}
+        lines = {body: (each.transport, each.sender) for body, each in receivers.items() if each is not None}
         lines |= {SENSORS: (devices.sensors.transport, "")} if devices.sensors else {}
         boards = {"tractor": devices.tractor_board, "trailer": devices.trailer_board}
         self._corrected: dict[str, tuple[DataLine | SerialLine, RtcmFramer]] = {}

@@ -6,6 +6,7 @@ from enum import Enum
 from drawbar.config import Configuration
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.aio_26 import Aio26
@@ -14,7 +15,7 @@ from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.machine import BODIES, Driver, StandInMachine, StandInSettings
-from drawbar.machine.stand_in.nmea import gga, gst, panda, vtg
+from drawbar.machine.stand_in.nmea import gga, gst, hrp, panda, paogi, vtg
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.wheel import HeldWheel
@@ -51,14 +52,12 @@ def stand_in_machine(
         bus: its end of the ISOBUS, where the devices name one.
         firmware: of all boards.
     """
-    ticking, devices = configuration.model_copy(update={"sample_time": TICK}), configuration.devices
+    ticking, devices = _with_yaw(configuration).model_copy(update={"sample_time": TICK}), configuration.devices
     boards: dict[str, tuple[StandInBoard, HeldWheel]] = {}
     encoders: dict[str, Encoder] = {}
     for index, body in enumerate(BODIES):
         receiver = getattr(devices, f"{body}_receiver") if devices else ReceiverSettings(transport="file:memory")
-        encoders[body] = nmea2000(int(receiver.sender or 0x20 + index)) if receiver.is_on_can else _nmea
-        if devices is not None and receiver in devices.receivers_on_boards:
-            encoders[body] = _on_board
+        encoders[body] = _encoder(receiver, devices, index)
         settings = getattr(devices, f"{body}_board") if devices else None
         if devices is None or settings is not None:
             wheel = HeldWheel()
@@ -81,6 +80,24 @@ def stand_in_machine(
     )
 
 
+def _with_yaw(configuration: Configuration) -> Configuration:
+    """Return the configuration, with two antennas on a tractor whose receiver is the only one."""
+    if configuration.has_trailer_receiver:
+        return configuration
+    machine = configuration.machine
+    yaw = machine.attitude.yaw.model_copy(update={"present": True})
+    attitude = machine.attitude.model_copy(update={"yaw": yaw})
+    return configuration.model_copy(update={"machine": machine.model_copy(update={"attitude": attitude})})
+
+
+def _encoder(receiver: ReceiverSettings | None, devices: DeviceSettings | None, index: int) -> Encoder:
+    if receiver is None:
+        return _silent
+    if receiver.is_on_can:
+        return nmea2000(int(receiver.sender or 0x20 + index))
+    return _on_board if devices is not None and receiver in devices.receivers_on_boards else _nmea
+
+
 def _board(firmware: Firmware, wheel: HeldWheel, subnet: str, settings: SteerBoardSettings | None) -> StandInBoard:
     if firmware is Firmware.AIO_V4:
         return AioV4(wheel, subnet=subnet)
@@ -90,9 +107,14 @@ def _board(firmware: Firmware, wheel: HeldWheel, subnet: str, settings: SteerBoa
 
 
 def _on_board(report: Report) -> list[bytes]:
-    return [panda(report)]
+    return [panda(report) if math.isnan(report.yaw) else paogi(report)]
 
 
 def _nmea(report: Report) -> list[bytes]:
     inertial = [panda(report)] if math.isfinite(report.inertial_yaw) else []
-    return [gga(report), vtg(report), gst(report), *inertial]
+    heading = [hrp(report)] if math.isfinite(report.yaw) else []
+    return [gga(report), vtg(report), gst(report), *heading, *inertial]
+
+
+def _silent(_: Report) -> list[bytes]:
+    return []

@@ -27,6 +27,7 @@ struct component {
     time_stamp time, last_fine;            /* of the last sample, of the last fine fix */
     double fixes[4];                       /* of the last sample, m */
     double way, moved[2];                  /* lately: by the wheels, and of both points along their bodies, m */
+    double seen[2];                        /* of that way what each point had fixes for, m */
     struct swings errors[2], steering;
     int32_t swinging, spells;              /* it oscillates; how often that has begun */
     int32_t begun;
@@ -58,7 +59,18 @@ static inline double coarse_for(struct component *sanity, const struct drawbar_m
     return coarse ? measurement->time - sanity->last_fine : 0.0;
 }
 
-/* Whether both points move against the way their bodies face, although the wheels turn, or the wheels say so themselves. */
+/* Whether a point has moved against the way that its body faces, and the other as well or without fixes that tell. */
+static inline int moved_back(const struct component *sanity, int i)
+{
+    const double limit = -MOTION_SHARE * sanity->way, seen = 0.5 * sanity->way;
+    const int other = 1 - i;
+
+    return sanity->moved[i] < limit
+        && (sanity->moved[other] < limit || (!(sanity->seen[other] > seen) && sanity->way > 2.0 * MOTION_LEAST));
+}
+
+/* Whether both points move against the way their bodies face, although the wheels turn, or the wheels say so themselves.
+ * Where only one has fixes, twice the way must show it. */
 static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m,
                                   const struct drawbar_estimate *estimate)
 {
@@ -75,11 +87,11 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
         const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
         const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(way);
         sanity->moved[i] = kept * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);
+        sanity->seen[i] = kept * sanity->seen[i] + (isfinite(along) ? way : 0.0);
     }
     memcpy(sanity->fixes, fixes, sizeof fixes);
-    const double limit = -MOTION_SHARE * sanity->way;
     return sanity->way < -MOTION_LEAST
-        || (sanity->way > MOTION_LEAST && sanity->moved[0] < limit && sanity->moved[1] < limit);
+        || (sanity->way > MOTION_LEAST && (moved_back(sanity, 0) || moved_back(sanity, 1)));
 }
 
 /* How many half waves in a row either error or the steering has swung. */

@@ -79,7 +79,7 @@ def measured(machine: StandInMachine, transport: str, seconds: float) -> Iterato
     lines = {body: MemoryTransport() for body in BODIES}
     settings = ReceiverSettings(transport=transport)
     tractor, trailer = (Receiver(lines[body], settings) for body in BODIES)
-    navigation, sampler = Navigation(tractor, trailer, FRAME), Sampler(SAMPLE)
+    navigation, sampler = Navigation((tractor, trailer), FRAME), Sampler(SAMPLE)
     start = machine.time
     for step in range(round(seconds / 0.005)):
         now = start + 0.005 * step
@@ -157,7 +157,7 @@ def test_what_a_broken_receiver_says_is_no_yaw_rate_as_it_is_no_roll(name: str) 
 def test_satellites_are_told_as_far_as_a_receiver_tells_them() -> None:
     machine, lines = machine_of(), {body: MemoryTransport() for body in BODIES}
     tractor, trailer = (Receiver(lines[body], ReceiverSettings(transport="file:memory")) for body in BODIES)
-    navigation, told = Navigation(tractor, trailer, FRAME), []
+    navigation, told = Navigation((tractor, trailer), FRAME), []
     start = machine.time
     for step in range(400):
         now = start + 0.005 * step

@@ -30,6 +30,14 @@ def test_nothing_begins_without_both_antennas():
     assert sampler.take(fixes(2 * SECOND)).time == 0.0
 
 
+def test_where_the_trailer_has_no_receiver_the_tractors_antenna_is_enough():
+    sampler = Sampler(0.2, has_trailer=False)
+    assert sampler.take(fixes(SECOND, tractor_x=math.nan, trailer_x=math.nan)) is None
+    measured = sampler.take(fixes(2 * SECOND, trailer_x=math.nan, tractor_yaw=0.3))
+    assert (measured.time, measured.tractor_yaw) == (0.0, 0.3)
+    assert [sampler.take(fixes(2 * SECOND + k * SECOND // 5, trailer_x=math.nan)).time for k in (1, 2)] == [0.2, 0.4]
+
+
 def test_time_is_the_receivers_and_begins_with_the_first_epoch():
     sampler = Sampler(0.2)
     begin = 5 * SECOND

@@ -5,6 +5,7 @@ import pytest
 from drawbar.config import load_configuration
 from drawbar.driving.demonstration import with_stand_ins
 from drawbar.errors import ConfigurationError
+from drawbar.machine.hardware.devices import DeviceSettings
 
 ISOBUS = """
 [devices.isobus]
@@ -38,6 +39,14 @@ def test_a_transport_that_is_none_is_refused(text, tmp_path, device, given, why)
         load_configuration(str(file))
     for part in (str(file), f"devices.{device}.transport", why):
         assert part in str(refused.value)
+
+
+def test_a_trailer_that_nothing_locates_is_refused():
+    devices = with_stand_ins(load_configuration("articulated")).devices.model_dump() | {"trailer_receiver": None}
+    assert len(DeviceSettings.model_validate(devices).receivers) == 1
+    for sensors in (None, devices["sensors"] | {"hitch_counts": (), "hitch_angles": ()}):
+        with pytest.raises(ValueError, match="nothing shows where the trailer is"):
+            DeviceSettings.model_validate(devices | {"sensors": sensors})
 
 
 def test_a_bus_that_is_none_is_refused(text, tmp_path):

@@ -31,7 +31,8 @@ class DeviceSettings(Settings):
     """All devices of the machine. Each body is steered by a board of AgOpenGPS's kind or by a valve on the ISOBUS."""
 
     tractor_receiver: ReceiverSettings
-    trailer_receiver: ReceiverSettings
+    trailer_receiver: ReceiverSettings | None = None
+    """without it the tractor's has two antennas and tells its yaw, and `sensors` measures the hitch angle"""
     tractor_board: SteerBoardSettings | None = None
     """turns the front wheels"""
     trailer_board: SteerBoardSettings | None = None
@@ -58,6 +59,11 @@ class DeviceSettings(Settings):
                     f"the {body} is steered by {body}_board or by isobus.{body}_valve; {given} is given, give one"
                 )
         refuse_equal_boards([board for board in (self.tractor_board, self.trailer_board) if board is not None])
+        if self.trailer_receiver is None and not (self.sensors and self.sensors.hitch_counts):
+            raise ValueError(
+                "without trailer_receiver nothing shows where the trailer is; add that section, or sensors with "
+                "hitch_counts and hitch_angles, and a tractor_receiver with two antennas"
+            )
         self._refuse_one_line_for_two()
         if self.speed == "isobus" and self.isobus is None:
             raise ValueError('speed = "isobus" needs the section isobus; add it, or set speed = "driver"')
@@ -67,22 +73,19 @@ class DeviceSettings(Settings):
     def receivers_on_boards(self) -> tuple[ReceiverSettings, ...]:
         """The receivers whose datagrams come to the port where boards are listened to."""
         places = [board.listening for board in (self.tractor_board, self.trailer_board) if board is not None]
-        return tuple(receiver for receiver in self._receivers if any(map(receiver.is_at, places)))
+        return tuple(receiver for receiver in self.receivers if any(map(receiver.is_at, places)))
 
     @property
-    def _receivers(self) -> tuple[ReceiverSettings, ReceiverSettings]:
-        return self.tractor_receiver, self.trailer_receiver
+    def receivers(self) -> tuple[ReceiverSettings, ...]:
+        """The tractor's, and the trailer's where there is one."""
+        return tuple(each for each in (self.tractor_receiver, self.trailer_receiver) if each is not None)
 
     def _refuse_one_line_for_two(self) -> None:
-        tractor, trailer = self._receivers
-        recorded = tractor.is_recorded or trailer.is_recorded
-        if (
-            self.sensors is not None
-            and not recorded
-            and self.sensors.transport in (tractor.transport, trailer.transport)
-        ):
-            raise ValueError(f"a receiver and sensors have one transport, {self.sensors.transport}; give each its own")
-        if tractor.transport != trailer.transport or tractor.is_recorded:
+        tractor, trailer, sensors = self.tractor_receiver, self.trailer_receiver, self.sensors
+        recorded = any(each.is_recorded for each in self.receivers)
+        if sensors is not None and not recorded and sensors.transport in [each.transport for each in self.receivers]:
+            raise ValueError(f"a receiver and sensors have one transport, {sensors.transport}; give each its own")
+        if trailer is None or tractor.transport != trailer.transport or tractor.is_recorded:
             return
         if not tractor.has_senders:
             raise ValueError(f"both receivers have one transport, {tractor.transport}; give each its own")

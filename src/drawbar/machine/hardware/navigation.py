@@ -1,6 +1,7 @@
 """Navigation: the receivers of both bodies together; what they say of one instant comes out as one record."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from drawbar.geometry import LocalFrame
@@ -22,12 +23,10 @@ _MOST_SATELLITES = 255
 class Navigation:
     """Polls both receivers, pairs their epochs and places them in the frame of the path."""
 
-    def __init__(
-        self, tractor: Receiver, trailer: Receiver, frame: LocalFrame, sensors: SensorLine | None = None
-    ) -> None:
-        """Take the receivers, the frame and, where there is one, the sensor board."""
+    def __init__(self, receivers: Sequence[Receiver], frame: LocalFrame, sensors: SensorLine | None = None) -> None:
+        """Take the tractor's receiver and, where there is one, the trailer's; the frame; the sensor board, if any."""
         self._sensors = sensors
-        self._receivers = {Body.TRACTOR: tractor, Body.TRAILER: trailer}
+        self._receivers = dict(zip(Body, receivers, strict=False))
         self._pairing, self._frame, self._sequence = Pairing(), frame, 0
 
     @property
@@ -42,9 +41,13 @@ class Navigation:
         pairs: list[Pair] = []
         for body, receiver in self._receivers.items():
             for epoch in receiver.poll(time):
-                pairs += self._pairing.add(body, epoch, time)
+                pairs += [self._alone(epoch)] if len(self._receivers) == 1 else self._pairing.add(body, epoch, time)
         pairs += self._pairing.poll(time)
         return [self._fixes(pair, time) for pair in pairs]
+
+    @staticmethod
+    def _alone(epoch: Epoch) -> Pair:
+        return Pair(tractor=epoch, trailer=None)
 
     def _fixes(self, pair: Pair, time: float) -> Fixes:
         self._sequence = (self._sequence + 1) % 2**32
@@ -56,6 +59,7 @@ class Navigation:
             valid_until=nanoseconds(time + _VALID),
             epoch=nanoseconds(min(epoch.time for epoch in epochs)),
             first_byte=nanoseconds(min(epoch.received for epoch in epochs)),
+            tractor_yaw=pair.tractor.yaw if pair.tractor is not None else math.nan,
             **self._sensed(time),
             **values,
         )

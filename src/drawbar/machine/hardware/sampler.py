@@ -34,8 +34,9 @@ _LACKED = 2
 class Sampler:
     """Makes a measurement of each sample; `dropped` counts the epochs that none was made of."""
 
-    def __init__(self, sample_time: float) -> None:
-        """Take the sample time, s."""
+    def __init__(self, sample_time: float, *, has_trailer: bool = True) -> None:
+        """Take the sample time, s, and whether the trailer has a receiver."""
+        self._has_trailer = has_trailer
         self._period = round(sample_time * 1e9)
         self._wait = min(WAIT, round(_LONGEST_WAIT * self._period))
         self._start: int | None = None
@@ -56,14 +57,14 @@ class Sampler:
 
     def take(self, fixes: Fixes) -> Measurement | None:
         """Return the measurement of an epoch's sample, None if the epoch is of none."""
-        known = (math.isfinite(fixes.tractor_x), math.isfinite(fixes.trailer_x))
+        known = (math.isfinite(fixes.tractor_x), not self._has_trailer or math.isfinite(fixes.trailer_x))
         if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
             self._delays.append(fixes.time - fixes.epoch)
         sample = min(fixes.epoch + median_low(self._delays), fixes.time + _AHEAD)
         moves = any(has and lacks >= _LACKED for has, lacks in zip(known, self._without, strict=True))
         if self._start is None:
             if not all(known):
-                return None  # nothing begins without both antennas
+                return None  # nothing begins without all antennas
             self._start = sample
         elif sample - self._last < self._period * (_MOVING_STEP if moves else _STEP):
             self.dropped += 1
@@ -119,6 +120,7 @@ class Sampler:
             trailer_fix_deviation=fixes.trailer_deviation,
             tractor_roll=fixes.tractor_roll,
             tractor_pitch=fixes.tractor_pitch,
+            tractor_yaw=fixes.tractor_yaw,
             tractor_yaw_rate=fixes.tractor_yaw_rate,
             tractor_attitude_age=self._age(fixes.tractor_attitude_time),
             trailer_roll=fixes.trailer_roll,

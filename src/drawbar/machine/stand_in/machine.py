@@ -267,6 +267,7 @@ class StandInMachine:
                 sigma_north=moved.sigma,
                 speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
                 course=self.world.course(body),
+                yaw=measured.tractor_yaw if body == "tractor" else math.nan,
                 roll=getattr(measured, f"{body}_roll"),
                 pitch=-getattr(measured, f"{body}_pitch"),  # nose up there
                 inertial_yaw=self._yaws[body],
