@@ -1,6 +1,5 @@
-/* What a yaw-rate sensor tells of the tractor, and of the fixes: the sensor's bias and the error of its scale are found and
- * taken off, the latency of fixes or sensor that nobody tells is found, and a sensor that contradicts the antennas or the
- * wheels is not believed.
+/* Yaw-rate sensor of the tractor: the sensor's bias and the error of its scale are found and taken off, the latency of
+ * fixes or sensor that nobody tells is found, and a sensor that contradicts the antennas or the wheels is not believed.
  *
  * A body turns as far as its antennas and angles show, whatever the sensor says: how far the sensor's integral runs ahead
  * of that yaw grows with the bias, and in curves with the scale's error. Where the fixes are late, that yaw is behind by as

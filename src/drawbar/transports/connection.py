@@ -1,4 +1,4 @@
-"""One attempt at a TCP connection, with or without TLS: look the name up, connect, secure, use. No call waits."""
+"""Connection attempt by TCP, one, with or without TLS: look the name up, connect, secure, use. No call waits."""
 
 import errno
 import os
