@@ -46,8 +46,9 @@ def flaw(text: str, file: str, defined: list[str], verbs: set[str]) -> str:
         return "says nothing"
     if name[0] in QUESTIONS:
         return f"begins with the question or preposition {name[0]!r}"
-    if {name[0], name[0].removesuffix("s")} & verbs and stem(name[0]) not in names:
-        return f"begins with the verb {name[0]!r}"
+    opening = re.sub(r"^\W*(?:(?:an?|the)\s+)?", "", text.lower()).split()[0]
+    if {opening, opening.removesuffix("s")} & verbs and stem(opening) not in stems([file]):
+        return f"begins with the verb {opening!r}"
     whole, initials = "".join(name), "".join(word[0] for word in name)
     if names & stems(name) or file.replace("_", "") in whole or file == initials:
         return ""

@@ -1,4 +1,4 @@
-"""The signals in C: structures, enumerations and texts printed from their declarations, and the layout of their bytes.
+"""Exchange of signals with C: structures, enumerations and texts printed from declarations, and their bytes' layout.
 
 `python -m drawbar.exchange` prints the headers anew after a change of `signals/` or `statuses.py`; a test holds them
 against each other.

@@ -1,4 +1,4 @@
-"""NMEA 2000, a receiver's stand-in, as packed CAN frames: position (129029), course and speed (129026).
+"""NMEA 2000 of a receiver's stand-in, as packed CAN frames: position (129029), course and speed (129026).
 
 With an inertial sensor also rate of turn (127251) and attitude (127257).
 """
