@@ -25,7 +25,7 @@ NOT_OURS = {
         "include/drawbar_line.h",
         "src/",
         "lib/<target>/",
-        "src/<part>.c",
+        "src/<component>.c",
         "example/main.c",
     ),
     *("example/path.csv", "step.c", "line.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),

@@ -9,8 +9,8 @@ from matplotlib.ticker import NullFormatter
 from drawbar.benchmark.bench import STAGES
 from drawbar.benchmark.closed_loop import probed_runs
 from drawbar.benchmark.figures import machine, on_one_core
+from drawbar.experiment.elements import Element, Picture, Table, Text
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Picture, Table, Text
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, INK, REFERENCE, TRACTOR, TRAILER
@@ -62,7 +62,7 @@ def _phases(prepare: np.ndarray, feedback: np.ndarray) -> dict[str, np.ndarray]:
     return dict(zip(PHASES, times, strict=True))
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the machine, the table of the solvers by themselves, the ratios, and the same in the loop."""
     with on_one_core():
         alone = {key: times for case in measured.cases for key, times in _by_itself(case).items()}

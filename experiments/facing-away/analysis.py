@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table
 from drawbar.experiment.task import Result
 
 BODIES = ("tractor", "trailer")
@@ -38,7 +38,7 @@ def _back(result: Result) -> float:
     return float(time[after]) if after < len(time) else math.nan
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table."""
     yield Table(
         name="facing-away",

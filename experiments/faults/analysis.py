@@ -8,8 +8,8 @@ import numpy as np
 
 from drawbar.config import load_configuration
 from drawbar.errors import DrawbarError
+from drawbar.experiment.elements import Element, Table, Text
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table, Text
 from drawbar.experiment.task import Result
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import BY_CODE
@@ -89,7 +89,7 @@ def _first(time: np.ndarray, holds: np.ndarray) -> float:
     return float(time[np.argmax(holds)]) if holds.any() else math.nan
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the tables."""
     driven = [case for case in measured.cases if " m/s, " in case]
     variants = list(dict.fromkeys(case.partition(": ")[2] for case in driven))

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drawbar.experiment.elements import Element, Table, Text
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table, Text
 from drawbar.experiment.task import Result
 
 PRODUCT = "articulated"
@@ -49,7 +49,7 @@ def _straight_deviation(result: Result, body: str) -> float:
     return 100.0 * float(statistics.rms)
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the product's table, the comparators' and who is nearer than the product."""
     yield _product(measured)
     yield _comparators(measured)

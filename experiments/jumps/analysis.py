@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table
 
 BODIES = ("tractor", "trailer")
 NONE = "no jump"
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table."""
     cases = {antenna: _by_size(measured, antenna) for antenna in BODIES}
     (undisturbed,) = (case for case in measured.cases if case.endswith(NONE))

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table
 from drawbar.experiment.task import Result
 
 PRODUCT = "articulated"
@@ -52,7 +52,7 @@ def figures(result: Result) -> dict[str, float]:
     return found
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the product's table and the comparators'."""
     variants = [variant.name for variant in measured.experiment.settings.variants]
     yield Table(

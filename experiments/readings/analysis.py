@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 from drawbar.experiment.analysis import error_figures
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table
 from drawbar.experiment.task import Result
 
 BODIES = ("tractor", "trailer")
@@ -23,7 +23,7 @@ def figures(result: Result) -> dict[str, float]:
     }
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table."""
     yield Table(
         name="readings",

@@ -5,8 +5,8 @@ import tomllib
 from collections.abc import Iterator
 
 from drawbar.config import Configuration
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table
 from drawbar.simulation import build_path
 
 BODIES = ("tractor", "trailer")
@@ -17,7 +17,7 @@ TOLERANCE = 1.0
 """m: any line is to be made drivable here, whatever it costs"""
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table."""
     yield Table(
         name="lines",

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from drawbar.experiment.elements import Element, Picture, Table, Text
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Picture, Table, Text
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, GRID, INK, KINK, REFERENCE, TRACTOR, TRAILER
@@ -81,7 +81,7 @@ def _overshoot(errors: np.ndarray) -> float:
     return max(float((-np.sign(first) * errors).max()), 0.0) if abs(first) > NEAR else np.nan
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the picture, the product's table, the comparators' table, and those of the slopes and the starts."""
     yield Picture(
         name="robustness",

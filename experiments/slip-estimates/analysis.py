@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drawbar.config import Configuration
+from drawbar.experiment.elements import Element, Picture, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, INK, REFERENCE
 
@@ -62,7 +62,7 @@ def _truth(result: Result, name: str) -> np.ndarray:
     return result.columns[f"truth.{name}"]
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the paper's figure for both models, and the tables of slips and yaws."""
     for name, (title, cases) in PICTURES.items():
         yield Picture(

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Table
 
 BODIES = ("tractor", "trailer")
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table."""
     settings = measured.experiment.settings
     variants = [variant.name for variant in settings.variants]

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drawbar.config import Configuration
+from drawbar.experiment.elements import Element, Picture, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.task import Result
 from drawbar.report.style import BODY_COLOURS, GRID, INK, REFERENCE
 from drawbar.simulation import build_path
@@ -57,7 +57,7 @@ def _actual(result: Result, body: str) -> np.ndarray:
     return sign * result.columns[f"truth.{body}_steering"]
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table of shares and, of the first run, the steering along the path and in one curve."""
     yield _shares(measured)
     for case, title in CASES.items():

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from drawbar.config import Configuration
+from drawbar.experiment.elements import Element, Picture, Table, Text
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Picture, Table, Text
 from drawbar.experiment.statistics import Statistic
 from drawbar.report.style import BODY_COLOURS, GRID, REFERENCE
 from drawbar.simulation import build_path
@@ -25,7 +25,7 @@ DASHED = (0, (4, 2))
 MARKERS = {"tractor": "o", "trailer": "s"}
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table of means, who beats the product, and the two figures."""
     yield _means(measured)
     yield Text(text=_who_beats_the_product(measured))

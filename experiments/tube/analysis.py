@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drawbar.config import Configuration, load_configuration
+from drawbar.experiment.elements import Element, Picture, Table
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.task import Result
 from drawbar.geometry import Floats
 from drawbar.report.style import BODY_COLOURS, REFERENCE
@@ -120,7 +120,7 @@ def figures(result: Result) -> dict[str, float]:
     }
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table, then a run at its bounds with and without tightening."""
     yield _table(measured)
     yield Picture(

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
+from drawbar.experiment.elements import Element, Picture, Table
 from drawbar.experiment.experiment import Case
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Part, Picture, Table
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result
 from drawbar.report.metrics import ALL
@@ -38,7 +38,7 @@ def figures(result: Result) -> dict[str, float]:
     }
 
 
-def report(measured: MeasuredExperiment) -> Iterator[Part]:
+def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield both objectives as a table, the paper's set as a picture, and what a start beside the path shows."""
     yield Table(
         name="objectives",

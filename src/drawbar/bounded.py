@@ -1,4 +1,4 @@
-"""Errors of which only bounds are known: what a tube is declared for, and what a simulation tests it with."""
+"""Bounded errors, of which only bounds are known: a tube is declared for them, and a simulation tests it with them."""
 
 from enum import StrEnum
 from typing import Annotated

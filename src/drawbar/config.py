@@ -1,4 +1,4 @@
-"""One TOML file describes a whole run; this is the only place that reads it."""
+"""Configuration: one TOML file describes a whole run; this is the only place that reads it."""
 
 import math
 import os

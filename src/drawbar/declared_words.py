@@ -1,4 +1,4 @@
-"""What stands below each field of a class in its source, as a text: read when it is asked for, which costs no start."""
+"""Declared words: the text below each field of a class in its source, read when asked for, which costs no start."""
 
 import ast
 import inspect

@@ -1,4 +1,4 @@
-"""The signals in C: structures, enumerations and texts printed from their declarations, and the layout of their bytes.
+"""Exchange of signals with C: structures, enumerations and texts printed from declarations, and their bytes' layout.
 
 `python -m drawbar.exchange` prints the headers anew after a change of `signals/` or `statuses.py`; a test holds them
 against each other.
@@ -288,12 +288,13 @@ def _nothing() -> str:
     return "#define DRAWBAR_NOTHING_MEASURED {" + "".join(f" \\\n    {line}" for line in lines) + "}\n"
 
 
-_NOTE = "/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there."
-_PUBLIC = f"""\
-{_NOTE}
+_NOTE = """\
  *
- * The signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
- * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for. */
+ * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */"""
+_PUBLIC = f"""\
+/* Signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
+ * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for.
+{_NOTE}
 #ifndef DRAWBAR_SIGNALS_H
 #define DRAWBAR_SIGNALS_H
 
@@ -306,10 +307,9 @@ _NOTHING = """\
  * something else: they report rates of zero, and fixes with a deviation of zero, which count as missing. */
 """
 _INNER = f"""\
+/* Signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
+ * its next call.
 {_NOTE}
- *
- * The signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
- * its next call. */
 #ifndef DRAWBAR_INNER_SIGNALS_H
 #define DRAWBAR_INNER_SIGNALS_H
 
@@ -319,7 +319,8 @@ _INNER = f"""\
 
 """
 _TEXTS = f"""\
-{_NOTE} */
+/* Status texts: one line for each status.
+{_NOTE}
 #ifndef DRAWBAR_STATUS_TEXT_H
 #define DRAWBAR_STATUS_TEXT_H
 
@@ -328,7 +329,8 @@ _TEXTS = f"""\
 /* What a status means, in one line. */
 """
 _SOLVER = f"""\
-{_NOTE} */
+/* Status of a solver's call.
+{_NOTE}
 #ifndef DRAWBAR_STATUS_H
 #define DRAWBAR_STATUS_H
 

@@ -1,4 +1,4 @@
-"""What drawbar's optional extras bring, and the command that installs them into this very Python."""
+"""Extras of drawbar: what each brings, and the command that installs them into this very Python."""
 
 import re
 import shlex

@@ -1,4 +1,4 @@
-/* Angles and gravity, as in geometry.py, rows of numbers that are poses, and time stamps. */
+/* Geometry: angles and gravity, as in geometry.py, rows of numbers that are poses, and time stamps. */
 #ifndef DRAWBAR_GEOMETRY_H
 #define DRAWBAR_GEOMETRY_H
 

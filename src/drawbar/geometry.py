@@ -1,4 +1,4 @@
-"""Angles, gravity, and the local frame on the WGS84 ellipsoid. Radians, metres, ENU, counter-clockwise from east."""
+"""Geometry: angles, gravity, local frame on the WGS84 ellipsoid. Radians, metres, ENU, counter-clockwise from east."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Names that somebody gave and nobody knows: which of the known ones may be meant."""
+"""Misspelt names: for a name that nobody knows, the known ones that may be meant."""
 
 from collections.abc import Iterable
 

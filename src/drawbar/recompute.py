@@ -1,4 +1,4 @@
-"""Recompute a recorded run: estimates, plans and commands from the measurements, compared with what was recorded."""
+"""Recomputation of a recorded run: estimates, plans and commands from the measurements, compared with the record."""
 
 import math
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""The base of every configuration section, and the kinds of numbers a configuration may hold."""
+"""Settings: the base of every configuration section, and the kinds of numbers a configuration may hold."""
 
 import math
 from collections.abc import Iterator, Mapping

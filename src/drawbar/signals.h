@@ -1,7 +1,7 @@
-/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there.
+/* Signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
+ * its next call.
  *
- * The signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
- * its next call. */
+ * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
 #ifndef DRAWBAR_INNER_SIGNALS_H
 #define DRAWBAR_INNER_SIGNALS_H
 

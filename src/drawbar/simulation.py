@@ -1,4 +1,4 @@
-"""Drive a path from its start to its end, step by step: the loop of every run, and whole runs in simulation."""
+"""Simulation: drives a path from its start to its end, step by step. The loop of every run; whole simulated runs."""
 
 import math
 import time

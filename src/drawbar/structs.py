@@ -1,4 +1,4 @@
-"""Frozen dataclasses that every step makes, as structs of msgspec: made and encoded in a fraction of the time."""
+"""Structs of msgspec for frozen dataclasses that every step makes: made and encoded in a fraction of the time."""
 
 from dataclasses import MISSING, Field, fields
 from typing import Any, TypeVar, get_type_hints

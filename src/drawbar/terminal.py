@@ -1,4 +1,4 @@
-"""What a terminal can show: tables that fit its width and lose no column, plainer letters for those it lacks."""
+"""Terminal: what it can show; tables that fit its width and lose no column, plainer letters for those it lacks."""
 
 import codecs
 import os

@@ -12,10 +12,10 @@ from distributed import Client
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.analysis import error_figures, load_analysis, table_of_means
 from drawbar.experiment.document import write_report, write_results
+from drawbar.experiment.elements import Text
 from drawbar.experiment.experiment import Experiment
 from drawbar.experiment.measure import Runs, measure
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Text
 from drawbar.experiment.progress import RunsProgress
 from drawbar.experiment.task import Result, run_task
 
@@ -132,8 +132,8 @@ def test_a_seed_without_a_result_leaves_the_others_in_their_place(measured: Meas
 
 
 def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment) -> None:
-    parts = [*table_of_means(measured), Text(text="In words.")]
-    write_results(measured, parts)
+    elements = [*table_of_means(measured), Text(text="In words.")]
+    write_results(measured, elements)
     results = (measured.experiment.folder / "results.md").read_text("utf-8")
     assert results.startswith("# Two controllers\n")
     assert "2 cases with the seeds 0 to 0: 2 runs, 0 of them given up" in results

@@ -1,1 +1,1 @@
-"""Measures the compiled solvers in closed loop: phases, floor, bounds, growth, their peers, and the whole step in C."""
+"""Benchmarks of the compiled solvers in closed loop: phases, floor, bounds, growth, peers, and the whole step in C."""

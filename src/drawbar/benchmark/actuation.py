@@ -1,4 +1,4 @@
-"""What the low level makes of a valve and of a hydrostat, in closed loop: `python -m drawbar.benchmark.actuation`.
+"""Actuation by a valve and by a hydrostat under the low level, in closed loop: `python -m drawbar.benchmark.actuation`.
 
 The simulated valve has a dead band of ± 15 %, 25 °/s at full drive, a lag of 0.1 s and a dead time of 40 ms; its loop
 runs at 50 Hz. The hydrostat's pedal needs 1.25 s for its stroke, the vehicle follows with 0.8 s to 3 m/s at full pedal,

@@ -1,4 +1,4 @@
-"""From measured times to the figures that are shown and written."""
+"""Figures of the benchmark, from measured times to what is shown and written."""
 
 import os
 import platform

@@ -1,4 +1,4 @@
-"""What the report of a long run costs: `python -m drawbar.benchmark.long_report [KILOMETRES]`, on Linux.
+"""Long report: the cost of reporting on a long run, `python -m drawbar.benchmark.long_report [KILOMETRES]`, on Linux.
 
 By default the run has 100 km. It is simulated first, on figure-eights at 1 m/s: some three minutes, and 1 GB in the
 folder for temporary files.

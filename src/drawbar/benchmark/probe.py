@@ -1,4 +1,4 @@
-"""Watch one solver at work in a closed loop: time every phase from the very state in which it is called."""
+"""Probe of one solver at work in a closed loop: every phase is timed from the very state in which it is called."""
 
 import ctypes
 

@@ -1,4 +1,4 @@
-"""Time a compiled phase inside C: restore a recorded workspace, run, read the clock; again and again."""
+"""Stopwatch of a compiled phase, in C: restore a recorded workspace, run, read the clock; again and again."""
 
 import ctypes
 from pathlib import Path

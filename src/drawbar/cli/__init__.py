@@ -1,1 +1,1 @@
-"""The command line, a file for each command. Heavy modules are imported within the commands, so that help is quick."""
+"""Command-line interface: one file for each command. Commands import heavy modules within, so that help is quick."""

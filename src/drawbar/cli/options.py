@@ -1,4 +1,4 @@
-"""What several commands share: the console, arguments and options."""
+"""Options and arguments that several commands share, and the console."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""From CasADi to machine code: C generation, compiler discovery, build cache, loading.
+"""Code generation: C from CasADi, compiler discovery, build cache, loading.
 
 CasADi itself is imported by those alone who generate C from it: `emit.py`, `recurrence.py`.
 """

@@ -1,4 +1,4 @@
-"""Compile C once: shared libraries live in the user's cache folder under the hash of all that went into them."""
+"""Cache of compiled C: shared libraries are compiled once and lie in the user's folder under their inputs' hash."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""Find a C compiler on this machine: $CC, cc, gcc, clang, else the ziglang wheel."""
+"""Compiler for C on this machine: $CC, cc, gcc, clang, else the ziglang wheel."""
 
 import importlib.util
 import os

@@ -1,4 +1,4 @@
-"""Print a CasADi SX function as C99 that evaluates it for several stages at once, one stage per SIMD lane.
+"""Emitter of C99: prints a CasADi SX function for several stages at once, one stage per SIMD lane.
 
 The shooting intervals are independent of each other, so the same straight-line arithmetic runs over arrays of
 LANES values; the compiler turns each line into one vector instruction. Inputs are gathered from, and results

@@ -1,4 +1,4 @@
-/* Tells a caller in another language where the fields of the workspace are. */
+/* Fields of the workspace, whose places are told to a caller in another language. */
 #ifndef DRAWBAR_FIELDS_H
 #define DRAWBAR_FIELDS_H
 

@@ -1,4 +1,4 @@
-"""Load a compiled unit and look into its workspace as numpy arrays, without copies."""
+"""Library of a compiled unit, loaded, and its workspace as numpy arrays, without copies."""
 
 import ctypes
 import math

@@ -1,4 +1,4 @@
-/* Writes what is known from the configuration into a component. */
+/* Settings of a component, written into it as they are known from the configuration. */
 #ifndef DRAWBAR_SETTINGS_H
 #define DRAWBAR_SETTINGS_H
 

@@ -1,4 +1,4 @@
-/* How a unit names what it offers to the others of its library: UNIT(name), which the unit defines before it includes
+/* Unit: UNIT(name) names what a unit offers to the others of its library; the unit defines it before it includes
  * anything.
  *
  * In Python's own library somebody may watch a solver: before each of its phases the watcher is called, with the data in

@@ -1,4 +1,4 @@
-"""Allowances: how much one may still ask for, and each of many. Pure: time is given."""
+"""Allowances: how many requests one client may still make, and each of many clients. Pure: time is given."""
 
 from collections import OrderedDict
 from dataclasses import dataclass, field

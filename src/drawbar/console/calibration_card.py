@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
-from drawbar.console.calibration_parts import CURVE, StepList, list_found, plot_options
+from drawbar.console.calibration_widgets import CURVE, StepList, list_found, plot_options
 from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot

@@ -1,4 +1,4 @@
-"""Card of import and export: files of other programs in, the field that is shown out."""
+"""Card of import and export: reads files of other programs, and writes the field that is shown."""
 
 import asyncio
 from collections.abc import Awaitable, Callable

@@ -1,4 +1,4 @@
-"""Hand log: a drive kept for a calibration from its begin until it is evaluated: by hand, and steered. Pure."""
+"""Hand log: a drive by hand or steered, kept from its begin until a calibration evaluates it. Pure."""
 
 from collections import deque
 from dataclasses import dataclass

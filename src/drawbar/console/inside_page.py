@@ -1,4 +1,4 @@
-"""Look inside: live plots of any signal of the control steps."""
+"""Inside page: live plots of any signal of the control steps."""
 
 from nicegui import ui
 

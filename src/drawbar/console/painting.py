@@ -1,4 +1,4 @@
-"""Painting: how soon a step is on the screen, in a real Chromium: of this computer, and of one as slow as a phone.
+"""Painting: the time until a step is on the screen of a real Chromium, on this computer and as slow as on a phone.
 
 The page is watched from outside: the last message of the console before something is drawn on a canvas, and the frame
 after that. Needs playwright and a Chromium of the distribution.

@@ -1,4 +1,4 @@
-"""Session: one browser at the gate's desk. What it asks for carries what it has drawn, by its own word.
+"""Session: one browser at the gate's desk. With each request it states which picture it has drawn.
 
 A browser acknowledges each picture that it has drawn. Only these words make the operator present for the gate, so that
 a browser that hangs, sleeps or is out of reach is not there, whatever its connection says. Pure: time is given.

@@ -1,4 +1,4 @@
-"""What can be set up by hand: keys of the configuration, in the units that people use."""
+"""Set-up values: keys of the configuration that can be set by hand, in the units that people use."""
 
 import math
 from collections.abc import Callable

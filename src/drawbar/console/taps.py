@@ -1,4 +1,4 @@
-"""Taps: those of a finger that bounces mean nothing, nor those on a button that has just come to its place. Pure."""
+"""Taps: a tap of a finger that bounces is ignored, and so is one on a button that has just come to its place. Pure."""
 
 from collections.abc import Hashable, Mapping
 

@@ -1,4 +1,4 @@
-"""Under way: pictures that a browser has not drawn yet. A slow one gets fewer, and never old ones in a row."""
+"""Under way: pictures that a browser has not drawn yet. A slow browser gets fewer, and never old ones in a row."""
 
 import math
 import time

@@ -9,7 +9,7 @@ from contextlib import closing
 
 from nicegui import ui
 
-from drawbar.console.calibration_parts import StepList, list_found
+from drawbar.console.calibration_widgets import StepList, list_found
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.words import Words

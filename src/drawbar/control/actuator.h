@@ -1,5 +1,5 @@
-/* From a planned steering rate to the command that makes a lagging actuator follow it: delta' = (u - delta) / tau, whose
- * command u is held over a sample. */
+/* Actuator: from a planned steering rate to the command that makes a lagging actuator follow it, delta' = (u - delta) /
+ * tau, whose command u is held over a sample. */
 #ifndef DRAWBAR_ACTUATOR_H
 #define DRAWBAR_ACTUATOR_H
 

@@ -1,4 +1,4 @@
-"""What a controller must know of a lagging actuator (actuator.h)."""
+"""Actuator: numbers of a lagging actuator that a controller must know (actuator.h)."""
 
 import math
 

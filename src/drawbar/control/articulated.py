@@ -1,4 +1,4 @@
-"""The product's two nominal controllers: lateral errors of both antennas along a preview of the path."""
+"""Articulated controllers, the product's two: lateral errors of both antennas along a preview of the path."""
 
 import math
 

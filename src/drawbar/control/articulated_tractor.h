@@ -1,5 +1,5 @@
-/* The product's nominal controller of the tractor: slip, crab and a steering of limited rate, held near the path's own
- * curvature. Its model is `articulated_tractor` of vehicle/articulated.py. */
+/* Articulated tractor, the product's nominal controller: slip, crab and a steering of limited rate, held near the
+ * path's own curvature. Its model is `articulated_tractor` of vehicle/articulated.py. */
 #ifndef DRAWBAR_ARTICULATED_TRACTOR_H
 #define DRAWBAR_ARTICULATED_TRACTOR_H
 

@@ -1,5 +1,5 @@
-/* The product's nominal controller of the trailer, on the chain behind a tractor whose motion is given by the coupling.
- * Its model is `articulated_trailer` of vehicle/articulated.py. */
+/* Articulated trailer, the product's nominal controller, on the chain behind a tractor whose motion is given by the
+ * coupling. Its model is `articulated_trailer` of vehicle/articulated.py. */
 #ifndef DRAWBAR_ARTICULATED_TRAILER_H
 #define DRAWBAR_ARTICULATED_TRAILER_H
 

@@ -1,4 +1,4 @@
-"""What the controllers on the chain share: steering bounds and lengths (chain.h)."""
+"""Chain: steering bounds and lengths that the controllers on the chain share (chain.h)."""
 
 from drawbar.optimal import Bound
 from drawbar.vehicle.parameters import VehicleParameters

@@ -1,4 +1,4 @@
-/* A controller in closed form: a steering law for the tractor, a PI controller for the trailer.
+/* Explicit controller, in closed form: a steering law for the tractor, a PI controller for the trailer.
  *
  * It steers without a prediction; the plan says what would follow if the command were held: the tractor rolls on at
  * constant speed and curvature, the bicycle's, and the trailer is on its reference.

@@ -1,4 +1,4 @@
-"""Controllers in closed form, to compare with: a steering law for the tractor, a PI controller for the trailer."""
+"""Explicit controllers, in closed form, to compare with: a steering law for the tractor, a PI law for the trailer."""
 
 from collections.abc import Mapping
 

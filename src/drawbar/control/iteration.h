@@ -1,4 +1,5 @@
-/* A controller's solver from sample to sample: started anew where it must be, and judged. Around the solver's phases:
+/* Iteration of a controller's solver from sample to sample: started anew where it must be, and judged. Around the
+ * solver's phases:
  *
  *     feedback: iteration_enter, rti_feedback, iteration_leave; preparation: rti_shift, rti_prepare, iteration_judge
  */

@@ -1,4 +1,5 @@
-/* What the trailer's controller may know of the tractor; how much of it is used, its coupling says (subsystem.h). */
+/* Neighbour: what the trailer's controller may know of the tractor; its coupling decides how much of it is used
+ * (subsystem.h). */
 #ifndef DRAWBAR_NEIGHBOUR_H
 #define DRAWBAR_NEIGHBOUR_H
 

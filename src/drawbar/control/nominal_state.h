@@ -1,4 +1,5 @@
-/* Where the nominal problem starts, and how far the vehicle is from there (Mayne et al. 2005, section 3).
+/* Nominal state: where the nominal problem starts, and how far the vehicle is from there (Mayne et al. 2005, section
+ * 3).
  *
  * A nominal controller does not hold the vehicle to a timetable: what separates the nominal state from the estimate along
  * the path is no error. Before the two are compared the nominal state moves along the path to beside the estimate.

@@ -1,4 +1,4 @@
-/* What the trailer's steering leaves of its off-tracking, and how far the tractor leaves its line to share that.
+/* Off-tracking: what the trailer's steering leaves of it, and how far the tractor leaves its line to share that.
  *
  * On a steady curve the whole vehicle turns about one centre, so each part's distance from it follows from the lengths,
  * the joint's angle and the axles' side-slip. Behind a tractor on its line the trailer so keeps a lateral error, of which

@@ -1,4 +1,4 @@
-"""What the tractor's controller must know to share the trailer's off-tracking (off_tracking.h)."""
+"""Off-tracking: what the tractor's controller must know to share the trailer's (off_tracking.h)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Whether a controller's weights let it steer: how soon an error is corrected, from the weights alone.
+"""Plausibility of a controller's weights: how soon an error is corrected, from the weights alone.
 
 The cost's own regulator (LQR without bounds, near the path) has a fastest time constant that follows from the ratio of
 the weight on an error to that on the steering: for a chain of n integrators from the steering to an error of weight q,

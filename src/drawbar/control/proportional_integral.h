@@ -1,4 +1,4 @@
-/* PI on the trailer's lateral error; both gains zero hold the joint straight.
+/* Proportional-integral control of the trailer's lateral error; both gains zero hold the joint straight.
  *
  * A positive joint angle shifts the trailer to the right, so an error to the left wants a positive one. While the
  * output would pass its limit the integral rests (conditional integration, Astrom and Hagglund 1995, section 3.5); so

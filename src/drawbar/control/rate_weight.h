@@ -1,4 +1,4 @@
-/* How much the tractor's steering rate weighs: less the faster the vehicle is, as a metre then leaves less time to steer. */
+/* Rate weight of the tractor's steering: less the faster the vehicle is, as a metre then leaves less time to steer. */
 #ifndef DRAWBAR_RATE_WEIGHT_H
 #define DRAWBAR_RATE_WEIGHT_H
 

@@ -1,4 +1,4 @@
-/* One body's nominal controller: what all of them share.
+/* Subsystem: what the nominal controllers of either body share.
  *
  * The header of a body defines POSE_STATES (1: its states are a pose and what follows it; 0: angles of the body itself),
  * includes this one, and then defines struct component, which holds `rti` first and `subsystem`, and

@@ -1,4 +1,4 @@
-"""One body's nominal controller: what all of them share (subsystem.h)."""
+"""Subsystem: what the nominal controllers of either body share (subsystem.h)."""
 
 from collections.abc import Mapping
 from dataclasses import replace

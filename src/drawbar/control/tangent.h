@@ -1,4 +1,4 @@
-/* Where a body is beside its path. */
+/* Tangent of a body's path, beside which the body is. */
 #ifndef DRAWBAR_TANGENT_H
 #define DRAWBAR_TANGENT_H
 

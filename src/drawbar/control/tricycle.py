@@ -1,4 +1,4 @@
-"""The paper's two nominal controllers: positions tracked on the tricycle model."""
+"""Tricycle controllers, the paper's two: positions tracked on the tricycle model."""
 
 from drawbar.codegen import Unit
 from drawbar.control.settings import TricycleControllerSettings

@@ -1,4 +1,5 @@
-/* What the paper's two nominal controllers have in common: states are poses, the input is the steering angle itself. */
+/* Tricycle body: what the paper's two nominal controllers share; states are poses, the input is the steering angle
+ * itself. */
 #ifndef DRAWBAR_TRICYCLE_BODY_H
 #define DRAWBAR_TRICYCLE_BODY_H
 

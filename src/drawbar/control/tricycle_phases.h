@@ -1,5 +1,5 @@
-/* What both bodies of the paper's controllers make of a plan: the steering itself is the input. Included after struct
- * component and fill, in the place of subsystem_phases.h. */
+/* Tricycle phases: what both bodies of the paper's controllers make of a plan; the steering itself is the input.
+ * Included after struct component and fill, in the place of subsystem_phases.h. */
 #ifndef DRAWBAR_TRICYCLE_PHASES_H
 #define DRAWBAR_TRICYCLE_PHASES_H
 

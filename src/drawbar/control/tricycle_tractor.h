@@ -1,4 +1,4 @@
-/* The paper's nominal controller of the tractor, f_1; the steering reference is the last measured angle. */
+/* Tricycle tractor, the paper's nominal controller f_1; the steering reference is the last measured angle. */
 #ifndef DRAWBAR_TRICYCLE_TRACTOR_H
 #define DRAWBAR_TRICYCLE_TRACTOR_H
 

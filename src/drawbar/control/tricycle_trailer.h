@@ -1,4 +1,4 @@
-/* The paper's nominal controller of the trailer, f_2, with g_2 as the coupling says. */
+/* Tricycle trailer, the paper's nominal controller f_2, with g_2 as the coupling says. */
 #ifndef DRAWBAR_TRICYCLE_TRAILER_H
 #define DRAWBAR_TRICYCLE_TRAILER_H
 

@@ -1,4 +1,5 @@
-/* What both steerings make of their commands: dead time and lag as far as they are known, from the run itself.
+/* Actuation of both steerings: dead time and lag between command and angle as far as they are known, from the run
+ * itself.
  *
  * Plans are made for the later of both dead times, approached gradually, and commands lead the steering by the lags that
  * were found: a controller's command moves an actuator of the stated lag from the angle at which it will find it, and is

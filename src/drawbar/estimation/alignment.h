@@ -1,4 +1,4 @@
-/* From what the sensors reported to what they would report of the points on the ground, now.
+/* Alignment: from what the sensors reported to what they would report of the points on the ground, now.
  *
  * Each position goes from its antenna to the ground with the yaw and the attitude of its own time, and from there as far as
  * the body has moved since; the other sensors' values by what they have changed since, the tractor's yaw and yaw rate without

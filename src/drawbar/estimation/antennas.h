@@ -1,5 +1,5 @@
-/* Where both antennas are reported and where they are expected, and what lies between the two: four numbers each, those
- * of the tractor's antenna first; east and north, or ahead and to the left, m. */
+/* Antennas: where both are reported and where they are expected, and what lies between the two; four numbers each,
+ * those of the tractor's antenna first; east and north, or ahead and to the left, m. */
 #ifndef DRAWBAR_ANTENNAS_H
 #define DRAWBAR_ANTENNAS_H
 

@@ -1,4 +1,4 @@
-/* What one measurement shows, by itself, of a vehicle at rest; shared by the estimators' models. */
+/* At rest: what one measurement shows, by itself, of a vehicle that stands; shared by the estimators' models. */
 #ifndef DRAWBAR_AT_REST_H
 #define DRAWBAR_AT_REST_H
 

@@ -1,4 +1,4 @@
-/* One body's roll and pitch over the last samples, and how far they are to be relied on.
+/* Attitude track of one body: roll and pitch over the last samples, and how far they are to be relied on.
  *
  * A fix is corrected by the attitude at its own time. What is older than LAST_ATTITUDE fades out within FADE, and what
  * comes back fades in: a correction of decimetres that jumps would look like a false fix.

@@ -1,4 +1,4 @@
-"""How one vehicle model serves an estimator: its problem, and its way from measurements to states to an Estimate."""
+"""Description of a vehicle model for an estimator: its problem, and the way from measurements to an Estimate."""
 
 from abc import ABC
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""How well the window knows its newest state: the covariance that a moving horizon estimator does not need itself."""
+"""Deviation of the newest state in a window: the covariance that a moving horizon estimator does not need itself."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
-/* Where an estimator begins, and begins anew; to be included by the models, which define struct estimation_model and
- * model_at_rest. */
+/* First guess of the state, where an estimator begins and begins anew; to be included by the models, which define
+ * struct estimation_model and model_at_rest. */
 #ifndef DRAWBAR_FIRST_GUESS_H
 #define DRAWBAR_FIRST_GUESS_H
 

@@ -1,4 +1,4 @@
-/* How far off a fix may be, as its receiver tells or as its quality has it. */
+/* Fix deviation: how far off a fix may be, as its receiver tells or as its quality has it. */
 #ifndef DRAWBAR_FIX_DEVIATION_H
 #define DRAWBAR_FIX_DEVIATION_H
 

@@ -1,4 +1,4 @@
-/* How much the fixes in a window weigh: what is told of each goes with it through the window.
+/* Fix weights in a window: what is told of each fix goes with it through the window.
  *
  * Weights belong to places in the window (rti_shift), which is right for all sensors that are always alike. Fixes are not:
  * while any in the window is unlike the usual ones, the weights of the positions are moved along here.

@@ -1,4 +1,4 @@
-/* Triangular arrays by Householder's reflections (Golub, Van Loan 2013, section 5.2), row by row.
+/* Householder's reflections for triangular arrays (Golub, Van Loan 2013, section 5.2), row by row.
  *
  * The including unit defines COLUMNS, the length of a row.
  */

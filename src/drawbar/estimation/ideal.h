@@ -1,4 +1,5 @@
-/* The truth in place of an estimate: somebody writes it into `given` before each update. For Python's own library alone. */
+/* Ideal estimator, the truth in place of an estimate: somebody writes it into `given` before each update. For Python's
+ * own library alone. */
 #ifndef DRAWBAR_IDEAL_H
 #define DRAWBAR_IDEAL_H
 

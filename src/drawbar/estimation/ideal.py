@@ -1,4 +1,4 @@
-"""The simulated machine's truth in place of an estimate: the upper limit of what estimation can give."""
+"""Ideal estimator: the simulated machine's truth as the estimate, the upper limit of what estimation can give."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,5 @@
-/* Dead time and lag of one steering, from what it was commanded and what it did: a bank of models (Magill 1965).
+/* Lag bank of one steering: dead time and lag, from what it was commanded and what it did, by a bank of models (Magill
+ * 1965).
  *
  * Each member is a lag of limited rate behind a dead time, driven by the commands alone. The errors of its angle against the
  * measured one are averaged over the last minute; a constant error is nobody's fault (the sensor's zero). With unknown

@@ -1,4 +1,4 @@
-/* From an antenna to the point on the ground that its body is known by (docs/theory/lever-arm.md). */
+/* Lever arm, from an antenna to the point on the ground that its body is known by (docs/theory/lever-arm.md). */
 #ifndef DRAWBAR_LEVER_ARM_H
 #define DRAWBAR_LEVER_ARM_H
 

@@ -1,4 +1,5 @@
-/* By how much the vehicle has lately changed its motion: right fixes may then lie off (docs/theory/screening.md).
+/* Manoeuvre: by how much the vehicle has lately changed its motion; right fixes may then lie off
+ * (docs/theory/screening.md).
  *
  * What is late by a time that nobody tells (a fix after the vehicle, a body after its wheels) puts an antenna off by that
  * time its motion. The estimator takes up what lasts of it; what has changed lately it has not taken up yet.

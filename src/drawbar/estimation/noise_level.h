@@ -1,4 +1,4 @@
-/* How noisy position fixes really are: the deviation of one coordinate, from how much the disagreement of two antennas
+/* Noise level of position fixes: the deviation of one coordinate, from how much the disagreement of two antennas
  * changes between samples.
  *
  * Successive differences (von Neumann 1941) do not see what lasts or grows slowly: neither a shifted antenna nor an

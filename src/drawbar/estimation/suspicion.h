@@ -1,4 +1,4 @@
-/* Which of two antennas is wrong, when they disagree about where the vehicle is.
+/* Suspicion against one of two antennas, when they disagree about where the vehicle is.
  *
  * Averages how far both antennas lie from their expectations, and watches the difference of the two means. What moves
  * the vehicle moves both antennas, so a bump, a slope or a lasting loss leaves the difference alone, and a shift too

@@ -1,4 +1,4 @@
-/* When two antennas are to be believed more than the estimate.
+/* Trust in two antennas: when they are to be believed more than the estimate.
  *
  * Two antennas that agree with each other cannot be locked out by an estimate that is wrong. An estimate that both have
  * confirmed for some time is overruled by both only: then it was moved by more than it can know (a new base station, a

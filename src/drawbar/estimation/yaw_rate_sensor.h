@@ -1,13 +1,12 @@
-/* What a yaw-rate sensor tells of the tractor, and of the fixes: the sensor's bias and the error of its scale are found and
- * taken off, the latency of fixes or sensor that nobody tells is found, and a sensor that contradicts the antennas or the
- * wheels is not believed.
+/* Yaw-rate sensor of the tractor: the sensor's bias and the error of its scale are found and taken off, the latency of
+ * fixes or sensor that nobody tells is found, and a sensor that contradicts the antennas or the wheels is not believed.
  *
- * A body turns as far as its antennas and angles show, whatever the sensor says: how far the sensor's integral runs ahead
- * of that yaw grows with the bias, and in curves with the scale's error. Where the fixes are late, that yaw is behind by as
- * much as the line through both antennas turns meanwhile, one way in a curve to the left and the other way to the right;
- * where the sensor is late it is ahead. A Kalman filter tells these from each other (docs/theory/identification.md). The
- * sensor is not used until the bias is known and the sensor has told for a while what the wheels tell; where the integral
- * leaves the yaw it is dropped, and begun with anew.
+ * Antennas and angles show the tractor's yaw by themselves. How far the integral of the sensor's yaw rate runs ahead of
+ * that yaw grows with the bias, and in curves with the error of the scale. Where fixes are late, that yaw lags by the turn
+ * that the line through both antennas makes during the latency: one way in a curve to the left, the other way in one to
+ * the right. Where the sensor is late, the yaw is ahead. A Kalman filter tells these errors from each other
+ * (docs/theory/identification.md). The sensor is used once the bias is known and its yaw rate has agreed with that of the
+ * wheels for a while. Where the integral departs from the yaw, the sensor is dropped and the filter begins anew.
  */
 #ifndef DRAWBAR_YAW_RATE_SENSOR_H
 #define DRAWBAR_YAW_RATE_SENSOR_H

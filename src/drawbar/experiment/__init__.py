@@ -1,1 +1,1 @@
-"""Many runs at once: experiments over cases and seeds on a Dask cluster, resumable, with tables and figures."""
+"""Experiments: many runs over cases and seeds on a Dask cluster, resumable, with tables and figures."""

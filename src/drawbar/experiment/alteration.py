@@ -1,4 +1,4 @@
-"""What no configuration can say of a run: a function of its experiment's own Python, applied before it begins."""
+"""Alteration of a run beyond its configuration: a function of its experiment's own Python, applied before it begins."""
 
 import ast
 from collections.abc import Callable

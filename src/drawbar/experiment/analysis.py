@@ -1,4 +1,4 @@
-"""What is computed and shown of an experiment: the functions of its analysis.py, or the defaults."""
+"""Analysis of an experiment: the functions of its analysis.py, or the defaults, compute and show its results."""
 
 import runpy
 from collections.abc import Callable, Iterable
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drawbar.errors import ConfigurationError
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import Figures, MeasuredExperiment
-from drawbar.experiment.parts import Part, Table
 from drawbar.experiment.task import Result
 from drawbar.report.metrics import ALL, Metrics
 
@@ -20,7 +20,7 @@ class Analysis:
 
     figures: Callable[[Result], Figures]
     """of one run"""
-    report: Callable[[MeasuredExperiment], Iterable[Part]]
+    report: Callable[[MeasuredExperiment], Iterable[Element]]
     """of all"""
 
 
@@ -33,7 +33,7 @@ def error_figures(metrics: Metrics) -> dict[str, float]:
     return figures
 
 
-def table_of_means(measured: MeasuredExperiment) -> list[Part]:
+def table_of_means(measured: MeasuredExperiment) -> list[Element]:
     """Return one table: every figure of every case, mean ± 95 % interval over the seeds."""
     names = measured.figure_names
     rows = [

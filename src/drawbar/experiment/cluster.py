@@ -1,4 +1,4 @@
-"""Pure functions of plain data on a Dask cluster (Rocklin 2015, *Dask: parallel computation with blocked algorithms*).
+"""Cluster: pure functions of plain data on Dask (Rocklin 2015, *Dask: parallel computation with blocked algorithms*).
 
 A worker that dies loses nothing: Dask gives its calls to another one, up to `distributed.scheduler.allowed-failures`
 times. A call that raises, or that kills every worker it meets, ends in a Failure and disturbs no other.

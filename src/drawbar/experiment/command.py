@@ -10,10 +10,10 @@ from rich.text import Text
 from drawbar.experiment.analysis import Analysis, load_analysis, table_of_means
 from drawbar.experiment.cluster import open_cluster
 from drawbar.experiment.document import RESULTS_NAME, write_report, write_results
+from drawbar.experiment.elements import Element
 from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, load_experiment
 from drawbar.experiment.measure import Runs, measure
 from drawbar.experiment.measured import REPORT_NAME, ByCase, Figures, MeasuredExperiment, NotDrivenError
-from drawbar.experiment.parts import Part
 from drawbar.experiment.progress import RunsProgress
 
 
@@ -63,7 +63,7 @@ def _conduct(console: Console, client: Client, experiment: Experiment, seeds: in
     return measured
 
 
-def _tables(console: Console, analysis: Analysis, measured: MeasuredExperiment) -> list[Part]:
+def _tables(console: Console, analysis: Analysis, measured: MeasuredExperiment) -> list[Element]:
     """Return the experiment's own tables and pictures; the means where these need a case that has no result."""
     missing = [case for case, runs in measured.runs.items() if not runs.results]
     try:

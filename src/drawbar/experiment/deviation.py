@@ -1,4 +1,4 @@
-"""How sure an estimator is of each of its estimates: kept beside a run, since no control step needs it."""
+"""Deviation of each estimate of an estimator: kept beside a run, since no control step needs it."""
 
 from collections.abc import Callable
 

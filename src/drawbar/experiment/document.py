@@ -7,8 +7,8 @@ from pathlib import Path
 import msgspec
 
 from drawbar.benchmark.figures import machine
+from drawbar.experiment.elements import Element, markdown_table
 from drawbar.experiment.measured import REPORT_NAME, MeasuredExperiment
-from drawbar.experiment.parts import Part, markdown_table
 
 RESULTS_NAME = "results.md"
 SUMMARY_NAME = "summary.json"
@@ -35,14 +35,14 @@ class Summary:
     """on which the runs were made, without its compiler, whose name is a path of that machine"""
 
 
-def write_results(measured: MeasuredExperiment, parts: Sequence[Part]) -> None:
+def write_results(measured: MeasuredExperiment, elements: Sequence[Element]) -> None:
     """Write tables (CSV), pictures (SVG), results.md and the summary into the experiment's folder."""
     folder = measured.experiment.folder
-    for part in parts:
-        part.write(folder)
+    for element in elements:
+        element.write(folder)
     title = f"# {measured.experiment.settings.title}"
     origin = f"Made by `drawbar experiment {folder.name}`; [README.md](README.md) says what is compared."
-    text = "\n\n".join([title, origin, *_sections(measured, parts)])
+    text = "\n\n".join([title, origin, *_sections(measured, elements)])
     (folder / RESULTS_NAME).write_text(f"{text}\n", "utf-8")
     content = msgspec.json.format(msgspec.json.encode(_summary(measured)), indent=2)
     (folder / SUMMARY_NAME).write_bytes(content + b"\n")
@@ -110,7 +110,7 @@ def _machines(summaries: Iterable[Summary]) -> str:
     return "\n".join(f"- Measured on {machine}: {', '.join(those)}." for machine, those in titles.items())
 
 
-def _sections(measured: MeasuredExperiment, parts: Sequence[Part]) -> list[str]:
+def _sections(measured: MeasuredExperiment, elements: Sequence[Element]) -> list[str]:
     results = [result for runs in measured.runs.values() for result in runs.results]
     given_up = sum(not result.metrics.finished for result in results)
     fewer = any(len(each) < measured.seeds for each in measured.figures.values())
@@ -119,7 +119,7 @@ def _sections(measured: MeasuredExperiment, parts: Sequence[Part]) -> list[str]:
         f"{len(results)} runs, "
         f"{given_up} of them given up before the end of the path."
     )
-    return [said, *_left_out(measured), *(part.markdown() for part in parts), *_judgement(measured)]
+    return [said, *_left_out(measured), *(element.markdown() for element in elements), *_judgement(measured)]
 
 
 def _left_out(measured: MeasuredExperiment) -> list[str]:

@@ -1,4 +1,4 @@
-"""What experiments need beyond a plain installation."""
+"""Extras: packages that experiments need beyond a plain installation."""
 
 from importlib.util import find_spec
 

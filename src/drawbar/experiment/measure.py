@@ -1,4 +1,4 @@
-"""Drive every run of an experiment that has no result yet, and collect all of them."""
+"""Measuring an experiment: drive every run that has no result yet, and collect all of them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What an experiment's analysis looks at: every run of every case, and the figures of each run."""
+"""Measured experiment, for its analysis: every run of every case, and the figures of each run."""
 
 import re
 from collections.abc import Mapping, Sequence

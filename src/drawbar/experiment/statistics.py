@@ -1,4 +1,4 @@
-"""Figures over seeds: mean and 95 % interval (Student 1908, *The probable error of a mean*)."""
+"""Statistics over seeds: mean and 95 % interval (Student 1908, *The probable error of a mean*)."""
 
 import math
 from collections.abc import Sequence

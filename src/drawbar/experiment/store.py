@@ -1,4 +1,4 @@
-"""Finished results on disk: one file each, whole or not there, found again by the key of its task."""
+"""Store of finished results on disk: one file each, whole or not there, found again by the key of its task."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""One run of an experiment: plain data in, plain data out, so that any worker can do it and a file can keep it."""
+"""Task: one run of an experiment, plain data in and out, so that any worker can do it and a file can keep it."""
 
 import hashlib
 import tomllib

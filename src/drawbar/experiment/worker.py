@@ -1,4 +1,4 @@
-"""Loaded by every worker of this machine's own cluster as it starts (Dask calls it a preload)."""
+"""Worker of this machine's own cluster: every one loads this module as it starts (Dask calls it a preload)."""
 
 import signal
 

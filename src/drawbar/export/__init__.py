@@ -1,1 +1,1 @@
-"""A configuration as a stand-alone C library: sources, headers, example, built targets, manifest."""
+"""Export of a configuration as a stand-alone C library: sources, headers, example, built targets, manifest."""

@@ -1,4 +1,4 @@
-"""From a configuration to a folder with its controller as a C library."""
+"""Export: from a configuration to a folder with its controller as a C library."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What a component knows from the configuration, as C: its settings after construction, laid down once."""
+"""Initialisation of a component in C: its settings after construction, laid down once."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What a library is and what it needs, for people and programs that build on it: manifest.json."""
+"""Manifest of a library, manifest.json: what it is and what it needs, for people and programs that build on it."""
 
 import hashlib
 import re

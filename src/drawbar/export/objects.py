@@ -1,4 +1,4 @@
-"""What an object file tells: sizes of its sections, stack of each function, and which function calls which.
+"""Object files: sizes of their sections, stack of each function, and which function calls which.
 
 ELF (System V ABI, chapter 4), COFF (Microsoft's PE format, section 3) and 64-bit Mach-O (Apple's mach-o/loader.h),
 little-endian, as far as needed here. The stack of a function comes from clang's `-fstack-size-section`, the calls

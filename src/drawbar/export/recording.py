@@ -1,4 +1,4 @@
-"""What the example needs: the configuration's own path, and measurements of a simulated run along it."""
+"""Recording for the example: the configuration's own path, and measurements of a simulated run along it."""
 
 import math
 from collections.abc import Iterable, Sequence

@@ -1,4 +1,4 @@
-"""The machines that a library is built for, and what is asked of the compiler for each."""
+"""Targets: the machines that a library is built for, and what is asked of the compiler for each."""
 
 from dataclasses import dataclass
 from enum import StrEnum

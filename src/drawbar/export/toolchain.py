@@ -1,4 +1,4 @@
-"""Build the library's units for one target with the ziglang wheel, which brings every target's C library along."""
+"""Toolchain: the ziglang wheel, which builds the library's units for one target and brings every target's C library."""
 
 import importlib.util
 import re

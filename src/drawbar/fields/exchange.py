@@ -1,4 +1,4 @@
-"""One door for all formats of fields: files of other programs in, files for other programs out."""
+"""Exchange of fields, in any format: files of other programs in, files for other programs out."""
 
 import io
 import tempfile

@@ -1,4 +1,4 @@
-"""What will be driven of a field's line: a pass beside it, made drivable, and how far that leaves it."""
+"""Planning a field's line: the pass beside it that is driven, made drivable, and how far that leaves it."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The fields that are kept, a GeoJSON file each in one folder."""
+"""Store of fields: a GeoJSON file for each, in one folder."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A curve recorded while driving: positions come in, and few enough points are kept."""
+"""Track: a curve recorded while driving. Positions come in, and few enough points are kept."""
 
 import math
 

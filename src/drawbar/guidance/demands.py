@@ -1,4 +1,4 @@
-"""Whether a vehicle can follow a path at all: its front wheels turn far enough, and fast enough, for the curves."""
+"""Demands of a path on a vehicle: whether its front wheels turn far enough, and fast enough, for the curves."""
 
 import math
 

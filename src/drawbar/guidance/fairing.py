@@ -1,4 +1,4 @@
-"""Fair a line: as close to the recorded points as curvature and its rate allow.
+"""Fairing of a line: as close to the recorded points as curvature and its rate allow.
 
 Points are complex, east + i north. The nodes are the control points of a uniform cubic B-spline, so their
 second and third differences are the curvature at the spline's knots and its rate between them. `smooth` costs

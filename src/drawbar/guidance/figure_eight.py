@@ -1,4 +1,4 @@
-"""The paper's track: figure-eights of straights and circular arcs (docs/theory/path.md)."""
+"""Figure-eights, the paper's track: straights and circular arcs (docs/theory/path.md)."""
 
 import math
 from collections.abc import Sequence

@@ -1,5 +1,5 @@
-/* The paper's guidance: references from the point a fixed distance ahead of the closest one. The tractor's reference
- * advances from there at nominal speed, the trailer's stays. */
+/* Look-ahead guidance, the paper's: references from the point a fixed distance ahead of the closest one. The tractor's
+ * reference advances from there at nominal speed, the trailer's stays. */
 #ifndef DRAWBAR_LOOK_AHEAD_H
 #define DRAWBAR_LOOK_AHEAD_H
 

@@ -1,4 +1,4 @@
-/* Whether a table of poses is a path: what path.h may take for granted. */
+/* Path check of a table of poses, for all that path.h may take for granted. */
 #ifndef DRAWBAR_PATH_CHECK_H
 #define DRAWBAR_PATH_CHECK_H
 

@@ -1,4 +1,4 @@
-"""From a recorded line to a path the vehicle can drive: curvature-continuous and within its limits."""
+"""Smoothing of a recorded line to a path the vehicle can drive: curvature-continuous and within its limits."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How both bodies stand on the ground: roll and pitch from the heights below their wheels, behind by the suspension."""
+"""Attitude of both bodies: roll and pitch from the ground's heights below their wheels, behind by the suspension."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The one interface of every machine: simulated, replayed, or of iron."""
+"""Base of every machine, its one interface: simulated, replayed, or real."""
 
 from abc import ABC, abstractmethod
 from types import TracebackType

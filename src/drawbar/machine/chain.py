@@ -1,4 +1,4 @@
-"""The exact nonholonomic motion of tractor, drawbar and trailer, from the axles' rolling constraints alone.
+"""Chain of tractor, drawbar and trailer: its exact nonholonomic motion, from the axles' rolling constraints alone.
 
 Nothing here is shared with the controller's models: each yaw rate is the root of the (linear) condition that
 an axle moves in the direction its wheels allow (docs/theory/vehicle-models.md).

@@ -1,4 +1,4 @@
-"""What a machine in a computer accepts as a command."""
+"""Command, as a machine in a computer accepts it."""
 
 from drawbar.errors import HardwareError
 from drawbar.signals import Command

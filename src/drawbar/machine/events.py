@@ -1,4 +1,4 @@
-"""What may happen to the simulated machine during a run: time-stamped faults of the ground and of the GPS."""
+"""Events that may happen to the simulated machine during a run: time-stamped faults of the ground and of the GPS."""
 
 from typing import Annotated, Literal
 

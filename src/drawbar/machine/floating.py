@@ -1,4 +1,4 @@
-"""The errors of fixes while receivers are in float: drawn apart from all others, so that these stay as they are."""
+"""Floating receivers: errors of their fixes, drawn by themselves, so that all other errors stay as they are."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What the ground does to the wheels: wandering slips, slopes and bumps, drawn in blocks of steps."""
+"""Ground under the wheels: wandering slips, slopes and bumps, drawn in blocks of steps."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What was true a little while ago: sensors report it late."""
+"""History: the truth of a little while ago, since sensors report it late."""
 
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""How the true world moves on by a sample: under closed loops simulated as lags, or valves under drawbar_actuate."""
+"""Motion of the true world over a sample: under closed loops simulated as lags, or valves under drawbar_actuate."""
 
 from abc import ABC, abstractmethod
 

@@ -1,4 +1,4 @@
-"""The simulated world over one sample period: chain, steering and drive, by RK4 at its own fixed step."""
+"""Plant: the simulated world over one sample period; chain, steering and drive, by RK4 at its own fixed step."""
 
 from collections.abc import Callable
 from functools import cache

@@ -1,4 +1,4 @@
-"""The sensors of a machine in a computer: its true past in, a measurement out."""
+"""Senses of a machine in a computer: its true past in, a measurement out."""
 
 import math
 from typing import Any, Protocol

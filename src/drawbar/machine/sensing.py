@@ -1,4 +1,4 @@
-"""The errors of the sensors, drawn in blocks of samples."""
+"""Sensing errors, drawn in blocks of samples."""
 
 import numpy as np
 from numpy.typing import NDArray

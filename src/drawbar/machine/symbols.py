@@ -1,4 +1,4 @@
-"""Sections of settings as numbers in a row, and as symbols: equations are written once, their numbers are data."""
+"""Symbols and numbers for sections of settings: equations are written once, their numbers are data."""
 
 from collections.abc import Iterator
 from typing import Any, TypeVar

@@ -1,4 +1,4 @@
-"""The ground's height: a slope, and unevenness with a stated spectrum."""
+"""Terrain: the ground's height, a slope and unevenness with a stated spectrum."""
 
 import math
 from typing import Self

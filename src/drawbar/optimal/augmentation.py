@@ -1,4 +1,4 @@
-"""Bounds on outputs, weights and bounds on changes of inputs: as states that the quadratic program bounds already.
+"""Augmentation by states that the solver bounds already: bounds on outputs, weights and bounds on changes of inputs.
 
 An output h(x_k, u_k, p_k) that is bounded becomes a state of the next stage, s_{k+1} = h(x_k, u_k, p_k); one that no
 input enters becomes s_{k+1} = h(F(x_k, u_k, p_k), p_{k+1}). The input that was applied before is a state as well,

@@ -1,4 +1,4 @@
-"""The C text around a problem's functions: the solver's unit, its table of fields, its phases."""
+"""Frame of C text around a problem's functions: the solver's unit, its table of fields, its phases."""
 
 WORK = "struct rti *work"
 ROWS = f"const {WORK}, double (*rows)[OLD_WIDTH]"

@@ -1,4 +1,4 @@
-"""What a problem computes at every stage, as C: dynamics, Hessian and gradient, and an estimator's outputs."""
+"""Functions of a problem at every stage, as C: dynamics, Hessian and gradient, and an estimator's outputs."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""How far a trajectory is from the optimum of its nonlinear problem, and what a solve found."""
+"""Residuals: how far a trajectory is from the optimum of its nonlinear problem, and what a solve found."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

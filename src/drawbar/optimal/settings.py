@@ -1,4 +1,4 @@
-"""A problem's numbers, written into its compiled solver."""
+"""Settings: a problem's numbers, written into its compiled solver."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""One structured quadratic program as data, beside its dense form: qp.h has the formula."""
+"""Stage problem: one structured quadratic program as data, beside its dense form; qp.h has the formula."""
 
 from dataclasses import dataclass, fields, replace
 

@@ -1,4 +1,4 @@
-"""Multiple shooting: from a problem declaration to the C source of its solver."""
+"""Transcription by multiple shooting: from a problem declaration to the C source of its solver."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Arrays within the compiled solver's memory, offered by name and guarded against being replaced instead of written."""
+"""Views of the compiled solver's memory: arrays by name, guarded against being replaced instead of written."""
 
 import numpy as np
 

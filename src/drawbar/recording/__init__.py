@@ -1,1 +1,1 @@
-"""Logs: what a run was, written step by step and read back."""
+"""Recording: logs of runs, written step by step and read back."""

@@ -1,4 +1,4 @@
-"""Numbers of many steps as columns: what a report is made of, and how a log keeps it beside each of its chunks.
+"""Blocks: numbers of many steps as columns, which a report is made of and a log keeps beside each of its chunks.
 
 JSON is what every program reads, and none reads fast. So behind each chunk of a log stands a record with the columns of
 the steps in that chunk, for the report alone; other programs pass over it. Positions, times and progress are kept as

@@ -1,4 +1,4 @@
-"""Writes an MCAP file (https://mcap.dev/spec) whose chunks are compressed and yet readable while they grow.
+"""Chunks of an MCAP file (https://mcap.dev/spec) that is written: compressed, and yet readable while they grow.
 
 A chunk grows as it is, behind a header with an impossible length; what has come is flushed to the operating system when
 the caller asks. When the chunk is full one zstd frame takes its place, in steps after each of which the file is whole.

@@ -1,4 +1,4 @@
-"""A long log as columns: read without the steps' objects and without what is not asked for.
+"""Columns of a long log: read without the steps' objects and without what is not asked for.
 
 What stands beside its chunks (blocks.py) is taken as it is; the steps of chunks that have nothing beside them, such as
 the last one of a log that a crash cut off, are parsed as far as the columns need it.

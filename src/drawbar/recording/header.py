@@ -1,4 +1,4 @@
-"""What is known of a run before its first step, from its configuration and path."""
+"""Header of a run: what is known before its first step, from its configuration and path."""
 
 import os
 from datetime import UTC, datetime

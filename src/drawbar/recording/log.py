@@ -1,4 +1,4 @@
-"""What the log of a run holds and how it is read back, as a whole or after a crash.
+"""Log of a run: what it holds and how it is read back, as a whole or after a crash.
 
 A log is an MCAP file (https://mcap.dev/spec): an attachment `run.json` with the RunHeader, one JSON message per
 StepRecord on the topic `/step`, in compressed chunks, and at the end, in most cases, the metadata `outcome`.

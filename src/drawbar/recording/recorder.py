@@ -1,4 +1,4 @@
-"""Writes every control step to a log that survives a crash: MCAP in compressed chunks, flushed after each step."""
+"""Recorder of every control step, in a log that survives a crash: MCAP, compressed chunks, flushed after each step."""
 
 import math
 import os

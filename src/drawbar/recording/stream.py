@@ -1,4 +1,4 @@
-"""Reads the records of an MCAP file one after the other, also of a file that a crash cut off or that still grows.
+"""Stream of an MCAP file's records, read one after the other, also of a file that a crash cut off or that still grows.
 
 Two chunks at a time are in memory: one is unpacked in a thread while the caller works on the records of the one before.
 What a complete record or chunk holds is checked against its CRC where it has one.

@@ -1,4 +1,4 @@
-"""What both bodies did, step by step, as arrays from the log: the truth, or the next best on a real machine."""
+"""Columns of a log, as arrays: what both bodies did, step by step; the truth, or the next best on a real machine."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What `drawbar run` shows in a terminal at the end: the figures of the run."""
+"""Console report: the figures of the run that `drawbar run` shows in a terminal at the end."""
 
 from collections.abc import Iterable
 

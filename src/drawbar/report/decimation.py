@@ -1,4 +1,4 @@
-"""Fewer points of a long curve that look the same: of each stretch its lowest and its highest value stay."""
+"""Decimation of a long curve to fewer points that look the same: the lowest and highest value of each stretch stay."""
 
 import numpy as np
 from numpy.typing import NDArray

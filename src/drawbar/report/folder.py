@@ -1,4 +1,4 @@
-"""What a run leaves in its folder besides the log, all of it made from the log alone."""
+"""Folder of a run: what a run leaves in it besides the log, all of it made from the log alone."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""One line that follows long work: redrawn in a terminal, written now and then into a file or pipe."""
+"""Live line that follows long work: redrawn in a terminal, written now and then into a file or pipe."""
 
 import time
 from types import TracebackType

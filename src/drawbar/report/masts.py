@@ -1,4 +1,4 @@
-"""By how much masts may mislead where no attitude sensor tells how the bodies lean."""
+"""Masts: by how much they may mislead where no attitude sensor tells how the bodies lean."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What tractor and trailer look like from above: outlines for the map.
+"""Outlines of tractor and trailer for the map, as they look from above.
 
 Joints and axles sit where the vehicle's lengths put them; widths and wheels are drawn to please.
 """

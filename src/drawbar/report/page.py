@@ -1,4 +1,4 @@
-"""report.html: one self-contained page about a run, drawn by plotly.js without any network."""
+"""Page about a run, report.html: self-contained, drawn by plotly.js without any network."""
 
 from collections.abc import Iterable, Iterator
 from html import escape

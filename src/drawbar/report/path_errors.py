@@ -1,4 +1,4 @@
-"""How far both bodies were from the path: their points on the ground, projected on it."""
+"""Path errors: how far both bodies were from the path; their points on the ground, projected on it."""
 
 from dataclasses import dataclass
 from typing import Generic, TypeVar

@@ -1,4 +1,4 @@
-"""What `drawbar run` shows in a terminal while it goes."""
+"""Progress: what `drawbar run` shows in a terminal while it goes."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""The run in space: the ground, the tracks of both bodies and of their antennas, and both bodies at a few moments."""
+"""Scene: the run in space. The ground, the tracks of both bodies and antennas, and both bodies at a few moments."""
 
 import math
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""The parts of the page about a run, in their order: a heading, what to look for, and a picture."""
+"""Sections of the page about a run, in their order: a heading, what to look for, and a picture."""
 
 import math
 from dataclasses import dataclass

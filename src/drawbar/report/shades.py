@@ -1,4 +1,4 @@
-"""How the classes of the path show in figures along it: shaded stretches, and what they are called."""
+"""Shades: the classes of the path in figures along it; shaded stretches, and what they are called."""
 
 from itertools import pairwise
 from typing import Any, NamedTuple

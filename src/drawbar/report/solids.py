@@ -1,4 +1,4 @@
-"""What tractor and trailer look like in space: triangles on the axes of each body, from its point on the ground.
+"""Solids of tractor and trailer in space: triangles on the axes of each body, from its point on the ground.
 
 Joints and axles sit where the vehicle's lengths put them; everything else is drawn to please.
 """

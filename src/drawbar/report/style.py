@@ -1,4 +1,4 @@
-"""How every picture of a run looks: one palette, and plotly figures as plain data.
+"""Style of every picture of a run: one palette, and plotly figures as plain data.
 
 Colours are of Okabe and Ito's colour-blind-safe palette (https://jfly.uni-koeln.de/color/).
 """

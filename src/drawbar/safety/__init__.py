@@ -1,1 +1,1 @@
-"""The last look at a command, and the decision whether a run may go on."""
+"""Safety: the last check of a command, and the decision whether a run may go on."""

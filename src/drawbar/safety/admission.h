@@ -1,4 +1,4 @@
-/* What of a measurement may enter: numbers that a sensor can have meant, in time. */
+/* Admission of a measurement: the numbers that a sensor can have meant, in time. */
 #ifndef DRAWBAR_ADMISSION_H
 #define DRAWBAR_ADMISSION_H
 

@@ -1,4 +1,4 @@
-/* The last look at a command before it leaves: small, and independent of all that made it.
+/* Gate: the last check of a command before it leaves, small and independent of all that made it.
  *
  * A command within the limits passes, but its steering only as far as an actuator can tell. One that follows with the
  * lag tau and the largest rate R has its valve fully open during the whole sample for every command beyond R (tau + dt)

@@ -1,4 +1,4 @@
-"""The last look at a command before it leaves: small, and independent of all that made it (gate.h)."""
+"""Gate: the last check of a command before it leaves, small and independent of all that made it (gate.h)."""
 
 from numpy.typing import ArrayLike
 

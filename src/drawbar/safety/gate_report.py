@@ -1,4 +1,4 @@
-"""What the gate says of itself: the GateState record of a tick. Pure."""
+"""Gate's report of itself: the GateState record of a tick. Pure."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-/* Whether the angles that are measured at hitch and joint contradict the motion of both bodies.
+/* Hitch watch: whether the angles that are measured at hitch and joint contradict the motion of both bodies.
  *
  * An estimate follows a wrong hitch angle: yaws and side-slips bend until most of it fits, and both bodies are steered
  * beside the line. What they cannot bend to shows in both angles, a few degrees for long, more than lately on this ground.

@@ -1,5 +1,5 @@
-/* What shows in a run that no controller can mend, and that drives slower or ends it: positions that stay coarse, a loop
- * that oscillates, a vehicle that moves against the way it faces. */
+/* Sanity: what shows in a run that no controller can mend, and that drives slower or ends it; positions that stay
+ * coarse, a loop that oscillates, a vehicle that moves against the way it faces. */
 #ifndef DRAWBAR_SANITY_H
 #define DRAWBAR_SANITY_H
 

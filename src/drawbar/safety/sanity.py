@@ -1,4 +1,4 @@
-"""Sanity: what shows in a run that no controller can mend, and that drives slower or ends it (sanity.h)."""
+"""Sanity: signs in a run that no controller can mend, which slow it down or end it (sanity.h)."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Settings of the supervisor and of the gate's own process: what must hold to engage, how long what may be wrong.
+"""Settings of the supervisor and of the gate's process: conditions of engaging, and how long each fault may last.
 
 They are read and checked before the gate starts, and do not change while it runs.
 """

@@ -1,4 +1,4 @@
-/* Whether a run may go on: the supervisor watches what the controllers cannot mend. */
+/* Supervisor: whether a run may go on; it watches what the controllers cannot mend. */
 #ifndef DRAWBAR_SUPERVISOR_H
 #define DRAWBAR_SUPERVISOR_H
 

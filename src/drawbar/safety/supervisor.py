@@ -1,4 +1,4 @@
-"""The supervisor watches what the controllers cannot mend (supervisor.h)."""
+"""Supervisor: watches what the controllers cannot mend (supervisor.h)."""
 
 from drawbar.codegen import Unit
 from drawbar.safety.sanity import SanitySettings

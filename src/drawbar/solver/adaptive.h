@@ -1,7 +1,8 @@
-/* Integration over shooting intervals in steps whose lengths follow from an estimate of their error, in each interval by
- * itself. A step whose estimate is beyond the tolerance is not taken, and a shorter one tried. There are ATTEMPTS at most,
- * so that the time is bounded: an interval whose end is not reached has no values, and rti_prepare says NOT_FINITE.
- * Derivatives are those of the steps that are taken, their lengths held (Bock 1981, internal numerical differentiation).
+/* Adaptive integration over shooting intervals: step lengths follow from an estimate of their error, in each interval
+ * by itself. A step whose estimate is beyond the tolerance is not taken, and a shorter one tried. There are ATTEMPTS at
+ * most, so that the time is bounded: an interval whose end is not reached has no values, and rti_prepare says
+ * NOT_FINITE. Derivatives are those of the steps that are taken, their lengths held (Bock 1981, internal numerical
+ * differentiation).
  *
  * The generated part of the unit defines ATTEMPTS, FIRST_SHARE (of the interval, tried first), CARRIED_STATES (the model's),
  * CARRIED_COLUMNS (variables of a stage on which they depend at its end, themselves first), attempt and arrive.

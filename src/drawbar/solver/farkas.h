@@ -1,4 +1,4 @@
-/* A certificate that no point satisfies the hard bounds and the dynamics (Farkas).
+/* Farkas certificate that no point satisfies the hard bounds and the dynamics.
  *
  * Multipliers >= 0 of the state bounds add up to one inequality, and costates eliminate the states from it, so that it
  * speaks of the inputs (and a free first state) only. If not even the best ones within their bounds satisfy it, nothing

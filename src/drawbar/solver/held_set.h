@@ -1,4 +1,4 @@
-/* Primal-dual active set on factorisations in which held inputs have no choice left (held_sweep.h).
+/* Held set: a primal-dual active set on factorisations in which held inputs have no choice left (held_sweep.h).
  *
  * One pass costs one factorisation and one sweep of the stages up to the last bound, however many bounds are active. A soft
  * bound whose multiplier would exceed its price gives way. Bounds of a kind that no single input answers for, and two that

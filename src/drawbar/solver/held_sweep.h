@@ -1,4 +1,4 @@
-/* Riccati recursion and sweep in which held inputs have no choice left.
+/* Held sweep: Riccati recursion and sweep in which held inputs have no choice left.
  *
  * A bound that is held at stage k says what one input of that stage does: that of an input by itself, u_a = bound; that of
  * a state which this input alone moves, x_{k+1,j} = bound, by u_a = (bound - c_j - A_j x) / B_ja. The recursion goes on with

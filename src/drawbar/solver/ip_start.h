@@ -1,5 +1,5 @@
-/* Where the interior point begins: the solution without bounds, or a nearer one where that lies far out or where the cost
- * leaves something undetermined.
+/* Interior-point start: the solution without bounds, or a nearer one where that lies far out or where the cost leaves
+ * something undetermined.
  */
 #ifndef DRAWBAR_IP_START_H
 #define DRAWBAR_IP_START_H

@@ -1,4 +1,4 @@
-/* Sine, cosine and tangent without branches or library calls, so that a loop over stages becomes SIMD code.
+/* Lanes: sine, cosine and tangent without branches or library calls, so that a loop over stages becomes SIMD code.
  *
  * Argument reduction by pi/2 in three parts (Cody and Waite 1980), then the minimax polynomials of Cephes'
  * sin.c on [-pi/4, pi/4] (S. Moshier, public). Absolute error below 3e-16 for |x| <= 1e5; NaN and infinity give NaN.

@@ -1,4 +1,4 @@
-/* Sine, cosine and tangent of lanes.h in single precision: a library that is exported so has this in its place.
+/* Lanes in single precision: sine, cosine and tangent of lanes.h; a library that is exported so has this in its place.
  *
  * Argument reduction by pi/2 in three parts (Cody and Waite 1980), then the minimax polynomials of Cephes' sinf.c on
  * [-pi/4, pi/4] (S. Moshier, public). Absolute error below 1e-7 for |x| <= 1e3; NaN and infinity give NaN.

@@ -1,4 +1,4 @@
-/* Rows of NX numbers as whole SIMD registers.
+/* Packs: rows of NX numbers as whole SIMD registers.
  *
  * A matrix row is padded with zeros to WIDTH numbers, PACKS registers of PACK numbers each. Where registers hold four
  * numbers, GNU vectors keep sums of rows in them; elsewhere the same loops over plain numbers are faster.

@@ -1,4 +1,4 @@
-/* Structured quadratic program of control and estimation, and its factorisation.
+/* Quadratic program: structured, of control and estimation, with its factorisation.
  *
  *     min   sum_k 1/2 [x_k; u_k]' [Q_k S_k'; S_k R_k] [x_k; u_k] + q_k' x_k + r_k' u_k        (stage N: x only)
  *     s.t.  x_{k+1} = A_k x_k + B_k u_k + c_k,   x_0 given (or free: FREE_INITIAL, arrival cost in Q_0, q_0)

@@ -1,4 +1,6 @@
-/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
+/* Status of a solver's call.
+ *
+ * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
 #ifndef DRAWBAR_STATUS_H
 #define DRAWBAR_STATUS_H
 

@@ -1,4 +1,4 @@
-"""From a configuration to its autopilot: the only place that knows all components."""
+"""Building an autopilot from its configuration: the only place that knows all components."""
 
 import math
 

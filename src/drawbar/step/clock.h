@@ -1,4 +1,4 @@
-/* The time of a clock that only goes forward, ns; for measurements of Python's own library alone. */
+/* Clock that only goes forward, its time in ns; for measurements of Python's own library alone. */
 #ifndef DRAWBAR_CLOCK_H
 #define DRAWBAR_CLOCK_H
 

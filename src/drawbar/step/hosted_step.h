@@ -1,5 +1,5 @@
-/* What Python's own library offers besides drawbar.h: memory and numbers are the caller's, and each step can be recorded.
- * An exported library has none of this. */
+/* Hosted step: what Python's own library offers besides drawbar.h; memory and numbers are the caller's, and each step
+ * can be recorded. An exported library has none of this. */
 #ifndef DRAWBAR_HOSTED_STEP_H
 #define DRAWBAR_HOSTED_STEP_H
 

@@ -1,5 +1,5 @@
-/* The speed that is commanded: the set speed, approached by a ramp, and less of it the longer the vehicle is driven on
- * predictions alone.
+/* Pace: the speed that is commanded. It is the set speed, approached by a ramp, and less of it the longer the vehicle
+ * is driven on predictions alone.
  *
  * Two clocks tell for how long that has been: `unsolved`, since estimator and both controllers have last had a solution
  * (a sample counts for as long as it lasted, and for one sample time at least), and `overdue`, by which samples came

@@ -1,4 +1,6 @@
-/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
+/* Status texts: one line for each status.
+ *
+ * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
 #ifndef DRAWBAR_STATUS_TEXT_H
 #define DRAWBAR_STATUS_TEXT_H
 

@@ -1,4 +1,5 @@
-/* What a library offers to the world: every pointer and the order of calls are checked here, the rest is in control_step.h. */
+/* Step, as a library offers it to the world: every pointer and the order of calls are checked here, the rest is in
+ * control_step.h. */
 #ifndef DRAWBAR_STEP_H
 #define DRAWBAR_STEP_H
 

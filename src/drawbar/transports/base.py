@@ -1,4 +1,4 @@
-"""The one interface of every byte transport: serial line, TCP, UDP, file."""
+"""Base of every byte transport, its one interface: serial line, TCP, UDP, file."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""One attempt at a TCP connection, with or without TLS: look the name up, connect, secure, use. No call waits."""
+"""Connection: one attempt by TCP, with or without TLS; look the name up, connect, secure, use. No call waits."""
 
 import errno
 import os

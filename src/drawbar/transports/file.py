@@ -1,4 +1,4 @@
-"""Recorded bytes played back at their own pace: a text line `seconds hex [source]` for each piece, `-` for no bytes."""
+"""File of recorded bytes, played back at their pace: a text line `seconds hex [source]` per piece, `-` for no bytes."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""From an address of the configuration to the open transport or CAN bus."""
+"""Opening: from an address of the configuration to the open transport or CAN bus."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Listening in: every byte that goes in or out of a transport or a CAN bus, with its stamp, for a run's log."""
+"""Tapped transport or CAN bus: every byte that goes in or out, with its stamp, for a run's log."""
 
 import time
 from collections.abc import Callable

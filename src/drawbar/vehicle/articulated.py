@@ -1,4 +1,4 @@
-"""The exact nonholonomic chain of tractor, drawbar and trailer with slip, and its two subsystems.
+"""Articulated model: the exact nonholonomic chain of tractor, drawbar and trailer with slip, and its two subsystems.
 
 Geometry (docs/theory/conventions.md): the free joint RJ1 sits a behind the tractor's rear axle, the drawbar d
 leads to the actuated joint RJ2, the trailer axle is L_i behind it. J is the actuated angle phi - psi.

@@ -1,4 +1,4 @@
-/* What the controllers and estimators on the chain share: lengths, feed-forward, the trailer's antenna. */
+/* Chain: what the controllers and estimators on the chain share; lengths, feed-forward, the trailer's antenna. */
 #ifndef DRAWBAR_CHAIN_H
 #define DRAWBAR_CHAIN_H
 

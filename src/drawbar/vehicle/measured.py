@@ -1,4 +1,4 @@
-"""What the sensors measure, shared by models and estimator."""
+"""Measured outputs: what the sensors measure, shared by models and estimator."""
 
 from drawbar.vehicle.model import variables
 

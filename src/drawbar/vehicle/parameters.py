@@ -1,4 +1,4 @@
-"""Geometry and limits of the tractor-trailer system (figure 3 of the paper)."""
+"""Parameters of the tractor-trailer system: geometry and limits (figure 3 of the paper)."""
 
 import math
 from typing import Annotated, Literal, Self

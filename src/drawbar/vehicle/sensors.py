@@ -1,4 +1,4 @@
-"""How noisily the sensors measure, shared by estimator and simulated machine."""
+"""Sensors: how noisily they measure, shared by estimator and simulated machine."""
 
 import math
 from typing import Annotated

@@ -1,5 +1,5 @@
-/* How the side-slip of an axle changes with where it faces and how it turns, on ground that gives way under the wheels
- * (docs/theory/lever-arm.md). */
+/* Side-slip of an axle: how it changes with where the axle faces and how it turns, on ground that gives way under the
+ * wheels (docs/theory/lever-arm.md). */
 #ifndef DRAWBAR_SIDE_SLIP_H
 #define DRAWBAR_SIDE_SLIP_H
 

@@ -1,4 +1,4 @@
-"""The paper's adaptive kinematic tricycle (equations kinematicmodel and kinematicmodelDe), and its two subsystems.
+"""Tricycle model, the paper's adaptive kinematic one (equations kinematicmodel and kinematicmodelDe), two subsystems.
 
 Positions are those of the two antennas as the paper takes them; docs/theory/vehicle-models.md says what this model
 gets wrong.

@@ -1,4 +1,4 @@
-/* How fast the tractor turns, by its wheels. */
+/* Yaw rate of the tractor, by its wheels. */
 #ifndef DRAWBAR_YAW_RATE_H
 #define DRAWBAR_YAW_RATE_H
 

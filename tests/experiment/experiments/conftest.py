@@ -10,10 +10,10 @@ from types import ModuleType
 import pytest
 
 from drawbar.experiment.analysis import error_figures
+from drawbar.experiment.elements import Table
 from drawbar.experiment.experiment import Experiment, load_experiment
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Table
 from drawbar.experiment.task import Result
 from drawbar.geometry import Floats
 
@@ -70,13 +70,13 @@ def assemble(
 
 @pytest.fixture
 def write_parts(analysis: ModuleType, tmp_path: Path) -> Callable[[MeasuredExperiment], tuple[str, dict[str, Table]]]:
-    """Return a function that writes all parts of a report, and returns its Markdown and its tables."""
+    """Return a function that writes all elements of a report, and returns its Markdown and its tables."""
 
     def write(measured: MeasuredExperiment) -> tuple[str, dict[str, Table]]:
-        parts = list(analysis.report(measured))
-        for part in parts:
-            part.write(tmp_path)
-        text = "\n\n".join(part.markdown() for part in parts)
-        return text, {part.name: part for part in parts if isinstance(part, Table)}
+        elements = list(analysis.report(measured))
+        for element in elements:
+            element.write(tmp_path)
+        text = "\n\n".join(element.markdown() for element in elements)
+        return text, {element.name: element for element in elements if isinstance(element, Table)}
 
     return write

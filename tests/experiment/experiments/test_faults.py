@@ -8,10 +8,10 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from drawbar.experiment.elements import Table, Text
 from drawbar.experiment.experiment import Experiment
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.measured import MeasuredExperiment
-from drawbar.experiment.parts import Table, Text
 from drawbar.experiment.task import Result, Task, run_task
 from drawbar.experiment.trial import WATCHED, Trial
 from drawbar.messages import SupervisorState

@@ -1,4 +1,4 @@
-"""`python -m drawbar.benchmark.hostile [PROBLEMS]`: try all classes with drawbar and its peers, print the table."""
+"""Hostile problems, all classes tried with drawbar and its peers: `python -m drawbar.benchmark.hostile [PROBLEMS]`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""All classes of hostile problems, each problem known by its class and number."""
+"""Collection of all classes of hostile problems, each problem known by its class and number."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields

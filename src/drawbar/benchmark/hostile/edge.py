@@ -1,4 +1,4 @@
-"""Problems that are nearly feasible or nearly infeasible, with the truth in closed form.
+"""Edge problems, nearly feasible or nearly infeasible, with the truth in closed form.
 
 Either a state is to be farther out than bounded inputs (and a bounded first state) can bring it, or two bounds are to
 hold on states that no input moves; by a margin, or within it.

@@ -1,4 +1,4 @@
-"""The classes of hostile problems with a known optimum, as data."""
+"""Recipes, as data: the classes of hostile problems with a known optimum."""
 
 from dataclasses import dataclass, replace
 

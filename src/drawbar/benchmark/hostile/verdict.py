@@ -1,4 +1,4 @@
-"""What an answer is worth, judged by the truth alone."""
+"""Verdict on an answer, by the truth alone."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -1,1 +1,1 @@
-"""HPIPM, DAQP and PIQP on the stage problems of a run, each at its best settings, checked for the same answer."""
+"""Peers: HPIPM, DAQP and PIQP on the stage problems of a run, each at its best settings, their answers checked."""

@@ -1,4 +1,4 @@
-"""What every peer is: a solver of stage problems of one structure that tells how long it took."""
+"""Base of every peer: a solver of stage problems of one structure that tells how long it took."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

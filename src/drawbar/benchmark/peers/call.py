@@ -1,4 +1,4 @@
-"""Time a function of a foreign C library in C, as drawbar's own are timed."""
+"""Call of a function of a foreign C library, timed in C as drawbar's own functions are."""
 
 import ctypes
 from typing import Any

@@ -1,4 +1,4 @@
-"""Give the stage problems of a solver at work to its peers too, and note how long each took and whether they agree."""
+"""Race: peers solve the stage problems of a solver at work; it notes how long each took and whether they agree."""
 
 from dataclasses import dataclass, field
 

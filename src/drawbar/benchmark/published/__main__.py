@@ -1,4 +1,4 @@
-"""`python -m drawbar.benchmark.published [FOLDER]`: solve the published problems with drawbar and its peers."""
+"""Published problems solved by drawbar and its peers: `python -m drawbar.benchmark.published [FOLDER]`."""
 
 import sys
 from pathlib import Path

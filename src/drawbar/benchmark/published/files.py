@@ -1,4 +1,4 @@
-"""Quadratic programs of files, as `qpsolvers.Problem.save` writes them, as one dense stage."""
+"""Files of quadratic programs, as `qpsolvers.Problem.save` writes them, read as one dense stage."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""How well drawbar and its peers solve problems whose optimum is not known beforehand."""
+"""Results of drawbar and its peers on problems whose optimum is not known beforehand."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

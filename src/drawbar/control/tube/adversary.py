@@ -1,4 +1,4 @@
-"""The disturbances that drive both bodies as far out of their tubes as declared bounds allow.
+"""Adversary: the disturbances that drive both bodies as far out of their tubes as declared bounds allow.
 
 The error after N samples is linear in every disturbance before it, so its largest component in a direction a comes from
 w_k at its bound with the sign of a M^(N-1-k) G, and eps_k with that of a M^(N-1-k) (M - A): bang-bang. M is the closed

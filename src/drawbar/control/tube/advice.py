@@ -1,4 +1,4 @@
-"""What to do where a tube leaves nothing of a bound: which declared bound to reduce, and to what."""
+"""Advice where a tube leaves nothing of a bound: which declared bound to reduce, and to what."""
 
 from collections.abc import Callable
 

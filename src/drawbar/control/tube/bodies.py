@@ -1,4 +1,4 @@
-"""The error models and limits of both bodies, on the product's models and on the paper's, over their work ranges.
+"""Bodies: error models and limits of both, on the product's models and on the paper's, over their work ranges.
 
 The work points are the corners of the ranges of speed, slip, steering and curvature, after their middle on a straight
 line. Curves to the right are left out: they mirror those to the left, and all sets here are symmetric.

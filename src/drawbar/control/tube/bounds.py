@@ -1,4 +1,4 @@
-"""What an invariant set leaves of a body's bounds."""
+"""Bounds of a body, less what an invariant set takes off them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How the error e = x - x̄ of one body grows over a sample, what disturbs it and what it must not exceed: data only."""
+"""Error model of one body, data only: how e = x - x̄ grows over a sample, what disturbs it, what it must not exceed."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""Bounds of a tube from a recorded run: what the declared sources would have had to be at every sample.
+"""Identification of a tube's bounds from a recorded run: what the declared sources would have been at every sample.
 
 The one-step error of the nominal model, r = e^+ - (A e^) - B (u - ū), is G w + eps+ - A eps (without A e^ where the
 nominal state starts at the estimate). Where the truth is known, so is eps, and as many disturbances as there are states

@@ -1,4 +1,4 @@
-"""The largest box inside a zonotope: what a first state may be chosen from with bounds on single states alone."""
+"""Inner box: the largest box in a zonotope, for a first state chosen with bounds on single states alone."""
 
 from itertools import product
 

@@ -1,4 +1,4 @@
-"""From declared bounds to the sources of an error model: disturbances, errors of the estimate, the work point.
+"""Sources of an error model, from declared bounds: disturbances, errors of the estimate, the work point.
 
 The work point's share is the disturbance (A_v - A) e by which the closed loop at any work point v differs from A in
 their middle, for e in the set itself. It is enclosed in a box of additive rates. Sets of a sum are sums of sets, so the

@@ -1,1 +1,1 @@
-"""Finding weights and look-ahead: a search over seeded runs for the least error and the least steering effort."""
+"""Tuning: a search for weights and look-ahead over seeded runs, for the least error and the least steering effort."""

@@ -1,4 +1,4 @@
-"""What a search found against the configuration's own values, on seeds that the search has not seen."""
+"""Comparison of a search's result with the configuration's own values, on seeds that the search has not seen."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What is searched: numbers of a configuration, each within a range."""
+"""Parameters of a search: numbers of a configuration, each within a range."""
 
 import re
 from collections.abc import Mapping, Sequence

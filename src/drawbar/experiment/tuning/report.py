@@ -1,4 +1,4 @@
-"""What a search found, as Markdown with CSV and pictures, and as a table for the terminal."""
+"""Report of a search: Markdown with CSV and pictures, and a table for the terminal."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Group, RenderableType
 
 from drawbar.experiment.document import RESULTS_NAME
-from drawbar.experiment.parts import Part, Picture, Table, Text
+from drawbar.experiment.elements import Element, Picture, Table, Text
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.tuning.comparison import Candidate, Comparison
 from drawbar.experiment.tuning.parameters import SearchSpace, to_toml
@@ -34,11 +34,11 @@ class Findings:
 
 def write_findings(folder: Path, findings: Findings) -> Path:
     """Write results.md with its tables (CSV) and pictures (SVG) into the folder; return the file."""
-    parts = _parts(findings)
-    for part in parts:
-        part.write(folder)
+    elements = _elements(findings)
+    for element in elements:
+        element.write(folder)
     file = folder / RESULTS_NAME
-    file.write_text("\n\n".join(["# Tuning", *(part.markdown() for part in parts)]) + "\n", "utf-8")
+    file.write_text("\n\n".join(["# Tuning", *(element.markdown() for element in elements)]) + "\n", "utf-8")
     return file
 
 
@@ -75,7 +75,7 @@ def verdict(findings: Findings) -> str:
     return "\n".join(said)
 
 
-def _parts(findings: Findings) -> list[Part]:
+def _elements(findings: Findings) -> list[Element]:
     own, best = findings.comparison.own.trial, front(findings.trials)
     return [
         Text(text=_what_was_searched(findings)),

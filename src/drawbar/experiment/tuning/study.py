@@ -1,4 +1,4 @@
-"""The search itself: a multi-objective study of Optuna on what a trial scores, whatever it is that is tried.
+"""Study by Optuna, the search itself: multi-objective, on what a trial scores, whatever it is that is tried.
 
 Tree-structured Parzen estimators (Bergstra, Bardenet, Bengio, Kégl 2011, *Algorithms for hyper-parameter optimization*)
 for several objectives (Ozaki, Tanigaki, Watanabe, Onishi 2020, *Multiobjective tree-structured Parzen estimator for

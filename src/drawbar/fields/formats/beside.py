@@ -1,4 +1,4 @@
-"""Files that belong to another one, beside it."""
+"""Beside: files that lie beside another one and belong to it."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""One door for all formats: a file or folder and, where it holds several lines, the name of one."""
+"""Loading a line, of any format: a file or folder and, where it holds several lines, the name of one."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Which pushes a calibration makes: for the dead band, and for full rate, lag and dead time."""
+"""Calibration plans: the pushes that find the dead band, and those that find full rate, lag and dead time."""
 
 import math
 from abc import ABC, abstractmethod

@@ -1,4 +1,4 @@
-"""All that acts on the multibody during one integration step: both steerings, the drive, and six tyres."""
+"""Forces on the multibody during one integration step: both steerings, the drive, and six tyres."""
 
 from functools import cache
 from typing import Any

@@ -1,4 +1,4 @@
-"""Where both bodies stand: their points on the ground and attitudes, out of MuJoCo's frames."""
+"""Stance of both bodies: their points on the ground and attitudes, out of MuJoCo's frames."""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What the multibody does, in the words of the kinematic chain: state, and how its axles slide."""
+"""State of the multibody in the words of the kinematic chain, and how its axles slide."""
 
 import math
 from typing import NamedTuple

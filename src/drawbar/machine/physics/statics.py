@@ -1,4 +1,4 @@
-"""What each wheel carries while the machine stands on level ground: moments about RJ1 and the rear axle."""
+"""Statics: the load of each wheel while the machine stands on level ground, by moments about RJ1 and the rear axle."""
 
 from drawbar.geometry import GRAVITY
 from drawbar.machine.physics.settings import PhysicsMachineSettings

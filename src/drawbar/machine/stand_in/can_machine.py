@@ -1,4 +1,4 @@
-"""CAN machine: what of a stand-in machine is on its ISOBUS: valves of the bodies, a tractor that takes a speed."""
+"""CAN machine: devices of a stand-in machine on its ISOBUS; valves of the bodies, a tractor that takes a speed."""
 
 from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.stand_in.can_devices import CanDevices

@@ -1,4 +1,4 @@
-"""Stand-in of a GNSS receiver: what it would send at one instant, in each protocol, from what it is to report."""
+"""Receiver's stand-in: what it would send at one instant, in each protocol, from what it is to report."""
 
 import datetime
 import math

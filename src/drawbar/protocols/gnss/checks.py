@@ -1,4 +1,4 @@
-"""What must be known of a receiver before anything is driven by it: results in words, never silent."""
+"""Checks of a receiver before anything is driven by it: results in words, never silent."""
 
 from drawbar.protocols.gnss.epoch import Epoch
 

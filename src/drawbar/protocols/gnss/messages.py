@@ -1,4 +1,4 @@
-"""What one frame of a receiver says, in SI: a few kinds of content, whatever the protocol was.
+"""Messages of a receiver: what one frame says, in SI; a few kinds of content, whatever the protocol was.
 
 Angles are rad; yaw counts counter-clockwise from east; roll is right side down and pitch front down positive. Latitude
 and longitude alone stay WGS84 degrees, as everywhere outside the local frame. A missing value is NaN or None.

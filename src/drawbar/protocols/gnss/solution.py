@@ -1,4 +1,4 @@
-"""An epoch out of the contents of its messages: the best of each kind, with its deviation; or none."""
+"""Solution of one epoch, out of the contents of its messages: the best of each kind, with its deviation; or none."""
 
 import datetime
 import math

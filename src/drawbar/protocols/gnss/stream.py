@@ -1,4 +1,4 @@
-"""The whole way from the bytes of one receiver to its epochs: framing, decoding, assembly. Pure; time is given."""
+"""Stream of one receiver, the whole way from bytes to epochs: framing, decoding, assembly. Pure; time is given."""
 
 import math
 from collections import Counter

@@ -1,4 +1,4 @@
-"""Time of a receiver against the monotonic clock, and how its epochs follow each other."""
+"""Timing of a receiver: its time against the monotonic clock, and how its epochs follow each other."""
 
 import math
 from collections import deque

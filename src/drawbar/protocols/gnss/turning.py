@@ -1,4 +1,4 @@
-"""Yaw rate of the body: as its receiver reports it, else by how far an inertial sensor has turned since the last epoch.
+"""Turning of the body: the yaw rate that its receiver reports, else that of an inertial sensor since the last epoch.
 
 Boards with such a sensor report its yaw, to 0.1°, and no yaw rate that could be relied on.
 """

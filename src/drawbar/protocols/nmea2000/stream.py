@@ -1,4 +1,4 @@
-"""The whole way from the frames of one NMEA 2000 receiver to its epochs, as `gnss/stream.py` for bytes. Pure."""
+"""Stream of one NMEA 2000 receiver, the whole way from frames to epochs, as `gnss/stream.py` for bytes. Pure."""
 
 import datetime
 import math

@@ -1,1 +1,1 @@
-"""What `drawbar tube` shows: sets, tightened bounds and their sources, and what a log says of the declared bounds."""
+"""Tube report, for `drawbar tube`: sets, tightened bounds and their sources, and declared bounds against a log."""

@@ -1,4 +1,4 @@
-"""`drawbar tube`: compute, print and draw the tubes of a configuration."""
+"""Command `drawbar tube`: compute, print and draw the tubes of a configuration."""
 
 from collections.abc import Sequence
 from pathlib import Path

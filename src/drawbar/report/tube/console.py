@@ -1,4 +1,4 @@
-"""What `drawbar tube` prints."""
+"""Console report of `drawbar tube`: what it prints."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""tube.html, one self-contained page of both tubes, and the picture of each as an SVG file beside it."""
+"""Page of both tubes: tube.html, self-contained, and the picture of each as an SVG file beside it."""
 
 from collections.abc import Mapping, Sequence
 from html import escape

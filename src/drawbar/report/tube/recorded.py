@@ -1,4 +1,4 @@
-"""What recorded runs say of the declared bounds of a tube."""
+"""Recorded runs against the declared bounds of a tube."""
 
 import tomllib
 from collections.abc import Sequence

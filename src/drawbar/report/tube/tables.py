@@ -1,4 +1,4 @@
-"""The tube of one body as rows of text, the same for the console and the page."""
+"""Tables of one body's tube: rows of text, the same for the console and the page."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Quantities as people read them: centimetres and degrees."""
+"""Units in which people read quantities: centimetres and degrees."""
 
 import math
 

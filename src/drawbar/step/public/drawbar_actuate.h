@@ -1,4 +1,5 @@
-/* The low level: from set points of both steering angles and the speed to the drives of valves, motors and the pedal.
+/* Actuation: the low level, from set points of both steering angles and the speed to the drives of valves, motors and
+ * the pedal.
  *
  * Once:                    drawbar_actuate_init
  * 50 to 200 times a second: drawbar_actuate, then send the drives to the outputs, whatever the statuses

@@ -1,4 +1,4 @@
-/* What marks the public functions of this library. */
+/* DRAWBAR_API marks the public functions of this library. */
 #ifndef DRAWBAR_API_H
 #define DRAWBAR_API_H
 

@@ -1,7 +1,7 @@
-/* Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there.
+/* Signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
+ * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for.
  *
- * The signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
- * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for. */
+ * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
 #ifndef DRAWBAR_SIGNALS_H
 #define DRAWBAR_SIGNALS_H
 
@@ -160,7 +160,7 @@ struct drawbar_measurement {
 #define DRAWBAR_NOTHING_MEASURED { \
     (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, \
     (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN, \
-    (double)NAN, (double)NAN, (double)NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, \
+    (double)NAN, (double)NAN, (double)NAN, (double)NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, \
     DRAWBAR_QUALITY_UNKNOWN, DRAWBAR_QUALITY_UNKNOWN}
 
 /* Position on the ground and continuous yaw of one body's point. */

@@ -1,4 +1,4 @@
-"""Where corrections go: to streams at once, to boards by UDP in small pieces, as their buffers need it."""
+"""Forwarding of corrections: to streams at once, to boards by UDP in small pieces, as their buffers need it."""
 
 from collections import Counter
 

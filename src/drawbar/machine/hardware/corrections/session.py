@@ -1,4 +1,4 @@
-"""One connection to a caster: request, answer, position upload and stream, until it fails. No call waits."""
+"""Session, one connection to a caster: request, answer, position upload and stream, until it fails. No call waits."""
 
 import math
 import ssl

@@ -1,4 +1,4 @@
-"""What is known of the corrections: states of the client, and a snapshot for the supervisor and the operator."""
+"""Status of the corrections: states of the client, and a snapshot for the supervisor and the operator."""
 
 from dataclasses import dataclass
 from enum import Enum

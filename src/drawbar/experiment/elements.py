@@ -1,4 +1,4 @@
-"""What an experiment's analysis hands over for the report: text, tables and pictures."""
+"""Elements of an experiment's report, handed over by its analysis: text, tables and pictures."""
 
 import csv
 from collections.abc import Callable, Sequence
@@ -98,4 +98,4 @@ def markdown_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
 
-Part = Text | Table | Picture
+Element = Text | Table | Picture

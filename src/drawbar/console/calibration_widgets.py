@@ -1,4 +1,4 @@
-"""Calibration parts: steps with pictures and how far each is done, plots, and what was found."""
+"""Calibration widgets: steps with pictures and how far each is done, plots, and what was found."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any

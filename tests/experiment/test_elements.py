@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from drawbar.experiment.parts import Picture, Table, Text
+from drawbar.experiment.elements import Picture, Table, Text
 
 
 def draw(figure: Figure) -> None:
