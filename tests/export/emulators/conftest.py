@@ -102,6 +102,8 @@ class Host:
     triple: str
     """that zig links the host program for, with a C library"""
     flags: tuple[str, ...] = ()
+    link: tuple[str, ...] = ()
+    """flags of the linker alone: told that there is no C library, the compiler finds no header of one either"""
     sources: tuple[str, ...] = ("files.c",)
     library: str = "libdrawbar.a"
     system: str = "-lm"
@@ -119,7 +121,7 @@ HOSTS = {
     "linux-armv7": Host(triple="arm-linux-musleabihf", flags=("-static", "-mcpu=cortex_a7"), runner=("qemu-arm",)),
     "windows-x86_64": Host(
         triple="x86_64-windows-gnu",
-        flags=("-nostdlib", "-rtlib=compiler-rt", "-Wl,-e,mainCRTStartup", "-Wl,--subsystem,console"),
+        link=("-nostdlib", "-rtlib=compiler-rt", "-Wl,-e,mainCRTStartup", "-Wl,--subsystem,console"),
         sources=("windows.c",),
         system="-lkernel32",
         library="drawbar.lib",
@@ -213,10 +215,17 @@ def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> C
         if host.runner and shutil.which(host.runner[0]) is None:
             pytest.skip(f"{host.runner[0]} is not installed")
         library = for_targets / "lib" / target
-        sources = [REPLAY, *(str(HERE / name) for name in host.sources), str(library / host.library), host.system]
         zig = [sys.executable, "-m", "ziglang", "cc", "-target", host.triple, "-std=gnu99", "-O2", *host.flags]
+        zig.append(f"-I{for_targets / 'include'}")
+        sources = [REPLAY, *(str(HERE / name) for name in host.sources)]
+        if host.link:
+            objects = tmp_path_factory.mktemp("objects")
+            sources = [str(linked([*zig, "-c", each], objects / f"{FilePath(each).stem}.o")) for each in sources]
         # beside the library: where Windows looks for it, and Linux is told to
-        program = linked([*zig, f"-I{for_targets / 'include'}", *sources], library / f"replay-{os.getpid()}.exe")
+        program = linked(
+            [*zig, *host.link, *sources, str(library / host.library), host.system],
+            library / f"replay-{os.getpid()}.exe",
+        )
         environment = {
             "LD_LIBRARY_PATH": str(library),
             "WINEDEBUG": "-all",
