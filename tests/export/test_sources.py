@@ -62,7 +62,11 @@ def said_of(text: str, file: Path, *arguments: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=False).stderr
 
 
-@pytest.mark.parametrize("compiler", [("gcc", "-O1"), (*ZIG, "-O1")], ids=["gcc", "zig"])
+@pytest.mark.parametrize(
+    "compiler",
+    [("gcc", "-O1"), ("gcc", "-O3", "-march=native"), (*ZIG, "-O1")],
+    ids=["gcc", "gcc, for this processor", "zig"],
+)
 def test_compiles_without_a_warning(exported, compiler: tuple[str, ...]) -> None:
     if shutil.which(compiler[0]) is None:
         pytest.skip(f"{compiler[0]} is not installed")

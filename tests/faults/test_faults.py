@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drawbar.geometry import wrap
 from drawbar.signals import FixQuality, Flag, Measurement, Status
 
 BEGINS = 30.0
@@ -48,6 +49,8 @@ class Fault:
     """of either body from the line, m"""
     flags: Flag = NOTHING
     """that must have been told"""
+    settings: tuple[str, ...] = ()
+    """of the vehicle and its sensors, beside the figure-eight"""
 
 
 def missing(*names: str) -> Change:
@@ -102,6 +105,12 @@ def ask_for_speeds_that_are_none(rig: Any) -> None:
         assert rig.set_speed(speed) == Status.RANGE
 
 
+LEANS = (
+    "machine.attitude={tractor={present=true},trailer={present=true},yaw={present=true}}",
+    "machine.terrain={slope=0.05}",
+    "vehicle.masts={tractor={up=2.5},trailer={up=2.0}}",
+)
+"""masts on a side slope, attitude sensors on both bodies, two antennas on the tractor"""
 POSITIONS = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
 EVERYTHING = (*POSITIONS, *SENSORS[2:])
 ANTENNAS = {"tractor": POSITIONS[:2], "trailer": POSITIONS[2:]}
@@ -130,6 +139,15 @@ FAULTS = {
     "the speed missing for good": Fault(change=missing("speed")),
     "the tractor's steering missing for good": Fault(change=missing("tractor_steering")),
     "the trailer's steering missing for good": Fault(change=missing("trailer_steering")),
+    "roll and pitch of both bodies missing for good": Fault(
+        change=missing("tractor_roll", "tractor_pitch", "trailer_roll", "trailer_pitch"), settings=LEANS
+    ),
+    "the tractor's yaw missing for good": Fault(change=missing("tractor_yaw"), settings=LEANS),
+    "the tractor's yaw turned round": Fault(
+        change=lambda m: replace(m, tractor_yaw=wrap(m.tractor_yaw + math.pi)), settings=LEANS
+    ),
+    "the tractor's yaw stuck": Fault(change=at(0.5, "tractor_yaw"), settings=LEANS),
+    "the yaw rate missing for good": Fault(change=missing("tractor_yaw_rate"), settings=LEANS),
     **{
         f"the {name} fails {'for good' if math.isinf(lasts) else f'for {lasts:.0f} s'}": Fault(
             fails=(name,),
@@ -205,7 +223,7 @@ def drive(rig: Any, fault: Fault) -> Any:
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_ends_as_it_must(rig: Callable[..., Any], name: str) -> None:
     fault = FAULTS[name]
-    run = drive(rig("articulated", "path.radii=[8.0]"), fault)
+    run = drive(rig("articulated", "path.radii=[8.0]", *fault.settings), fault)
     assert run.ended is fault.ends, run.statuses[-200:]
     if fault.ends is not Status.OK:
         assert run.first(fault.ends) <= BEGINS + fault.within + 1e-6

@@ -25,7 +25,7 @@ struct rti {
                                             * each state alone, and of one noise that moves all of them at once */
     int32_t status, open_end;              /* open_end: x_N is still to be predicted */
     int32_t linearised;                    /* as it will be after the next shift, and the stage that leaves behind it */
-    uint8_t missing[N + 1][NY];            /* measurements, as rti_note_missing last saw them */
+    uint8_t missing[(N + 1) * NY];         /* measurements, as rti_note_missing last saw them */
     struct qp qp;
     double constants[CONSTANTS];           /* of the model, and the sample time, s */
 };
@@ -62,13 +62,12 @@ static inline double rti_weight(const struct rti *s, int k, int i)
 static int rti_note_missing(struct rti *s)
 {
     const double *y = &s->y[0][0];
-    uint8_t *missing = &s->missing[0][0];
     int changed = 0;
 
     for (int i = 0; i < (N + 1) * NY; ++i) {
         const uint8_t now = (uint8_t)(isnan(y[i]) != 0);
-        changed |= now != missing[i];
-        missing[i] = now;
+        changed |= now != s->missing[i];
+        s->missing[i] = now;
     }
     return changed;
 }
@@ -76,7 +75,7 @@ static int rti_note_missing(struct rti *s)
 /* Weights have changed: let the next feedback make the Hessian anew. */
 static inline void rti_reweighted(struct rti *s)
 {
-    s->missing[0][0] = 2;                  /* neither missing nor there, so that something has changed */
+    s->missing[0] = 2;                     /* neither missing nor there, so that something has changed */
 }
 
 static void rti_hessian(struct rti *s)
