@@ -1,9 +1,10 @@
 """Which line is driven, and in which direction."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from ordinary import measured
 
 from drawbar.config import load_configuration
 from drawbar.driving.driven_line import DrivenLine
@@ -22,7 +23,7 @@ def seen(path, at, left, *, backwards):
     ahead = np.array([np.cos(yaw), np.sin(yaw)]) * (-4.0 if backwards else 4.0)
     tractor = np.array([x, y]) + left * np.array([-np.sin(yaw), np.cos(yaw)])
     (tx, ty), (rx, ry) = tractor, tractor - ahead
-    return SimpleNamespace(tractor_x=tx, tractor_y=ty, trailer_x=rx, trailer_y=ry)
+    return measured(tx, ty, rx, ry)
 
 
 def test_a_parallel_line_is_driven_as_the_vehicle_faces():
@@ -46,9 +47,16 @@ def test_a_single_line_is_not_turned_round():
 
 def test_without_an_antenna_the_direction_stays():
     line = straight("path.working_width=3.0")
-    measurement = seen(line.path, 20.0, 0.0, backwards=True)
-    measurement.trailer_x = np.nan
+    measurement = replace(seen(line.path, 20.0, 0.0, backwards=True), trailer_x=np.nan)
     assert line.nearest(measurement)[0] is line
+
+
+def test_the_tractors_yaw_is_enough_to_know_the_direction():
+    line = straight("path.working_width=3.0")
+    measurement = replace(seen(line.path, 20.0, 0.0, backwards=True), trailer_x=np.nan)
+    ahead = float(line.path.sample(np.array([20.0]))[0, 2])
+    assert line.nearest(replace(measurement, tractor_yaw=ahead))[0] is line
+    assert line.nearest(replace(measurement, tractor_yaw=ahead + np.pi))[0].against
 
 
 def test_a_line_that_the_vehicle_cannot_drive_is_refused():

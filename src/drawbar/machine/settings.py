@@ -211,6 +211,7 @@ class YawSensorSettings(Settings):
     """A receiver with two antennas on the tractor, which tells where that faces."""
 
     present: bool = False
+    """without it the yaw is missing"""
     noise: NonNegativeAngle = math.radians(0.3)
     """white part, standard deviation, rad"""
     bias: Angle = 0.0

@@ -1,4 +1,4 @@
-"""Problems with states that nothing moves but rounding, on their bounds.
+"""Rounding: problems with states that nothing else moves, on their bounds.
 
 A dense program whose equations were eliminated has them: a coefficient of 1e-16 in the place of zero. An input that is
 held against such a state has multipliers of 1e16.
