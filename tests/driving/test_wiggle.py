@@ -192,3 +192,16 @@ def test_the_command_asks_twice(machine, tmp_path, monkeypatch, answers):
     agreed = answers.count("y") == 2
     assert (len(moved) == 1, result.exit_code) == (agreed, 0 if agreed else 1), result.output
     assert wiggled.has_passed(machine)
+
+
+@pytest.mark.parametrize("receivers", [1, 2])
+def test_both_steerings_are_wiggled_with_one_receiver_or_two(monkeypatch, receivers):
+    configuration = with_stand_ins(load_configuration("articulated"))
+    if receivers == 1:
+        devices = configuration.devices.model_copy(update={"trailer_receiver": None})
+        configuration = configuration.model_copy(update={"devices": devices})
+    asked = []
+    monkeypatch.setattr(wiggle, "carry_out", lambda wires, body, speed: asked.append((body, speed(0.0))))
+    assert len(list(wiggle.wiggle_both(configuration))) == 2
+    assert [body for body, _ in asked] == [0, 1]
+    assert all(math.isnan(speed) for _, speed in asked)

@@ -143,6 +143,14 @@ def test_a_run_begins_with_the_trailer_where_yaw_and_angles_put_it() -> None:
     assert (found.trailer_x, found.trailer_y) == pytest.approx((trailer.real, trailer.imag), abs=1e-12)
 
 
+def test_without_a_yaw_the_tractors_position_is_told_as_it_is() -> None:
+    found = Alignment(VehicleParameters(masts=Masts(tractor=Mast(up=2.5)))).begin(
+        measured(5.0, 6.0, math.nan, math.nan)
+    )
+    assert (found.tractor_x, found.tractor_y) == (5.0, 6.0)
+    assert math.isnan(found.trailer_x)
+
+
 if __name__ == "__main__":
     for kind, changes in {
         "a receiver on each body": (),

@@ -151,8 +151,9 @@ def wiggle_both(configuration: Configuration) -> Iterator[tuple[str, Wiggle]]:
     assert configuration.devices is not None
     with ExitStack() as opened:
         orders = gate_orders(configuration, folder=opened.enter_context(folder_of_sockets()), controller=-1)
-        tractor, trailer = open_receivers(configuration.devices, orders.sentences)
-        opened.callback(trailer.close)
+        tractor, *others = open_receivers(configuration.devices, orders.sentences)
+        for each in others:
+            opened.callback(each.close)
         receiver = opened.enter_context(closing(Receiver(tractor, configuration.devices.tractor_receiver)))
         wires = opened.enter_context(closing(Wires(open_wires(orders))))
         for body, name in enumerate(STEERINGS):

@@ -265,7 +265,7 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
         const double angle = told[i] - (i % 2 ? mast->pitch_offset : mast->roll_offset);
         lean[i] = fabs(angle) <= MOST_LEAN ? angle : 0.0;
     }
-    if (!isfinite(reported.trailer_x + reported.trailer_y)) {
+    if (!isfinite(reported.trailer_x + reported.trailer_y) && isfinite(reported.tractor_yaw)) {
         lever_arm(&alignment->masts[ALIGNED_TRACTOR], reported.tractor_yaw, lean[0], lean[1], arms);
         aligned->tractor_x = reported.tractor_x - arms[0];
         aligned->tractor_y = reported.tractor_y - arms[1];

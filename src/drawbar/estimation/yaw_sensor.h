@@ -1,4 +1,4 @@
-/* The tractor's yaw as two antennas on it tell it.
+/* Yaw sensor: two antennas on the tractor, which tell where it faces.
  *
  * The line of the antennas is never quite the one that was configured. Where fixes of both bodies and the angles between
  * them show the yaw too, how far it is off on average is found and taken off; where the tractor has the only receiver
