@@ -8,11 +8,14 @@ import pytest
 from c_signals import given
 
 from drawbar.codegen import Workspace, build
+from drawbar.config import load_configuration
 from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import SharingSettings
 from drawbar.machine.settings import CrabProcess, GroundSettings, SensorSettings, SimulatedMachineSettings, SlipProcess
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.signals import Command, Pose
+from drawbar.simulation import simulate
+from drawbar.vehicle.off_tracking import steady_off_tracking
 from drawbar.vehicle.parameters import VehicleParameters
 
 VEHICLE = VehicleParameters()
@@ -79,12 +82,12 @@ def remainder(situation):
     return remainder
 
 
-def exact_error(curvature, tractor_crab, trailer_crab, joint):
+def exact_error(curvature, tractor_crab, trailer_crab, joint, vehicle=VEHICLE):
     """Return the lateral error of the trailer's antenna when everything turns about one centre, m.
 
     All distances are measured from that centre, which lies across each axle's direction of motion.
     """
-    a, c, d, length = VEHICLE.free_joint_offset, VEHICLE.trailer_antenna, VEHICLE.drawbar_length, VEHICLE.trailer_length
+    a, c, d, length = vehicle.free_joint_offset, vehicle.trailer_antenna, vehicle.drawbar_length, vehicle.trailer_length
     radius = 1.0 / curvature
     centre = radius * complex(-math.sin(tractor_crab), math.cos(tractor_crab))  # seen from the rear axle
     to_joint = abs(centre + a)
@@ -104,6 +107,27 @@ def test_the_remainder_is_what_the_turned_joint_leaves_on_a_circle(curvature, cr
     ends = sorted(exact_error(curvature, *crabs, joint) for joint in (-limit, limit))
     left = max(ends[0], 0.0) + min(ends[1], 0.0)
     assert remainder(np.array([curvature]), *crabs) == pytest.approx([left], abs=0.015 * abs(curvature))
+
+
+LONG = VehicleParameters(
+    wheelbase=2.8,
+    hitch_length=1.6,
+    drawbar_length=1.0,
+    trailer_length=5.0,
+    trailer_antenna=1.5,
+    trailer_steering_limit=0.45,
+    curvature_limit=0.1,
+)
+"""A trailer that cuts in by more than its steering takes back: a metre is left on a radius of 12 m."""
+
+
+@pytest.mark.parametrize("vehicle", [VEHICLE, LONG])
+@pytest.mark.parametrize("curvature", [0.001, 0.05, 0.0833, -0.125])
+def test_steady_off_tracking_is_the_least_of_all_joint_angles(vehicle, curvature):
+    limit = vehicle.trailer_steering_limit
+    errors = [exact_error(curvature, 0.0, 0.0, joint, vehicle) for joint in np.linspace(-limit, limit, 2001)]
+    least = 0.0 if min(errors) < 0.0 < max(errors) else min(abs(error) for error in errors)
+    assert steady_off_tracking(vehicle, np.array([curvature])) == pytest.approx([least], abs=1e-9)
 
 
 def steady_error(curvature, tractor_crab, trailer_crab):
@@ -156,6 +180,29 @@ def test_on_an_endless_curve_the_tractor_takes_its_share_beyond_the_accepted_err
         target = SharedError(share=0.6, accepted_error=0.02).targets(estimate, curvatures)[-1]
         assert target * left < 0.0, "the tractor goes to the other side"
         assert abs(target) == pytest.approx(0.6 * (abs(left) - 0.02), rel=1e-9)
+
+
+def test_the_tractor_takes_no_more_than_half(situation, remainder):
+    curvatures = np.full(400, 0.3)
+    left = remainder(curvatures[:1], 0.0, 0.0)[0]
+    target = SharedError(share=0.9, accepted_error=0.0).targets(situation().estimate, curvatures)[-1]
+    assert target == pytest.approx(-0.5 * left, rel=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.8, 2.5])
+def test_both_bodies_share_what_a_long_trailer_cannot_steer_away(speed):
+    radius = 12.0
+    shape = [f"path.radii=[{radius}]", "path.straight_length=40.0"]
+    changes = [f"speed={speed}", *shape, "estimator.model=ideal", "machine.sensors.position=0.0"]
+    log = simulate(load_configuration("articulated", changes).model_copy(update={"vehicle": LONG}))
+    beside = {body: np.abs(log.column(f"reference.{body}.lateral_error")) for body in ("tractor", "trailer")}
+    curvature = np.abs(log.column("reference.trailer.closest.3"))
+    tractor, trailer = (float(np.median(each[curvature > 0.99 / radius])) for each in beside.values())
+    left = float(steady_off_tracking(LONG, np.array([1.0 / (radius + tractor)]))[0])
+    assert left > 0.9
+    assert tractor + trailer == pytest.approx(left, abs=0.05)
+    assert tractor == pytest.approx(trailer, abs=0.1)
+    assert beside["trailer"][curvature < 1e-3].mean() < 0.03, "it knows where the tractor is on its way back"
 
 
 def test_an_accepted_error_stays_with_the_trailer(situation, remainder):

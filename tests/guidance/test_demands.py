@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from drawbar.errors import PathError
-from drawbar.guidance.demands import demand_steering
+from drawbar.guidance.demands import demand_steering, largest_off_tracking
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.path import Path
+from drawbar.vehicle.off_tracking import steady_off_tracking
 from drawbar.vehicle.parameters import VehicleParameters
 
 EIGHTS = figure_eights([10.0, 5.0], 20.0)
@@ -36,12 +37,16 @@ def test_rate_must_turn_from_one_curve_to_the_next_and_more_so_when_fast() -> No
         demanded(speed=2.0, tractor_steering_rate=1.02 * rate)
 
 
-def test_straight_line_asks_nothing() -> None:
+def straight_line() -> Path:
     places = np.arange(0.0, 5.0, 0.25)
     zero = np.zeros(len(places))
-    line = Path.through(
+    return Path.through(
         arc_length=places, x=places, y=zero, yaw=zero, label_of_piece=np.zeros(19, np.int8), label_names=("straight",)
     )
+
+
+def test_straight_line_asks_nothing() -> None:
+    line = straight_line()
     steering = {"tractor_steering_limit": 1e-3, "tractor_steering_rate": 1e-3}
     demanded(path=line, **steering)
     with pytest.raises(PathError, match="tractor_steering_limit"):
@@ -62,3 +67,14 @@ def test_gentle_spiral_needs_less_than_a_sudden_curve() -> None:
     demanded(path=spiral, tractor_steering_rate=rate)
     with pytest.raises(PathError, match="too slow"):
         demanded(tractor_steering_rate=rate)
+
+
+def test_the_worst_curve_for_the_trailer_is_the_tightest_that_lasts() -> None:
+    vehicle = VehicleParameters(trailer_steering_limit=0.1)
+    off_tracking, curvature = largest_off_tracking(EIGHTS, vehicle)
+    assert curvature == pytest.approx(0.2, rel=1e-4)
+    assert off_tracking == pytest.approx(float(steady_off_tracking(vehicle, np.array([0.2]))[0]), rel=1e-3)
+    assert off_tracking > 0.1
+    long = VehicleParameters(trailer_steering_limit=0.1, trailer_length=25.0)
+    assert largest_off_tracking(EIGHTS, long)[1] < 0.2, "longer than the curves"
+    assert largest_off_tracking(straight_line(), vehicle) == (0.0, 0.0)

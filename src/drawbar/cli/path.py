@@ -26,7 +26,7 @@ def path(
 ) -> None:
     """Write a line, made drivable for a configuration's vehicle, as the path table of the C library."""
     from drawbar.export.recording import path_array, path_table
-    from drawbar.recording.header import deviation_note
+    from drawbar.recording.header import path_notes
     from drawbar.simulation import build_path
 
     tables = {".csv": path_table, ".h": path_array}
@@ -36,8 +36,8 @@ def path(
     if config.path.file:
         refuse_to_replace("--out", out, FilePath(config.path.file))
     driven, drivable = build_path(config)
-    if drivable:
-        console.print(deviation_note(config, drivable), soft_wrap=True)
+    for note in path_notes(config, driven, drivable):
+        console.print(note, soft_wrap=True)
     try:
         out.write_text(tables[out.suffix](driven), "utf-8")
     except OSError as error:

@@ -58,13 +58,13 @@ def _drive(
     simulation: "Simulation", folder: FilePath, interrupts: "Interrupts"
 ) -> DrawbarError | KeyboardInterrupt | None:
     """Drive to the end, the log in the folder; return what ended the run before."""
-    from drawbar.recording.header import deviation_note
+    from drawbar.recording.header import path_notes
     from drawbar.recording.log import LOG_NAME
     from drawbar.recording.recorder import Recorder
     from drawbar.report.progress import RunProgress
 
-    if simulation.drivable:
-        console.print(deviation_note(simulation.configuration, simulation.drivable))
+    for note in path_notes(simulation.configuration, simulation.path, simulation.drivable):
+        console.print(note)
     log = Recorder(folder / LOG_NAME, simulation.header())
     try:
         with simulation, log as recorder, RunProgress(console, simulation.path.length) as live:

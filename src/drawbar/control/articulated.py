@@ -50,7 +50,8 @@ def articulated_trailer_unit(
         "smoothing": -math.expm1(-sample_time / settings.yaw_rate_lag),
         "return_length": settings.return_length,
     }
-    own = {**chain_settings(vehicle), **actuator, **coupling_settings(settings.coupling), **motion}
+    sharing = sharing_settings(vehicle, settings.sharing, sample_time)
+    own = {**chain_settings(vehicle), **actuator, **sharing, **coupling_settings(settings.coupling), **motion}
     return subsystem_unit("trailer", problem, tube, "articulated_trailer.h", own)
 
 

@@ -7,6 +7,7 @@
 
 #include "actuator.h"
 #include "chain.h"
+#include "off_tracking.h"
 #include "side_slip.h"
 #include "subsystem.h"
 #include "yaw_rate.h"
@@ -18,16 +19,18 @@ struct component {
     struct subsystem subsystem;
     struct chain chain;
     struct actuator actuator;
+    struct shared_error shared;
     int32_t coupling;                      /* enum coupling */
     double interval;                       /* between stages, s */
     double smoothing;                      /* what one sample of the tractor's yaw rate counts */
-    double return_length;                  /* within which the tractor comes back to its line, m */
+    double return_length;                  /* within which the tractor comes back to its target, m */
 
     double yaw_rate;                       /* of the tractor, smoothed, rad/s */
 };
 
 #define COMPONENT_FIELDS                                                                                         \
-    SUBSYSTEM_FIELDS CHAIN_FIELDS(chain) ACTUATOR_FIELDS(actuator) SETTING(component, coupling, 1, 1, 0, 0)      \
+    SUBSYSTEM_FIELDS CHAIN_FIELDS(chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)                   \
+    SETTING(component, coupling, 1, 1, 0, 0)                                                                    \
     SETTING(component, interval, 0, 1, 0, 0) SETTING(component, smoothing, 0, 1, 0, 0) SETTING(component, return_length, 0, 1, 0, 0)
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)
@@ -57,16 +60,19 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
     }
 }
 
-/* Let the tractor come back to its line as a critically damped oscillator does: after a way s its offset is
- * (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the line. Returns 0 where the line is not finite. */
-static int follow_line(struct component *component, const struct drawbar_estimate *estimate,
-                        const struct drawbar_body_reference *tractor)
+/* Let the tractor come back to its targets (m) beside the line as a critically damped oscillator does: after a way s its
+ * offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. Returns 0 where the
+ * line is not finite. */
+static int follow_targets(struct component *component, const struct drawbar_estimate *estimate,
+                          const struct drawbar_body_reference *tractor, const double *targets)
 {
     const double *closest = tractor->samples[0], crab = estimate->tractor_crab;
     const double along = cos(closest[AT_YAW]), across = sin(closest[AT_YAW]);
     const double dx = estimate->tractor.x - closest[AT_X], dy = estimate->tractor.y - closest[AT_Y];
-    const double ahead = along * dx + across * dy, offset = along * dy - across * dx;
-    const double slope = tan(clipped(wrapped(estimate->tractor.yaw + crab - closest[AT_YAW]), STEEPEST));
+    const double ahead = along * dx + across * dy, aside = along * dy - across * dx;
+    const double steep = tan(clipped(wrapped(estimate->tractor.yaw + crab - closest[AT_YAW]), STEEPEST));
+    const double offset = aside - targets[0];
+    const double slope = steep - shared_slope(&component->shared, estimate, closest[AT_CURVATURE], targets[0]);
     const double bend = slope + offset / component->return_length;
     const double step = estimate->longitudinal_slip * estimate->speed * component->interval;
     const double fades = exp(-step / component->return_length);
@@ -74,9 +80,10 @@ static int follow_line(struct component *component, const struct drawbar_estimat
 
     for (int k = 0; k <= N; ++k) {
         const double *sample = tractor->samples[k];
-        const double beside = (offset + bend * k * step) * share;
-        const double yaw = sample[AT_YAW] + atan(bend * share - beside / component->return_length) - crab
-            - side_slip_change(estimate, closest, sample);
+        const double back = (offset + bend * k * step) * share, beside = targets[k] + back;
+        const double away = bend * share - back / component->return_length;
+        const double aims = shared_slope(&component->shared, estimate, sample[AT_CURVATURE], targets[k]);
+        const double yaw = sample[AT_YAW] + atan(aims + away) - crab - side_slip_change(estimate, closest, sample);
         const double forward = cos(sample[AT_YAW]), left = sin(sample[AT_YAW]);
         double *p = component->rti.p[k];
 
@@ -89,6 +96,16 @@ static int follow_line(struct component *component, const struct drawbar_estimat
         sum += p[P_TRACTOR_X] + p[P_TRACTOR_Y] + yaw;
     }
     return isfinite(sum);
+}
+
+/* Let the tractor come back to where its controller wants it beside the line. */
+static int follow_line(struct component *component, const struct drawbar_estimate *estimate,
+                       const struct drawbar_body_reference *tractor)
+{
+    double targets[N + 1];
+
+    shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets, 1);
+    return follow_targets(component, estimate, tractor, targets);
 }
 
 /* The tractor's smoothed present yaw rate, rad/s; one that is not finite is none to go on from. */

@@ -31,15 +31,17 @@ static inline double off_tracking_remainder(const struct off_tracking *vehicle, 
 
 /* Lateral targets of the tractor by which both bodies share what the trailer cannot steer away.
  *
- * The tractor takes a share of what remains beyond an accepted error, and keeps a little outside of every curve, where
- * the trailer's steering has nothing left to correct with. The target changes no faster than the trailer can follow, a
- * first-order lag of the trailer's length along the way. */
+ * The tractor takes a share of what remains beyond an accepted error, at most half of what remains, and keeps a little
+ * outside of every curve, where the trailer's steering has nothing left to correct with. The target changes no faster than
+ * the trailer can follow, a first-order lag of the trailer's length along the way. Both controllers compute it: the tractor's
+ * keeps to it, the trailer's knows by it where the tractor will be. */
 struct shared_error {
     struct off_tracking off_tracking;
     double share;                          /* of the error beyond the accepted one */
     double accepted_error;                 /* m */
     double widening;                       /* m^2 */
-    double sample_distance;                /* trailer lengths per sample at 1 m/s */
+    double lag;                            /* way within which the trailer follows, m */
+    double sample_time;                    /* s */
 
     double next;                           /* the target where the next call begins, m */
 };
@@ -48,7 +50,8 @@ struct shared_error {
     SETTING(component, place.off_tracking.hitch, 0, 1, 0, 0) SETTING(component, place.off_tracking.antenna, 0, 1, 0, 0) \
     SETTING(component, place.off_tracking.cut_in, 0, 1, 0, 0) SETTING(component, place.off_tracking.reach, 0, 1, 0, 0) \
     SETTING(component, place.share, 0, 1, 0, 0) SETTING(component, place.accepted_error, 0, 1, 0, 0)                  \
-    SETTING(component, place.widening, 0, 1, 0, 0) SETTING(component, place.sample_distance, 0, 1, 0, 0)
+    SETTING(component, place.widening, 0, 1, 0, 0) SETTING(component, place.lag, 0, 1, 0, 0)                             \
+    SETTING(component, place.sample_time, 0, 1, 0, 0)
 
 /* The target (m) that a curvature (1/m) asks for in the long run. */
 static inline double steady_target(const struct shared_error *shared, const struct drawbar_estimate *estimate,
@@ -57,8 +60,16 @@ static inline double steady_target(const struct shared_error *shared, const stru
     const double remainder = off_tracking_remainder(&shared->off_tracking, curvature, estimate->tractor_crab,
                                                     estimate->trailer_crab);
     const double excess = fabs(remainder) - shared->accepted_error;
+    const double taken = fmin(shared->share * excess, 0.5 * fabs(remainder));
 
-    return -shared->widening * curvature - (excess < 0.0 ? 0.0 : shared->share * copysign(excess, remainder));
+    return -shared->widening * curvature - (excess < 0.0 ? 0.0 : copysign(taken, remainder));
+}
+
+/* The slope (rad) against its line at which the tractor keeps to a target (m) on a curvature (1/m). */
+static inline double shared_slope(const struct shared_error *shared, const struct drawbar_estimate *estimate,
+                                  double curvature, double target)
+{
+    return (steady_target(shared, estimate, curvature) - target) / shared->lag;
 }
 
 /* The lateral targets (m, left positive) at the next stages of the path (x, y, yaw, curvature); the next call begins at
@@ -66,7 +77,8 @@ static inline double steady_target(const struct shared_error *shared, const stru
 static inline void shared_targets(struct shared_error *shared, const struct drawbar_estimate *estimate,
                                   const double (*samples)[4], int stages, double *targets, int stride)
 {
-    const double follows = -expm1(-estimate->longitudinal_slip * estimate->speed * shared->sample_distance);
+    const double step = estimate->longitudinal_slip * estimate->speed * shared->sample_time;
+    const double follows = -expm1(-step / shared->lag);
     double target = shared->next;
 
     for (int k = 0; k < stages; ++k) {

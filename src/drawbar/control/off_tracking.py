@@ -1,4 +1,4 @@
-"""Off-tracking: what the tractor's controller must know to share the trailer's (off_tracking.h)."""
+"""Off-tracking: what both controllers must know to share the trailer's (off_tracking.h)."""
 
 import math
 
@@ -25,5 +25,6 @@ def sharing_settings(vehicle: VehicleParameters, settings: SharingSettings, samp
         "shared.share": settings.share,
         "shared.accepted_error": settings.accepted_error,
         "shared.widening": settings.widening,
-        "shared.sample_distance": sample_time / (vehicle.trailer_length + vehicle.drawbar_length),
+        "shared.lag": vehicle.trailer_length + vehicle.drawbar_length,
+        "shared.sample_time": sample_time,
     }

@@ -1,4 +1,4 @@
-"""Demands of a path on a vehicle: whether its front wheels turn far enough, and fast enough, for the curves."""
+"""Demands of a path on a vehicle: whether its steerings turn far enough, and fast enough, for the curves."""
 
 import math
 
@@ -7,6 +7,7 @@ import numpy as np
 from drawbar.errors import PathError
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
+from drawbar.vehicle.off_tracking import steady_off_tracking
 from drawbar.vehicle.parameters import VehicleParameters
 
 _STEP = 0.05
@@ -28,8 +29,7 @@ def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tol
     Raises:
         PathError: a curve is too tight, or begins or ends too suddenly; says what of the vehicle does not suffice.
     """
-    count = math.ceil(path.length / _STEP)
-    curvature = path.sample((np.arange(count, dtype=np.float64) + 0.5) * (path.length / count))[:, 3]
+    curvature = _curvature(path)
     wheels = np.arctan(curvature * vehicle.wheelbase)
     tightest, angle = float(np.abs(curvature).max()), float(np.abs(wheels).max())
     if not angle <= vehicle.tractor_steering_limit:
@@ -48,6 +48,27 @@ def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tol
             f"{tolerance:g} m (guidance.path_tolerance); vehicle.tractor_steering_rate = "
             f"{vehicle.tractor_steering_rate:.2g} rad/s is too slow: raise it, or lower speed"
         )
+
+
+def largest_off_tracking(path: Path, vehicle: VehicleParameters) -> tuple[float, float]:
+    """Return the off-tracking of a path's worst curve, m, and that curve's curvature, 1/m.
+
+    Behind a tractor that is on the path the trailer comes so far beside it, its steering turned as far as it helps. A
+    curve counts by its mean curvature over the trailer's length, within which the trailer follows.
+    """
+    curvature = _curvature(path)
+    window = min(len(curvature), max(1, round((vehicle.trailer_length + vehicle.drawbar_length) / _STEP)))
+    sums = np.concatenate([[0.0], np.cumsum(curvature)])
+    tightest = float(np.abs(sums[window:] - sums[:-window]).max() / window)
+    if not tightest > 0.0:
+        return 0.0, 0.0
+    return float(steady_off_tracking(vehicle, np.array([tightest]))[0]), tightest
+
+
+def _curvature(path: Path) -> Floats:
+    """Return a path's curvature (n,) in equal steps, 1/m."""
+    count = math.ceil(path.length / _STEP)
+    return path.sample((np.arange(count, dtype=np.float64) + 0.5) * (path.length / count))[:, 3]
 
 
 def _largest_change(values: Floats, distance: int) -> float:

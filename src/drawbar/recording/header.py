@@ -1,5 +1,6 @@
 """Header of a run: what is known before its first step, from its configuration and path."""
 
+import math
 import os
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING
 from drawbar.config import Configuration, demand_configuration
 from drawbar.errors import PathError, demand
 from drawbar.geometry import LocalFrame
+from drawbar.guidance.demands import largest_off_tracking
 from drawbar.guidance.path import Path
 from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
 
@@ -44,7 +46,7 @@ def run_header(
         started=datetime.now(UTC),
         vehicle=configuration.vehicle,
         path_name=configuration.path.track or os.path.basename(configuration.path.file) or "figure-eights",
-        path_note=deviation_note(configuration, drivable) if drivable else "",
+        path_note="; ".join(path_notes(configuration, path, drivable)),
         path=PathTable.of(path),
         recorded=RecordedPoints.of(drivable.recorded, drivable.deviations) if drivable else None,
         origin=(frame.latitude, frame.longitude, frame.height) if frame else None,
@@ -52,10 +54,33 @@ def run_header(
     )
 
 
-def deviation_note(configuration: Configuration, drivable: "DrivablePath") -> str:
+_TOLD = 0.05
+"""m; off-tracking that is told"""
+
+
+def path_notes(configuration: Configuration, path: Path, drivable: "DrivablePath | None") -> list[str]:
+    """Return what a user should know of a path before it is driven, in sentences."""
+    notes = [_deviation_note(configuration, drivable)] if drivable else []
+    off_tracking, curvature = largest_off_tracking(path, configuration.vehicle)
+    if off_tracking > _TOLD:
+        notes.append(_off_tracking_note(configuration, off_tracking, curvature))
+    return notes
+
+
+def _deviation_note(configuration: Configuration, drivable: "DrivablePath") -> str:
     """Return how far a recorded line's points are from the path that will be driven."""
     worst, limit = int(drivable.deviations.argmax()), configuration.guidance.path_tolerance
     return (
         f"made drivable: at most {drivable.deviations[worst]:.2f} m off, at recorded point {worst + 1} of "
         f"{len(drivable.deviations)} (limit {limit:.2f} m)"
+    )
+
+
+def _off_tracking_note(configuration: Configuration, off_tracking: float, curvature: float) -> str:
+    """Return how far apart the tracks of both bodies stay in the tightest curve."""
+    limit = math.degrees(configuration.vehicle.trailer_steering_limit)
+    return (
+        f"in curves of {curvature:.3g} 1/m the trailer runs {off_tracking:.2f} m beside the tractor's track even with "
+        f"its steering at its limit of {limit:.0f}° (vehicle.trailer_steering_limit); no controller takes that away, "
+        f"wider curves or a larger limit do"
     )

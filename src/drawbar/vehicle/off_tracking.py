@@ -1,0 +1,25 @@
+"""Off-tracking: how far apart the tracks of both bodies stay on a circle, whatever a controller does."""
+
+import math
+
+import numpy as np
+
+from drawbar.geometry import Floats
+from drawbar.vehicle.parameters import VehicleParameters
+
+
+def steady_off_tracking(vehicle: VehicleParameters, curvatures: Floats) -> Floats:
+    """Return how far from the tractor's circle (n,) the trailer's stays, its steering turned as far as it helps, m.
+
+    Everything turns about one centre, without side-slip (docs/theory/off-tracking.md).
+
+    Args:
+        vehicle: lengths and steering limit.
+        curvatures: (n,) of the tractor's circle, not zero, 1/m; where the trailer would fold up it turns on the spot.
+    """
+    radius, limit = 1.0 / np.abs(curvatures), vehicle.trailer_steering_limit
+    ahead = vehicle.trailer_length + vehicle.drawbar_length * math.cos(limit)  # of the trailer's axle, to RJ1
+    aside = vehicle.drawbar_length * math.sin(limit)
+    axle = np.sqrt(np.fmax(radius**2 + vehicle.free_joint_offset**2 - ahead**2, 0.0))
+    inner, outer = (np.hypot(axle + side, vehicle.trailer_antenna) for side in (-aside, aside))
+    return np.fmax(0.0, np.fmax(inner - radius, radius - outer))

@@ -1,0 +1,15 @@
+"""What is told of a path before it is driven."""
+
+from drawbar.config import load_configuration
+from drawbar.recording.header import path_notes, run_header
+from drawbar.simulation import build_path
+
+
+def test_off_tracking_that_no_controller_takes_away_is_told() -> None:
+    plain = load_configuration("articulated")
+    path, _ = build_path(plain)
+    assert path_notes(plain, path, None) == []
+    weak = load_configuration("articulated", ["vehicle.trailer_steering_limit=0.1"])
+    (note,) = path_notes(weak, path, None)
+    assert "in curves of 0.15 1/m the trailer runs 0.08 m beside the tractor's track" in note
+    assert run_header(weak, path, None).path_note == note
