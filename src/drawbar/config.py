@@ -46,7 +46,7 @@ TrackLength = Annotated[float, Field(gt=0.0, le=1000.0)]
 """A length of the figure-eights, m; longer tracks are recorded lines."""
 
 StartOffset = Annotated[float, Field(ge=-1000.0, le=1000.0)]
-"""A distance from the start of the path, m; a run begins within guidance.maximum_start_distance of it."""
+"""A distance from the start of the path, m; a run begins within guidance.maximum_start_distance of the path."""
 
 
 class PathSettings(Settings):
@@ -87,7 +87,10 @@ class PathSettings(Settings):
 
 
 class StartSettings(Settings):
-    """Where the simulated machine stands at first, seen from the start of the path."""
+    """Where the simulated machine stands at first, seen from the start of the path. The run begins beside it, anywhere.
+
+    A path with `path.working_width` is driven in the direction in which the machine faces.
+    """
 
     ahead: StartOffset = 0.0
     """m, along the path's first direction"""

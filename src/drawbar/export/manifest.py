@@ -20,7 +20,7 @@ ENTRIES = tuple(
     f"drawbar_{name}"
     for name in (
         *("init", "set_path", "begin_at", "change_path", "set_speed", "set_engaged", "feedback", "prepare", "step"),
-        *("actuate_init", "actuate", "line_path"),
+        *("actuate_init", "actuate", "line_path", "line_nearest", "line_reverse"),
     )
 )
 """functions whose stack is stated"""

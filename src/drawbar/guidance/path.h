@@ -150,4 +150,39 @@ static inline double path_project(const struct path *path, double x, double y, d
     return arc_length;
 }
 
+#define PATH_ALONG 0.5                     /* cosine between two directions that are the same, or nearly */
+#define PATH_BESIDE 0.25                   /* by which a later pass must be nearer than the first, m */
+
+/* Where a vehicle stands that faces along `yaw` (rad; NaN: it is not known): the arc length (m) of the path's nearest place.
+ *
+ * Within `reach` (m) a place that leads where the vehicle faces, or against that where it may be driven both ways, goes
+ * before a nearer one that leads across; of several passes that are alike the first is taken. *against: whether the
+ * path leads the other way there, by more than 120 degrees. */
+static inline double path_nearest(const struct path *path, double x, double y, double yaw, double reach, int both_ways,
+                                  int *against)
+{
+    double shortest[2] = {INFINITY, INFINITY};  /* of all nodes, of those that lead along the vehicle */
+    int32_t first[2] = {0, 0};
+
+    for (int32_t i = 0; i < path->count; ++i) {
+        const double distance = hypot(path->nodes[i].x - x, path->nodes[i].y - y), along = cos(path->nodes[i].yaw - yaw);
+        const int alike = distance <= reach && (along >= PATH_ALONG || (both_ways && along <= -PATH_ALONG));
+        for (int kind = 0; kind <= alike; ++kind) {
+            /* a pass ends where the path has led away by more than its pieces are long */
+            const int same = path->nodes[i].arc_length - path->nodes[first[kind]].arc_length <= 2.0 * reach;
+            if (distance < shortest[kind] - (same ? 0.0 : PATH_BESIDE)) {
+                shortest[kind] = distance;
+                first[kind] = i;
+            }
+        }
+    }
+    const double near = path->nodes[first[isfinite(shortest[1]) ? 1 : 0]].arc_length;
+    double error, sample[4];
+    const double arc_length
+        = path_project(path, x, y, fmax(near - 1.0, 0.0), fmin(near + 1.0, path_length(path)), &error);
+    path_sample(path, arc_length, sample);
+    *against = cos(sample[AT_YAW] - yaw) < -PATH_ALONG;
+    return arc_length;
+}
+
 #endif

@@ -45,7 +45,7 @@ class Autopilot:
         self._set_path("set_path", path)
         if at:
             _require(Status(self.library.call("begin_at", ctypes.c_double(at))), path, at)
-        self.path, self._number = path, -1
+        self.path, self.start, self._number = path, at, -1
 
     def change_path(self, path: Path, *, at: float = 0.0) -> None:
         """Go on along another path without a stop.
