@@ -60,6 +60,8 @@ class PathSettings(Settings):
     extension: Annotated[float, Field(ge=0.0, le=10_000.0)] = 0.0
     """how far an A-B line of AgOpenGPS, which has no end, goes beyond its points, m; 0: to the field's boundary, or
     100 m where the field has none"""
+    offset: Annotated[float, Field(ge=-100.0, le=100.0)] = 0.0
+    """how far to the left of the line is driven (right: negative), m"""
     working_width: Annotated[float, Field(ge=0.0, le=60.0)] = 0.0
     """between parallel lines beside this one, which the operator may choose while the vehicle is not steered, m; each
     is driven in the direction in which the vehicle faces. 0: there is only this line"""

@@ -216,7 +216,8 @@ def build_path(configuration: Configuration) -> "tuple[Path, DrivablePath | None
         PathError: the line cannot be read or driven.
     """
     demand_configuration(configuration)
-    path, drivable = _shaped_path(configuration)
+    line, drivable = _shaped_path(configuration)
+    path = line.beside(configuration.path.offset)
     demand_steering(
         path, configuration.vehicle, speed=configuration.speed, tolerance=configuration.guidance.path_tolerance
     )

@@ -224,7 +224,7 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
         return DRAWBAR_LINE_TIGHT;
     }
     line_nodes(work, n, nodes);
-    const struct path path = {nodes, n};
+    const struct path path = {nodes, n, NULL};
     const int32_t undrivable = line_undrivable(&path, limits);
     if (undrivable >= 0) {
         *made = undrivable;
@@ -238,7 +238,7 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
 int drawbar_line_nearest(const struct drawbar_path_node *nodes, int32_t count, double x, double y, double yaw, double reach,
                          int32_t both_ways, double *arc_length, int32_t *against)
 {
-    const struct path path = {nodes, count};
+    const struct path path = {nodes, count, NULL};
     int away;
 
     if (nodes == NULL || arc_length == NULL || against == NULL)
@@ -252,7 +252,7 @@ int drawbar_line_nearest(const struct drawbar_path_node *nodes, int32_t count, d
 
 int drawbar_line_reverse(const struct drawbar_path_node *nodes, int32_t count, struct drawbar_path_node *reversed)
 {
-    const struct path path = {nodes, count};
+    const struct path path = {nodes, count, NULL};
 
     if (nodes == NULL || reversed == NULL)
         return DRAWBAR_LINE_NULL;

@@ -51,10 +51,10 @@ void track(const struct path *path, const double *x, const double *y, int64_t co
 class CPath(ctypes.Structure):
     """struct path, over nodes that it keeps alive."""
 
-    _fields_ = (("nodes", ctypes.c_void_p), ("count", ctypes.c_int32))
+    _fields_ = (("nodes", ctypes.c_void_p), ("count", ctypes.c_int32), ("offset", ctypes.c_void_p))
 
     def __init__(self, nodes: Floats) -> None:
-        super().__init__(nodes.ctypes.data, len(nodes))
+        super().__init__(nodes.ctypes.data, len(nodes), None)
         self._owner = nodes
 
 
