@@ -46,7 +46,7 @@ TrackLength = Annotated[float, Field(gt=0.0, le=1000.0)]
 """A length of the figure-eights, m; longer tracks are recorded lines."""
 
 StartOffset = Annotated[float, Field(ge=-1000.0, le=1000.0)]
-"""A distance from the start of the path, m; a run begins within guidance.maximum_start_distance of it."""
+"""A distance from the start of the path, m; a run begins within guidance.maximum_start_distance of the path."""
 
 
 class PathSettings(Settings):
@@ -60,6 +60,8 @@ class PathSettings(Settings):
     extension: Annotated[float, Field(ge=0.0, le=10_000.0)] = 0.0
     """how far an A-B line of AgOpenGPS, which has no end, goes beyond its points, m; 0: to the field's boundary, or
     100 m where the field has none"""
+    offset: Annotated[float, Field(ge=-100.0, le=100.0)] = 0.0
+    """how far to the left of the line is driven (right: negative), m"""
     working_width: Annotated[float, Field(ge=0.0, le=60.0)] = 0.0
     """between parallel lines beside this one, which the operator may choose while the vehicle is not steered, m; each
     is driven in the direction in which the vehicle faces. 0: there is only this line"""
@@ -87,7 +89,10 @@ class PathSettings(Settings):
 
 
 class StartSettings(Settings):
-    """Where the simulated machine stands at first, seen from the start of the path."""
+    """Where the simulated machine stands at first, seen from the start of the path. The run begins beside it, anywhere.
+
+    A path with `path.working_width` is driven in the direction in which the machine faces.
+    """
 
     ahead: StartOffset = 0.0
     """m, along the path's first direction"""

@@ -17,6 +17,7 @@ from drawbar.errors import ConfigurationError, DrawbarError, HardwareError, Path
 from drawbar.estimation.ideal import ideal_estimate
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.geometry import Floats, wrap
+from drawbar.guidance.beginning import beginning, demand_near
 from drawbar.guidance.demands import demand_steering
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.load import load_line
@@ -150,15 +151,13 @@ class Simulation:
         if not (isinstance(given, Integral) and int(given) >= 0):
             raise ConfigurationError(f"seed = {seed!r} is not allowed; give a whole number of 0 or more.")
         self.configuration, self.seed = configuration, seed
-        self.path, self.drivable = build_path(configuration) if path is None else (path, None)
-        self.machine = build_machine(configuration, self.path, seed)
+        path, self.drivable = build_path(configuration) if path is None else (path, None)
+        self.machine = build_machine(configuration, path, seed)
+        reach, both_ways = configuration.guidance.maximum_start_distance, configuration.path.working_width > 0.0
+        self.path, at = beginning(path, self.machine.truth().tractor, reach=reach, both_ways=both_ways)
         self.autopilot = build_autopilot(configuration)
-        self.autopilot.begin(self.path)
+        self.autopilot.begin(self.path, at=at)
         self._wrong = _bounded_errors(configuration, "estimate", seed)
-        place = self.machine.truth().tractor
-        x, y = self.path.nodes[0, 1:3].tolist()
-        if not math.hypot(place.x - x, place.y - y) <= configuration.guidance.maximum_start_distance:
-            raise _far_from_start(self.autopilot, place.x, place.y)
 
     def steps(self, between: Callable[[], None] | None = None) -> Iterator[StepRecord]:
         """Drive; see drive()."""
@@ -217,7 +216,8 @@ def build_path(configuration: Configuration) -> "tuple[Path, DrivablePath | None
         PathError: the line cannot be read or driven.
     """
     demand_configuration(configuration)
-    path, drivable = _shaped_path(configuration)
+    line, drivable = _shaped_path(configuration)
+    path = line.beside(configuration.path.offset)
     demand_steering(
         path, configuration.vehicle, speed=configuration.speed, tolerance=configuration.guidance.path_tolerance
     )
@@ -300,19 +300,12 @@ def _refusal(status: Status, autopilot: Autopilot, first: Measurement) -> Drawba
             f"The first measurement lacks a position (tractor {first.tractor_x}, {first.tractor_y}; "
             f"trailer {first.trailer_x}, {first.trailer_y}); wait for a fix of both antennas to start."
         )
-    return _far_from_start(autopilot, first.tractor_x, first.tractor_y)
-
-
-def _far_from_start(autopilot: Autopilot, tractor_x: float, tractor_y: float) -> PathError:
-    """Return the error for a vehicle that stands too far from where the path begins."""
-    x, y, _, _ = autopilot.path.sample(np.zeros(1))[0].tolist()
-    distance = math.hypot(tractor_x - x, tractor_y - y)
-    reach = float(autopilot.library.components["guidance"].live.array("guidance.start_distance")[0])
-    return PathError(
-        f"the tractor at ({tractor_x:.2f}, {tractor_y:.2f}) m is {distance:.2f} m from the start of "
-        f"the path at ({x:.2f}, {y:.2f}) m; at most {reach:g} m is allowed: drive to the start, "
-        f"or raise guidance.maximum_start_distance"
-    )
+    try:
+        reach = _live(autopilot, "guidance", "guidance.start_distance")
+        demand_near(autopilot.path, autopilot.start, first.tractor_x, first.tractor_y, reach)
+    except PathError as error:
+        return error
+    return PathError(Status.START.text)
 
 
 def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autopilot) -> str:

@@ -78,6 +78,21 @@ def test_a_run_goes_on_along_another_path(begun, simulation, records) -> None:
     assert [begun.step(record.measurement) for record in records[35:]] == [(each.command, 0) for each in records[35:]]
 
 
+def test_a_line_beside_the_path_is_driven_as_python_does(library, simulation, records, build) -> None:
+    python = build("articulated").autopilot
+    python.begin(simulation.path)
+    library.begin(simulation.path)
+    for step, record in enumerate(records):
+        if step in (5, 8, 30):
+            offset = {5: 0.3, 8: -0.1, 30: 0.0}[step]
+            assert library.call("set_offset", ctypes.c_double(offset)) == Status.OK
+            python.set_offset(offset)
+        command, status = library.step(record.measurement)
+        assert (Status.OK if status < Status.REFUSED else status, command) == python.feedback(record.measurement)
+        python.prepare()
+    assert library.call("set_offset", ctypes.c_double(7.0)) == Status.RANGE
+
+
 def test_a_run_begins_where_it_is_told_to(library, simulation, records) -> None:
     library.begin(simulation.path)
     first = records[20].measurement

@@ -9,6 +9,7 @@ import pytest
 from drawbar.codegen import build
 from drawbar.codegen.library import load
 from drawbar.geometry import Floats
+from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.line import _LONGEST, _SHORTEST, RecordedLine
 from drawbar.guidance.smoothing import make_drivable
 
@@ -109,3 +110,48 @@ def test_points_that_are_none_are_refused(line_path, wrong: float) -> None:
     assert line_path(driven(0)[:1])[0] == POINTS
     assert line_path(np.zeros((3, 2)))[0] == POINTS
     assert line_path(driven(0), (0.3, 0.0, 0.3))[0] == POINTS
+
+
+def nearest(
+    path: Floats, place: tuple[float, float, float], reach: float = 5.0, both_ways: int = 0
+) -> tuple[int, float, int]:
+    """Return what the C function returns, and what it found."""
+    found, against = ctypes.c_double(-1.0), ctypes.c_int32(-1)
+    function = load(build("line", '#include "line_path.h"\n')).drawbar_line_nearest
+    function.argtypes = [
+        ctypes.c_void_p,
+        ctypes.c_int32,
+        *[ctypes.c_double] * 4,
+        ctypes.c_int32,
+        *[ctypes.c_void_p] * 2,
+    ]
+    results = ctypes.addressof(found), ctypes.addressof(against)
+    status = function(path.ctypes.data, len(path), *place, reach, both_ways, *results)
+    return status, found.value, against.value
+
+
+def test_the_nearest_place_and_the_way_round_are_those_of_python() -> None:
+    reverse = load(build("line", '#include "line_path.h"\n')).drawbar_line_reverse
+    path, rng = figure_eights((8.0,), 20.0), np.random.default_rng(8)  # seed 8
+    for _ in range(100):
+        x, y, yaw = (float(each) for each in rng.uniform([-15.0, -15.0, -3.0], [35.0, 15.0, 3.0]))
+        expected = path.nearest(x, y, yaw, reach=5.0, both_ways=True)
+        assert nearest(path.nodes, (x, y, yaw), both_ways=1) == (MADE, *expected)
+    turned = np.full(path.nodes.shape, 7.0)
+    assert reverse(ctypes.c_void_p(path.nodes.ctypes.data), len(turned), ctypes.c_void_p(turned.ctypes.data)) == MADE
+    np.testing.assert_array_equal(turned, path.reversed().nodes)
+
+
+@pytest.mark.parametrize("place", [(np.nan, 0.0, 0.0), (0.0, np.inf, 0.0), (0.0, 0.0, np.inf), (1e8, 0.0, 0.0)])
+def test_a_place_that_is_none_is_refused(place: tuple[float, float, float]) -> None:
+    nodes = figure_eights((8.0,), 20.0).nodes
+    assert nearest(nodes, place) == (POINTS, -1.0, -1)
+
+
+def test_a_reach_or_a_path_that_is_none_is_refused() -> None:
+    nodes = figure_eights((8.0,), 20.0).nodes
+    assert [nearest(nodes, (0.0, 0.0, 0.0), reach)[0] for reach in (0.0, np.nan, -1.0)] == [POINTS] * 3
+    assert nearest(nodes[:1], (0.0, 0.0, 0.0))[0] == POINTS
+    broken = nodes.copy()
+    broken[5, 1] += 1.0
+    assert nearest(broken, (0.0, 0.0, 0.0))[0] == POINTS

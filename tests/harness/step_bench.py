@@ -17,9 +17,9 @@ NAMES = (
 )
 PARTS = "\n".join(f"#define DRAWBAR_{name}_SIZE 256" for name in (*NAMES, "WORK"))
 UNITS = {
-    "drawbar_size.h": f"#define DRAWBAR_STATE_DOUBLES 512\n#define DRAWBAR_SAMPLE_TIME {SAMPLE}\n",
+    "drawbar_size.h": f"#define DRAWBAR_STATE_DOUBLES 544\n#define DRAWBAR_SAMPLE_TIME {SAMPLE}\n",
     "drawbar_components.h": f"{PARTS}\n#define DRAWBAR_DEAD_TIME\n"
-    f"#define DRAWBAR_STEP_SETTINGS {{{SAMPLE}, 1.0, 1.0, 0.5, {PATIENCE}, {ENDURANCE}}}\n"
+    f"#define DRAWBAR_STEP_SETTINGS {{{SAMPLE}, 1.0, 1.0, 0.5, {PATIENCE}, {ENDURANCE}, 0.3, 0.03, 0.03}}\n"
     '#define DRAWBAR_VERSION "of this test"\n',
     "step.c": '#include "step.h"\n',
     "gate.c": """
@@ -71,7 +71,7 @@ class Driver:
 
     def __init__(self, library):
         self.library = library
-        self.state = (ctypes.c_double * 512)()
+        self.state = (ctypes.c_double * 544)()
         arc = np.linspace(0.0, LENGTH, 41)
         self.nodes = np.column_stack([arc, arc, 0.0 * arc, 0.0 * arc])
         self.command = (ctypes.c_double * 4)()

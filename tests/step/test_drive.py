@@ -103,12 +103,30 @@ def test_a_first_measurement_without_a_position_is_told(build):
 
 
 def test_a_start_too_far_away_is_told(build):
-    told = r"is 6\.0. m from the start of the path .* at most 5 m is allowed: drive to"
-    with pytest.raises(PathError, match=told):
-        build("articulated", "start.left=6.0")
+    told = r"is 6\.0. m from where the run is to begin, \(0\.00, 0\.00\) m, .* at most 5 m is allowed: drive there"
+    with pytest.raises(PathError, match=r"at most 5 m is allowed: drive there"):
+        build("articulated", "start.left=40.0")
     _, steps = driven(short(build), lambda m: replace(m, tractor_y=m.tractor_y + 6.02))
     with pytest.raises(PathError, match=told):
         next(steps)
+
+
+def test_a_run_begins_where_the_machine_stands_on_the_path(build):
+    simulation = build("articulated", "path.radii=[8.0]", "start.ahead=9.0", "start.left=0.5")
+    records = list(islice(simulation.steps(), 20))
+    assert records[0].reference.tractor.progress == pytest.approx(9.0, abs=0.2)
+    assert {record.status for record in records} == {Status.OK}
+    assert simulation.header().path.path().length == simulation.path.length
+
+
+def test_a_run_goes_the_way_that_the_machine_faces_where_the_line_has_both(build):
+    there = "path.radii=[8.0]", "start.ahead=9.0", "start.yaw=3.1415"
+    assert build("articulated", *there).autopilot.start == pytest.approx(9.0, abs=1e-6)
+    back = build("articulated", *there, "path.working_width=3.0")
+    assert back.autopilot.start == pytest.approx(back.path.length - 9.0, abs=1e-6)
+    records = list(islice(back.steps(), 15))
+    assert {record.status for record in records} == {Status.OK}
+    assert all(abs(record.reference.tractor.lateral_error) < 0.1 for record in records)
 
 
 def test_a_vehicle_that_faces_away_where_no_turns_help_is_told(build):

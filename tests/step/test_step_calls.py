@@ -78,7 +78,7 @@ def test_no_other_pointer_may_be_null_either(driver):
 
 def test_a_state_wants_to_be_initialised(driver):
     rng = np.random.default_rng(0)
-    driver.state[:] = rng.integers(0, 2**63, 512).view(np.float64).tolist()
+    driver.state[:] = rng.integers(0, 2**63, 544).view(np.float64).tolist()
     out, nodes = (ctypes.c_double * 64)(), ctypes.c_void_p(driver.nodes.ctypes.data)
     assert driver.step() == (STATUS["NOT_INITIALISED"], [0.0] * 4)
     assert driver.prepare() == STATUS["NOT_INITIALISED"]
@@ -103,7 +103,7 @@ def test_every_status_has_its_text_and_the_library_its_version(library):
     assert len(set(texts)) == len(texts)
     assert library.drawbar_status_text(-1) == library.drawbar_status_text(1000) == b"no status of this library"
     assert library.drawbar_version() == b"of this test"
-    assert library.drawbar_state_size() == 512 * 8
+    assert library.drawbar_state_size() == 544 * 8
 
 
 def test_the_speed_can_be_set_within_its_bounds_and_is_approached_by_a_ramp(driver):
@@ -114,6 +114,17 @@ def test_the_speed_can_be_set_within_its_bounds_and_is_approached_by_a_ramp(driv
     assert driver.step()[1][3] == 1.0
     assert library.drawbar_set_speed(driver.state, speed(0.75)) == 0
     assert [driver.step()[1][3] for _ in range(4)] == pytest.approx([0.9, 0.8, 0.75, 0.75])
+
+
+def test_an_offset_beyond_its_bounds_changes_nothing(driver):
+    library, offset = driver.library, ctypes.c_double
+    driver.step()
+    before = bytes(driver.state)
+    for wrong in (-100.1, 101.0, math.nan, math.inf, -math.inf):
+        assert library.drawbar_set_offset(driver.state, offset(wrong)) == STATUS["RANGE"]
+    assert bytes(driver.state) == before
+    assert library.drawbar_set_offset(driver.state, offset(-100.0)) == 0  # the path is straight
+    assert library.drawbar_set_offset(None, offset(0.0)) == STATUS["NULL"]
 
 
 def test_a_run_begins_where_it_is_told(driver):

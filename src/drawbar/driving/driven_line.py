@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import Self
 
-import numpy as np
-
 from drawbar.config import Configuration
 from drawbar.driving.curves import demand_slow_curves
 from drawbar.geometry import wrap
@@ -57,6 +55,11 @@ class DrivenLine:
         )
         return replace(self, path=path.reversed() if self.against else path, offset=offset)
 
+    @property
+    def both_ways(self) -> bool:
+        """Whether it is driven in the direction in which the vehicle faces."""
+        return self.configuration.path.working_width > 0.0
+
     def faces_away(self, measurement: Measurement, yaw: float) -> bool:
         """Return whether this line is to be turned round for a vehicle that is seen there.
 
@@ -64,15 +67,18 @@ class DrivenLine:
             measurement: with both antennas or the tractor's yaw; without, the line stays as it is.
             yaw: of the line beside the vehicle, rad.
         """
-        if not self.configuration.path.working_width > 0.0:
-            return False
-        ahead = measurement.tractor_x - measurement.trailer_x, measurement.tractor_y - measurement.trailer_y
-        faces = measurement.tractor_yaw if math.isnan(sum(ahead)) else math.atan2(ahead[1], ahead[0])
-        return abs(wrap(faces - yaw)) > _AWAY
+        return self.both_ways and abs(wrap(_faces(measurement) - yaw)) > _AWAY
 
     def nearest(self, measurement: Measurement) -> tuple[Self, float]:
         """Return this line in the direction in which the vehicle faces, and the nearest arc length on it, m."""
-        progress, _ = self.path.project(measurement.tractor_x, measurement.tractor_y, 0.0, self.path.length)
-        if self.faces_away(measurement, float(self.path.sample(np.array([progress]))[0, 2])):
+        x, y, reach = measurement.tractor_x, measurement.tractor_y, self.configuration.guidance.maximum_start_distance
+        progress, against = self.path.nearest(x, y, _faces(measurement), reach=reach, both_ways=self.both_ways)
+        if self.both_ways and against:
             return replace(self, path=self.path.reversed(), against=not self.against), self.path.length - progress
         return self, progress
+
+
+def _faces(measurement: Measurement) -> float:
+    """Return where a vehicle faces, from the trailer's antenna to the tractor's, or by its yaw; else NaN, rad."""
+    ahead = measurement.tractor_x - measurement.trailer_x, measurement.tractor_y - measurement.trailer_y
+    return measurement.tractor_yaw if math.isnan(sum(ahead)) else math.atan2(ahead[1], ahead[0])

@@ -19,8 +19,19 @@ from drawbar.optimal import SolverUnit
 ENTRIES = tuple(
     f"drawbar_{name}"
     for name in (
-        *("init", "set_path", "begin_at", "change_path", "set_speed", "set_engaged", "feedback", "prepare", "step"),
-        *("actuate_init", "actuate", "line_path"),
+        *(
+            "init",
+            "set_path",
+            "begin_at",
+            "change_path",
+            "set_offset",
+            "set_speed",
+            "set_engaged",
+            "feedback",
+            "prepare",
+            "step",
+        ),
+        *("actuate_init", "actuate", "line_path", "line_nearest", "line_reverse"),
     )
 )
 """functions whose stack is stated"""

@@ -33,7 +33,7 @@ struct approach {
 
 static inline struct path approach_track(const struct approach *approach)
 {
-    const struct path track = {approach->nodes, approach->count};
+    const struct path track = {approach->nodes, approach->count, NULL};
     return track;
 }
 
@@ -90,7 +90,7 @@ static inline int approach_join(struct drawbar_path_node *a, double tightest)
     b->arc_length = a->arc_length + arc * hypot(b->x - a->x, b->y - a->y);
     if (!(b->arc_length > a->arc_length))
         return 0;
-    const struct path joined = {a, 2};
+    const struct path joined = {a, 2, NULL};
     const struct path_cubic piece = path_cubic(&joined, 1);
     return fabs(2.0 * (piece.x[1] * piece.y[2] - piece.y[1] * piece.x[2])) <= tightest;
 }

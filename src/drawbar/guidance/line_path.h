@@ -7,7 +7,7 @@
 #define DRAWBAR_LINE_PATH_H
 
 #include "drawbar_line.h"
-#include "path.h"
+#include "path_check.h"
 
 #define LINE_PIECE 0.25                    /* longest step, m: PIECE_LENGTH of path.py */
 #define LINE_SHORTEST 0.1                  /* lengths between which a line may be one, m: _SHORTEST of line.py, */
@@ -224,7 +224,7 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
         return DRAWBAR_LINE_TIGHT;
     }
     line_nodes(work, n, nodes);
-    const struct path path = {nodes, n};
+    const struct path path = {nodes, n, NULL};
     const int32_t undrivable = line_undrivable(&path, limits);
     if (undrivable >= 0) {
         *made = undrivable;
@@ -233,6 +233,39 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
     const int32_t far = line_far(&path, points, count, step, limits->tolerance);
     *made = far >= 0 ? far : n;
     return far >= 0 ? DRAWBAR_LINE_FAR : DRAWBAR_LINE_MADE;
+}
+
+int drawbar_line_nearest(const struct drawbar_path_node *nodes, int32_t count, double x, double y, double yaw, double reach,
+                         int32_t both_ways, double *arc_length, int32_t *against)
+{
+    const struct path path = {nodes, count, NULL};
+    int away;
+
+    if (nodes == NULL || arc_length == NULL || against == NULL)
+        return DRAWBAR_LINE_NULL;
+    if (path_check(&path) >= 0 || !(fabs(x) <= LINE_FARTHEST && fabs(y) <= LINE_FARTHEST) || isinf(yaw) || !(reach > 0.0))
+        return DRAWBAR_LINE_POINTS;
+    *arc_length = path_nearest(&path, x, y, yaw, reach, both_ways != 0, &away);
+    *against = away;
+    return DRAWBAR_LINE_MADE;
+}
+
+int drawbar_line_reverse(const struct drawbar_path_node *nodes, int32_t count, struct drawbar_path_node *reversed)
+{
+    const struct path path = {nodes, count, NULL};
+
+    if (nodes == NULL || reversed == NULL)
+        return DRAWBAR_LINE_NULL;
+    if (path_check(&path) >= 0)
+        return DRAWBAR_LINE_POINTS;
+    for (int32_t i = 0; i < count; ++i) {
+        const struct drawbar_path_node *node = &nodes[count - 1 - i];
+        reversed[i].arc_length = path_length(&path) - node->arc_length;
+        reversed[i].x = node->x;
+        reversed[i].y = node->y;
+        reversed[i].yaw = node->yaw + DRAWBAR_PI;
+    }
+    return DRAWBAR_LINE_MADE;
 }
 
 #endif

@@ -3,6 +3,9 @@
  * The table of poses is the caller's own memory; the cubic of a piece is made from its two ends where it is needed. On
  * pieces this short a Hermite cubic with unit tangents has unit speed and follows an arc of radius 6.67 m to 1e-7 m and
  * 1e-6 rad, one of 2.5 m to 1e-6 m and 1e-5 rad.
+ *
+ * Where the path has an offset (line_offset.h), samples and lateral errors are those of the line beside it; arc lengths
+ * stay those of the table.
  */
 #ifndef DRAWBAR_PATH_H
 #define DRAWBAR_PATH_H
@@ -12,6 +15,7 @@
 #include "drawbar_signals.h"
 #include "geometry.h"
 #include "lanes.h"
+#include "line_offset.h"
 
 #define PATH_PROJECTIONS 20                /* Newton steps of a projection, at most */
 #define PATH_CONVERGED 1e-6                /* last Newton step, m; what is left after it is of its square */
@@ -19,6 +23,7 @@
 struct path {
     const struct drawbar_path_node *nodes;
     int32_t count;
+    const struct line_offset *offset;      /* of the line that is followed; NULL: the path itself */
 };
 
 /* A piece as a polynomial in the distance from its first node, constant first: m, 1, 1/m, 1/m^2. */
@@ -92,6 +97,8 @@ static inline void path_samples(const struct path *path, const double *arc_lengt
     for (int64_t i = 0; i < count; ++i) {
         const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_lengths[i], 1));
         path_cubic_sample(&cubic, arc_lengths[i], samples[i]);
+        if (!offset_is_none(path->offset))
+            offset_apply(path->offset, arc_lengths[i], samples[i]);
     }
 }
 
@@ -147,6 +154,72 @@ static inline double path_project(const struct path *path, double x, double y, d
         if (converged)
             break;
     }
+    if (!offset_is_none(path->offset))
+        *error = offset_error(path->offset, arc_length, *error);
+    return arc_length;
+}
+
+/* The arc length (m) at which the line that is followed has gone on by a distance (m) from another. */
+static inline double path_ahead(const struct path *path, double arc_length, double distance)
+{
+    double at[3], sample[4];
+
+    if (offset_is_none(path->offset))
+        return arc_length + distance;
+    const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_length, 1));
+    path_cubic_sample(&cubic, arc_length, sample);
+    offset_at(path->offset, arc_length, at);
+    return arc_length + distance / offset_stretch(at, sample[AT_CURVATURE]);
+}
+
+/* Whether there is a line so far to the left of the path (m) that is nowhere tighter than a curvature (1/m), or than the
+ * path itself. */
+static inline int path_has_beside(const struct path *path, double offset, double tightest)
+{
+    double sample[4];
+
+    for (int32_t i = 0; i < path->count && offset != 0.0; ++i) {
+        const struct path_cubic cubic = path_cubic(path, i + 1 < path->count ? i + 1 : i);
+        path_cubic_sample(&cubic, path->nodes[i].arc_length, sample);
+        const double curvature = fabs(sample[AT_CURVATURE]), stretch = 1.0 - offset * sample[AT_CURVATURE];
+        if (!(stretch > OFFSET_LEAST_STRETCH && curvature <= fmax(tightest, curvature) * stretch))
+            return 0;
+    }
+    return 1;
+}
+
+#define PATH_ALONG 0.5                     /* cosine between two directions that are the same, or nearly */
+#define PATH_BESIDE 0.25                   /* by which a later pass must be nearer than the first, m */
+
+/* Where a vehicle stands that faces along `yaw` (rad; NaN: it is not known): the arc length (m) of the path's nearest place.
+ *
+ * Within `reach` (m) a place that leads where the vehicle faces, or against that where it may be driven both ways, goes
+ * before a nearer one that leads across; of several passes that are alike the first is taken. *against: whether the
+ * path leads the other way there, by more than 120 degrees. */
+static inline double path_nearest(const struct path *path, double x, double y, double yaw, double reach, int both_ways,
+                                  int *against)
+{
+    double shortest[2] = {INFINITY, INFINITY};  /* of all nodes, of those that lead along the vehicle */
+    int32_t first[2] = {0, 0};
+
+    for (int32_t i = 0; i < path->count; ++i) {
+        const double distance = hypot(path->nodes[i].x - x, path->nodes[i].y - y), along = cos(path->nodes[i].yaw - yaw);
+        const int alike = distance <= reach && (along >= PATH_ALONG || (both_ways && along <= -PATH_ALONG));
+        for (int kind = 0; kind <= alike; ++kind) {
+            /* a pass ends where the path has led away by more than its pieces are long */
+            const int same = path->nodes[i].arc_length - path->nodes[first[kind]].arc_length <= 2.0 * reach;
+            if (distance < shortest[kind] - (same ? 0.0 : PATH_BESIDE)) {
+                shortest[kind] = distance;
+                first[kind] = i;
+            }
+        }
+    }
+    const double near = path->nodes[first[isfinite(shortest[1]) ? 1 : 0]].arc_length;
+    double error, sample[4];
+    const double arc_length
+        = path_project(path, x, y, fmax(near - 1.0, 0.0), fmin(near + 1.0, path_length(path)), &error);
+    path_sample(path, arc_length, sample);
+    *against = cos(sample[AT_YAW] - yaw) < -PATH_ALONG;
     return arc_length;
 }
 

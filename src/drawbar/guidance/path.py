@@ -34,6 +34,10 @@ void project(const struct path *path, double x, double y, double low, double hig
 {
     found[0] = path_project(path, x, y, low, high, &found[1]);
 }
+double nearest(const struct path *path, double x, double y, double yaw, double reach, int32_t both_ways, int *against)
+{
+    return path_nearest(path, x, y, yaw, reach, both_ways, against);
+}
 void track(const struct path *path, const double *x, const double *y, int64_t count, double start, double behind,
            double ahead, double *progress, double *error)
 {
@@ -47,10 +51,10 @@ void track(const struct path *path, const double *x, const double *y, int64_t co
 class CPath(ctypes.Structure):
     """struct path, over nodes that it keeps alive."""
 
-    _fields_ = (("nodes", ctypes.c_void_p), ("count", ctypes.c_int32))
+    _fields_ = (("nodes", ctypes.c_void_p), ("count", ctypes.c_int32), ("offset", ctypes.c_void_p))
 
     def __init__(self, nodes: Floats) -> None:
-        super().__init__(nodes.ctypes.data, len(nodes))
+        super().__init__(nodes.ctypes.data, len(nodes), None)
         self._owner = nodes
 
 
@@ -159,6 +163,23 @@ class Path:
         _library().project(CPath(self.nodes), x, y, low, high, found)
         return found[0], found[1]
 
+    def nearest(self, x: float, y: float, yaw: float, *, reach: float, both_ways: bool) -> tuple[float, bool]:
+        """Return the arc length (m) of the path's nearest place, and whether the path leads the other way there.
+
+        A place that leads where the vehicle faces goes before a nearer one that leads across; of several passes that
+        are alike the first is taken. The other way: by more than 120 degrees.
+
+        Args:
+            x: of the vehicle, m.
+            y: of the vehicle, m.
+            yaw: where it faces, NaN where that is not known, rad.
+            reach: how far away a place may be that goes before a nearer one, m.
+            both_ways: a place that leads against the vehicle is as good.
+        """
+        against = ctypes.c_int()
+        arc_length = _library().nearest(CPath(self.nodes), x, y, yaw, reach, both_ways, ctypes.byref(against))
+        return float(arc_length), bool(against.value)
+
     def project_track(
         self, x: Floats, y: Floats, start: float, *, behind: float, ahead: float
     ) -> tuple[Floats, Floats]:
@@ -188,6 +209,8 @@ def _library() -> ctypes.CDLL:
     path, real = ctypes.POINTER(CPath), ctypes.c_double
     library.samples.argtypes, library.samples.restype = [path, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p], None
     library.project.argtypes, library.project.restype = [path, real, real, real, real, ctypes.POINTER(real)], None
+    library.nearest.argtypes = [path, real, real, real, real, ctypes.c_int32, ctypes.POINTER(ctypes.c_int)]
+    library.nearest.restype = real
     pointer, count = ctypes.c_void_p, ctypes.c_int64
     library.track.argtypes = [path, pointer, pointer, count, real, real, real, pointer, pointer]
     library.track.restype = None

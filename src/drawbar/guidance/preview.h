@@ -74,21 +74,15 @@ static void preview_advance(struct component *component, const struct drawbar_po
         component->furthest[i] = guidance->progress[i];
 }
 
-/* Sample what the tractor follows at a distance (m) ahead. */
-static void preview_ahead(const struct component *component, const struct path *path, double distance, double *sample)
-{
-    if (component->approach.count > 0)
-        approach_sample(&component->approach, path, component->approached + distance, sample);
-    else
-        path_sample(path, component->furthest[TRACTOR] + distance, sample);
-}
-
 /* Whether a heading (rad) is too far from that of what the tractor follows. */
 static int preview_astray(const struct component *component, const struct path *path, double yaw)
 {
     double sample[4];
 
-    preview_ahead(component, path, 0.0, sample);
+    if (component->approach.count > 0)
+        approach_sample(&component->approach, path, component->approached, sample);
+    else
+        path_sample(path, component->furthest[TRACTOR], sample);
     return fabs(wrapped(yaw - sample[AT_YAW])) > ASTRAY;
 }
 
@@ -110,6 +104,22 @@ static int preview_turn(struct component *component, const struct path *path, co
     return approach_find(&component->approach, path, &beside, &component->limits, component->room, line);
 }
 
+/* Sample what a body follows at every stage, at a speed over ground, m/s. */
+static void preview_samples(struct component *component, const struct path *path, int body, double speed)
+{
+    double (*samples)[4] = component->guidance.samples[body], place = component->furthest[body];
+    const int beside = !offset_is_none(path->offset);
+
+    for (int j = 0; j <= STAGES; ++j) {
+        const double distance = speed * (component->interval * j);
+        if (body == TRACTOR && component->approach.count > 0)
+            approach_sample(&component->approach, path, component->approached + distance, samples[j]);
+        else
+            path_sample(path, beside ? place : component->furthest[body] + distance, samples[j]);
+        place = path_ahead(path, place, speed * component->interval);
+    }
+}
+
 /* What both controllers shall follow now; returns an enum drawbar_guidance. */
 int UNIT(reference)(struct component *component, const struct path *path, const struct drawbar_estimate *estimate,
                     struct drawbar_body_reference *tractor, struct drawbar_body_reference *trailer, void *work)
@@ -126,11 +136,8 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
     preview_advance(component, &estimate->tractor);
     if (!preview_turn(component, path, estimate, work))
         return DRAWBAR_GUIDANCE_NO_WAY;
-    for (int j = 0; j <= STAGES; ++j) {
-        const double distance = speed * (component->interval * j);
-        preview_ahead(component, path, distance, guidance->samples[TRACTOR][j]);
-        path_sample(path, component->furthest[TRAILER] + distance, guidance->samples[TRAILER][j]);
-    }
+    for (int i = 0; i < BODIES; ++i)
+        preview_samples(component, path, i, speed);
     guidance_to_branch(guidance, estimate);
     return DRAWBAR_GUIDANCE_FINE;
 }

@@ -19,7 +19,7 @@ class GuidanceSettings(Settings):
     window_ahead: Length = 3.0
     """how far ahead of the last progress the closest point is searched, m"""
     maximum_start_distance: Positive = 5.0
-    """largest distance of the tractor from the start of the path when a run begins, m"""
+    """largest distance of the tractor from where a run begins on the path, m"""
     path_tolerance: Length = 0.50
     """largest deviation of a recorded point from the drivable path, m"""
     curvature_rate_limit: Positive = 0.3

@@ -45,7 +45,7 @@ class Autopilot:
         self._set_path("set_path", path)
         if at:
             _require(Status(self.library.call("begin_at", ctypes.c_double(at))), path, at)
-        self.path, self._number = path, -1
+        self.path, self.start, self._number = path, at, -1
 
     def change_path(self, path: Path, *, at: float = 0.0) -> None:
         """Go on along another path without a stop.
@@ -77,6 +77,25 @@ class Autopilot:
         demand_number("speed", speed, "give m/s")
         if self.library.call("set_speed", ctypes.c_double(speed)) != Status.OK:
             raise DrawbarError(f"speed = {speed} m/s is not allowed; give 0 to the configuration's own speed.")
+
+    def set_offset(self, offset: float) -> None:
+        """Drive along the line so far to the left of the path (right: negative), m; 0 after begin and change_path.
+
+        In a run that is engaged the line is shifted, beginning beside the tractor, as softly as the vehicle can follow;
+        else it is there at once.
+
+        Raises:
+            DrawbarError: it is beyond 100 m, a curve leaves no such line, or there is no path; the line stays.
+        """
+        demand_number("offset", offset, "give m")
+        status = Status(self.library.call("set_offset", ctypes.c_double(offset)))
+        if status is Status.RANGE:
+            raise DrawbarError(
+                f"offset = {offset} m is not allowed; give at most 100 m to either side, and not so far into a curve "
+                f"that the line becomes tighter than vehicle.curvature_limit."
+            )
+        if status is not Status.OK:
+            raise DrawbarError(f"offset = {offset} m is not allowed: {status.text}; call begin(path) first.")
 
     def set_engaged(self, engaged: bool) -> None:
         """Tell whether the commands are carried out; at first they are.

@@ -46,6 +46,9 @@ from drawbar.vehicle.tricycle import tricycle
 ENDURANCE = 3.0
 """For how long the vehicle may be driven on predictions alone, s; a plan that reaches less far shortens it"""
 
+SHIFT = 0.1
+"""Part of vehicle.curvature_limit and guidance.curvature_rate_limit that a shift to another line takes"""
+
 
 def build_autopilot(configuration: Configuration) -> Autopilot:
     """Return a configuration's autopilot.
@@ -71,6 +74,9 @@ def step_settings(configuration: Configuration) -> StepSettings:
         acceleration=configuration.acceleration,
         patience=PATIENCE,
         endurance=min(ENDURANCE, configuration.controller.horizon * configuration.sample_time),
+        curvature=configuration.vehicle.curvature_limit,
+        shift_curvature=SHIFT * configuration.vehicle.curvature_limit,
+        shift_rate=SHIFT * configuration.guidance.curvature_rate_limit,
     )
 
 

@@ -132,6 +132,9 @@ struct step_settings {
     double acceleration;                   /* fastest change of the speed that is commanded, m/s^2 */
     double patience;                       /* for how long a command may act without a new one, s */
     double endurance;                      /* for how long the vehicle may be driven on predictions alone, s */
+    double curvature;                      /* tightest line that may be driven beside a path, 1/m */
+    double shift_curvature;                /* largest of a shift from one line to the next beside it, 1/m */
+    double shift_rate;                     /* largest change of that along the way, 1/m^2 */
 };
 
 /* What the newest step decided, one component after the other. */
@@ -162,6 +165,7 @@ struct autopilot {
     double overdue;                        /* by which samples came late, less half of what has passed since, s */
     struct step_settings settings;
     struct path path;                      /* count 0: none */
+    struct line_offset offset;             /* of the line that is driven beside the path */
     struct decisions made;
     struct drawbar_command acting;         /* the command that acts until the next measurement */
     struct drawbar_actuation known;        /* of both steerings and late fixes */

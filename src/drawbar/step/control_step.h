@@ -60,6 +60,7 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     double start[4];
 
     initialise_components(a);
+    offset_begin(&a->offset);
     drawbar_alignment_begin(COMPONENT(a->alignment), reported, &first);
     path_sample(&a->path, a->start, start);
     a->diagnostics.start_distance = hypot(first.tractor_x - start[AT_X], first.tractor_y - start[AT_Y]);
@@ -106,6 +107,17 @@ static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 #endif
     if (ahead->speed < least)
         ahead->speed = least;
+}
+
+/* Go on to the line that is wished for, by a shift that begins beside the tractor, or at once where somebody else drives. */
+static void shift_line(struct autopilot *a)
+{
+    const double tractor = a->diagnostics.tractor.progress, trailer = a->diagnostics.trailer.progress;
+
+    if (a->released)
+        offset_begin(&a->offset);
+    else
+        offset_advance(&a->offset, a->settings.shift_curvature, a->settings.shift_rate, tractor, fmin(tractor, trailer));
 }
 
 /* The command that acts during most of the sample that now begins. */
@@ -264,6 +276,7 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     if (too_long)
         return end_run(a, too_long, command);
     hold_to_plans(a, &ahead);
+    shift_line(a);
     return a->released ? look_on(a, command) : steer(a, command);
 }
 
@@ -294,6 +307,7 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
     struct drawbar_measurement seen;
 
     d->flags = 0;
+    a->path.offset = &a->offset;           /* also where the caller has moved the state */
     a->reached = WITH_NOTHING;
     if (a->ended)
         return end_run(a, a->ended, command);

@@ -40,6 +40,12 @@ class StepSettings:
     """for how long a command may act without a new one, s"""
     endurance: float
     """for how long the vehicle may be driven on predictions alone, s"""
+    curvature: float
+    """tightest line that may be driven beside a path, 1/m"""
+    shift_curvature: float
+    """largest of a shift from one line to the next beside it, 1/m"""
+    shift_rate: float
+    """largest change of that along the way, 1/m²"""
 
 
 class StepLibrary:

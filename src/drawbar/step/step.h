@@ -54,9 +54,15 @@ int drawbar_init(struct drawbar_state *state)
     return DRAWBAR_OK;
 }
 
+/* Let the line be the path itself. */
+static void follow_path(struct autopilot *a)
+{
+    memset(&a->offset, 0, sizeof a->offset);
+}
+
 int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node *nodes, int32_t count)
 {
-    const struct path path = {nodes, count};
+    const struct path path = {nodes, count, NULL};
     struct autopilot *a = (struct autopilot *)state;
     const int refused = usable(state, nodes);
 
@@ -65,6 +71,7 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
     if (path_check(&path) >= 0)
         return DRAWBAR_PATH;
     a->path = path;
+    follow_path(a);
     a->start = 0.0;
     a->begun = a->ended = a->called = a->due = 0;
     return DRAWBAR_OK;
@@ -88,7 +95,7 @@ int drawbar_begin_at(struct drawbar_state *state, double arc_length)
 int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_node *nodes, int32_t count,
                         double arc_length)
 {
-    const struct path path = {nodes, count};
+    const struct path path = {nodes, count, NULL};
     struct autopilot *a = (struct autopilot *)state;
     const int refused = usable(state, nodes);
 
@@ -104,6 +111,22 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
         != DRAWBAR_GUIDANCE_FINE)
         return DRAWBAR_ELSEWHERE;
     a->path = path;
+    follow_path(a);
+    return DRAWBAR_OK;
+}
+
+int drawbar_set_offset(struct drawbar_state *state, double offset)
+{
+    struct autopilot *a = (struct autopilot *)state;
+    const int refused = usable(state, state);
+
+    if (refused)
+        return refused;
+    if (a->path.count == 0)
+        return DRAWBAR_NO_PATH;
+    if (!(fabs(offset) <= OFFSET_LARGEST && path_has_beside(&a->path, offset, a->settings.curvature)))
+        return DRAWBAR_RANGE;
+    a->offset.wished = offset;
     return DRAWBAR_OK;
 }
 

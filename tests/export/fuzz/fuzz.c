@@ -217,6 +217,18 @@ static void set_speed(struct fuzz *f)
         promise_nothing_changed(f);
 }
 
+/* Another line beside the path, m. */
+static void set_offset(struct fuzz *f)
+{
+    const double offset = next_number(&f->bytes, next_byte(&f->bytes) < 192 ? 2.0 : 150.0);
+
+    remember(f);
+    const int status = drawbar_set_offset(f->state, offset);
+    PROMISED(status == DRAWBAR_OK || status == (f->nodes ? DRAWBAR_RANGE : DRAWBAR_NO_PATH));
+    if (status != DRAWBAR_OK)
+        promise_nothing_changed(f);
+}
+
 /* Somebody else drives from now on, or the autopilot again. */
 static void set_engaged(struct fuzz *f)
 {
@@ -350,10 +362,11 @@ static void promise_ranges(struct fuzz *f)
 {
     const int runs = f->run.begun && !f->run.ended, begins = f->nodes && !f->run.begun;
     const double speeds[] = {-1e-9, nextafter(SPEED_LIMIT, INFINITY), (double)NAN};
-    const double places[] = {-1e-9, f->length, (double)NAN};
+    const double places[] = {-1e-9, f->length, (double)NAN}, offsets[] = {-101.0, INFINITY, (double)NAN};
 
     for (int i = 0; i < 3; ++i) {
         PROMISED(drawbar_set_speed(f->state, speeds[i]) == DRAWBAR_RANGE);
+        PROMISED(!f->nodes || drawbar_set_offset(f->state, offsets[i]) == DRAWBAR_RANGE);
         PROMISED(!begins || drawbar_begin_at(f->state, places[i]) == DRAWBAR_RANGE);
         PROMISED(!runs || drawbar_change_path(f->state, f->nodes, f->count, places[i]) == DRAWBAR_RANGE);
     }
@@ -381,10 +394,11 @@ static void call_wrongly(struct fuzz *f)
 /* The caller's other wishes, in any order. */
 static void wish(struct fuzz *f)
 {
-    switch (next_choice(&f->bytes, 5)) {
+    switch (next_choice(&f->bytes, 6)) {
     case 0: set_speed(f); break;
     case 1: begin_at(f, next_number(&f->bytes, f->length)); break;
     case 2: set_engaged(f); break;
+    case 3: set_offset(f); break;
     default: change_path(f);
     }
 }

@@ -69,6 +69,17 @@ DRAWBAR_API int drawbar_begin_at(struct drawbar_state *state, double arc_length)
 DRAWBAR_API int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_node *nodes, int32_t count,
                                     double arc_length);
 
+/* Drive along the line so far to the left of the path (right: negative), m; 0, the path itself, after drawbar_set_path and
+ * drawbar_change_path. Neighbouring passes and an implement's offset need no other path.
+ *
+ * Before a run begins, and while somebody else drives, the line is there at once. Else it is shifted, beginning beside the
+ * tractor, over a length within which it bends by a tenth of vehicle.curvature_limit and guidance.curvature_rate_limit at
+ * most (0.3 m: 8.4 m with the defaults); what is wished meanwhile comes after that.
+ *
+ * Refused (DRAWBAR_RANGE, nothing changes): what is not finite or beyond 100 m, or a line that inside of a curve would be
+ * tighter than vehicle.curvature_limit and the path. Takes as long as drawbar_set_path: it looks at every node. */
+DRAWBAR_API int drawbar_set_offset(struct drawbar_state *state, double offset);
+
 /* Change the set speed, m/s, from 0 to the configuration's own; else DRAWBAR_RANGE, and nothing changes. In a run the
  * commanded speed approaches it by the configuration's acceleration. */
 DRAWBAR_API int drawbar_set_speed(struct drawbar_state *state, double speed);

@@ -53,6 +53,30 @@ DRAWBAR_API int drawbar_line_path(const struct drawbar_line_point *points, int32
                                   const struct drawbar_line_limits *limits, struct drawbar_path_node *nodes,
                                   struct drawbar_line_row *work, int32_t capacity, int32_t *made);
 
+/* Find where on a path a vehicle stands: what drawbar_begin_at wants.
+ *
+ * nodes: count of them, as for drawbar_set_path.
+ * x, y, yaw: of the vehicle, m and rad; a yaw of NaN is not known.
+ * reach: within it (m) a place that leads where the vehicle faces goes before a nearer one that leads across. Of several
+ *     passes that are alike the first is taken.
+ * both_ways: not 0: a place that leads against the vehicle is as good.
+ * arc_length: of the place, m.
+ * against: 1 where the path leads the other way there, by more than 120 degrees: drive what drawbar_line_reverse makes.
+ *
+ * Returns DRAWBAR_LINE_MADE, DRAWBAR_LINE_NULL, or DRAWBAR_LINE_POINTS: no path, a place that is not finite, or a reach
+ * that is not positive. */
+DRAWBAR_API int drawbar_line_nearest(const struct drawbar_path_node *nodes, int32_t count, double x, double y, double yaw,
+                                     double reach, int32_t both_ways, double *arc_length, int32_t *against);
+
+/* Turn a path round, from its end to its start; a place at an arc length s of it is then at its length less s.
+ *
+ * nodes: count of them, as for drawbar_set_path.
+ * reversed: room for as many, apart from `nodes`.
+ *
+ * Returns DRAWBAR_LINE_MADE, DRAWBAR_LINE_NULL, or DRAWBAR_LINE_POINTS: no path. */
+DRAWBAR_API int drawbar_line_reverse(const struct drawbar_path_node *nodes, int32_t count,
+                                     struct drawbar_path_node *reversed);
+
 #ifdef __cplusplus
 }
 #endif
