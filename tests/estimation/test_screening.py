@@ -175,6 +175,52 @@ def test_a_small_lasting_jump_is_exposed_with_the_samples_before_it():
     assert LATER <= exposed[0] <= LATER + ScreeningSettings().memory
 
 
+def lasting(count, deviation, time, seed):
+    """Return errors (count, 4) of first-order Gauss-Markov noise along the vehicle, which no yaw takes up, m."""
+    rng, kept = np.random.default_rng(seed), math.exp(-STEP / time)
+    ahead = np.zeros((count, 2))
+    ahead[0] = deviation * rng.normal(size=2)
+    for k in range(1, count):
+        ahead[k] = kept * ahead[k - 1] + deviation * math.sqrt(1.0 - kept**2) * rng.normal(size=2)
+    return np.outer(ahead, [math.cos(0.4), math.sin(0.4)]).reshape(count, 4)
+
+
+@pytest.mark.parametrize("time", [1.0, 10.0, 60.0])
+def test_errors_that_last_for_seconds_accuse_no_antenna(time):
+    wrong = []
+    for seed in range(10):
+        measurements = drive(700, lasting(700, DEVIATION, time, seed), noise=0.005, seed=seed)
+        wrong += [result.fixes != (OK, OK) for result in screened(measurements)]
+    assert np.mean(wrong) <= 0.01
+
+
+def exposes(after, *, silent=None):
+    """Return whether a shift of 12 cm ahead is found among fixes far better than stated, after so many samples.
+
+    silent: sample in which a receiver says nothing.
+    """
+    ahead = 0.12 * math.cos(0.4), 0.12 * math.sin(0.4)
+    measurements = drive(after + 40, shift(after + 40, after, after + 40, 0, *ahead), noise=0.005)
+    if silent is not None:
+        measurements[silent] = replace(measurements[silent], tractor_x=math.nan)
+    return any(result.exposed for result in screened(measurements))
+
+
+def test_fixes_without_errors_that_last_are_learned_to_be_so():
+    assert [exposes(LATER), exposes(600), exposes(600, silent=590)] == [False, True, True]
+
+
+@pytest.mark.parametrize("size", [0.3, 1.0, 5.0])
+@pytest.mark.parametrize("direction", [0.4, 0.4 + math.pi / 2])
+def test_a_jump_among_errors_that_last_is_masked_for_as_long_as_it_lasts(direction, size):
+    for seed in range(5):
+        jump = shift(300, LATER, 200, 1, size * math.cos(direction), size * math.sin(direction))
+        results = screened(drive(300, jump + lasting(300, 0.02, 10.0, seed), noise=0.005, seed=seed))
+        masked = np.array([result.fixes[1] is REJECTED for result in results])
+        assert masked[LATER + 1 : 200].all()
+        assert {result.fixes[0] for result in results} == {OK}
+
+
 def test_what_moves_both_antennas_accuses_neither():
     errors = np.zeros((200, 4))
     errors[LATER:104] = np.tile([0.025, -0.06], 2)  # a blow to the right, until the estimator has followed

@@ -94,8 +94,14 @@ static inline void screening_rooms(const struct screening *s, double time, doubl
 static inline void screening_compare(struct screening *s, double *offsets, const int *outside, double deviation,
                                      double room)
 {
+    const double changing = noise_deviation(&s->noise);
     const struct suspicion_limits limits = {
-        s->lateral * deviation, s->shift * deviation, s->release * deviation, room, s->memory,
+        .most = s->lateral * deviation,
+        .shift = s->shift * deviation,
+        .release = s->release / s->shift,
+        .lasting = fmax(s->deviation * s->deviation - changing * changing, 0.0),
+        .room = room,
+        .memory = s->memory,
     };
 
     offsets[0] -= 0.5 * s->length_error;   /* each is off by half of what the configured lengths are wrong */
