@@ -90,10 +90,11 @@ def test_one_receiver_with_two_antennas_drives_both_bodies():
 
 
 @pytest.mark.parametrize("line", [0.0, 0.5 * math.pi])
-def test_one_receiver_on_nmea_2000_drives_both_bodies_however_its_antennas_stand(line):
-    sensors = with_stand_ins(load_configuration("articulated")).devices.sensors
+@pytest.mark.parametrize("on_can", [True, False])
+def test_one_receiver_drives_both_bodies_however_its_antennas_stand(line, on_can):
+    others = with_stand_ins(load_configuration("articulated")).devices
+    sensors, devices = others.sensors, isobus_devices() if on_can else others
     antennas = AntennaSettings(baseline=1.0, line=line)
-    devices = isobus_devices()
     alone = devices.tractor_receiver.model_copy(update={"antennas": antennas})
     change = {"tractor_receiver": alone, "trailer_receiver": None, "sensors": sensors}
     rehearsal, path = rehearse(devices=devices.model_copy(update=change))

@@ -62,7 +62,6 @@ def body_attitude(attitude: Attitude | None, contents: list[Content], antennas: 
         "pitch_sigma": math.hypot(along * sine, across * cosine),
     }
     known = {name for name in ("yaw", "roll", "pitch") if math.isfinite(found[name])}
-    inertial.pop("inertial_yaw", None)
     return inertial | {name: value for name, value in found.items() if name.removesuffix("_sigma") in known}
 
 
