@@ -209,6 +209,21 @@ async def test_devices_are_shown_with_rate_and_age(stage, browser):
     assert states["corrections"].age == 1.0
 
 
+@staged
+async def test_devices_that_the_machine_does_not_have_are_not_listed(stage, browser):
+    devices = stage.workshop.driven.devices
+    sensors = devices.sensors.model_copy(update={"pulses_per_metre": None})
+    alone = devices.model_copy(update={"trailer_receiver": None, "sensors": sensors})
+    everything = (await browser().open("/setup")).text()
+    stage.workshop.driven = stage.workshop.driven.model_copy(update={"devices": alone})
+    page = await browser().open("/setup")
+    stage.run(1.0)
+    page.refresh()
+    for name, listed in (("Tractor's receiver", True), ("Trailer's receiver", False), ("Wheel speed", False)):
+        assert name in everything
+        assert (name in page.text()) is listed
+
+
 def test_a_device_that_was_never_heard_has_no_rate():
     states = DeviceRates().states(10**12)
     assert {state.rate for state in states[:-1]} == {0.0}

@@ -12,10 +12,14 @@ from pyubx2 import GET, POLL, UBXMessage
 
 from drawbar.driving import check, check_receiver
 from drawbar.driving import finding as finding_module
+from drawbar.driving.finding import Finding
 from drawbar.driving.memory import MemoryTransport
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
+from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS
 from drawbar.machine.stand_in.receiver import Report
@@ -124,6 +128,38 @@ def mon_ver(*extensions):
     payload = b"EXT CORE 1.00 (61b2dd)".ljust(30, b"\0") + b"00190000".ljust(10, b"\0")
     payload += b"".join(text.ljust(30, b"\0") for text in extensions)
     return UBXMessage("MON", "MON-VER", GET, payload=payload).serialize()
+
+
+BOARD = SteerBoardSettings(address="127.0.0.2:1", listen="127.0.0.1:9", max_angle=0.5)
+FORWARD = "udp://0.0.0.0:0?peer={}:2233"
+
+
+@pytest.mark.parametrize(
+    ("quality", "sender", "forward", "told"),
+    [
+        (FixQuality.FLOAT, "192.168.5.126", (), 1),
+        (FixQuality.FLOAT, "192.168.5.126", (FORWARD.format("192.168.6.126"),), 1),
+        (FixQuality.FLOAT, "", ("tcp://192.168.5.126:9",), 1),
+        (FixQuality.FLOAT, "192.168.5.126", (FORWARD.format("192.168.5.126"),), 0),
+        (FixQuality.FLOAT, "192.168.5.126", (FORWARD.format("192.168.5.255") + "&broadcast=1",), 0),
+        (FixQuality.FLOAT, "", (FORWARD.format("192.168.5.126"),), 0),
+        (FixQuality.FIXED, "192.168.5.126", (), 0),  # it has corrections from elsewhere
+    ],
+)
+def test_a_receiver_on_a_board_that_is_sent_no_corrections_is_told(monkeypatch, quality, sender, forward, told):
+    devices = DeviceSettings(
+        tractor_receiver=ReceiverSettings(transport="udp://127.0.0.1:9", sender=sender),
+        trailer_receiver=ReceiverSettings(transport="file:memory"),
+        tractor_board=BOARD,
+        trailer_board=BOARD.model_copy(update={"address": "127.0.0.3:1"}),
+        corrections=CorrectionsSettings(host="127.0.0.1", mount="VRS", forward=forward),
+    )
+    fixed = quality is FixQuality.FIXED
+    monkeypatch.setattr(check, "check_receiver", lambda name, *_, **__: Finding(device=name, heard=True, fixed=fixed))
+    tractor, trailer = list(check.check(devices, devices.origin.frame(), 0.01, 0.2))[:2]
+    assert len(tractor.problems) == told
+    assert all(f"{sender or 'ADDRESS'}:2233" in problem for problem in tractor.problems)
+    assert not trailer.problems, "it takes corrections over its own line"
 
 
 @pytest.mark.parametrize(

@@ -7,15 +7,18 @@ import pytest
 from patience import PATIENT
 
 from drawbar.config import load_configuration
-from drawbar.driving.demonstration import with_isobus, with_stand_ins
+from drawbar.driving.demonstration import with_isobus, with_one_receiver, with_stand_ins
 from drawbar.driving.paced_drives import EXACT, differences, drive, rehearse
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 FIELD = Path(__file__).parents[2] / "examples" / "field"
+RECORDED = [f"path.file={FIELD}", "path.track=Cu 14.1°"]
 DRIVES = {
     "figure-eight, boards": (["path.radii=[8.0]"], with_stand_ins),
-    "recorded line, boards": ([f"path.file={FIELD}", "path.track=Cu 14.1°"], with_stand_ins),
+    "recorded line, boards": (RECORDED, with_stand_ins),
     "figure-eight, ISOBUS": (["path.radii=[8.0]"], with_isobus),
+    "figure-eight, one receiver": (["path.radii=[8.0]"], lambda plain: with_one_receiver(with_stand_ins(plain))),
+    "recorded line, ISOBUS, one receiver": (RECORDED, lambda plain: with_one_receiver(with_isobus(plain))),
 }
 PACES = (10, 5, 3, 2)
 """tried one after the other, until this computer, which has other tests to run, is fast enough: processes that it lets

@@ -11,10 +11,12 @@ from drawbar.config import load_configuration
 from drawbar.driving.demonstration import with_stand_ins
 from drawbar.driving.paced_drives import EXACT
 from drawbar.driving.rehearsal import Part, Rehearsal
+from drawbar.geometry import wrap
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, SupervisorState
+from drawbar.protocols.gnss.settings import AntennaSettings
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality, Flag
 from drawbar.simulation import build_path, simulate
@@ -85,6 +87,21 @@ def test_one_receiver_with_two_antennas_drives_both_bodies():
     assert driven.mean(axis=0) == pytest.approx((0.0, 0.0), abs=0.02)
     assert all(math.isnan(record.measurement.trailer_x) for record, _ in steps)
     assert math.isfinite(steps[-1][0].measurement.tractor_yaw)
+
+
+@pytest.mark.parametrize("line", [0.0, 0.5 * math.pi])
+@pytest.mark.parametrize("on_can", [True, False])
+def test_one_receiver_drives_both_bodies_however_its_antennas_stand(line, on_can):
+    others = with_stand_ins(load_configuration("articulated")).devices
+    sensors, devices = others.sensors, isobus_devices() if on_can else others
+    antennas = AntennaSettings(baseline=1.0, line=line)
+    alone = devices.tractor_receiver.model_copy(update={"antennas": antennas})
+    change = {"tractor_receiver": alone, "trailer_receiver": None, "sensors": sensors}
+    rehearsal, path = rehearse(devices=devices.model_copy(update=change))
+    steps = list(rehearsal.run(40.0))
+    assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+    assert errors(steps, path).max() < 0.08
+    assert max(abs(wrap(step.measurement.tractor_yaw - truth.tractor.yaw)) for step, truth in steps[50:]) < 0.03
 
 
 def test_before_it_is_engaged_nothing_is_steered(whole):

@@ -5,6 +5,7 @@ from datetime import timedelta
 
 from drawbar.machine.stand_in.faults import freeze, moved, report_otherwise
 from drawbar.machine.stand_in.machine import BODIES
+from drawbar.machine.stand_in.receiver import of_quality
 from drawbar.signals import FixQuality
 
 
@@ -58,7 +59,7 @@ def no_fix(trial):
 
 
 def no_fix_for_1_s(trial):
-    receivers(trial, lambda report, since: replace(report, quality=FixQuality.NONE) if since < 1.0 else report)
+    receivers(trial, lambda report, since: of_quality(report, FixQuality.NONE) if since < 1.0 else report)
 
 
 def floating(trial):
@@ -74,7 +75,7 @@ def quality(trial, quality):
 
 def float_flips(trial):
     qualities = (FixQuality.FIXED, FixQuality.FLOAT)
-    receivers(trial, lambda report, since: replace(report, quality=qualities[int(since / 0.6) % 2]))
+    receivers(trial, lambda report, since: of_quality(report, qualities[int(since / 0.6) % 2]))
 
 
 def old_corrections(trial):

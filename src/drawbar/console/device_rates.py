@@ -4,6 +4,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.messages import ControllerState, Fixes, GateState
 from drawbar.signals import FixQuality
 
@@ -20,6 +21,19 @@ DEVICES = (
     "gate",
 )
 """in the order in which they are listed; `corrections` follow with their age alone"""
+
+
+def missing(devices: DeviceSettings | None) -> set[str]:
+    """Return which of DEVICES a machine does not have, so that nobody waits for them."""
+    if devices is None:
+        return set()
+    sensors = devices.sensors
+    found = {
+        "trailer_receiver": devices.trailer_receiver is None,
+        "hitch_sensor": sensors is None or not sensors.hitch_counts,
+        "wheel_sensor": sensors is None or sensors.pulses_per_metre is None,
+    }
+    return {name for name, is_missing in found.items() if is_missing}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -191,6 +191,12 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: holds no {}; {}": "{0}: {1} fehlt darin; das ist keine Aufzeichnung von drawbar",
     "{}: is a pipe or a device, not a file; {}": "{0}: ist eine Pipe oder ein Gerät, keine Datei",
     "{}: is damaged, or no log of drawbar ({}); {}": "{0}: ist beschädigt oder keine Aufzeichnung von drawbar ({1})",
+    "it does not begin as an MCAP file does": "sie beginnt nicht wie eine MCAP-Datei",
+    "an attachment does not match its checksum": "die Prüfsumme eines Anhangs stimmt nicht",
+    "a chunk does not match its checksum": "die Prüfsumme eines Abschnitts stimmt nicht",
+    "a chunk has another length than it states": "ein Abschnitt hat nicht die Länge, die er angibt",
+    "a chunk is compressed by {}, which drawbar does not write":
+        "ein Abschnitt ist mit {0} gepackt, was drawbar nie schreibt",
     "a step lacks what every step of drawbar has ({})": "einem Schritt fehlt, was jeder Schritt von drawbar hat ({0})",
     "it is not known where on Earth the path of this log lies: figure-eights and CSV files do not say. Export --csv "
     "instead, or drive a line that was recorded with its place":
@@ -201,6 +207,15 @@ ERRORS_DE: Mapping[str, str] = {
     "No such file or directory": "nicht vorhanden",
     "Is a directory": "ein Ordner",
     "Input/output error": "der Speicher ist gestört",
+    # devices
+    "port {} is taken: another program{} listens there; stop it or give another port":
+        "Port {0} ist belegt: ein anderes Programm{1} hört dort zu; es beenden oder einen anderen Port angeben",
+    "{} is no address of this computer; give one of its own, or 0.0.0.0 for all of them":
+        "{0} ist keine Adresse dieses Rechners; eine seiner eigenen angeben, oder 0.0.0.0 für alle",
+    "cannot listen on {}:{}: {}": "an {0}:{1} kann nicht gehört werden: {2}",
+    "recording {}: is no file; a serial line is written serial:{}@115200":
+        "Aufzeichnung {0}: ist keine Datei; eine serielle Leitung schreibt man serial:{1}@115200",
+    "recording {}: cannot be read ({})": "Aufzeichnung {0}: nicht lesbar ({1})",
     # configuration
     "{}: {} wrong value(s).": "{0}: {1} falsche(r) Wert(e).",
     "{} with --set {}": "{0}",

@@ -8,7 +8,7 @@ from nicegui import ui
 from drawbar.config import Configuration
 from drawbar.console.audit import Audit
 from drawbar.console.calibration_card import CalibrationCard
-from drawbar.console.device_rates import DEVICES
+from drawbar.console.device_rates import DEVICES, missing
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.set_up_values import GROUPS, SetUpValue
@@ -70,7 +70,7 @@ class SetUpPage:
         if now < self._due:
             return
         self._due = now + _PERIOD
-        for state in self._link.devices.states(now):
+        for state in (each for each in self._link.devices.states(now) if each.name in self._devices):
             known = math.isfinite(state.age)
             good = known and (state.age <= _FRESH if math.isfinite(state.rate) else state.age <= 5.0)
             age = f"{self._words.number(state.age, 1)} s" if known else "–"
@@ -127,7 +127,8 @@ class SetUpPage:
             with ui.element("h2"):
                 ui.label(self._words("devices"))
             with ui.element("table").classes("figures-table"):
-                for name in (*DEVICES, "corrections"):
+                absent = missing(self._workshop.driven.devices)
+                for name in (each for each in (*DEVICES, "corrections") if each not in absent):
                     with ui.element("tr"):
                         with ui.element("td"):
                             ui.label(self._words(name))

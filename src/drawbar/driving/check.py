@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from drawbar.driving.actuators import isobus_wire
-from drawbar.driving.check_receiver import check_receiver, other_time
+from drawbar.driving.check_receiver import check_receiver, not_forwarded, other_time
 from drawbar.driving.finding import Finding, found, looks, tell_silence
 from drawbar.errors import HardwareError
 from drawbar.geometry import LocalFrame
@@ -60,9 +60,12 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
 
     def receiver(name: str, settings: ReceiverSettings) -> Finding:
         alone = devices.trailer_receiver is None
-        return found(
+        finding = found(
             name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections, alone=alone)
         )
+        if finding.heard and not finding.fixed:
+            finding.problems += not_forwarded(settings, devices)
+        return finding
 
     tractor = receiver("tractor receiver", devices.tractor_receiver)
     yield tractor

@@ -7,6 +7,7 @@ from drawbar.driving.finding import Finding, looks, tell_silence
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.corrections.corrections import Corrections
 from drawbar.machine.hardware.corrections.receivers import correct
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.firmware import ASK_UBX, firmware
@@ -16,6 +17,7 @@ from drawbar.protocols.gnss.pairing import MOST_BEHIND
 from drawbar.protocols.gnss.timing import difference
 from drawbar.protocols.gnss.ubx import UBX
 from drawbar.signals import FixQuality
+from drawbar.transports.address import UdpAddress, parse_transport
 from drawbar.transports.base import Received, Transport
 from drawbar.transports.open import open_transport
 from drawbar.transports.tapped import Direction, TappedTransport
@@ -91,6 +93,7 @@ def check_receiver(
 
 def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver: Receiver, sample_time: float) -> None:
     last = epochs[-1]
+    finding.fixed = last.quality is FixQuality.FIXED
     finding.clock = last.utc - last.received
     span = last.time - epochs[0].time
     rate = (len(epochs) - 1) / span if span > 0.0 else math.nan
@@ -115,12 +118,27 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
         finding.facts.append(f"{math.hypot(east, north):.1f} m from the origin of the path's frame")
     if receiver.dropped:
         finding.facts.append("dropped: " + ", ".join(f"{count} {kind}" for kind, count in receiver.dropped.items()))
-    if last.quality is not FixQuality.FIXED:
+    if not finding.fixed:
         finding.problems.append("no RTK fix: wait under open sky, check the corrections")
     if not math.isfinite(last.speed):
         finding.problems.append("it reports no speed: let it send VTG or RMC (NMEA), PVT (UBX, SBF)")
     if not math.isfinite(last.correction_age):
         finding.problems.append("it reports no age of its corrections: engaging needs it")
+
+
+def not_forwarded(settings: ReceiverSettings, devices: DeviceSettings) -> list[str]:
+    """Say if a receiver on an AgOpenGPS board is sent no corrections: it takes them at a UDP port of the board only."""
+    corrections = devices.corrections
+    if corrections is None or settings not in devices.receivers_on_boards:
+        return []
+    outlets = [parse_transport(each) for each in corrections.forward]
+    peers = [each.peer[0] for each in outlets if isinstance(each, UdpAddress) and each.peer is not None]
+    if any(host == settings.sender or host.endswith(".255") or not settings.sender for host in peers):
+        return []
+    return [
+        "it is on an AgOpenGPS board, and gets none of the corrections: add "
+        f'"udp://0.0.0.0:0?peer={settings.sender or "ADDRESS"}:2233" to devices.corrections.forward'
+    ]
 
 
 def other_time(tractor: Finding, trailer: Finding) -> list[str]:

@@ -12,6 +12,7 @@ from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS, PULSES
 from drawbar.protocols.agopengps.heard import LARGEST_ANGLE
+from drawbar.protocols.gnss.settings import AntennaSettings
 
 _GROUP = "239.74.163.2"
 """of multicast datagrams, which do not leave this computer"""
@@ -67,6 +68,16 @@ def with_isobus(configuration: Configuration) -> Configuration:
         }
     )
     return _of_stand_ins(configuration, devices)
+
+
+def with_one_receiver(configuration: Configuration) -> Configuration:
+    """Return a configuration of stand-ins with the tractor's receiver alone, which has two antennas."""
+    devices = configuration.devices
+    assert devices is not None
+    antennas = AntennaSettings(baseline=1.0)
+    tractor = devices.tractor_receiver.model_copy(update={"antennas": antennas})
+    alone = devices.model_copy(update={"tractor_receiver": tractor, "trailer_receiver": None})
+    return configuration.model_copy(update={"devices": alone})
 
 
 def _sensor_board(port: int) -> SensorBoardSettings:

@@ -23,6 +23,8 @@ class Finding:
     """what it said"""
     problems: list[str] = field(default_factory=list)
     """what is missing, each with what to do"""
+    fixed: bool = False
+    """of a receiver: its last fix was RTK fixed"""
     clock: float = math.nan
     """of a receiver: its time of day when this computer's monotonic clock began, s"""
 

@@ -1,9 +1,10 @@
 """Paced drives: how far drives in processes, each at a pace, are from the same one in a single process.
 
-`python -m drawbar.driving.paced_drives [PACE ...] [--path FILE --track NAME] [--isobus]`: without a pace at 1, 2, 5 and
-10; over TCP and AgOpenGPS boards' UDP, or with everything on CAN buses, the tractor's speed too. The
-sensors are exact, so that a body's distance from the line is what the receivers measure. At a pace the processes'
-results are needed so many times sooner: delays and late steps say whether this computer is fast enough.
+`python -m drawbar.driving.paced_drives [PACE ...] [--path FILE --track NAME] [--isobus] [--one-receiver]`: without a
+pace at 1, 2, 5 and 10; over TCP and AgOpenGPS boards' UDP, or with everything on CAN buses, the tractor's speed too.
+The sensors are exact, so that a body's distance from the line is what the receivers measure; that of a trailer without
+one is the estimate's. At a pace the processes' results are needed so many times sooner: delays and late steps say
+whether this computer is fast enough.
 """
 
 import argparse
@@ -22,7 +23,7 @@ from rich.table import Table
 
 from drawbar.config import Configuration, load_configuration
 from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_isobus, with_stand_ins
+from drawbar.driving.demonstration import with_isobus, with_one_receiver, with_stand_ins
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.rehearsal import Rehearsal
 from drawbar.driving.stand_ins import SEED
@@ -40,6 +41,7 @@ EXACT = (
     "machine.sensors.position=0.0",
     "machine.sensors.hitch_angle=0.0",
     "machine.sensors.speed=0.0",
+    "machine.attitude.yaw.noise=0.0",
     f"machine.sensors.steering_resolution={math.radians(1.0 / 30.0)}",  # of the boards: 30 counts per degree
     *(f"machine.ground.{each}_slip.deviation=0.0" for each in ("longitudinal", "tractor")),
     *(f"machine.ground.{each}_crab.deviation=0.0" for each in ("tractor", "trailer")),
@@ -65,7 +67,7 @@ class Driven:
     progress: Floats
     """of the tractor along the line at each step, m"""
     errors: Floats
-    """(n, 2) of both bodies' receivers from the line, left positive, m"""
+    """(n, 2) of both bodies from the line, where the receivers are, left positive, m"""
     late: int = 0
     """steps that were late, since the start"""
     delays: Sequence[tuple[float, float]] = ()
@@ -108,7 +110,7 @@ def rehearse(
         steps.append(record)
         if rehearsal.gate_state is not None and rehearsal.gate_state.state in _ENDED[:-1]:
             break
-    progress, errors = _errors(steps, line)
+    progress, errors = _errors(steps, line, two_receivers=configuration.has_trailer_receiver)
     return Driven(progress=progress, errors=errors)
 
 
@@ -154,18 +156,20 @@ def drive(configuration: Configuration, run: Path, pace: int, seconds: float = _
         used, lasted = used + _processor_time(crew), clock() / pace
         front.close()
     steps, delays, late = _read(run / LOG_NAME)
-    progress, errors = _errors(steps, build_path(configuration)[0])
+    line = build_path(configuration)[0]
+    progress, errors = _errors(steps, line, two_receivers=configuration.has_trailer_receiver)
     return Driven(progress=progress, errors=errors, late=late, delays=delays, load=used / lasted, states=states)
 
 
-def _errors(steps: Iterable[StepRecord], line: Line) -> tuple[Floats, Floats]:
-    """Return along and across the line where the receivers were in the steps that steered, but the first ones."""
+def _errors(steps: Iterable[StepRecord], line: Line, *, two_receivers: bool) -> tuple[Floats, Floats]:
+    """Return along and across the line where both bodies were in the steps that steered, but the first ones."""
     rows, near = [], [0.0, 0.0]
     for record in steps:
         if record.flags & Flag.RELEASED or not record.status.is_new_command:
             continue
-        seen, row = record.measurement, []
-        for body, (x, y) in enumerate(((seen.tractor_x, seen.tractor_y), (seen.trailer_x, seen.trailer_y))):
+        seen, drawn, row = record.measurement, record.estimate.trailer, []
+        trailer = (seen.trailer_x, seen.trailer_y) if two_receivers else (drawn.x, drawn.y)
+        for body, (x, y) in enumerate(((seen.tractor_x, seen.tractor_y), trailer)):
             if not math.isfinite(x + y):
                 row += [math.nan, math.nan]
                 continue
@@ -229,10 +233,12 @@ def main() -> int:
     parser.add_argument("--path", metavar="FILE", help="of a recorded line; default: a figure-eight")
     parser.add_argument("--track", metavar="NAME", default="", help="of the line, where the file holds several")
     parser.add_argument("--isobus", action="store_true", help="everything on CAN buses instead of TCP and UDP")
+    parser.add_argument("--one-receiver", action="store_true", help="with two antennas, on the tractor, alone")
     given = parser.parse_args()
     recorded = [f"path.file={given.path}", f"path.track={given.track}"]
     plain = load_configuration("articulated", [*(recorded if given.path else ["path.radii=[8.0]"]), *EXACT])
     configuration = with_isobus(plain) if given.isobus else with_stand_ins(plain)
+    configuration = with_one_receiver(configuration) if given.one_receiver else configuration
     table = Table(title="drives in processes beside the same in one process, its epochs and commands as late as there")
     columns = ("pace", "steps", "late", "delay", "of a core", "mean", "largest", "anywhere", "held")
     for column in columns:

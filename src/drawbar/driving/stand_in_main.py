@@ -84,8 +84,8 @@ class StandIns:
     def _correct(self, settings: CorrectionsSettings, pace: int) -> None:
         """Let the receivers that can be sent corrections need them, and be the caster where it is to be here."""
         for body in BODIES:
-            line = self._lines[body]
-            if not isinstance(line, CanLine) and line.is_heard:
+            line = self._lines.get(body)
+            if line is not None and not isinstance(line, CanLine) and line.is_heard:
                 self._corrected[body] = (line, RtcmFramer())
                 self._machine.corrected[body] = -math.inf
         if is_loopback(settings.host):

@@ -2,6 +2,7 @@
 
 import math
 from enum import Enum
+from functools import partial
 
 from drawbar.config import Configuration
 from drawbar.geometry import LocalFrame
@@ -17,7 +18,7 @@ from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.machine import BODIES, Driver, StandInMachine, StandInSettings
 from drawbar.machine.stand_in.nmea import gga, gst, hrp, panda, paogi, vtg
 from drawbar.machine.stand_in.nmea2000 import nmea2000
-from drawbar.machine.stand_in.receiver import Encoder, Report
+from drawbar.machine.stand_in.receiver import Encoder, Report, turned
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
 from drawbar.simulation import build_machine
@@ -93,9 +94,11 @@ def _with_yaw(configuration: Configuration) -> Configuration:
 def _encoder(receiver: ReceiverSettings | None, devices: DeviceSettings | None, index: int) -> Encoder:
     if receiver is None:
         return _silent
+    line = receiver.antennas.line
     if receiver.is_on_can:
-        return nmea2000(int(receiver.sender or 0x20 + index))
-    return _on_board if devices is not None and receiver in devices.receivers_on_boards else _nmea
+        return nmea2000(int(receiver.sender or 0x20 + index), line)
+    on_board = devices is not None and receiver in devices.receivers_on_boards
+    return _on_board if on_board else partial(_nmea, line=line)
 
 
 def _board(firmware: Firmware, wheel: HeldWheel, subnet: str, settings: SteerBoardSettings | None) -> StandInBoard:
@@ -110,9 +113,9 @@ def _on_board(report: Report) -> list[bytes]:
     return [panda(report) if math.isnan(report.yaw) else paogi(report)]
 
 
-def _nmea(report: Report) -> list[bytes]:
+def _nmea(report: Report, *, line: float) -> list[bytes]:
     inertial = [panda(report)] if math.isfinite(report.inertial_yaw) else []
-    heading = [hrp(report)] if math.isfinite(report.yaw) else []
+    heading = [hrp(turned(report, line))] if math.isfinite(report.yaw) else []
     return [gga(report), vtg(report), gst(report), *heading, *inertial]
 
 

@@ -112,7 +112,7 @@ class UdpTransport(Transport):
             self._socket.bind((host, port))
         except OSError as error:
             self._socket.close()
-            raise HardwareError(_refusal(host, port, error)) from None
+            raise _refusal(host, port, error) from None
 
     def _time(self, ancillary: list[tuple[int, int, bytes]]) -> float:
         for level, kind, data in ancillary:
@@ -122,10 +122,12 @@ class UdpTransport(Transport):
         return self._clock()
 
 
-def _refusal(host: str, port: int, error: OSError) -> str:
+def _refusal(host: str, port: int, error: OSError) -> HardwareError:
     if error.errno == errno.EADDRINUSE:
         program = f" ({KNOWN_PORTS[port]}?)" if port in KNOWN_PORTS else ""
-        return f"port {port} is taken: another program{program} listens there; stop it or give another port"
+        return HardwareError(
+            f"port {port} is taken: another program{program} listens there; stop it or give another port"
+        )
     if error.errno == errno.EADDRNOTAVAIL:
-        return f"{host} is no address of this computer; give one of its own, or 0.0.0.0 for all of them"
-    return f"cannot listen on {host}:{port}: {error.strerror}"
+        return HardwareError(f"{host} is no address of this computer; give one of its own, or 0.0.0.0 for all of them")
+    return HardwareError(f"cannot listen on {host}:{port}: {error.strerror}")

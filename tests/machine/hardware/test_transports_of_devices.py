@@ -49,6 +49,14 @@ def test_a_trailer_that_nothing_locates_is_refused():
             DeviceSettings.model_validate(devices | {"sensors": sensors})
 
 
+def test_the_only_receiver_on_nmea_2000_says_that_it_has_two_antennas():
+    devices = with_stand_ins(load_configuration("articulated")).devices.model_dump() | {"trailer_receiver": None}
+    with pytest.raises(ValueError, match=r"tractor_receiver.antennas.baseline, the distance of its two antennas"):
+        DeviceSettings.model_validate(devices | {"tractor_receiver": {"transport": "can:socketcan:can1"}})
+    alone = {"transport": "can:socketcan:can1", "antennas": {"baseline": 1.2}}
+    assert len(DeviceSettings.model_validate(devices | {"tractor_receiver": alone}).receivers) == 1
+
+
 def test_a_bus_that_is_none_is_refused(text, tmp_path):
     file = tmp_path / "my.toml"
     file.write_text(text + ISOBUS, "utf-8")

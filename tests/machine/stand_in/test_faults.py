@@ -104,7 +104,9 @@ def test_the_last_epoch_comes_again_and_again() -> None:
 def test_the_fix_floats_and_corrections_grow_old() -> None:
     before, after, _ = broken("fixes-float")
     assert {each[6] for each in before.fields("trailer", b"GGA")} == {b"4"}
+    assert {each[7] for each in before.fields("trailer", b"GST")} == {b"0.0200"}
     assert after.fields("trailer", b"GGA")[-1][6] == b"5"
+    assert after.fields("trailer", b"GST")[-1][6:8] == [b"0.4000", b"0.4000"]
     _, after, _ = broken("corrections-lost")
     ages = [float(each[13]) for each in after.fields("tractor", b"GGA")[2:]]
     assert ages == sorted(ages)

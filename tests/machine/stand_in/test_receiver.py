@@ -3,6 +3,7 @@
 import datetime
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -181,6 +182,24 @@ def test_a_standing_receiver_has_no_course(encode: Callable[[Report], list[bytes
     found = epoch(encode(Report(time=BEGIN, latitude=50.0, longitude=4.0, height=0.0, speed=0.01, course=1.0)))
     assert found.speed == pytest.approx(0.01, abs=1e-3)
     assert math.isnan(found.course)
+
+
+def test_what_two_antennas_do_not_show_is_the_inertial_sensors() -> None:
+    stream, found = EpochStream(EpochSettings(latency=0.0)), list[Epoch]()
+    for index in range(3):
+        report = Report(
+            time=BEGIN + datetime.timedelta(seconds=0.2 * index),
+            **{"latitude": 50.0, "longitude": 4.0, "height": 0.0, "yaw": 1.0, "pitch": 0.03, "roll": 0.05},
+            inertial_yaw=-2.0 + 0.1 * index,
+        )
+        along = nmea.hrp(replace(report, roll=math.nan, pitch=0.02))  # antennas behind each other show no roll
+        sent = [nmea.gga(report), along, nmea.panda(report)]
+        found += stream.push(b"".join(sent), 7.0 + 0.2 * index) + stream.poll(7.02 + 0.2 * index)
+    assert len(found) == 3
+    for epoch in found:
+        assert (epoch.yaw, epoch.pitch, epoch.roll) == pytest.approx((1.0, 0.02, 0.05), abs=1e-3)
+        assert epoch.pitch_sigma < epoch.roll_sigma
+    assert found[-1].yaw_rate == pytest.approx(0.5, abs=0.01)
 
 
 def test_two_antennas_leave_one_axis_out() -> None:

@@ -2,13 +2,14 @@
 
 import datetime
 import math
+from typing import Any
 
 import pytest
 
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.epoch import Epoch
-from drawbar.protocols.gnss.settings import EpochSettings
+from drawbar.protocols.gnss.settings import AntennaSettings, EpochSettings
 from drawbar.protocols.nmea2000.stream import Nmea2000Stream
 from drawbar.signals import FixQuality
 from drawbar.transports.base import CanFrame
@@ -23,8 +24,8 @@ def report(index: int, **changes: object) -> Report:
     return Report(time=BEGIN + index * datetime.timedelta(seconds=STEP), **(values | changes))  # type: ignore[arg-type]
 
 
-def epochs_of(reports: list[Report], stream: Nmea2000Stream, source: int = 32) -> list[Epoch]:
-    encode, found = nmea2000(source), list[Epoch]()
+def epochs_of(reports: list[Report], stream: Nmea2000Stream, source: int = 32, *, line: float = 0.0) -> list[Epoch]:
+    encode, found = nmea2000(source, line), list[Epoch]()
     for index, each in enumerate(reports):
         for place, frame in enumerate(encode(each)):
             found += stream.push(frame, 10.0 + index * STEP + 0.001 * place)
@@ -91,6 +92,30 @@ def test_a_rate_of_turn_is_given_to_the_right_in_steps_of_a_32nd_of_a_microradia
     assert epoch.yaw_rate == pytest.approx(expected, abs=2e-8, nan_ok=True)
     assert epoch.attitude_age == 0.0
     assert stream.dropped["impossible yaw rate"] == (rate == "53105503")
+
+
+@pytest.mark.parametrize("line", [0.0, 0.5 * math.pi, -1.0])
+def test_the_heading_of_two_antennas_is_the_bodys_yaw_and_roll_stays_the_inertial_sensors(line: float) -> None:
+    antennas = AntennaSettings(baseline=1.2, line=line)
+    stream = Nmea2000Stream(EpochSettings(antennas=antennas))
+    told = [report(index, yaw=2.5, roll=0.05, pitch=-0.02, yaw_rate=0.1) for index in range(3)]
+    for epoch in epochs_of(told, stream, line=line):
+        assert (epoch.yaw, epoch.roll, epoch.pitch) == pytest.approx((2.5, 0.05, -0.02), abs=1e-4)
+        assert 0.0 < epoch.yaw_sigma < epoch.roll_sigma
+    assert not stream.dropped
+
+
+def test_a_heading_may_be_a_compasss_where_two_antennas_are_not_stated() -> None:
+    epochs = epochs_of([report(index, yaw=2.5) for index in range(2)], Nmea2000Stream(EpochSettings()))
+    assert all(math.isnan(epoch.yaw) for epoch in epochs)
+
+
+@pytest.mark.parametrize(("changes", "kind"), [({"heading_is_fixed": False}, None), ({"quality": FixQuality.FLOAT}, 1)])
+def test_a_heading_goes_by_the_fix(changes: dict[str, Any], kind: int | None) -> None:
+    stream = Nmea2000Stream(EpochSettings(antennas=AntennaSettings(baseline=1.2)))
+    (epoch,) = epochs_of([report(0, yaw=2.5, **changes)], stream)
+    assert math.isnan(epoch.yaw)
+    assert stream.dropped.get("heading not fixed") == kind
 
 
 def test_an_inertial_sensor_comes_with_the_epoch() -> None:

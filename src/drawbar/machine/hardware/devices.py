@@ -64,6 +64,11 @@ class DeviceSettings(Settings):
                 "without trailer_receiver nothing shows where the trailer is; add that section, or sensors with "
                 "hitch_counts and hitch_angles, and a tractor_receiver with two antennas"
             )
+        if self.trailer_receiver is None and self.tractor_receiver.is_without_heading:
+            raise ValueError(
+                "without trailer_receiver the tractor's tells its yaw, and a heading on NMEA 2000 may be a compass's; "
+                "give tractor_receiver.antennas.baseline, the distance of its two antennas, or add trailer_receiver"
+            )
         self._refuse_one_line_for_two()
         if self.speed == "isobus" and self.isobus is None:
             raise ValueError('speed = "isobus" needs the section isobus; add it, or set speed = "driver"')

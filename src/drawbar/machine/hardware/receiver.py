@@ -33,6 +33,11 @@ class ReceiverSettings(EpochSettings):
         return self.transport.startswith(CAN)
 
     @property
+    def is_without_heading(self) -> bool:
+        """Whether no heading of its is believed: on NMEA 2000, and two antennas are not stated."""
+        return self.is_on_can and not self.antennas.baseline
+
+    @property
     def is_recorded(self) -> bool:
         """Whether its bytes come from a file, which may be read twice."""
         return not self.is_on_can and isinstance(parse_transport(self.transport), FileAddress)

@@ -14,7 +14,7 @@ from drawbar.geometry import LocalFrame
 from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import Output, StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
-from drawbar.machine.stand_in.receiver import Encoder, Report
+from drawbar.machine.stand_in.receiver import Encoder, Report, of_quality
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
 from drawbar.protocols.sensor_board import sentence
@@ -49,8 +49,6 @@ class StandInSettings:
     """between two epochs of a receiver, s"""
     latency: float = 0.03
     """from an epoch to the first byte of its messages, s"""
-    sigma: float = 0.02
-    """standard deviation that receivers report, m"""
     speed_sigma: float = 0.02
     """standard deviation of the speed over ground, m/s"""
     correction_age: float = 1.0
@@ -262,9 +260,6 @@ class StandInMachine:
                 latitude=latitude,
                 longitude=longitude,
                 height=0.0,
-                quality=self._quality(body, age) if known else FixQuality.NONE,
-                sigma_east=moved.sigma,
-                sigma_north=moved.sigma,
                 speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
                 course=self.world.course(body),
                 yaw=measured.tractor_yaw if body == "tractor" else math.nan,
@@ -274,6 +269,7 @@ class StandInMachine:
                 yaw_rate=getattr(measured, f"{body}_yaw_rate"),
                 correction_age=min(age, _OLDEST),
             )
+            report = of_quality(report, self._quality(body, age) if known else FixQuality.NONE)
             self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]
 
     def _quality(self, body: str, age: float) -> FixQuality:

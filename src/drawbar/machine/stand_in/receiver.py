@@ -3,9 +3,11 @@
 import datetime
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drawbar.errors import HardwareError
+from drawbar.geometry import wrap
+from drawbar.protocols.gnss.solution import SIGMA
 from drawbar.signals import FixQuality
 
 LEAP_SECONDS = 18
@@ -81,6 +83,23 @@ class Report:
         """GPS week and milliseconds in it."""
         since = self.time - _GPS_BEGIN + datetime.timedelta(seconds=LEAP_SECONDS)
         return divmod(since // datetime.timedelta(milliseconds=1), _WEEK)
+
+
+def of_quality(report: Report, quality: FixQuality) -> Report:
+    """Return a report with another quality, and the standard deviation that goes with it."""
+    sigma = SIGMA.get(quality, report.sigma_east)  # without a fix none is sent
+    return replace(report, quality=quality, sigma_east=sigma, sigma_north=sigma)
+
+
+def turned(report: Report, line: float) -> Report:
+    """Return a report whose attitude is that of a line at an angle (rad) to the body's forward direction."""
+    sine, cosine = math.sin(line), math.cos(line)
+    return replace(
+        report,
+        yaw=wrap(report.yaw + line),
+        roll=report.roll * cosine + report.pitch * sine if line else report.roll,
+        pitch=report.pitch * cosine - report.roll * sine if line else report.pitch,
+    )
 
 
 def heading(yaw: float) -> float:

@@ -40,11 +40,13 @@ def _is_fixed(attitude: Attitude, position_is_fixed: bool) -> bool:
 def body_attitude(attitude: Attitude | None, contents: list[Content], antennas: AntennaSettings) -> dict[str, float]:
     """Return yaw, roll and pitch of the body with their deviations (rad), as fields of an epoch; what is known of them.
 
+    What the line does not show is an inertial sensor's.
     A line at an angle a to the body measures its own inclination: roll = roll' cos a - pitch' sin a and
     pitch = roll' sin a + pitch' cos a, for small inclinations.
     """
+    inertial = _inertial(contents)
     if attitude is None:
-        return _inertial(contents)
+        return inertial
     sine, cosine = math.sin(antennas.line), math.cos(antennas.line)
     roll = _sum(attitude.roll, cosine, attitude.pitch, -sine)
     pitch = _sum(attitude.roll, sine, attitude.pitch, cosine)
@@ -60,7 +62,7 @@ def body_attitude(attitude: Attitude | None, contents: list[Content], antennas: 
         "pitch_sigma": math.hypot(along * sine, across * cosine),
     }
     known = {name for name in ("yaw", "roll", "pitch") if math.isfinite(found[name])}
-    return {name: value for name, value in found.items() if name.removesuffix("_sigma") in known}
+    return inertial | {name: value for name, value in found.items() if name.removesuffix("_sigma") in known}
 
 
 def _inertial(contents: list[Content]) -> dict[str, float]:

@@ -11,7 +11,8 @@ class AntennaSettings(Settings):
     """The two antennas of a receiver that measures heading."""
 
     baseline: NonNegative = 0.0
-    """surveyed distance of both antennas, m; 0: not known, and not compared with the measured one"""
+    """surveyed distance of both antennas, m; 0: not known, and not compared with the measured one. On NMEA 2000, which
+    tells no distance, a heading is taken for that of two antennas only where it is given; else it may be a compass's"""
     baseline_tolerance: Positive = 0.03
     """largest difference of the measured from the surveyed distance, m; beyond it the heading is wrong"""
     line: Angle = 0.0

@@ -6,7 +6,17 @@ from collections import Counter
 
 from drawbar.protocols.gnss.assembly import Assembler
 from drawbar.protocols.gnss.epoch import Epoch
-from drawbar.protocols.gnss.messages import DAY, Content, Date, InertialAttitude, Message, Position, Turn, Velocity
+from drawbar.protocols.gnss.messages import (
+    DAY,
+    Attitude,
+    Content,
+    Date,
+    InertialAttitude,
+    Message,
+    Position,
+    Turn,
+    Velocity,
+)
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.nmea2000.gnss import Nmea2000Epoch, Nmea2000Receiver
 from drawbar.protocols.nmea2000.messages import FixMethod, GnssPosition
@@ -31,6 +41,7 @@ class Nmea2000Stream:
     def __init__(self, settings: EpochSettings, source: int | None = None) -> None:
         """Take the settings and the receiver's address; None: the first that sends a position."""
         self._receiver, self._assembler = Nmea2000Receiver(source), Assembler(settings)
+        self._takes_heading = settings.antennas.baseline > 0.0
         self.kinds: Counter[str] = Counter()
         """epochs understood"""
 
@@ -63,23 +74,24 @@ class Nmea2000Stream:
         ended: list[Epoch] = []
         for epoch in self._receiver.epochs(time):
             self.kinds[KIND] += 1
-            ended += self._assembler.add(_message(epoch), epoch.time)
+            ended += self._assembler.add(self._message(epoch), epoch.time)
             ended += self._assembler.close()
         return ended
 
-
-def _message(epoch: Nmea2000Epoch) -> Message:
-    """Return all of an epoch as one message, in the conventions of `gnss/messages.py`."""
-    utc, contents = epoch.position.utc, list[Content]([_position(epoch.position)])
-    if epoch.motion is not None:
-        contents.append(Velocity(speed=epoch.motion.speed, course=epoch.motion.course))
-    if epoch.attitude is not None:
-        contents.append(InertialAttitude(roll=epoch.attitude.roll, pitch=-epoch.attitude.pitch))  # there nose up
-    if epoch.turn is not None:
-        contents.append(Turn(yaw_rate=epoch.turn.yaw_rate))
-    if math.isfinite(utc):
-        contents.append(Date(day=datetime.datetime.fromtimestamp(utc, datetime.UTC).date()))
-    return Message(kind=KIND, utc=utc % DAY if math.isfinite(utc) else None, contents=tuple(contents))
+    def _message(self, epoch: Nmea2000Epoch) -> Message:
+        """Return all of an epoch as one message, in the conventions of `gnss/messages.py`."""
+        utc, contents = epoch.position.utc, list[Content]([_position(epoch.position)])
+        if epoch.motion is not None:
+            contents.append(Velocity(speed=epoch.motion.speed, course=epoch.motion.course))
+        if epoch.heading is not None and self._takes_heading:  # else it may be a compass's
+            contents.append(Attitude(yaw=epoch.heading.yaw))
+        if epoch.attitude is not None:
+            contents.append(InertialAttitude(roll=epoch.attitude.roll, pitch=-epoch.attitude.pitch))  # there nose up
+        if epoch.turn is not None:
+            contents.append(Turn(yaw_rate=epoch.turn.yaw_rate))
+        if math.isfinite(utc):
+            contents.append(Date(day=datetime.datetime.fromtimestamp(utc, datetime.UTC).date()))
+        return Message(kind=KIND, utc=utc % DAY if math.isfinite(utc) else None, contents=tuple(contents))
 
 
 def _position(said: GnssPosition) -> Position:
