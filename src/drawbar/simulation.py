@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 _SWAPPED = math.radians(120.0)
 """facing so far away from the path, a vehicle that drove along it may have its antennas swapped, rad"""
+_STUCK = 2
+"""a doubt of lean_watch.h: the roll stands still"""
 
 
 class RunAborted(DrawbarError):  # noqa: N818 -- an outcome, not a mistake
@@ -321,6 +323,8 @@ def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autop
         return f"{at} {_not_followed(record, autopilot)}"
     if status is Status.HITCH:
         return f"{at} {_contradicted(record, autopilot)}"
+    if status is Status.ROLL:
+        return f"{at} {_leans_otherwise(record, autopilot)}"
     if status is Status.STOPPED and before is Status.TIME:
         return f"{at} the machine's time stamps had not increased, or were not finite, for {PATIENCE} s."
     if status is Status.STOPPED:
@@ -362,6 +366,21 @@ def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
     return (
         f"the sensor of the {names[worst]} shows {measured:.1f}°, which contradicts the motion of both bodies "
         f"({found:.1f}° are estimated): it is stuck{'' if stuck else ', has the wrong sign or is off'}."
+    )
+
+
+def _leans_otherwise(record: StepRecord, autopilot: Autopilot) -> str:
+    """Say which roll sensor is wrong, and what about it."""
+    sensors = []
+    for place, body in enumerate(("tractor", "trailer")):
+        doubt = _live(autopilot, "alignment", "leans.doubts", place)
+        if doubt:
+            shown = f"{math.degrees(getattr(record.measurement, f'{body}_roll')):.1f}°"
+            wrong = "stands still while it does not" if doubt == _STUCK else "is reversed"
+            sensors.append(f"the roll of the {body} ({shown}) {wrong}")
+    return (
+        f"{' and '.join(sensors)}, as the swing of its antenna, its pitch in other headings and the other body's "
+        "attitude show: right side down is positive; look at the sensor's mounting and at the mast's height."
     )
 
 

@@ -39,6 +39,10 @@ class Status(IntEnum):
     BACKWARDS = 142, "stopped: both antennas move backwards: they are swapped, or the vehicle is driven in reverse"
     STEERING = 143, "stopped: a steering does not follow its commands: sensor or actuator fails, or somebody steers"
     HITCH = 144, "stopped: the hitch angle contradicts the motion of both bodies"
+    ROLL = (
+        145,
+        "stopped: a roll sensor contradicts the other angles or the swing of its antenna: it is reversed or stuck",
+    )
 
     NULL = 256, "wrong call: a pointer is NULL"
     NOT_INITIALISED = 257, "wrong call: drawbar_init has not been called on this state"

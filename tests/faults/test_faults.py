@@ -191,6 +191,15 @@ FAULTS = {
     "the hitch sensor has the wrong sign": Fault(
         change=lambda m: replace(m, hitch_angle=-m.hitch_angle), ends=Status.HITCH, within=1.4
     ),
+    "the tractor's roll has the wrong sign": Fault(
+        change=lambda m: replace(m, tractor_roll=-m.tractor_roll), ends=Status.ROLL, within=15.0, settings=LEANS
+    ),
+    "the tractor's roll is stuck": Fault(
+        change=at(0.05, "tractor_roll"), ends=Status.ROLL, within=20.0, settings=LEANS
+    ),
+    "the trailer's roll is stuck": Fault(
+        change=at(0.05, "trailer_roll"), ends=Status.ROLL, within=20.0, settings=LEANS
+    ),
     "the hitch sensor is stuck": Fault(change=at(0.3, "hitch_angle"), ends=Status.HITCH, within=1.2),
     **{
         f"a caller who comes every {0.2 * every:.1f} s": Fault(

@@ -15,6 +15,8 @@ class Alignment(Alone):
     def __init__(self, vehicle: VehicleParameters, sensors: SensorNoise | None = None) -> None:
         """Take the masts and the lengths."""
         super().__init__(alignment_unit(vehicle, sensors or SensorNoise()))
+        self.status = 0
+        """with which the newest measurement ends the run, or 0"""
 
     def begin(self, first: Measurement) -> Measurement:
         """Return the measurement that a run begins with."""
@@ -25,5 +27,5 @@ class Alignment(Alone):
     def apply(self, measurement: Measurement, last: Estimate, expected: Estimate) -> Measurement:
         """Return the measurement of the points on the ground at its own time."""
         aligned = room(Measurement)
-        self.call("apply", given(measurement), given(last), given(expected), aligned)
+        self.status = self.call("apply", given(measurement), given(last), given(expected), aligned)
         return taken(Measurement, aligned)

@@ -11,6 +11,7 @@
 #include "attitude_track.h"
 #include "fix_deviation.h"
 #include "ground_record.h"
+#include "lean_watch.h"
 #include "lever_arm.h"
 #include "unit.h"
 #include "yaw_rate.h"
@@ -39,6 +40,7 @@ struct component {
     struct ground_record ground;
     struct reported_fix fixes[ALIGNED];
     struct coarse_noise noises[ALIGNED];
+    struct lean_watch leans;               /* what the roll sensors are worth */
     struct yaw_sensor yaw;                 /* the tractor's */
     struct yaw_rate_sensor yaw_rate;       /* the tractor's */
 };
@@ -49,7 +51,8 @@ struct component {
     SETTING(component, chain.drawbar, 0, 1, 0, 0) SETTING(component, chain.back, 0, 1, 0, 0)                           \
     SETTING(component, chain.wheelbase, 0, 1, 0, 0)                                                                    \
     SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
-    SETTING(component, ground.spacing, 0, 1, 0, 0)
+    SETTING(component, ground.spacing, 0, 1, 0, 0) FIELD(component, leans.doubts, 1, LEANING, 0, 0)            \
+    FIELD(component, leans.bank.states, 0, SIGNS, LEANS, 0) FIELD(component, leans.bank.covariance, 0, LEANS, LEANS, 0)
 
 /* One sample of alignment: what was estimated last, and what is expected now. */
 struct since {
@@ -64,6 +67,13 @@ static inline double at_age(const struct since *since, double age, double then, 
     return age > 0.0 && since->elapsed > 0.0 ? now - age / since->elapsed * (now - then) : now;
 }
 
+/* How far the vehicle has moved, m. */
+static inline double moved_since(const struct since *since)
+{
+    const double moved = fabs(since->expected->speed) * since->elapsed;
+    return isfinite(moved) ? moved : 0.0;
+}
+
 /* How old a fix is, s, with the latency that was found; NaN: too old, or of the future. */
 static inline double age_of_fix(const struct component *alignment, double told)
 {
@@ -72,11 +82,16 @@ static inline double age_of_fix(const struct component *alignment, double told)
 }
 
 /* Roll and pitch of a body's sensor, without its offsets. */
-static inline void take_attitude(struct component *alignment, int body, time_stamp now, double age, double roll,
-                                 double pitch)
+static inline void take_attitude(struct component *alignment, int body, const struct since *since, double age,
+                                 double told_roll, double told_pitch)
 {
     const struct mast *mast = &alignment->masts[body];
-    attitude_take(&alignment->tracks[body], now, age, roll - mast->roll_offset, pitch - mast->pitch_offset);
+    const double roll = told_roll - mast->roll_offset, pitch = told_pitch - mast->pitch_offset;
+    const double last = body == ALIGNED_TRACTOR ? since->last->tractor.yaw : since->last->trailer.yaw;
+    const double now = body == ALIGNED_TRACTOR ? since->expected->tractor.yaw : since->expected->trailer.yaw;
+
+    if (attitude_take(&alignment->tracks[body], since->now, age, roll, pitch))
+        lean_watch_attitude(&alignment->leans, body, at_age(since, age, last, now), roll, pitch, since->elapsed);
 }
 
 /* Record the ground below the tractor, or else below the trailer, as its newest attitude shows it. */
@@ -97,6 +112,25 @@ static inline void record_ground(struct component *alignment, const struct since
                 at_age(since, age, last->y, now->y) - back * sin(yaw), slope);
 }
 
+/* How far left a way (m) leads, for one who faces so. */
+static inline double to_left(double yaw, const double *way)
+{
+    return way[1] * cos(yaw) - way[0] * sin(yaw);
+}
+
+/* Let the swing of a body's antenna know where its ground point is expected. */
+static inline void move_swing(struct mast_swing *swing, const struct since *since, const struct drawbar_pose *last,
+                              const struct drawbar_pose *now)
+{
+    const double corrected[] = {last->x - swing->expected[0], last->y - swing->expected[1]};
+    const double expected[] = {now->x, now->y}, left = to_left(last->yaw, corrected);
+
+    if (swing->begun && isfinite(left))
+        swing_move(swing, expected, left, moved_since(since));
+    else
+        swing_begin(swing, expected);
+}
+
 /* How a body leaned at an age (s): by its own sensor, and by the ground that was recorded as far as that is not there. */
 static inline void lean(struct component *alignment, int body, const struct since *since, double age,
                         const struct drawbar_pose *pose, double *roll, double *pitch)
@@ -115,8 +149,27 @@ static inline void lean(struct component *alignment, int body, const struct sinc
     *pitch = recorded[1] + own * (*pitch - recorded[1]);
 }
 
-/* Align one body's fix in place; NaN where it is too old or none. */
-static inline void align_fix(struct component *alignment, int body, const struct since *since, double age, double *fix)
+/* Let the antenna's swing be held against its body's own roll. deviation: of the fix, as it is told, m; fix: on the ground,
+ * m; arm: that has been taken off, m. */
+static inline void watch_swing(struct component *alignment, int body, const struct since *since, double age,
+                               double deviation, const double *fix, const double *arm)
+{
+    const struct drawbar_pose *now = body == ALIGNED_TRACTOR ? &since->expected->tractor : &since->expected->trailer;
+    const struct mast *mast = &alignment->masts[body];
+    const struct attitude_track *track = &alignment->tracks[body];
+    const double antenna[] = {fix[0] + arm[0] - now->x, fix[1] + arm[1] - now->y};
+    double roll, pitch;
+
+    if (!attitude_is_new(track, since->now))
+        return;
+    attitude_at(track, since->now - age, &roll, &pitch);
+    swing_take(&alignment->leans.swings[body], to_left(now->yaw, antenna) - mast->left * cos(roll), -mast->up * sin(roll),
+               deviation, !lean_is_still(&alignment->leans.still[body]), since->elapsed);
+}
+
+/* Align one body's fix in place; NaN where it is too old or none. deviation: of the fix, as it is told, m. */
+static inline void align_fix(struct component *alignment, int body, const struct since *since, double age,
+                             double deviation, double *fix)
 {
     const struct drawbar_pose *last = body == ALIGNED_TRACTOR ? &since->last->tractor : &since->last->trailer;
     const struct drawbar_pose *now = body == ALIGNED_TRACTOR ? &since->expected->tractor : &since->expected->trailer;
@@ -146,6 +199,8 @@ static inline void align_fix(struct component *alignment, int body, const struct
         fix[0] += now->x - then.x;
         fix[1] += now->y - then.y;
     }
+    if (!mast_is_none(mast))
+        watch_swing(alignment, body, since, age, deviation, fix, arm);
     memcpy(known->reported, reported, sizeof reported);
     memcpy(known->aligned, fix, sizeof known->aligned);
     known->known = isfinite(fix[0] + fix[1]);
@@ -291,8 +346,8 @@ double UNIT(latency)(const struct component *alignment)
     return fmax(alignment->yaw_rate.latency, 0.0);
 }
 
-/* Align a measurement. last: the newest estimate; expected: the one that is expected at the measurement's time, before it
- * is taken in. */
+/* Align a measurement; returns 0 or the status with which the run ends. last: the newest estimate; expected: the one that
+ * is expected at the measurement's time, before it is taken in. */
 int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *measurement,
                 const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                 struct drawbar_measurement *aligned)
@@ -300,14 +355,19 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     const struct since since = {last, expected, measurement->time, measurement->time - last->time};
 
     *aligned = *measurement;
-    take_attitude(alignment, ALIGNED_TRACTOR, since.now, aligned->tractor_attitude_age, aligned->tractor_roll,
+    lean_watch_move(&alignment->leans, moved_since(&since));
+    move_swing(&alignment->leans.swings[ALIGNED_TRACTOR], &since, &last->tractor, &expected->tractor);
+    move_swing(&alignment->leans.swings[ALIGNED_TRAILER], &since, &last->trailer, &expected->trailer);
+    take_attitude(alignment, ALIGNED_TRACTOR, &since, aligned->tractor_attitude_age, aligned->tractor_roll,
                   aligned->tractor_pitch);
-    take_attitude(alignment, ALIGNED_TRAILER, since.now, aligned->trailer_attitude_age, aligned->trailer_roll,
+    take_attitude(alignment, ALIGNED_TRAILER, &since, aligned->trailer_attitude_age, aligned->trailer_roll,
                   aligned->trailer_pitch);
     record_ground(alignment, &since);
     double tractor[] = {aligned->tractor_x, aligned->tractor_y}, trailer[] = {aligned->trailer_x, aligned->trailer_y};
-    align_fix(alignment, ALIGNED_TRACTOR, &since, age_of_fix(alignment, aligned->tractor_fix_age), tractor);
-    align_fix(alignment, ALIGNED_TRAILER, &since, age_of_fix(alignment, aligned->trailer_fix_age), trailer);
+    align_fix(alignment, ALIGNED_TRACTOR, &since, age_of_fix(alignment, aligned->tractor_fix_age),
+              aligned->tractor_fix_deviation, tractor);
+    align_fix(alignment, ALIGNED_TRAILER, &since, age_of_fix(alignment, aligned->trailer_fix_age),
+              aligned->trailer_fix_deviation, trailer);
     aligned->tractor_x = tractor[0];
     aligned->tractor_y = tractor[1];
     aligned->trailer_x = trailer[0];
@@ -316,7 +376,9 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     align_angles(&since, aligned);
     align_yaw(alignment, &since, aligned);
     align_yaw_rate(alignment, &since, aligned);
-    return 0;
+    const int present[] = {attitude_is_new(&alignment->tracks[ALIGNED_TRACTOR], since.now),
+                           attitude_is_new(&alignment->tracks[ALIGNED_TRAILER], since.now)};
+    return lean_watch_look(&alignment->leans, present, since.elapsed);
 }
 
 #endif

@@ -24,8 +24,9 @@ struct attitude_track {
 };
 
 /* Take in an attitude (rad) that is now (s) of an age (s). What is not finite, leans too far, is not newer than the last or
- * of the future, and so would be the newest for long, is dropped; a pitch that is missing counts as level. */
-static inline void attitude_take(struct attitude_track *track, time_stamp now, double age, double roll, double pitch)
+ * of the future, and so would be the newest for long, is dropped; a pitch that is missing counts as level. Returns whether it
+ * was taken in. */
+static inline int attitude_take(struct attitude_track *track, time_stamp now, double age, double roll, double pitch)
 {
     const time_stamp time = now - age;
     const double level = isfinite(pitch) ? pitch : 0.0;
@@ -33,7 +34,7 @@ static inline void attitude_take(struct attitude_track *track, time_stamp now, d
 
     if (!isfinite(time) || age < 0.0 || !(fabs(roll) <= MOST_LEAN) || !(fabs(level) <= MOST_LEAN)
         || (last >= 0 && !(time > track->time[last])))
-        return;
+        return 0;
     if (track->count == ATTITUDES) {
         memmove(track->time, track->time + 1, (ATTITUDES - 1) * sizeof(time_stamp));
         memmove(track->roll, track->roll + 1, (ATTITUDES - 1) * sizeof(double));
@@ -43,6 +44,7 @@ static inline void attitude_take(struct attitude_track *track, time_stamp now, d
     track->time[track->count] = time;
     track->roll[track->count] = roll;
     track->pitch[track->count++] = level;
+    return 1;
 }
 
 /* Roll and pitch at a time (s): between the two nearest attitudes, or the nearest one. Zero where there is none. */

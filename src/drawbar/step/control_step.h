@@ -246,7 +246,9 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
     if (odd)
         return end_run(a, odd, command);
     drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
-    drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
+    const int leans = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
+    if (leans)
+        return end_run(a, leans, command);
     a->known.fix_latency = drawbar_alignment_latency(COMPONENT(a->alignment));
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
           drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, a->work));

@@ -48,6 +48,8 @@ const char *drawbar_status_text(int status)
         return "stopped: a steering does not follow its commands: sensor or actuator fails, or somebody steers";
     case DRAWBAR_HITCH:
         return "stopped: the hitch angle contradicts the motion of both bodies";
+    case DRAWBAR_ROLL:
+        return "stopped: a roll sensor contradicts the other angles or the swing of its antenna: it is reversed or stuck";
     case DRAWBAR_NULL:
         return "wrong call: a pointer is NULL";
     case DRAWBAR_NOT_INITIALISED:

@@ -1,0 +1,167 @@
+/* Lean bank: what both attitude sensors show of the ground's slope in all headings, and whether one shows it the wrong way
+ * round, by a bank of models (Magill 1965).
+ *
+ * On a slope a body that turns leans another way: roll and pitch of both bodies, in all headings, are those of one slope, beside
+ * the zeros of the sensors, which turn with neither (lean_on in ground_record.h). One Kalman filter for each hypothesis
+ * about the signs of both rolls finds the slope, which changes slowly along the way, and the zeros; unevenness is its noise. A sign
+ * changes nothing but the sign of the sensor's values, so all hypotheses share one covariance.
+ */
+#ifndef DRAWBAR_LEAN_BANK_H
+#define DRAWBAR_LEAN_BANK_H
+
+#include <math.h>
+#include <stdint.h>
+#include "geometry.h"
+
+enum { SLOPE_EAST, SLOPE_NORTH, ZEROS, LEANS = ZEROS + 4 };   /* zeros: roll and pitch of the tractor, of the trailer */
+enum { ROLL, PITCH };
+
+#define SIGNS 4                            /* hypotheses: bit 0, the tractor's roll is reversed; bit 1, the trailer's */
+#define SLOPE_FIRST (8.0 * DRAWBAR_PI / 180.0)      /* its deviation before anything is known, rad */
+#define SLOPE_WALK (0.2 * DRAWBAR_PI / 180.0)       /* by which it changes, rad per square root of a metre */
+#define ZERO_FIRST (1.5 * DRAWBAR_PI / 180.0)       /* deviation of a zero before anything is known, rad */
+#define ZERO_WALK (0.01 * DRAWBAR_PI / 180.0)       /* by which it changes, rad per square root of a metre */
+#define LEAN_NOISE (1.0 * DRAWBAR_PI / 180.0)       /* deviation of a lean from the slope's, at least, rad */
+#define LEAN_ALIKE 3.0                     /* way on which leans are alike, m */
+#define LEAN_LATELY 30.0                   /* way over which their deviation is averaged, m */
+#define LEAN_SURGE 3.0                     /* times their deviation that one counts at most */
+#define LEAN_CERTAIN 7.0                   /* logarithm of odds from which on a hypothesis holds, */
+#define LEAN_CLOSE 2.0                     /* and by which another is as good, */
+#define LEAN_MOST 16.0                     /* and from which on it stands for a sign that changes now */
+
+struct lean_bank {
+    double states[SIGNS][LEANS];           /* by hypothesis; its zeros with its signs, rad */
+    double covariance[LEANS][LEANS];
+    double against[SIGNS];                 /* logarithm of the odds against it, beside the likeliest */
+    double spread;                         /* mean square of what leans are off the slope's, rad2 */
+    int32_t begun;
+};
+
+static inline void lean_bank_begin(struct lean_bank *bank)
+{
+    *bank = (struct lean_bank){.spread = LEAN_NOISE * LEAN_NOISE, .begun = 1};
+    for (int i = 0; i < LEANS; ++i)
+        bank->covariance[i][i] = i < ZEROS ? SLOPE_FIRST * SLOPE_FIRST : ZERO_FIRST * ZERO_FIRST;
+}
+
+/* Let the vehicle move on, m. */
+static inline void lean_bank_move(struct lean_bank *bank, double moved)
+{
+    for (int i = 0; i < LEANS; ++i)
+        bank->covariance[i][i] += moved * (i < ZEROS ? SLOPE_WALK * SLOPE_WALK : ZERO_WALK * ZERO_WALK);
+}
+
+/* An angle of a body as a sum of the states, where it faces so, rad. */
+static inline void lean_row(int body, int angle, double yaw, double *row)
+{
+    for (int i = 0; i < LEANS; ++i)
+        row[i] = i == ZEROS + 2 * body + angle ? 1.0 : 0.0;
+    row[SLOPE_EAST] = angle == ROLL ? -sin(yaw) : cos(yaw);
+    row[SLOPE_NORTH] = angle == ROLL ? cos(yaw) : sin(yaw);
+}
+
+/* The sign of what a sensor reports, by a hypothesis. */
+static inline double lean_sign(int hypothesis, int body, int angle)
+{
+    return angle == ROLL && (hypothesis >> body & 1) ? -1.0 : 1.0;
+}
+
+static inline double lean_of(const double *row, const double *state)
+{
+    double sum = 0.0;
+
+    for (int i = 0; i < LEANS; ++i)
+        sum += row[i] * state[i];
+    return sum;
+}
+
+/* Take in an angle (rad) that stands for so much of the way (m). */
+static inline void lean_bank_angle(struct lean_bank *bank, int body, int angle, double yaw, double told, double way)
+{
+    double row[LEANS], gain[LEANS], variance = bank->spread * fmax(LEAN_ALIKE / way, 1.0), least = INFINITY;
+
+    lean_row(body, angle, yaw, row);
+    for (int i = 0; i < LEANS; ++i)
+        gain[i] = lean_of(bank->covariance[i], row);
+    variance += lean_of(row, gain);
+    for (int h = 0; h < SIGNS; ++h) {
+        const double error = lean_sign(h, body, angle) * told - lean_of(row, bank->states[h]);
+        bank->against[h] += 0.5 * error * error / variance;
+        least = fmin(least, error * error);
+        for (int i = 0; i < LEANS; ++i)
+            bank->states[h][i] += gain[i] / variance * error;
+    }
+    for (int i = 0; i < LEANS; ++i)
+        for (int j = 0; j < LEANS; ++j)
+            bank->covariance[i][j] -= gain[i] * gain[j] / variance;
+    const double counts = fmin(least, LEAN_SURGE * LEAN_SURGE * bank->spread);
+    bank->spread += fmin(way / LEAN_LATELY, 1.0) * (counts - bank->spread);
+    bank->spread = fmax(bank->spread, LEAN_NOISE * LEAN_NOISE);
+}
+
+static inline int lean_bank_likeliest(const struct lean_bank *bank)
+{
+    int likeliest = 0;
+
+    for (int h = 1; h < SIGNS; ++h)
+        likeliest = bank->against[h] < bank->against[likeliest] ? h : likeliest;
+    return likeliest;
+}
+
+/* Let a hypothesis begin from what another has found: the signs change now. */
+static inline void lean_bank_switch(struct lean_bank *bank, int from, int to)
+{
+    for (int i = 0; i < LEANS; ++i)
+        bank->states[to][i] = bank->states[from][i];
+    for (int body = 0; body < 2; ++body)
+        bank->states[to][ZEROS + 2 * body + ROLL] *= lean_sign(from ^ to, body, ROLL);
+}
+
+/* Compare all hypotheses with the likeliest. */
+static inline void lean_bank_compare(struct lean_bank *bank)
+{
+    const int likeliest = lean_bank_likeliest(bank);
+    const double least = bank->against[likeliest];
+
+    for (int h = 0; h < SIGNS; ++h) {
+        bank->against[h] -= least;
+        if (bank->against[h] >= LEAN_MOST) {
+            bank->against[h] = LEAN_MOST;
+            lean_bank_switch(bank, likeliest, h);
+        }
+    }
+}
+
+/* Take in the attitude of a body that has moved by so much (m) since its last one; an angle that is not there is NaN. */
+static inline void lean_bank_take(struct lean_bank *bank, int body, double yaw, double roll, double pitch, double way)
+{
+    if (isfinite(roll) && way > 0.0)
+        lean_bank_angle(bank, body, ROLL, yaw, roll, way);
+    if (isfinite(pitch) && way > 0.0)
+        lean_bank_angle(bank, body, PITCH, yaw, pitch, way);
+    lean_bank_compare(bank);
+}
+
+/* The roll (rad) that the sensor of a body which faces so would report, by the likeliest hypothesis. */
+static inline double lean_bank_roll(const struct lean_bank *bank, int body, double yaw)
+{
+    const int likeliest = lean_bank_likeliest(bank);
+    double row[LEANS];
+
+    lean_row(body, ROLL, yaw, row);
+    return lean_sign(likeliest, body, ROLL) * lean_of(row, bank->states[likeliest]);
+}
+
+/* Whether the roll of a body is reversed: bodies whose signs do not show apart from each other are all named. */
+static inline int lean_bank_reversed(const struct lean_bank *bank, int body)
+{
+    int reversed = 0;
+
+    if (!(bank->against[0] > LEAN_CERTAIN))
+        return 0;
+    for (int h = 1; h < SIGNS; ++h)
+        reversed |= (h >> body & 1) && bank->against[h] < LEAN_CLOSE;
+    return reversed;
+}
+
+#endif
