@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.errors import ConfigurationError
+from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.recompute import replay
 from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
@@ -69,6 +69,16 @@ def test_another_measurement_makes_another_run(recorded):
     again = replay(replace(log, records=tuple(touched)))
     assert again.differences[0].step == 30
     assert again.largest["estimate.hitch_angle"] > 1e-6
+
+
+def test_steps_before_the_first_that_is_lost_are_recomputed(recorded):
+    log = recorded("articulated")
+    damaged = replace(log, records=log.records[:60] + log.records[70:], losses=("steps 60 to 69 are lost",))
+    again = replay(damaged)
+    assert (len(again.records), again.differences, again.cut) == (60, (), "steps 60 to 69 are lost")
+    assert replay(log).cut == ""
+    with pytest.raises(DrawbarError, match="the first steps are lost, and nothing can be recomputed"):
+        replay(replace(log, records=log.records[1:]))
 
 
 def test_another_setting_is_compared(recorded):

@@ -19,6 +19,7 @@ from reprlib import repr as short
 from struct import Struct
 from struct import error as StructError  # noqa: N812 -- a class
 from textwrap import wrap
+from types import NoneType, UnionType
 from typing import Any, get_args, get_type_hints
 
 from drawbar.declared_words import declared_words
@@ -46,6 +47,7 @@ from drawbar.signals import (
     SolverStatus,
     Status,
     Supervision,
+    Truth,
 )
 
 _ENUMERATIONS: dict[type[IntEnum] | type[IntFlag], tuple[str, str]] = {
@@ -72,6 +74,7 @@ _STRUCTURES: dict[Any, str] = {
     BodyReference: "drawbar_body_reference",
     BodyPlan: "drawbar_body_plan",
     BodySteering: "drawbar_body_steering",
+    Truth: "drawbar_truth",
 }
 _PUBLIC_ENUMERATIONS = (Status, Flag, FixStatus, FixQuality, SolverStatus, GateVerdict, GuidanceStatus)
 _PUBLIC_STRUCTURES = (
@@ -129,8 +132,8 @@ class Layout:
 def _leaves(kind: Any, place: str = "") -> list[tuple[str, Any]]:
     """Return the dotted name and the type of each number, in C's order."""
     found: list[tuple[str, Any]] = []
-    for name, hint, _ in _members(kind):
-        base = _base(hint)
+    for name, hint, _ in members_of(kind):
+        base = base_of(hint)
         found += _leaves(base, f"{place}{name}.") if is_dataclass(base) else [(f"{place}{name}", base)]
     return found
 
@@ -149,8 +152,8 @@ def _construction(kind: Any, names: dict[str, Any], places: Iterator[int]) -> st
     if not made:
         return f"{kind.__name__}[numbers[{next(places)}]]"
     given = []
-    for name, hint, _ in _members(kind):
-        base = _base(hint)
+    for name, hint, _ in members_of(kind):
+        base = base_of(hint)
         plain = base in (float, int)
         given.append(f"{name}={f'numbers[{next(places)}]' if plain else _construction(base, names, places)}")
     return f"{kind.__name__}({', '.join(given)})"
@@ -168,16 +171,20 @@ class Members(dict[int, Any]):
         return self[number]
 
 
-def _base(hint: Any) -> Any:
+def base_of(hint: Any) -> Any:
+    """Return the type of a field without its notes; of one that may be absent, the type of what is there."""
+    if isinstance(hint, UnionType):
+        return next(each for each in get_args(hint) if each is not NoneType)
     return get_args(hint)[0] if hasattr(hint, "__metadata__") else hint
 
 
-def _annotation(hint: Any, kind: Any) -> Any:
+def note_of(hint: Any, kind: Any) -> Any:
+    """Return what is noted of a field, of one kind: a Quantity or an Array; None: nothing is."""
     return next((note for note in getattr(hint, "__metadata__", ()) if isinstance(note, kind)), None)
 
 
 @cache
-def _members(kind: Any) -> list[tuple[str, Any, str]]:
+def members_of(kind: Any) -> list[tuple[str, Any, str]]:
     """Return name, type and words of each field, in C's order: what is smaller than a double comes last."""
     hints, words = get_type_hints(kind, include_extras=True), declared_words(kind)
     members = [(field.name, hints[field.name], words.get(field.name, "")) for field in fields(kind)]
@@ -186,7 +193,7 @@ def _members(kind: Any) -> list[tuple[str, Any, str]]:
 
 def _is_small(hint: Any) -> bool:
     """Whether a field is an int32_t in C."""
-    return isinstance(_base(hint), type) and issubclass(_base(hint), int)
+    return isinstance(base_of(hint), type) and issubclass(base_of(hint), int)
 
 
 def _member(text: str, words: str) -> str:
@@ -215,8 +222,8 @@ def _enumeration(kind: type[IntEnum] | type[IntFlag], name: str = "", prefix: st
 
 
 def _structure(kind: Any) -> str:
-    members = _members(kind)
-    arrays = [array for _, hint, _ in members if (array := _annotation(hint, Array))]
+    members = members_of(kind)
+    arrays = [array for _, hint, _ in members if (array := note_of(hint, Array))]
     counts = [f"    int32_t {array.rows};" for array in arrays if array.counted]
     lines = [_c_member(*member) for member in members] + counts
     if (len(counts) + sum(_is_small(hint) for _, hint, _ in members)) % 2:
@@ -227,13 +234,13 @@ def _structure(kind: Any) -> str:
 
 def _c_member(name: str, hint: Any, words: str) -> str:
     """Return the declaration of one field."""
-    base, array, quantity = _base(hint), _annotation(hint, Array), _annotation(hint, Quantity)
+    base, array, quantity = base_of(hint), note_of(hint, Array), note_of(hint, Quantity)
     if array:
         return _c_array(name, array, words)
     if is_dataclass(base):
         return _member(f"struct {_STRUCTURES[base]} {name};", words)
-    if quantity:
-        unit = "" if quantity.unit == "1" else quantity.unit
+    if quantity or base is float:
+        unit = "" if not quantity or quantity.unit == "1" else quantity.unit
         return _member(f"double {name};", ", ".join(filter(None, (words, unit))))
     known = f"enum {_ENUMERATIONS[base][0]}" if base in _ENUMERATIONS else ""
     return _member(f"int32_t {name};", ", ".join(filter(None, (words, known))))
@@ -267,8 +274,8 @@ const char *drawbar_status_text(int status)
 def _limits() -> str:
     """Return the largest magnitude of each measured double but the time, in the structure's order."""
     limits = []
-    for name, hint, _ in _members(Measurement):
-        if name != "time" and (quantity := _annotation(hint, Quantity)):
+    for name, hint, _ in members_of(Measurement):
+        if name != "time" and (quantity := note_of(hint, Quantity)):
             text = repr(quantity.limit) if math.isfinite(quantity.limit) else "DBL_MAX"
             limits.append(f"    {text},".ljust(32) + f"/* {name} */")
     return "static const double measurement_limits[] = {\n" + "\n".join(limits) + "\n};\n"
@@ -278,10 +285,10 @@ def _nothing() -> str:
     """Return the macro of a measurement in which every value has its default, and is missing where it has none."""
     defaults = {field.name: field.default for field in fields(Measurement)}
     values = []
-    for name, hint, _ in _members(Measurement):
+    for name, hint, _ in members_of(Measurement):
         default = defaults[name]
         if _is_small(hint):
-            values.append(_ENUMERATIONS[_base(hint)][1] + default.name)
+            values.append(_ENUMERATIONS[base_of(hint)][1] + default.name)
         else:
             values.append(repr(default) if isinstance(default, float) and math.isfinite(default) else "(double)NAN")
     lines = wrap(", ".join(values), 100)
@@ -343,7 +350,7 @@ def headers() -> dict[str, str]:
     for kind in _PUBLIC_STRUCTURES:
         public += [_structure(kind), *([_NOTHING + _nothing()] if kind is Measurement else [])]
     inner = [_enumeration(Supervision)]
-    inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering)]
+    inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering, Truth)]
     inner += [
         "/* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */\n"
         + _limits(),

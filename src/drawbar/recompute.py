@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drawbar.config import recorded_configuration
-from drawbar.errors import demand
+from drawbar.errors import DrawbarError, demand
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.machine.base import EndOfMeasurements
 from drawbar.machine.replayed import ReplayedMachine
@@ -46,6 +46,8 @@ class Replay:
     """the first one of each signal, in the order of their steps"""
     largest: dict[str, float]
     """largest difference of each signal that differs"""
+    cut: str = ""
+    """why it ends before the log does; empty: it does not"""
 
 
 def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
@@ -65,10 +67,11 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
     configuration = recorded_configuration(log.header.configuration, changes, "the log's configuration")
     autopilot = build_autopilot(configuration)
     autopilot.begin(log.header.path.path())
+    logged = _unbroken(log)
     ideal = isinstance(configuration.estimator, IdealEstimatorSettings)
     records = []
-    with ReplayedMachine(record.measurement for record in log.records) as machine:
-        for recorded in log.records:
+    with ReplayedMachine(record.measurement for record in logged) as machine:
+        for recorded in logged:
             try:
                 measurement = machine.read()
             except EndOfMeasurements:
@@ -80,9 +83,21 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
             autopilot.prepare()
             records.append(autopilot.record(recorded.truth))
     comparison = Comparison(common_only=bool(changes))
-    for recorded, recomputed in zip(log.records, records, strict=True):
+    for recorded, recomputed in zip(logged, records, strict=True):
         comparison.add(recorded.step, recorded, recomputed)
-    return comparison.replay(records)
+    cut = "; ".join(log.losses) if len(logged) < len(log.records) else ""
+    return comparison.replay(records, cut=cut)
+
+
+def _unbroken(log: RunLog) -> tuple[StepRecord, ...]:
+    """Return the steps before the first that is lost: behind it nobody knows what the autopilot remembered.
+
+    Raises DrawbarError: the first step is lost.
+    """
+    count = next((place for place, record in enumerate(log.records) if record.step != place), len(log.records))
+    if log.records and not count:
+        raise DrawbarError(f"the first steps are lost, and nothing can be recomputed ({'; '.join(log.losses)})")
+    return log.records[:count]
 
 
 class Comparison:
@@ -118,9 +133,10 @@ class Comparison:
                 self._first.setdefault(difference.signal, difference)
                 self._largest[difference.signal] = np.fmax(self._largest.get(difference.signal, 0.0), difference.size)
 
-    def replay(self, records: Sequence[StepRecord]) -> Replay:
-        """Return the whole comparison, with the recomputed steps."""
-        return Replay(records=tuple(records), differences=tuple(self._first.values()), largest=self._largest)
+    def replay(self, records: Sequence[StepRecord], *, cut: str = "") -> Replay:
+        """Return the whole comparison, with the recomputed steps, and why they end before the log does."""
+        differences = tuple(self._first.values())
+        return Replay(records=tuple(records), differences=differences, largest=self._largest, cut=cut)
 
 
 def _numbers(record: Any, names: Sequence[str]) -> Iterator[tuple[str, float]]:

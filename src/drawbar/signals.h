@@ -48,6 +48,27 @@ struct drawbar_body_steering {
     int32_t reserved;
 };
 
+/* What only a simulation knows. */
+struct drawbar_truth {
+    double time;                        /* s */
+    struct drawbar_pose tractor;
+    struct drawbar_pose trailer;
+    double speed;                       /* wheel speed, m/s */
+    double tractor_steering;            /* rad */
+    double trailer_steering;            /* rad */
+    double longitudinal_slip;           /* mu */
+    double tractor_slip;                /* kappa */
+    double steering_offset;             /* b, rad */
+    double tractor_crab;                /* alpha_r, rad */
+    double trailer_crab;                /* alpha_i, rad */
+    double tractor_roll;                /* right side down positive, rad */
+    double tractor_pitch;               /* nose up positive, rad */
+    double trailer_roll;                /* right side down positive, rad */
+    double trailer_pitch;               /* nose up positive, rad */
+    double tractor_height;              /* of the tractor's point on the ground, m */
+    double trailer_height;              /* of the trailer's point on the ground, m */
+};
+
 /* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */
 static const double measurement_limits[] = {
     10000000.0,                 /* tractor_x */

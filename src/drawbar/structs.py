@@ -8,10 +8,14 @@ import msgspec
 _Kind = TypeVar("_Kind")
 
 
-def as_struct(kind: type[_Kind]) -> type[_Kind]:
+def as_struct(kind: type[_Kind], *, keeps: bool = False) -> type[_Kind]:
     """Return a frozen dataclass with keywords only as a struct; functions like `dataclasses.replace` take it as before.
 
-    A control step makes some 25 signals of 150 fields in all, and a log writes them.
+    A control step makes some 25 signals of 150 fields in all.
+
+    Args:
+        kind: the dataclass.
+        keeps: what belongs to one object alone can be kept in its `__dict__`.
     """
     declared, hints = vars(kind), get_type_hints(kind, include_extras=True)
     made: Any = msgspec.defstruct(
@@ -21,7 +25,8 @@ def as_struct(kind: type[_Kind]) -> type[_Kind]:
         namespace={name: declared[name] for name in ("__doc__", "__dataclass_fields__")},
         frozen=True,
         kw_only=True,
-        gc=False,
+        gc=keeps,
+        dict=keeps,
     )
     return made  # type: ignore[no-any-return]
 

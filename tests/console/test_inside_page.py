@@ -2,7 +2,6 @@
 
 import json
 
-import msgspec
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
@@ -15,7 +14,7 @@ from drawbar.console.catalogue import TEXTS
 from drawbar.console.signal_history import PRESETS, Column, ShownStep, all_names, columns, row
 from drawbar.console.signal_words import QUANTITIES, SECTIONS, signal_words
 from drawbar.driving.letters import Step, Sureness, pack
-from drawbar.recording.log import encode_special
+from drawbar.step.layout import packed
 
 
 def test_every_signal_of_a_step_has_a_name_and_a_value(run_log):
@@ -82,7 +81,6 @@ class Plot:
 
 def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(run_log, monkeypatch):
     records = run_log[0].records
-    encoder = msgspec.json.Encoder(enc_hook=encode_special)
 
     @staged
     async def look(stage, browser):
@@ -92,7 +90,7 @@ def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(run_log, mo
         def step(record):
             stage.run(0.2)
             stage.hear_controller(lateral_deviation=0.02)
-            stage.link.hear(pack(Step(time=1, data=encoder.encode(record))))
+            stage.link.hear(pack(Step(time=1, data=packed(record))))
             one.refresh()
 
         one.refresh()

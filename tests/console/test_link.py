@@ -23,9 +23,9 @@ from drawbar.driving.orders import CONSOLE
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage
-from drawbar.recording.log import encode_special
 from drawbar.simulation import build_path
 from drawbar.step.build import build_tubes
+from drawbar.step.layout import packed
 
 NOTHING_DECLARED = [
     f"tube.{body}.{what}={{}}"
@@ -42,9 +42,7 @@ def record(run_log):
 
 def test_a_step_is_drawn_where_its_record_says(record):
     step, _configuration = record
-    import msgspec
-
-    data = msgspec.json.Encoder(enc_hook=encode_special).encode(step)
+    data = packed(step)
     stage = Stage()
     stage.link.hear(pack(Step(time=1, data=data)))
     place = stage.link.moving
@@ -56,10 +54,8 @@ def test_a_step_is_drawn_where_its_record_says(record):
 
 
 def test_a_vehicle_that_stands_leaves_no_trail(record):
-    import msgspec
-
     step, _configuration = record
-    data, stage = msgspec.json.Encoder(enc_hook=encode_special).encode(step), Stage()
+    data, stage = packed(step), Stage()
     for _ in range(50):
         stage.link.hear(pack(Step(time=1, data=data)))
     assert len(stage.link.trail) == 1

@@ -5,6 +5,7 @@ import json
 import struct
 import sys
 import threading
+from contextlib import closing
 
 import aiohttp
 import pytest
@@ -19,7 +20,7 @@ from drawbar.recording.drive_records import RawBytes
 from drawbar.recording.header import run_header
 from drawbar.recording.live import Live
 from drawbar.recording.scene import Scene
-from drawbar.simulation import build_path
+from drawbar.simulation import Simulation, build_path
 from drawbar.transports.tapped import Direction
 
 PATIENCE = 20.0
@@ -68,6 +69,8 @@ async def _watch(port, topic, subscribed):
 def test_a_viewer_is_told_what_the_file_holds(live, tmp_path):
     configuration = load_configuration("articulated")
     path, _ = build_path(configuration)
+    with closing(Simulation(configuration).steps()) as steps:
+        record = next(steps)
     frame = LocalFrame(latitude=50.0, longitude=4.0)
     header = run_header(configuration, path, None, seed=0, frame=frame)
     scene, subscribed, found = Scene(path=path, vehicle=configuration.vehicle, frame=frame), threading.Event(), []
@@ -77,6 +80,7 @@ def test_a_viewer_is_told_what_the_file_holds(live, tmp_path):
 
     with DriveLog(tmp_path / "log.mcap", header, scene, live) as log:
         log.add_message(command(0))
+        log.add_step(10**9, record)
         log.add_raw(RawBytes(time=1, device="sensors", direction=Direction.IN, data=b"\x00"))
         viewer = threading.Thread(target=watch)
         viewer.start()
@@ -93,7 +97,8 @@ def test_a_viewer_is_told_what_the_file_holds(live, tmp_path):
     with_schema = [channel for channel in summary.channels.values() if channel.schema_id]
     schemas = {channel.topic: summary.schemas[channel.schema_id].name for channel in with_schema}
     assert {topic: channel["schemaName"] for topic, channel in channels.items()} == schemas
-    assert {"/step", "/path", "/bodies", "/command"} == set(schemas)
+    fixes = {"/tractor/fix", "/trailer/fix"}
+    assert {"/step", "/path", "/bodies", "/command", "/tf", "/plan"} | fixes == set(schemas)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads Linux's table of sockets")

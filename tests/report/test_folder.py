@@ -1,10 +1,14 @@
+import io
 import json
+import re
 
 import pytest
+from rich.console import Console
 
 from drawbar.errors import DrawbarError
 from drawbar.recording.log import LOG_NAME
 from drawbar.recording.recorder import Recorder
+from drawbar.report.console import summary
 from drawbar.report.folder import write_report
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.path_errors import estimated_path_errors
@@ -25,7 +29,8 @@ def test_the_report_of_a_recorded_run_is_that_of_the_run(tmp_path, run):
     assert (tmp_path / "map.svg").read_text(encoding="utf-8").startswith("<svg")
 
 
-def test_a_log_cut_short_still_gives_a_report(tmp_path, make_run):
+def test_a_log_cut_short_still_gives_a_report(tmp_path, make_run, monkeypatch):
+    monkeypatch.setattr("drawbar.recording.recorder._HELD_BACK", 0)
     log = make_run(steps=20)
     with Recorder(tmp_path / LOG_NAME, log.header) as recorder:
         for step in log.records[:12]:
@@ -36,6 +41,22 @@ def test_a_log_cut_short_still_gives_a_report(tmp_path, make_run):
     assert not metrics.finished
     assert metrics.duration_s == pytest.approx(11 * 0.2, rel=1e-12)
     assert "Stopped before the end" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_damaged_log_gives_a_report_that_says_what_is_lost(tmp_path, make_run, monkeypatch):
+    monkeypatch.setattr("drawbar.recording.chunks.CHUNK_BYTES", 5_000)
+    record(tmp_path, make_run(steps=20))
+    data = bytearray((tmp_path / LOG_NAME).read_bytes())
+    data[data.index(b"zstd", data.index(b"zstd") + 4000) + 300] ^= 1
+    (tmp_path / LOG_NAME).write_bytes(data)
+    metrics = write_report(tmp_path)
+    (said,) = metrics.losses
+    assert re.search(r"bytes \d+ to \d+ are damaged: steps \d+ to \d+ are lost", said)
+    assert said in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert json.loads((tmp_path / "metrics.json").read_text())["losses"] == [said]
+    console = Console(file=io.StringIO(), width=200)
+    console.print(summary(metrics))
+    assert said in console.file.getvalue()
 
 
 def test_a_report_that_cannot_be_written_is_named(tmp_path, make_run):

@@ -47,6 +47,8 @@ def export(
         if one.absolute() == other.absolute():
             raise DrawbarError(f"{first} {one} and {second} {other}: are one file; give each its own.")
     content = read_log(file)
+    for loss in content.losses:
+        console.print(f"{file}: {loss}", style="bold yellow", soft_wrap=True)
     for option, target in targets:
         try:
             _writer(option)(content, target)

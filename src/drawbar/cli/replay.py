@@ -36,6 +36,8 @@ def replay(
 
         recomputed = recompute(read_log(log), changes or [])
     console.print(f"{log}: {len(recomputed.records)} steps recomputed")
+    if recomputed.cut:
+        console.print(f"what follows cannot be recomputed: {recomputed.cut}", style="bold yellow", soft_wrap=True)
     if not recomputed.differences:
         console.print("every number is the recorded one, bit for bit")
         return

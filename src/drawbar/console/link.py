@@ -20,9 +20,9 @@ from drawbar.driving.pushing import STOPPED, Pushing
 from drawbar.machine.hardware.bare_valve import Motion
 from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage
-from drawbar.recording.log import decode_step
 from drawbar.safety.desk import ALWAYS
 from drawbar.safety.engagement import STEERING
+from drawbar.step.layout import unpacked
 from drawbar.vehicle.parameters import Mast
 
 STALE = 1_000_000_000
@@ -133,8 +133,8 @@ class Link:
 
     def _hear_step(self, letter: Step) -> None:
         try:
-            record = decode_step(letter.data)
-        except (ValueError, KeyError, TypeError):  # msgspec's errors are ValueErrors
+            record = unpacked(letter.data)
+        except ValueError:
             self.refused += 1
             return
         self.moving = moving(record)

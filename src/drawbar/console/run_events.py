@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
-import zstandard
 
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, SupervisorState
-from drawbar.recording.stream import DamagedLogError, LoggedMessage, read_records
+from drawbar.recording.frames import DamagedLogError
+from drawbar.recording.stream import LoggedMessage, read_records
 from drawbar.safety.causes import BY_CODE, Cause
 
 _ASKED = {
@@ -69,7 +69,7 @@ def run_events(log: Path, words: Words, *, is_on: bool = False) -> list[RunEvent
         with log.open("rb") as stream:
             messages = (each for each in read_records(stream) if isinstance(each, LoggedMessage))
             return list(_events(messages, words, is_on=is_on))
-    except (OSError, DamagedLogError, zstandard.ZstdError, msgspec.MsgspecError) as error:
+    except (OSError, DamagedLogError, msgspec.MsgspecError) as error:
         raise DrawbarError(f"{log}: cannot be read ({error})") from error
 
 

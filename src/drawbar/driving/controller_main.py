@@ -7,8 +7,6 @@ import socket
 import sys
 from collections.abc import Iterator, Mapping
 
-import msgspec
-
 from drawbar.config import load_configuration
 from drawbar.driving.beat import Beat
 from drawbar.driving.control_loop import ControlLoop
@@ -23,9 +21,9 @@ from drawbar.message_records import decode, encode
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order
-from drawbar.recording.log import encode_special
 from drawbar.signals import StepRecord
 from drawbar.simulation import build_path
+from drawbar.step.layout import packed
 
 _TOGETHER = 32
 """of what was done is told at once; more than in a step"""
@@ -97,7 +95,6 @@ class Words:
         self._recorder, self._console = orders.socket(RECORDER), orders.socket(CONSOLE)
         self._displays = (orders.socket(FRONT_END), self._console)
         self._clock = orders.clock
-        self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
         self._done: list[Happening] = []
         self.gate_is_gone = False
 
@@ -130,7 +127,7 @@ class Words:
     def keep(self, record: StepRecord, deviations: Mapping[str, float]) -> None:
         """Have a step recorded, and shown with the standard deviations of fields of its estimate."""
         self.tell_done()
-        letter = pack(Step(time=self._clock.nanoseconds(), data=self._encoder.encode(record)))
+        letter = pack(Step(time=self._clock.nanoseconds(), data=packed(record)))
         self._mailbox.post(self._recorder, letter)
         for shown in (pack(Sureness(deviations)), letter):
             self._mailbox.send(self._console, shown)

@@ -34,7 +34,7 @@ class Device(IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """The record of a control step, as JSON."""
+    """The record of a control step, as its bytes."""
 
     time: int
     data: bytes

@@ -22,9 +22,10 @@ from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Order, RawBytes
 from drawbar.recording.header import run_header
 from drawbar.recording.live import Live
-from drawbar.recording.log import LOG_NAME, decode_step
+from drawbar.recording.log import LOG_NAME
 from drawbar.recording.scene import Scene
 from drawbar.simulation import build_path
+from drawbar.step.layout import unpacked
 from drawbar.transports.clock import MachineClock
 
 _WITHOUT_STEPS = 500_000_000
@@ -96,7 +97,7 @@ def _write(data: bytes, log: DriveLog, beat: Beat, clock: MachineClock) -> None:
     elif isinstance(letter, Order):
         log.add_order(letter)
     elif isinstance(letter, Step):
-        log.add_step(letter.time, letter.data, decode_step(letter.data))
+        log.add_step(letter.time, unpacked(letter.data))
     else:
         message = decode(data, *RECORDS.values())
         if isinstance(message, GateState):

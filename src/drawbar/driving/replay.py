@@ -6,6 +6,7 @@ when the receivers were looked at, and what the controller took in before each s
 
 from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,6 +17,7 @@ from drawbar.driving.letters import Device
 from drawbar.driving.memory import MemoryTransport
 from drawbar.errors import DrawbarError
 from drawbar.geometry import LocalFrame
+from drawbar.machine.base import EndOfMeasurements
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sampler import Sampler
@@ -23,6 +25,7 @@ from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
 from drawbar.recompute import Comparison, Replay
 from drawbar.recording.drive_records import DriveRecord, Happening, Kind, RawBytes, open_drive
+from drawbar.recording.frames import Damage
 from drawbar.recording.log import RunHeader, open_log
 from drawbar.signals import StepRecord
 from drawbar.transports.tapped import Direction
@@ -63,6 +66,8 @@ def _fixes(records: Iterator[DriveRecord], configuration: Configuration, header:
     for record in records:
         if isinstance(record, RawBytes) and record.direction is Direction.IN:
             pieces.append(record)
+        elif isinstance(record, Damage):
+            break
         elif isinstance(record, Happening) and record.kind is Kind.LOOK:
             for _ in range(min(record.sequence, len(pieces))):
                 piece = pieces.popleft()
@@ -99,7 +104,12 @@ class _Recorded:
         self.fixes: dict[int, Fixes] = {}
         self.commands: dict[int, CommandMessage] = {}
         self._states: dict[int, GateState] = {}
+        self.damage: Damage | None = None
+        """behind which nothing can be recomputed"""
         for record in records:
+            if isinstance(record, Damage):
+                self.damage = record
+                break
             if isinstance(record, GateState):
                 self._states[record.sequence] = record
             elif isinstance(record, Fixes):
@@ -116,8 +126,10 @@ class _Recorded:
         return self.known(self._states, sequence, "the gate's state")
 
     def known(self, records: dict[int, _Record], sequence: int, what: str) -> _Record:
-        """Return the record of a sequence; DrawbarError: it was lost."""
+        """Return the record of a sequence; DrawbarError: it was lost. EndOfMeasurements: where the log is damaged."""
         if sequence not in records:
+            if self.damage is not None:
+                raise EndOfMeasurements
             raise DrawbarError(f"{self._file}: lacks {what} {sequence}, which the controller had; the recorder lost it")
         return records[sequence]
 
@@ -140,6 +152,12 @@ class _Controller:
 
     def run(self, again: dict[int, Fixes]) -> Replay:
         """Do all of it with these fixes, by sequence, and compare."""
+        damage = self._recorded.damage
+        with suppress(EndOfMeasurements):
+            self._do(again)
+        return self._comparison.replay(self._steps, cut="" if damage is None else str(damage))
+
+    def _do(self, again: dict[int, Fixes]) -> None:
         recorded, loop = self._recorded, self._loop
         for each in recorded.order:
             self._now = each.time
@@ -153,7 +171,6 @@ class _Controller:
                 loop.miss()
             else:
                 loop.repeat(each.time)
-        return self._comparison.replay(self._steps)
 
     def _compare(self, recorded: Message | None, again: Message, prefix: str, names: Sequence[str] = ()) -> None:
         if recorded is not None:

@@ -1,29 +1,67 @@
 """Columns of a long log: read without the steps' objects and without what is not asked for.
 
-What stands beside its chunks (blocks.py) is taken as it is; the steps of chunks that have nothing beside them, such as
-the last one of a log that a crash cut off, are parsed as far as the columns need it.
+Positions, times and progress are kept as they are, all else in single precision, and a number that stays the same for
+some time once.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from itertools import chain, islice
-from operator import attrgetter
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
-from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
-from drawbar.recording.blocks import Block, decode_block, reported
-from drawbar.recording.log import Outcome, RunHeader, open_log
-from drawbar.recording.stream import LoggedMessage, records_beside_chunks
+from drawbar.recording.log import Columns, Outcome, RunHeader, is_json, open_log, read_log
+from drawbar.recording.stream import LoggedMessage
+from drawbar.step.layout import StepLayout
 
 _BLOCK = 1000
-"""steps that are Python objects at the same time"""
+"""steps that are read together"""
+_SLIPS = ("longitudinal_slip", "tractor_slip", "steering_offset", "tractor_crab", "trailer_crab")
+_STEERINGS = ("tractor_steering", "trailer_steering")
+_BODIES = ("tractor", "trailer")
+_REPORTED: tuple[str, ...] = (
+    *(f"measurement.{name}" for name in ("time", "tractor_x", "tractor_y", "speed", "hitch_angle")),
+    *(f"measurement.{body}_roll" for body in _BODIES),
+    *(f"estimate.{body}.yaw" for body in _BODIES),
+    *(f"estimate.{name}" for name in ("speed", "hitch_angle", "trailer_slip", *_SLIPS)),
+    *(f"estimate.{body}_fix" for body in _BODIES),
+    *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error", "closest.2")),
+    *(f"{body}_steering.{name}" for body in _BODIES for name in ("command", "ancillary", "saturated", "margin")),
+    "command.speed",
+    *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
+    "solver_failures",
+    "gate",
+)
+_REPORTED_OF_TRUTH: tuple[str, ...] = (
+    *(f"truth.{body}.{name}" for body in _BODIES for name in ("x", "y", "yaw")),
+    *(f"truth.{name}" for name in (*_SLIPS, *_STEERINGS)),
+    *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
+)
+_REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
+    *(f"estimate.{body}.{name}" for body in _BODIES for name in "xy"),
+    "estimate.tractor_steering",
+    *(f"measurement.{name}" for name in _STEERINGS),
+    "flags",
+)
+"""in place of what nobody knows"""
+WIDE = (".x", ".y", "_x", "_y", ".time", ".progress")
+"""how names of numbers end that single precision would spoil"""
+_MISSING = np.full(1, np.nan)
+
+Column = NDArray[np.float32] | NDArray[np.float64]
+
+
+class Block(NamedTuple):
+    """Numbers of m steps that follow each other."""
+
+    wall_time: Floats
+    """(m,): s since 1970"""
+    columns: dict[str, Column]
+    """(m,) each, or (1,) of a number that stays the same"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +70,8 @@ class ColumnLog:
 
     header: RunHeader
     outcome: Outcome
+    losses: tuple[str, ...]
+    """what of the file is damaged, and which steps are lost by that"""
     has_truth: bool
     names: tuple[str, ...]
     """of the columns"""
@@ -52,91 +92,54 @@ class ColumnLog:
         """Return one number of every step, (n,); see RunLog.column. Raises ValueError for one not asked for."""
         if name.startswith("truth.") and not self.has_truth:
             return np.full(self.steps, np.nan)
-        place = self.names.index(name)
-        parts = (np.broadcast_to(block.columns[place], block.wall_time.shape) for block in self.blocks)
+        self.names.index(name)
+        parts = (np.broadcast_to(block.columns[name], block.wall_time.shape) for block in self.blocks)
         return np.concatenate([np.empty(0), *parts], dtype=np.float64)
 
 
-class _Beside(NamedTuple):
-    """What stands beside the first chunks of a log."""
-
-    has_truth: bool | None
-    """None: there is nothing"""
-    blocks: list[Block]
-    end: int
-    """byte of the file from which on steps are still to be parsed"""
+def reported(*, has_truth: bool) -> tuple[str, ...]:
+    """Return what the report of a run is made of, whose truth is known or not."""
+    return (*_REPORTED, *(_REPORTED_OF_TRUTH if has_truth else _REPORTED_WITHOUT_TRUTH))
 
 
-def read_columns(file: Path, names: Sequence[str] | None = None) -> ColumnLog:
-    """Read columns of a log in a stream, by default those of its report; errors as read_log."""
-    beside = _beside(file, names)
-    with open_log(file, beside.end) as log:
-        first = list(islice(log.steps, 1))
-        has_truth = beside.has_truth
-        if has_truth is None:
-            has_truth = bool(first) and b'"truth":null' not in first[0].data
-        known = _known(names, has_truth)
-        blocks = [*beside.blocks, *_parsed(chain(first, log.steps), known)]
-        return ColumnLog(header=log.header, outcome=log.outcome(), has_truth=has_truth, names=known, blocks=blocks)
+def read_columns(file: Path, names: Sequence[str] | None = None) -> Columns:
+    """Read columns of a log in a stream, by default those of its report; errors as read_log.
+
+    Of an older log, whose steps are JSON, all is read.
+    """
+    with open_log(file) as log:
+        messages = list(islice(log.steps, _BLOCK))
+        if messages and is_json(messages[0].schema):
+            return read_log(file)
+        has_truth = bool(messages) and bool(np.isfinite(_block(messages, ["truth.time"]).columns["truth.time"]).any())
+        wanted = reported(has_truth=has_truth) if names is None else tuple(names)
+        blocks = list[Block]()
+        while messages:
+            blocks.append(_block(messages, wanted))
+            messages = list(islice(log.steps, _BLOCK))
+        return ColumnLog(
+            header=log.header,
+            outcome=log.outcome(),
+            losses=log.losses(),
+            has_truth=has_truth,
+            names=wanted,
+            blocks=blocks,
+        )
 
 
-def _known(names: Sequence[str] | None, has_truth: bool) -> tuple[str, ...]:
-    """Return which of the columns that are asked for a log has."""
-    wanted = reported(has_truth=has_truth) if names is None else names
-    return tuple(name for name in wanted if has_truth or not name.startswith("truth."))
+def _block(messages: Sequence[LoggedMessage], names: Sequence[str]) -> Block:
+    """Return numbers of steps that follow each other; what their schema lacks is NaN."""
+    layout = StepLayout.of_schema(messages[0].schema)
+    table = layout.table([message.data for message in messages], [name for name in names if layout.holds(name)])
+    with np.errstate(over="ignore"):
+        columns = {name: _kept(name, table[name]) if name in table else _MISSING for name in names}
+    return Block(np.array([message.publish_time for message in messages]) * 1e-9, columns)
 
 
-def _beside(file: Path, names: Sequence[str] | None) -> _Beside:
-    """Read what stands beside the chunks of a log, up to the first one that lacks a column which is asked for."""
-    has_truth, blocks, end = None, list[Block](), 0
-    with suppress(OSError), file.open("rb") as stream:  # what is wrong with the file shows when the rest is read
-        for place, content in records_beside_chunks(stream):
-            if (decoded := decode_block(content)) is None:
-                break
-            given, block = decoded
-            if block.wall_time.size:
-                has_truth = any(name.startswith("truth.") for name in given) if has_truth is None else has_truth
-                known = _known(names, has_truth)
-                if not set(known) <= set(given):
-                    break
-                blocks.append(Block(block.wall_time, [block.columns[given.index(name)] for name in known]))
-            end = place
-    return _Beside(has_truth if blocks else None, blocks, end)
-
-
-def _parsed(steps: Iterator[LoggedMessage], names: tuple[str, ...]) -> Iterator[Block]:
-    decode, pick = _reader(names)
-    while True:
-        times, rows = list[float](), list[Any]()
-        try:
-            for message in islice(steps, _BLOCK):
-                times.append(message.publish_time * 1e-9)
-                rows.append(pick(decode(message.data)))
-        except msgspec.ValidationError as error:
-            raise DrawbarError(f"a step lacks what every step of drawbar has ({error})") from error
-        if not rows:
-            return
-        yield Block.of(times, rows, names)
-
-
-@cache
-def _reader(names: tuple[str, ...]) -> tuple[Callable[[bytes], Any], Callable[[Any], tuple[Any, ...]]]:
-    """Return what decodes a step as far as some numbers need it, and what picks them."""
-    tree: dict[str, Any] = {}
-    for name in names:
-        place = tree
-        *sections, last = name.split(".")
-        for section in sections:
-            place = place.setdefault(section, {})
-        place[last] = None
-    safe = (".".join(f"_{part}" if part.isdigit() else part for part in name.split(".")) for name in names)
-    return msgspec.json.Decoder(_struct("Step", tree)).decode, attrgetter(*safe)
-
-
-def _struct(name: str, tree: Mapping[str, Any]) -> Any:
-    """Return the type of a section of which some numbers are wanted; of an array up to the last one wanted."""
-    if all(key.isdigit() for key in tree):
-        fields = [(f"_{index}", float | None) for index in range(1 + max(map(int, tree)))]
-        return msgspec.defstruct(name, fields, array_like=True, gc=False)
-    members = [(key, bool | float | None if below is None else _struct(key, below)) for key, below in tree.items()]
-    return msgspec.defstruct(name, members, gc=False)
+def _kept(name: str, values: NDArray[Any]) -> Column:
+    """Return a column as it is kept; infinity is as good as missing."""
+    values = values.astype(np.float64)
+    values[~np.isfinite(values)] = np.nan
+    alike = (values == values[0]).all() or np.isnan(values).all()
+    values = values[: 1 if alike else None].copy()
+    return values if name.endswith(WIDE) else values.astype(np.float32)

@@ -1,8 +1,5 @@
 """Log of a drive: besides every control step the raw bytes, the messages between the processes, and a scene to look at.
 
-Nothing stands beside its chunks for the report: that would be a twelfth of the log, and would save it half a second an
-hour.
-
 | topic | what |
 |---|---|
 | `/step` | every control step, as in any log |
@@ -37,10 +34,11 @@ from drawbar.recording.drive_records import (
 )
 from drawbar.recording.live import Live
 from drawbar.recording.log import STEP_TOPIC, Outcome, RunHeader
-from drawbar.recording.recorder import JSON, Recorder, step_schema
+from drawbar.recording.recorder import CDR, DEFINITION, STEP_NAME, Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
 from drawbar.signals import Status, StepRecord
+from drawbar.step.layout import HEAD, packed, step_schema
 from drawbar.transports.clock import MachineClock
 
 _REAL_TIME = MachineClock()
@@ -50,6 +48,8 @@ _STATES = 1000
 """of the gate that are known by their sequence"""
 _AGAIN = 10
 """steps after which what does not change is shown again, live"""
+_JSON = "jsonschema"
+"""how schemas of JSON are written"""
 _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
 
 
@@ -86,21 +86,21 @@ class DriveLog(Recorder):
         self._states: deque[int] = deque(maxlen=_STATES)
         self._pieces: list[RawBytes] = []
         self._happenings: list[Happening] = []
-        self._channels = {STEP_TOPIC: self._channel}
+        self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._steps_shown, self._reached_end = 0, False
-        if live is not None:
-            name, schema = step_schema()
-            live.open(STEP_TOPIC, "json", Schema(name=name, encoding=JSON, data=schema))
         self._writer.add_metadata(CLOCK, {"offset": str(self._offset)})
         for topic, message in scene.standing(time.time_ns()):
             self._add_known(topic, message, time.time_ns())
 
-    def add_step(self, moment: int, data: bytes, record: StepRecord) -> None:
-        """Add a control step, given as JSON and as what that means."""
+    def add_step(self, moment: int, record: StepRecord) -> None:
+        """Add a control step."""
         wall = moment + self._offset
         self._reached_end |= record.status is Status.FINISHED
-        self._add(STEP_TOPIC, data, wall, record.step)
+        if STEP_TOPIC not in self._channels:
+            schema = step_schema(len(record.plan.tractor.steerings)).encode()
+            self._open(STEP_TOPIC, CDR, Schema(name=STEP_NAME, encoding=DEFINITION, data=schema))
+        self._add(STEP_TOPIC, HEAD + packed(record), wall, record.step)
         for topic, message in self._scene.moving(wall, record):
             self._add_known(topic, message, wall)
         self.flush()
@@ -160,7 +160,7 @@ class DriveLog(Recorder):
             self._states.append(message.sequence)
         if topic not in self._channels:
             data = json_schema(type(message))
-            self._open(topic, "json", Schema(name=f"drawbar.{type(message).__name__}", encoding=JSON, data=data))
+            self._open(topic, "json", Schema(name=f"drawbar.{type(message).__name__}", encoding=_JSON, data=data))
         self._add(topic, pack_message(message), message.time + self._offset)
 
     def add_event(self, moment: int, level: str, name: str, text: str) -> None:

@@ -13,6 +13,7 @@ from mcap.records import Metadata
 
 from drawbar.errors import DrawbarError
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
+from drawbar.recording.frames import Damage
 from drawbar.recording.log import STEP_TOPIC, decode_step, missing_to_nan, reading
 from drawbar.recording.stream import Logged, LoggedMessage
 from drawbar.signals import StepRecord
@@ -84,7 +85,7 @@ class RawBytes:
     """`address:port` of the sender of a datagram"""
 
 
-DriveRecord = StepRecord | Message | RawBytes | Happening
+DriveRecord = StepRecord | Message | RawBytes | Happening | Damage
 
 
 def pack_raw(pieces: Iterable[RawBytes]) -> bytes:
@@ -147,19 +148,22 @@ def is_drive(file: Path) -> bool:
 def _drive_records(records: Iterator[Logged], file: Path) -> Iterator[DriveRecord]:
     offset: int | None = None
     for record in records:
-        if isinstance(record, Metadata) and record.name == CLOCK:
+        if isinstance(record, Damage):
+            yield record
+        elif isinstance(record, Metadata) and record.name == CLOCK:
             offset = int(record.metadata["offset"])
         elif isinstance(record, LoggedMessage):
             if offset is None:
                 raise DrawbarError(f"{file}: is no log of a drive; give the log.mcap that drawbar drive wrote")
             if record.topic.startswith(f"{RAW}/"):
                 raise DrawbarError(f"{file}: an earlier drawbar wrote it, in another layout; use that one")
-            yield from _decoded(record.topic, record.data)
+            yield from _decoded(record)
 
 
-def _decoded(topic: str, data: bytes) -> Iterator[DriveRecord]:
+def _decoded(message: LoggedMessage) -> Iterator[DriveRecord]:
+    topic, data = message.topic, message.data
     if topic == STEP_TOPIC:
-        yield decode_step(data)
+        yield decode_step(message)
     elif topic == ORDER:
         yield from unpack_order(data).happenings
     elif topic == RAW:

@@ -1,8 +1,8 @@
 """Log of a run: what it holds and how it is read back, as a whole or after a crash.
 
-A log is an MCAP file (https://mcap.dev/spec): an attachment `run.json` with the RunHeader, one JSON message per
-StepRecord on the topic `/step`, in compressed chunks, and at the end, in most cases, the metadata `outcome`.
-JSON has neither NaN nor infinity: both are written as null and read back as NaN.
+A log is an MCAP file (https://mcap.dev/spec): an attachment `run.json` with the RunHeader, one message per StepRecord
+on the topic `/step`, in compressed chunks, and at the end, in most cases, the metadata `outcome`. The steps are CDR, as
+step/layout.py describes it. Those of older logs are JSON, with null for NaN and infinity; they are read as before.
 """
 
 import os
@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from datetime import datetime
+from functools import cache
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, Protocol, Self, get_args
 
 import msgspec
 import numpy as np
-import zstandard
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Metadata
 from numpy.typing import NDArray
@@ -27,8 +27,10 @@ from pydantic import BaseModel, ValidationError
 from drawbar.errors import DrawbarError, demand_path
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
+from drawbar.recording.frames import Damage, DamagedLogError
 from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
+from drawbar.step.layout import StepLayout
 from drawbar.vehicle.parameters import VehicleParameters
 
 LOG_NAME = "log.mcap"
@@ -40,7 +42,6 @@ _DRAWN_POINTS = 3000
 _NUMPY = (np.ndarray, np.generic)
 _DAMAGE = (
     McapError,
-    zstandard.ZstdError,
     msgspec.MsgspecError,
     ValidationError,
     ValueError,
@@ -150,6 +151,8 @@ class RunLog:
     wall_time: Floats
     """(n,): time of the computer's clock at which each step was written, s since 1970"""
     outcome: Outcome
+    losses: tuple[str, ...] = ()
+    """what of the file is damaged, and which steps are lost by that"""
 
     @property
     def steps(self) -> int:
@@ -189,6 +192,10 @@ class Columns(Protocol):
     @property
     def outcome(self) -> Outcome:
         """How the run ended."""
+
+    @property
+    def losses(self) -> tuple[str, ...]:
+        """What of the file is damaged, and which steps are lost by that."""
 
     @property
     def steps(self) -> int:
@@ -234,8 +241,27 @@ def missing_to_nan(value: Any) -> Any:
     return np.nan if value is None else value
 
 
-def decode_step(data: bytes) -> StepRecord:
-    """Return the record of a step from its JSON, a missing number as NaN."""
+def decode_step(message: LoggedMessage) -> StepRecord:
+    """Return the record of a step. Raises ValueError or DrawbarError: it is none of those that are known."""
+    return _step_reader(message.schema)(message.data)
+
+
+@cache
+def _step_reader(schema: str) -> Callable[[bytes], StepRecord]:
+    """Return what reads the steps of a channel with this schema."""
+    if is_json(schema):
+        return _step_of_json
+    layout = StepLayout.of_schema(schema)
+    make = layout.reader()
+    return lambda data: make(layout.body(data))
+
+
+def is_json(schema: str) -> bool:
+    """Return whether steps are JSON, by their schema: those of logs by older drawbars."""
+    return schema.startswith("{") or not schema
+
+
+def _step_of_json(data: bytes) -> StepRecord:
     content = msgspec.json.decode(data)
     # At the top level null is an absent section (truth), below it a missing number.
     content = {key: None if value is None else missing_to_nan(value) for key, value in content.items()}
@@ -251,36 +277,36 @@ class LogParts:
     """one after the other from the file"""
     outcome: Callable[[], Outcome]
     """how the run ended, known when all steps are read"""
+    losses: Callable[[], tuple[str, ...]]
+    """what of the file is damaged, and which steps are lost by that; known when all steps are read"""
 
 
 @contextmanager
-def open_log(file: Path, first_byte: int = 0) -> Iterator[LogParts]:
+def open_log(file: Path) -> Iterator[LogParts]:
     """Read the log of a run in a stream, as a context; a last record cut off by a crash is left out.
 
-    Steps before the `first_byte` are passed over; see read_records.
-
-    Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
+    Raises DrawbarError when the file cannot be read or is no log, or what is known before the first step is damaged.
     """
-    with reading(file, first_byte) as records:
+    with reading(file) as records:
         yield _parts(records)
 
 
 @contextmanager
-def reading(file: Path, first_byte: int = 0) -> Iterator[Iterator[Logged]]:
+def reading(file: Path) -> Iterator[Iterator[Logged]]:
     """Read the records of a log in a stream, as a context; see read_records.
 
-    Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
+    Raises DrawbarError when the file cannot be read or is no log, or what is known before the first step is damaged.
     """
     advice = "give the log.mcap that drawbar run wrote"
     try:
         if not stat.S_ISREG(mode := file.stat().st_mode) and not stat.S_ISDIR(mode):
             raise DrawbarError(f"{file}: is a pipe or a device, not a file; {advice}")
         with file.open("rb") as stream:
-            yield read_records(stream, first_byte)
+            yield read_records(stream)
     except OSError as error:
         raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
     except _NoHeaderError as error:
-        raise DrawbarError(f"{file}: holds no {HEADER_NAME}; {advice}") from error
+        raise DrawbarError(f"{file}: holds no {HEADER_NAME}{error}; {advice}") from error
     except _DAMAGE as error:
         raise DrawbarError(f"{file}: is damaged, or no log of drawbar ({error}); {advice}") from error
 
@@ -290,34 +316,87 @@ class _NoHeaderError(Exception):
 
 
 def _parts(records: Iterator[Logged]) -> LogParts:
-    header = next((r.data for r in records if isinstance(r, Attachment) and r.name == HEADER_NAME), None)
+    before = list[Damage]()
+    header, outcome, losses = None, _KILLED, _Losses()
+    for record in records:
+        if isinstance(record, Damage):
+            before.append(record)
+        elif isinstance(record, Attachment) and record.name == HEADER_NAME:
+            header = record.data
+            break
     if header is None:
-        raise _NoHeaderError
-    outcome = _KILLED
+        raise _NoHeaderError("".join(f"; {damage}" for damage in before))
+    damaged = [f"{damage}: they hold what was known before the first step" for damage in before]
+    losses.texts += damaged
 
     def steps() -> Iterator[LoggedMessage]:
         nonlocal outcome
         for record in records:
             if isinstance(record, LoggedMessage):
                 if record.topic == STEP_TOPIC:
+                    losses.see(record.sequence)
                     yield record
             elif isinstance(record, Metadata) and record.name == OUTCOME_NAME:
-                outcome = Outcome(finished=record.metadata["finished"] == "true", reason=record.metadata["reason"])
+                told = _outcome(record.metadata)
+                outcome = told or outcome
+                losses.texts += [] if told else ["how the run ended is damaged"]
+            elif isinstance(record, Damage):
+                losses.add(record)
+        losses.end()
 
-    decoded = msgspec.json.decode(header, type=RunHeader, dec_hook=_decode_special)
-    return LogParts(header=decoded, steps=steps(), outcome=lambda: outcome)
+    try:
+        decoded = msgspec.json.decode(header, type=RunHeader, dec_hook=_decode_special)
+    except (msgspec.MsgspecError, ValueError) as error:
+        raise DamagedLogError("; ".join(damaged) or str(error)) from error
+    return LogParts(header=decoded, steps=steps(), outcome=lambda: outcome, losses=lambda: tuple(losses.texts))
+
+
+def _outcome(told: Mapping[str, str]) -> Outcome | None:
+    """Return how a run ended; None: that is damaged."""
+    if told.get("finished") not in ("true", "false") or "reason" not in told:
+        return None
+    return Outcome(finished=told["finished"] == "true", reason=told["reason"])
+
+
+class _Losses:
+    """Tells which steps were lost where a log is damaged."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self._last, self._open = -1, list[Damage]()
+
+    def add(self, damage: Damage) -> None:
+        self._open.append(damage)
+
+    def see(self, step: int) -> None:
+        """Take in that a step was read."""
+        if self._open:
+            first, last = self._last + 1, step - 1
+            lost = f"step {first} is lost" if first == last else f"steps {first} to {last} are lost"
+            self._say(lost if first <= last else "no step is lost" if first == step else "steps may be lost")
+        self._last = step
+
+    def end(self) -> None:
+        """Take in that no step follows."""
+        if self._open:
+            self._say(f"what came after step {self._last} is lost" if self._last >= 0 else "no step is left")
+
+    def _say(self, lost: str) -> None:
+        self.texts.append(f"{'; '.join(map(str, self._open))}: {lost}")
+        self._open.clear()
 
 
 def read_log(file: str | os.PathLike[str]) -> RunLog:
-    """Read the log of a run; a last record cut off by a crash is left out.
+    """Read the log of a run; a last record cut off by a crash is left out, and what is damaged is told by its losses.
 
-    Raises DrawbarError when the file cannot be read, is no log, or is damaged elsewhere than at its end.
+    Raises DrawbarError when the file cannot be read or is no log, or what is known before the first step is damaged.
     """
     with open_log(demand_path("file", file)) as log:
-        messages = [(decode_step(message.data), message.publish_time * 1e-9) for message in log.steps]
+        messages = [(decode_step(message), message.publish_time * 1e-9) for message in log.steps]
         return RunLog(
             header=log.header,
             records=tuple(record for record, _ in messages),
             wall_time=np.array([time for _, time in messages]),
             outcome=log.outcome(),
+            losses=log.losses(),
         )

@@ -1,4 +1,7 @@
-"""Recorder of every control step, in a log that survives a crash: MCAP, compressed chunks, flushed after each step."""
+"""Recorder of every control step, in a log that survives a crash: MCAP, compressed chunks, readable while they grow.
+
+A step is written as the bytes that C made of it, behind the four that say that they are CDR.
+"""
 
 import math
 import os
@@ -10,29 +13,26 @@ from typing import Self
 import msgspec
 
 from drawbar.errors import StorageError, demand, demand_path
-from drawbar.recording.blocks import StepColumns
 from drawbar.recording.chunks import LEVEL, ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
-from drawbar.recording.schema import json_schema
 from drawbar.signals import StepRecord
+from drawbar.step.layout import HEAD, packed, step_schema
 
 _LATEST = 2**64 - 1
 """the last time that MCAP can hold, ns"""
-JSON = "jsonschema"
-"""how schemas of JSON are written"""
-
-
-def step_schema() -> tuple[str, bytes]:
-    """Return name and JSON schema of a step."""
-    return "drawbar.StepRecord", json_schema(StepRecord)
+STEP_NAME, DEFINITION, CDR = "drawbar/msg/StepRecord", "ros2msg", "cdr"
+"""name of a step's schema, how that is written, and how a step is"""
+_HELD_BACK = 20_000_000
+"""how long a step may wait before it reaches the operating system, ns"""
 
 
 class Recorder:
     """The log of one run as a context: open at construction, complete with its outcome on leaving.
 
-    Each step reaches the operating system before `write` returns, so that a killed process leaves a log that
-    is readable up to its last step. An exception that leaves the context becomes the outcome and travels on;
-    leaving without one means that the run drove its path to the end.
+    A step that comes 20 ms after the one before, or later, reaches the operating system before `write` returns; where
+    steps come faster, as in simulation, those of the last 20 ms may wait. A killed process leaves a log that is
+    readable up to there. An exception that leaves the context becomes the outcome and travels on; leaving without one
+    means that the run drove its path to the end.
     """
 
     def __init__(self, file: str | os.PathLike[str], header: RunHeader, *, level: int = LEVEL) -> None:
@@ -48,7 +48,8 @@ class Recorder:
             DrawbarError: an argument is none.
         """
         self._file, self._steps = demand_path("file", file), 0
-        self._time, self._zero = 0, math.nan
+        self._time, self._zero, self._flushed = 0, math.nan, 0
+        self._channel: int | None = None
         demand("header", header, RunHeader, "give that of Simulation.header() or run_header()")
         try:
             self._stream = self._file.open("wb")
@@ -61,36 +62,39 @@ class Recorder:
             raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
 
     def _begin(self, header: RunHeader, level: int) -> None:
-        self._encoder = msgspec.json.Encoder(enc_hook=encode_special)
-        self._columns = StepColumns()
-        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=level, beside=self._columns.take)
-        self._writer.add_attachment(
-            HEADER_NAME, "application/json", self._encoder.encode(header), created=time.time_ns()
-        )
-        name, data = step_schema()
-        schema = self._writer.add_schema(name, JSON, data)
-        self._channel = self._writer.add_channel(STEP_TOPIC, "json", schema)
+        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=level)
+        data = msgspec.json.encode(header, enc_hook=encode_special)
+        self._writer.add_attachment(HEADER_NAME, "application/json", data, created=time.time_ns())
 
     def write(self, record: StepRecord) -> None:
         """Append one step; its time is that of its measurement, counted from the first one where that is negative.
 
-        Raises StorageError when it cannot be written; the steps before it are.
+        Raises:
+            StorageError: it cannot be written; the steps before it are.
+            SignalError: the record holds what is no number.
         """
-        now = time.time_ns()
+        data, now = packed(record), time.monotonic_ns()
         try:
-            data = self._encoder.encode(record)
-            self._columns.add(record, now)
+            if self._channel is None:
+                self._channel = self._open_steps(len(record.plan.tractor.steerings))
             self._writer.add_message(
                 self._channel,
-                data,
+                HEAD + data,
                 sequence=record.step,
                 log_time=self._log_time(record.measurement.time),
-                publish_time=now,
+                publish_time=time.time_ns(),
             )
-            self._writer.flush()
+            if now - self._flushed >= _HELD_BACK:
+                self._writer.flush()
+                self._flushed = now
         except OSError as error:
             raise self._full(error) from error
         self._steps += 1
+
+    def _open_steps(self, stages: int) -> int:
+        """Open the channel of the steps, whose plans have so many stages; return its number."""
+        schema = self._writer.add_schema(STEP_NAME, DEFINITION, step_schema(stages).encode())
+        return self._writer.add_channel(STEP_TOPIC, CDR, schema)
 
     def _log_time(self, seconds: float) -> int:
         """Return a time as MCAP holds it, ns from zero on; the last one again where a clock tells none."""

@@ -39,6 +39,7 @@ def summary(metrics: Metrics) -> RenderableType:
         f"solver failures: {metrics.solver_failures}, commands limited: {metrics.limited_commands}, "
         f"refused: {metrics.refused_commands}",
         *([Text(doubt, "bold yellow")] if doubt else []),
+        *(Text(f"log: {loss}", "bold yellow") for loss in metrics.losses),
         "",
         _table(f"{error_name(metrics)}, cm", error_columns, error_rows(metrics)),
         "",

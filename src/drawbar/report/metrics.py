@@ -77,6 +77,8 @@ class Metrics:
     finished: bool
     outcome: str
     """how the run ended, in words"""
+    losses: tuple[str, ...] = ()
+    """what of the log is damaged, and which steps are lost by that"""
     duration_s: float
     """by the clock of the measurements"""
     length_m: float
@@ -222,6 +224,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         seed=log.header.seed,
         finished=log.outcome.finished,
         outcome=log.outcome.reason,
+        losses=log.losses,
         duration_s=duration,
         length_m=_span(along(log, "tractor")),
         real_time_factor=_share(duration, wall_time),

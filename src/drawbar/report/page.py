@@ -90,7 +90,7 @@ def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors]) -> s
         facts=escape(f"{started} · configuration {metrics.config} · seed {metrics.seed} · {log.steps} steps"),
         note=escape(log.header.path_note),
         state="" if metrics.finished else "stopped",
-        outcome=escape(f"{ending}: {metrics.outcome}"),
+        outcome=escape("; ".join([f"{ending}: {metrics.outcome}", *metrics.losses])),
         tiles="".join(tiles),
         tables=_tables(metrics),
         sections="\n".join(_section_html(section) for section in sections),

@@ -1,6 +1,7 @@
 """The record of a step: all its signals, what a simulation knows besides, and how long the solvers took."""
 
 from dataclasses import dataclass, field
+from functools import partial
 
 from drawbar.signals.inner import BodySteering, Places, Plan
 from drawbar.signals.public import Actuation, Command, Estimate, Measurement, Pose
@@ -56,7 +57,7 @@ class SolveTimes:
     feedback: float
 
 
-@as_struct
+@partial(as_struct, keeps=True)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepRecord:
     """Everything one control step took in, decided and put out."""

@@ -22,11 +22,11 @@ class Autopilot:
     def __init__(self, library: StepLibrary, horizon: int, external: External | None = None) -> None:
         """Take the library, the number of stages in its plans and, where there is one, the user's own controller."""
         self.library, self._external = library, external
-        self._given, self._taken = _MEASUREMENT.buffer(), _COMMAND.buffer()
+        self._reader = RecordReader(library, horizon)
+        self._given, self._taken = self._reader.measurement, self._reader.command
         self._feedback = library.function("feedback", self._given, self._taken)
         self.prepare = library.function("prepare")
         """does what can be done before the next measurement; returns a Status"""
-        self._reader = RecordReader(library, horizon)
         self._measurement: Measurement | None = None
         self._command: Command | None = None
         self._number = -1

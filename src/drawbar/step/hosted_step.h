@@ -6,29 +6,40 @@
 #include "components.h"
 
 #define DEVIATIONS_RECORDED 4
-#define PREDICTED 1e4                      /* predictions are recorded to its inverse, m and rad */
+#define PREDICTED 8192.0                   /* places in a metre or radian that predictions are recorded to */
+#define TIMES_RECORDED 0x1p30              /* places in a second that the solvers' times are */
 
-/* How a body's reference and plan are recorded, without what has the length of the horizon. */
-struct recorded_reference {
+struct recorded_place {
     double progress, lateral_error, closest[4];
 };
 
+/* Predictions are in single precision: they are half of a record. */
 struct recorded_plan {
-    double steering, deviation[DEVIATIONS_RECORDED];
+    double steering;
+    float poses[DRAWBAR_STAGES + 1][3], steerings[DRAWBAR_STAGES];
+    double deviation[DEVIATIONS_RECORDED];
     int32_t status, deviations;
 };
 
-/* The newest step; what it did not come to is NaN. DRAWBAR_STAGES is the controllers' horizon. */
+/* The newest step, as StepRecord declares it, numbers smaller than a double last (layout.py). What it did not come to is
+ * NaN. DRAWBAR_STAGES is the controllers' horizon. */
 struct drawbar_record {
+    struct drawbar_measurement measurement;        /* Python's, as is the command: drawbar_feedback is called with them */
     struct drawbar_estimate estimate;
-    struct drawbar_diagnostics diagnostics;
+    struct {
+        double time;
+        struct recorded_place bodies[BOTH_BODIES];
+    } reference;
+    struct {
+        double time;
+        struct recorded_plan bodies[BOTH_BODIES];
+    } plan;
     struct drawbar_body_steering steerings[BOTH_BODIES];
-    struct recorded_reference references[BOTH_BODIES];
-    struct recorded_plan plans[BOTH_BODIES];
+    struct drawbar_command command;
+    struct drawbar_truth truth;                    /* Python's, as is the number of the step */
     double times[3][2];
     struct drawbar_actuation actuation;
-    double poses[BOTH_BODIES][DRAWBAR_STAGES + 1][3];
-    double planned[BOTH_BODIES][DRAWBAR_STAGES];
+    int32_t step, solver_failures, gate, status, flags;
 };
 
 static void unknown(double *values, size_t bytes)
@@ -37,56 +48,62 @@ static void unknown(double *values, size_t bytes)
         values[i] = NAN;
 }
 
-/* Predictions are a third of a record; their digits beyond would be half of a log. */
-static void record_prediction(double *recorded, const double *made, size_t bytes)
+/* The nearest of so many places in one, a power of two: what has few digits takes few bytes of a log. */
+static double on_grid(double value, double places)
+{
+    return rint(value * places) / places;
+}
+
+static void record_prediction(float *recorded, const double *made, size_t bytes)
 {
     for (size_t i = 0; i < bytes / sizeof *recorded; ++i)
-        recorded[i] = rint(made[i] * PREDICTED) / PREDICTED;
+        recorded[i] = (float)(made != NULL ? on_grid(made[i], PREDICTED) : NAN);
 }
 
-static void record_reference(const struct autopilot *a, int i, struct drawbar_record *record)
+static void record_place(const struct autopilot *a, int i, struct recorded_place *place)
 {
     const struct drawbar_body_reference *made = &a->made.references[i];
-    struct recorded_reference *reference = &record->references[i];
 
     if (a->reached < WITH_REFERENCES) {
-        unknown((double *)reference, sizeof *reference);
+        unknown((double *)place, sizeof *place);
         return;
     }
-    reference->progress = made->progress;
-    reference->lateral_error = made->lateral_error;
-    memcpy(reference->closest, made->closest, sizeof reference->closest);
+    place->progress = made->progress;
+    place->lateral_error = made->lateral_error;
+    memcpy(place->closest, made->closest, sizeof place->closest);
 }
 
-static void record_plan(const struct autopilot *a, int i, struct drawbar_record *record)
+static void record_plan(const struct autopilot *a, int i, struct recorded_plan *plan)
 {
-    const struct drawbar_body_plan *made = &a->made.plans[i];
-    struct recorded_plan *plan = &record->plans[i];
+    static const struct drawbar_body_plan none = {.steering = NAN, .status = BAD_INPUT};
+    const struct drawbar_body_plan *made = a->reached < WITH_PLANS ? &none : &a->made.plans[i];
 
-    if (a->reached < WITH_PLANS) {
-        unknown(&record->poses[i][0][0], sizeof record->poses[i]);
-        unknown(record->planned[i], sizeof record->planned[i]);
-        unknown(&plan->steering, sizeof plan->steering);
-        plan->status = BAD_INPUT;
-        plan->deviations = 0;
-        return;
-    }
     plan->steering = made->steering;
     plan->status = made->status;
     plan->deviations = made->deviations;
+    unknown(plan->deviation, sizeof plan->deviation);
     if (made->deviations > 0)
         memcpy(plan->deviation, made->deviation, (size_t)made->deviations * sizeof *made->deviation);
-    record_prediction(&record->poses[i][0][0], &made->poses[0][0], sizeof record->poses[i]);
-    record_prediction(record->planned[i], made->steerings, sizeof record->planned[i]);
+    record_prediction(&plan->poses[0][0], made->poses != NULL ? &made->poses[0][0] : NULL, sizeof plan->poses);
+    record_prediction(plan->steerings, made->steerings, sizeof plan->steerings);
 }
 
-static void record_steering(const struct autopilot *a, int i, struct drawbar_record *record)
+static void record_steering(const struct autopilot *a, int i, struct drawbar_body_steering *steering)
 {
-    record->steerings[i] = a->made.steerings[i];
+    *steering = a->made.steerings[i];
     if (a->reached < WITH_PLANS) {
-        unknown(&record->steerings[i].nominal, offsetof(struct drawbar_body_steering, saturated));
-        record->steerings[i].saturated = 0;
+        unknown(&steering->nominal, offsetof(struct drawbar_body_steering, saturated));
+        steering->saturated = 0;
     }
+}
+
+static int solver_failures(const struct drawbar_record *record, int estimator)
+{
+    int failures = estimator != SOLVED;
+
+    for (int i = 0; i < BOTH_BODIES; ++i)
+        failures += record->plan.bodies[i].status != SOLVED;
+    return failures;
 }
 
 DRAWBAR_API int drawbar_get_record(const struct drawbar_state *state, struct drawbar_record *record)
@@ -96,14 +113,19 @@ DRAWBAR_API int drawbar_get_record(const struct drawbar_state *state, struct dra
     record->estimate = a->made.estimate;
     if (a->reached < WITH_ESTIMATE)
         unknown(&record->estimate.time, offsetof(struct drawbar_estimate, status));
-    record->diagnostics = a->diagnostics;
+    record->reference.time = record->plan.time = record->estimate.time;
     for (int i = 0; i < BOTH_BODIES; ++i) {
-        record_steering(a, i, record);
-        record_reference(a, i, record);
-        record_plan(a, i, record);
+        record_place(a, i, &record->reference.bodies[i]);
+        record_plan(a, i, &record->plan.bodies[i]);
+        record_steering(a, i, &record->steerings[i]);
     }
-    memcpy(record->times, a->times, sizeof record->times);
+    for (int i = 0; i < 3 * 2; ++i)
+        record->times[i / 2][i % 2] = on_grid(a->times[i / 2][i % 2], TIMES_RECORDED);
     record->actuation = a->known;
+    record->solver_failures = solver_failures(record, a->diagnostics.estimator);
+    record->gate = a->diagnostics.gate;
+    record->status = a->diagnostics.status;
+    record->flags = a->diagnostics.flags;
     return DRAWBAR_OK;
 }
 
