@@ -43,6 +43,27 @@ def test_a_prepared_process_does_not_collect_and_says_what_it_could_not_have():
         assert "LimitMEMLOCK" in word or "LimitRTPRIO" in word, "each says what to do"
 
 
+@pytest.mark.parametrize(("seconds", "first", "said"), [(0.05, True, False), (1.0, False, True)])
+def test_a_process_that_is_flooded_steps_back_and_one_that_is_not_does_not(seconds, first, said):
+    code = (
+        "import os, sys, time\nfrom drawbar.realtime import schedule_first, step_back_when_busy\n"
+        "words = schedule_first(10)\nstep_back_when_busy(0.2, 'too much comes')\n"
+        "sys.stderr = sys.stdout\n"
+        "for _ in range(8):\n"
+        f"    end = time.process_time() + {seconds} / 8\n"
+        "    while time.process_time() < end:\n        pass\n"
+        f"    time.sleep(0.001 if {first} else 0)\n"
+        "print(words, os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_FIFO, sep='\\n')\n"
+    )
+    lines = in_a_child(code)
+    allowed = "" in lines[:1] or lines[1] == ""
+    if "not scheduled" in "".join(lines):
+        pytest.skip("real-time scheduling is not allowed here")
+    assert ("too much comes; no longer scheduled in real time" in lines) is said
+    assert (lines[-2] == "True") is first
+    assert allowed
+
+
 def test_without_a_priority_the_scheduling_stays():
     code = (
         "import os\nfrom drawbar.realtime import prepare\n"
