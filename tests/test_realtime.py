@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from drawbar.realtime import Notifier, prepare, suspended_time
+from drawbar.realtime import Notifier, prefer, prepare, suspended_time
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real time is supported on Linux")
 
@@ -41,6 +41,20 @@ def test_a_prepared_process_does_not_collect_and_says_what_it_could_not_have():
     assert (locked == "True") == ("memory is not locked" not in said)
     for word in filter(None, words):
         assert "LimitMEMLOCK" in word or "LimitRTPRIO" in word, "each says what to do"
+
+
+def test_a_process_is_preferred_or_says_what_forbids_it(monkeypatch):
+    code = "import os\nfrom drawbar.realtime import prefer\nprint(prefer(-5))\nprint(os.getpriority(0, 0))\n"
+    word, niceness, *_ = in_a_child(code)
+    assert (niceness == "-5") == (word == "")
+
+    def forbidden(*args):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "setpriority", forbidden)
+    assert prefer(-5).endswith("allow it (LimitNICE=-5 in systemd, CAP_SYS_NICE)")
+    monkeypatch.delattr(os, "setpriority")
+    assert prefer(-5) == ""
 
 
 @pytest.mark.parametrize(("seconds", "first", "said"), [(0.05, True, False), (1.0, False, True)])

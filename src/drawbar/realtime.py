@@ -68,6 +68,23 @@ def schedule_first(priority: int) -> str:
     return ""
 
 
+def prefer(niceness: int) -> str:
+    """Give this process and its later threads more of a busy computer than others; return what forbids it, or nothing.
+
+    niceness: -20, the most, to 19.
+    """
+    if not hasattr(os, "setpriority"):
+        return ""
+    try:
+        os.setpriority(os.PRIO_PROCESS, 0, niceness)
+    except OSError as error:
+        return (
+            f"gets no more of this computer than others ({error.strerror}): it may not keep up when they are busy; "
+            f"allow it (LimitNICE={niceness} in systemd, CAP_SYS_NICE)"
+        )
+    return ""
+
+
 def step_back_when_busy(longest: float, why: str) -> None:
     """Have this process scheduled as any other from when it has been busy for a time (s) without waiting, and say so.
 
