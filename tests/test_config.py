@@ -194,6 +194,11 @@ def test_missing_keys_are_named(write: Write) -> None:
     )
 
 
+def test_a_missing_entry_of_a_list_is_named(write: Write) -> None:
+    valve = "[devices.isobus.trailer_valve]\ncurvature = [[0.0, 0.0], [0.3]]\n"
+    assert "  devices.isobus.trailer_valve.curvature.1.1 = [0.3]: is missing" in refusal(write(SMALLEST + valve))
+
+
 @pytest.mark.parametrize("double", ['name = "a"\nname = "b"', "[vehicle]\n[vehicle]", "speed = 1.0\nspeed.x = 1"])
 def test_a_duplicate_key_is_refused_with_its_line(write: Write, double: str) -> None:
     file = write(double + "\nspeed = 1.0\n")

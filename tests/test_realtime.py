@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from drawbar.realtime import Notifier, prepare, suspended_time
+from drawbar.realtime import Notifier, prefer, prepare, suspended_time
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real time is supported on Linux")
 
@@ -41,6 +41,41 @@ def test_a_prepared_process_does_not_collect_and_says_what_it_could_not_have():
     assert (locked == "True") == ("memory is not locked" not in said)
     for word in filter(None, words):
         assert "LimitMEMLOCK" in word or "LimitRTPRIO" in word, "each says what to do"
+
+
+def test_a_process_is_preferred_or_says_what_forbids_it(monkeypatch):
+    code = "import os\nfrom drawbar.realtime import prefer\nprint(prefer(-5))\nprint(os.getpriority(0, 0))\n"
+    word, niceness, *_ = in_a_child(code)
+    assert (niceness == "-5") == (word == "")
+
+    def forbidden(*args):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "setpriority", forbidden)
+    assert prefer(-5).endswith("allow it (LimitNICE=-5 in systemd, CAP_SYS_NICE)")
+    monkeypatch.delattr(os, "setpriority")
+    assert prefer(-5) == ""
+
+
+@pytest.mark.parametrize(("seconds", "first", "said"), [(0.05, True, False), (1.0, False, True)])
+def test_a_process_that_is_flooded_steps_back_and_one_that_is_not_does_not(seconds, first, said):
+    code = (
+        "import os, sys, time\nfrom drawbar.realtime import schedule_first, step_back_when_busy\n"
+        "words = schedule_first(10)\nstep_back_when_busy(0.2, 'too much comes')\n"
+        "sys.stderr = sys.stdout\n"
+        "for _ in range(8):\n"
+        f"    end = time.process_time() + {seconds} / 8\n"
+        "    while time.process_time() < end:\n        pass\n"
+        f"    time.sleep(0.001 if {first} else 0)\n"
+        "print(words, os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_FIFO, sep='\\n')\n"
+    )
+    lines = in_a_child(code)
+    allowed = "" in lines[:1] or lines[1] == ""
+    if "not scheduled" in "".join(lines):
+        pytest.skip("real-time scheduling is not allowed here")
+    assert ("too much comes; no longer scheduled in real time" in lines) is said
+    assert (lines[-2] == "True") is first
+    assert allowed
 
 
 def test_without_a_priority_the_scheduling_stays():

@@ -7,6 +7,7 @@ elsewhere the collector alone is stopped. Without numpy.
 import ctypes
 import gc
 import os
+import signal
 import socket
 import sys
 import time
@@ -65,6 +66,41 @@ def schedule_first(priority: int) -> str:
             f"busy; allow it (LimitRTPRIO=60 in systemd, CAP_SYS_NICE)"
         )
     return ""
+
+
+def prefer(niceness: int) -> str:
+    """Give this process and its later threads more of a busy computer than others; return what forbids it, or nothing.
+
+    niceness: -20, the most, to 19.
+    """
+    if not hasattr(os, "setpriority"):
+        return ""
+    try:
+        os.setpriority(os.PRIO_PROCESS, 0, niceness)
+    except OSError as error:
+        return (
+            f"gets no more of this computer than others ({error.strerror}): it may not keep up when they are busy; "
+            f"allow it (LimitNICE={niceness} in systemd, CAP_SYS_NICE)"
+        )
+    return ""
+
+
+def step_back_when_busy(longest: float, why: str) -> None:
+    """Have this process scheduled as any other from when it has been busy for a time (s) without waiting, and say so.
+
+    For a process that can be flooded from outside: scheduled first, it would starve all others.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    import resource
+
+    def step_back(number: int, frame: object) -> None:
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        say(f"{why}; no longer scheduled in real time")
+
+    signal.signal(signal.SIGXCPU, step_back)
+    _, most = resource.getrlimit(resource.RLIMIT_RTTIME)
+    resource.setrlimit(resource.RLIMIT_RTTIME, (round(longest * 1e6), most))
 
 
 def suspended_time() -> float:

@@ -36,9 +36,14 @@ def _key(problem: Any, data: Any) -> str:
     """
     parts = []
     for part in problem["loc"]:
-        if (isinstance(data, dict) and part in data) or (isinstance(data, list) and isinstance(part, int)):
+        if (isinstance(data, dict) and part in data) or _is_place(part, data):
             data = data[part]
             parts.append(part)
     if problem["type"] == "missing":
         parts.append(problem["loc"][-1])
     return ".".join(map(str, parts))
+
+
+def _is_place(part: Any, data: Any) -> bool:
+    """Whether a list has something at this place; where an entry is missing, it has not."""
+    return isinstance(data, list) and isinstance(part, int) and part < len(data)

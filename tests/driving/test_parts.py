@@ -126,7 +126,7 @@ def test_mail_is_never_waited_for_and_what_nobody_takes_is_counted(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_posted_arrives_in_order_however_late_it_is_read(tmp_path):
+def test_what_is_posted_arrives_in_order_however_late_it_is_read(tmp_path, capfd):
     one, other = Mailbox(str(tmp_path / "1")), Mailbox(str(tmp_path / "2"))
     sent = [bytes((number % 256,)) * 2000 for number in range(1500)]
     for data in sent:
@@ -141,6 +141,9 @@ def test_what_is_posted_arrives_in_order_however_late_it_is_read(tmp_path):
     for _ in range(MOST_KEPT // 2000 + 1000):
         one.post(str(tmp_path / "2"), bytes(2000))
     assert one.lost > 0
+    assert (
+        capfd.readouterr().err == "1: the 2 does not keep up, and what it has not taken is lost; end other programs\n"
+    )
     for each in (other, one):
         each.close()
 

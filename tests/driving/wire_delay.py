@@ -30,6 +30,8 @@ from drawbar.messages import CommandMessage, ControllerState, Fixes, Mode
 from drawbar.protocols.agopengps.steer_board import SET_POINT
 from drawbar.recording.drive_records import Happening, Kind, open_drive
 from drawbar.recording.log import LOG_NAME
+from drawbar.transports.clock import StampConverter
+from drawbar.transports.udp import SO_TIMESTAMPNS, STAMP
 
 LINE = ["path.radii=[12.0, 12.0, 12.0, 12.0, 12.0, 12.0]", "path.straight_length=100.0"]
 OUTGOING, UDP, EVERYTHING = 4, 17, 3
@@ -61,6 +63,8 @@ class Wire:
         self._socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(EVERYTHING))
         self._socket.bind(("lo", 0))
         self._socket.settimeout(0.2)
+        self._socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
+        self._stamps = StampConverter()
         self._ended = False
         self._thread = threading.Thread(target=self._listen)
         self._thread.start()
@@ -68,16 +72,22 @@ class Wire:
     def _listen(self) -> None:
         while not self._ended:
             try:
-                packet, place = self._socket.recvfrom(2048)
+                packet, ancillary, _, place = self._socket.recvmsg(2048, socket.CMSG_SPACE(STAMP.size))
             except TimeoutError:
                 continue
-            now, internet = time.monotonic_ns(), packet[14:]
+            internet = packet[14:]
             datagram = internet[(internet[0] & 15) * 4 :]
             if place[2] == OUTGOING or internet[9] != UDP:
                 continue
             (port,), data = struct.unpack(">H", datagram[2:4]), datagram[8:]
             if port in self.ports and data.startswith(SET_POINT):
-                self.seen.append(SetPoint(now, port, data[7] == 1, *struct.unpack("<h", data[8:10])))
+                self.seen.append(SetPoint(self._time(ancillary), port, data[7] == 1, *struct.unpack("<h", data[8:10])))
+
+    def _time(self, ancillary: list[tuple[int, int, bytes]]) -> int:
+        """Return when the kernel had a datagram, ns: this listener has to wait for a busy computer."""
+        ((_, _, stamp),) = ancillary
+        seconds, nanoseconds = STAMP.unpack(stamp)
+        return round(1e9 * self._stamps.monotonic(seconds + 1e-9 * nanoseconds))
 
     def close(self) -> None:
         self._ended = True
@@ -140,11 +150,15 @@ def _described(log: Path, seen: list[SetPoint]) -> str:
                 if not commands or angle != commands[-1][1]:  # the controller repeats the last one while it waits
                     commands.append((record.time, angle))
     times = np.array([first for _, first in epochs])
-    waits, missing, missed, told_at = list[float](), 0, 0, attrgetter("time")
+    waits, same, missing, missed, told_at = list[float](), 0, 0, 0, attrgetter("time")
     for left, angle in commands:
         first = times[times.searchsorted(left) - 1]
         if misses[bisect_left(misses, left) - 1] > first:
             missed += 1
+            continue
+        before = seen[: bisect_left(seen, left, key=told_at)][-1:]
+        if any(abs(each.angle - angle) <= STEP for each in before):  # the board turns there already
+            same += 1
             continue
         soon = seen[bisect_left(seen, left - 1e6, key=told_at) : bisect_left(seen, left + 1e9 * SOON, key=told_at)]
         frames = (each.time for each in soon if each.steers and abs(each.angle - angle) <= STEP)
@@ -156,7 +170,7 @@ def _described(log: Path, seen: list[SetPoint]) -> str:
     median, most, largest = np.percentile(waits, [50, 99, 100])
     words = (
         f"median {median:.1f} ms, p99 {most:.1f}, largest {largest:.1f} of {len(waits)}; "
-        f"{missing} limited or left out, {missed} without their epoch"
+        f"{same} as the one before, {missing} limited or left out, {missed} without their epoch"
     )
     return f"{words}; {late} late steps; load {os.getloadavg()[0]:.1f}"
 

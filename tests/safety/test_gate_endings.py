@@ -9,6 +9,7 @@ from drawbar.messages import Action, Mode
 from drawbar.protocols.actuator import Readiness
 from drawbar.safety.causes import BY_READINESS, Cause
 from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, ESTOP, FAULT, OVERRIDE, STANDBY, STOPPED, STOPPING
+from drawbar.statuses import Status
 
 
 def let_go_within(bench, seconds):
@@ -97,6 +98,7 @@ STOPS = {
     "trailer's line": (lambda b: b.controller.update(trailer_lateral_error=-1.6), Cause.LINE_LOST),
     "line unknown": (lambda b: b.controller.update(trailer_lateral_error=math.nan), Cause.LINE_LOST),
     "position": (lambda b: b.controller.update(lateral_deviation=0.31), Cause.POSITION_LOST),
+    "swapped": (lambda b: b.controller.update(status=int(Status.BACKWARDS)), Cause.RECEIVERS_SWAPPED),
     "controller": (lambda b: setattr(b, "command", {"mode": Mode.STOP}), Cause.CONTROLLER_STOPS),
     "operator": (lambda b: b.ask(Action.STOP), Cause.OPERATOR_STOPS),
     "console": (lambda b: setattr(b, "operator", False), Cause.NO_OPERATOR),

@@ -79,15 +79,19 @@ def test_its_pace_counts_from_the_last_tick_and_missed_ticks_are_left_out(loop):
     assert min(after - before for before, after in itertools.pairwise(ticks)) > 0.01, "no burst"
 
 
-def test_the_tick_after_a_command_comes_between_it_and_the_next_one(loop):
+@pytest.mark.parametrize(("since", "following"), [(0.02, 0.025), (0.01, 0.0125)])
+def test_the_tick_after_a_command_comes_between_it_and_the_next_one_and_soon_after_one_just_before(
+    loop, since, following
+):
     bench, ticks = Bench(), []
     hear, tick = bench.gate.hear, bench.gate.tick
-    bench.gate.hear = lambda now: hear(now) | (len(ticks) == 10)
+    bench.gate.hear = lambda now: hear(now) | (len(ticks) == 10 and now - ticks[-1] >= since)
     bench.gate.tick = lambda now, late: ticks.append(now) or tick(now, late)
     end_at(bench, 0.8, lambda: setattr(bench.gate.watch.troubles, "ended", True))
     loop(bench)
     gaps = [after - before for before, after in itertools.pairwise(ticks)]
-    assert gaps[10] == pytest.approx(0.025, abs=1e-3)
+    assert gaps[9] == pytest.approx(since, abs=1e-3)
+    assert gaps[10] == pytest.approx(following, abs=1e-3)
     assert gaps[11:13] == pytest.approx([0.05, 0.05], abs=1e-3)
 
 

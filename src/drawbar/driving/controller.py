@@ -9,6 +9,7 @@ from drawbar.driving.doubts import Doubts
 from drawbar.driving.drift import Drift
 from drawbar.driving.driven_line import DrivenLine
 from drawbar.driving.hindsight import Hindsight
+from drawbar.driving.swapped import Swapped
 from drawbar.errors import PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
@@ -52,7 +53,7 @@ class Controller:
         self.sureness = Certainty()
         """of the newest estimate"""
         self._doubts = Doubts(configuration.sanity, configuration.vehicle, configuration.sample_time)
-        self._drift = Drift()
+        self._drift, self._swapped = Drift(), Swapped()
         self._hindsight = Hindsight(self._autopilot, configuration.sample_time)
         self._gate: GateState | None = None
         self._carried = False
@@ -86,6 +87,7 @@ class Controller:
     def hear_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers, also one of no sample."""
         self._drift.hear(fixes)
+        self._swapped.hear(fixes)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
@@ -176,7 +178,7 @@ class Controller:
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(self._trailer_quality(measurement)),
             wiggled=int(self.wiggled),
-            status=int(self._status),
+            status=int(Status.BACKWARDS if self._swapped.exist else self._status),
             flags=int(record.flags),
             solved=self._solved,
             overruns=self._overruns,

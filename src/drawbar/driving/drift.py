@@ -119,12 +119,12 @@ class Drift:
     def hear(self, fixes: Fixes) -> None:
         """Take in an epoch."""
         time = seconds(fixes.epoch)
-        tractor = self._tractor.add(time, *_moved(fixes, "tractor"))
-        trailer = self._trailer.add(time, *_moved(fixes, "trailer"))
+        tractor = self._tractor.add(time, *fixed_motion(fixes, "tractor"))
+        trailer = self._trailer.add(time, *fixed_motion(fixes, "trailer"))
         self._contradictions = self._contradictions + 1 if tractor and trailer else 0
 
 
-def _moved(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:
+def fixed_motion(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:
     """Return place (m) and velocity (m/s) of an antenna, NaN unless its ambiguities are fixed."""
     if getattr(fixes, f"{body}_quality") != FixQuality.FIXED:
         return math.nan, math.nan, (math.nan, math.nan)

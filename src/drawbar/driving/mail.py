@@ -6,6 +6,8 @@ import time
 from collections import deque
 from collections.abc import Iterator
 
+from drawbar.realtime import say
+
 LARGEST = 1 << 17
 """bytes of a datagram, at most"""
 MOST_KEPT = 1 << 22
@@ -33,6 +35,7 @@ class Mailbox:
         self._socket.bind(path)
         self._kept: deque[tuple[str, bytes]] = deque()
         self._kept_bytes = 0
+        self._told = False
         self.lost = 0
         """datagrams that were not taken"""
 
@@ -66,6 +69,14 @@ class Mailbox:
         while self._kept_bytes > MOST_KEPT:
             self._kept_bytes -= len(self._kept.popleft()[1])
             self.lost += 1
+            self._tell_loss(path)
+
+    def _tell_loss(self, path: str) -> None:
+        """Say, once, that somebody does not keep up."""
+        if not self._told:
+            self._told = True
+            names = os.path.basename(self._path), os.path.basename(path)
+            say("{}: the {} does not keep up, and what it has not taken is lost; end other programs".format(*names))
 
     def _send_kept(self) -> None:
         while self._kept:

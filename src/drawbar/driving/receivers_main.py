@@ -21,15 +21,17 @@ from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
 from drawbar.messages import Role, nanoseconds, seconds
-from drawbar.realtime import prepare, say
+from drawbar.realtime import prepare, say, step_back_when_busy
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.transports.base import Received, Transport
 from drawbar.transports.clock import Clock
 from drawbar.transports.open import open_transport
 from drawbar.transports.tapped import Direction, TappedTransport
 
-_PRIORITY = 35
-"""of scheduling, below gate and controller, where the bytes are a stand-in's and nobody else can flood it with them"""
+_BELOW_THE_GATE = 15
+"""its priority of scheduling, and so below the controller"""
+_BUSY = 0.5
+"""without waiting for more bytes: it is flooded with them, and scheduled as any other process from then on, s"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
 _DEVICES = (Device.TRACTOR_RECEIVER, Device.TRAILER_RECEIVER)
@@ -57,8 +59,9 @@ def main() -> int:
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     beat, ending = Beat(Role.RECEIVERS, mailbox, orders.socket(GATE)), Ending()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
-    for word in prepare(0 if orders.pace == 1 else _PRIORITY):
+    for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
+    step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
     while not ending.asked:
         now = clock.nanoseconds()
         was_due = navigation.due <= seconds(now)

@@ -17,7 +17,7 @@ from drawbar.errors import DrawbarError
 from drawbar.message_records import Flaw, decode
 from drawbar.messages import KINDS as RECORDS
 from drawbar.messages import GateState, Message, Role
-from drawbar.realtime import say
+from drawbar.realtime import prefer, say
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Order, RawBytes
 from drawbar.recording.header import run_header
@@ -28,6 +28,8 @@ from drawbar.simulation import build_path
 from drawbar.step.layout import unpacked
 from drawbar.transports.clock import MachineClock
 
+_NICENESS = -10
+"""of its scheduling: on a busy computer its share would be too small for what comes, and the log would lack it"""
 _WITHOUT_STEPS = 500_000_000
 """after which what waits is written where no step comes, ns: each time costs some of the compression, and each step
 writes all that came before it"""
@@ -39,6 +41,8 @@ def main() -> int:
     ending, healthy, clock = Ending(), True, orders.clock
     configuration = load_configuration(orders.configuration)
     live = _live(orders.live)
+    if word := prefer(_NICENESS):
+        say(f"recorder: {word}")
     with _log(configuration, orders, live) as log:
         mailbox = Mailbox(orders.socket(RECORDER))  # only now: whoever sees it may send, and nothing is lost
         beat = Beat(Role.RECORDER, mailbox, orders.socket(GATE))

@@ -92,6 +92,7 @@ class Rehearsal:
         )
         self._guard = Guard(safety.timing)
         self._tick, self._due, self._look = safety.timing.tick, 0.0, 0.0
+        self._ticked = -math.inf
         self._records: list[tuple[StepRecord, Truth]] = []
         self._fixes: list[Fixes] = []
         self._states: list[GateState] = []
@@ -189,7 +190,8 @@ class Rehearsal:
         urgent = self.gate.hear(self.time)
         if urgent or self.time >= self._due:
             self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
-            self._due = next_tick(self.time, self._tick, urgent=urgent)
+            self._due = next_tick(self.time, self._tick, self.time - self._ticked, urgent=urgent)
+            self._ticked = self.time
 
     def _hear(self, line: str) -> Callable[[bytes], None]:
         return lambda data: self._lines[line].arrive(self.time, data)

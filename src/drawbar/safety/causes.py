@@ -91,6 +91,8 @@ class Cause(Enum):
         "pull tractor and trailer straighter")
     HITCH_FOLDED = (212, True, Response.RELEASE, "a jackknife is near, or the hitch angle is not known",
         "pull tractor and trailer straight by hand")
+    RECEIVERS_SWAPPED = (213, True, Response.STOP, "the trailer's antenna moves ahead of the tractor's",
+        "drive forwards; if you do, the two receivers are swapped: exchange them in [devices]")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

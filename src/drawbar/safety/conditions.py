@@ -80,6 +80,8 @@ class Observation:
     """the gate was told to end"""
     operator_age: float = math.inf
     """since the last word of the operator who engaged; before that, of any"""
+    backwards: bool = False
+    """the antennas move backwards, by what the controller says"""
     recording: bool = False
     """the recorder is alive and writes"""
     emergency_tried: bool = False
@@ -113,6 +115,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.ACROSS_LINE: lambda o, s: not (o.heading_error <= s.engage.heading_error),
     Cause.HITCH_ANGLE: lambda o, s: not (abs(o.hitch_angle) <= s.engage.hitch_angle),
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
+    Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
     Cause.SPEED_UNKNOWN: lambda o, s: not o.speed_known,

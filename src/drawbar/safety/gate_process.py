@@ -53,16 +53,19 @@ def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, clock: Machi
     """Tick at the gate's pace, counted from the last tick; one that was missed is never caught up in a burst.
 
     After a new command the next tick comes after half of that time, so that commands at 5, 10 and 20 Hz arrive between
-    two ticks, and find actuators that were not told the one before just now.
+    two ticks, and find actuators that were not told the one before just now. One that does find them so waits for a
+    quarter of that time.
     """
     period, due, over, told = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
+    last = -math.inf
     while True:
         time = clock()
         urgent = gate.hear(time)
         if urgent or time >= due:
             gate.tick(time, max(time - due, 0.0))
             notifier.feed(time)
-            due = next_tick(time, period, urgent=urgent)
+            due = next_tick(time, period, time - last, urgent=urgent)
+            last = time
         if gate.engagement.state is not told:
             told = _announce(notifier, told, gate.engagement.state)
         if gate.controller.gone or gate.watch.troubles.ended:
@@ -72,9 +75,18 @@ def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, clock: Machi
         _wait(gate, clock, time, min(due, over))
 
 
-def next_tick(time: float, period: float, *, urgent: bool) -> float:
-    """Return when the tick after one at a time is due, s; urgent: that one came because of something new."""
-    return time + (period / 2.0 if urgent else period)
+def next_tick(time: float, period: float, since: float, *, urgent: bool) -> float:
+    """Return when the tick after one at a time is due, s.
+
+    Args:
+        time: of the tick, s.
+        period: of ticks that come by themselves, s.
+        since: how long after the tick before it came, s.
+        urgent: it came because of something new.
+    """
+    if not urgent:
+        return time + period
+    return time + (period / 4.0 if since < period / 4.0 else period / 2.0)
 
 
 def _announce(notifier: Notifier, told: SupervisorState, state: SupervisorState) -> SupervisorState:

@@ -165,7 +165,7 @@ class TimingSettings(Settings):
     lease: Timeout = 2.0
     """without a word of its holder, after which another operator may engage, s"""
     priority: Annotated[int, Field(ge=0, le=99)] = 50
-    """of the gate's real-time scheduling; 0: none"""
+    """of the gate's real-time scheduling, above the controller's (10 less) and the receivers' (15 less); 0: none"""
 
 
 class SafetySettings(Settings):

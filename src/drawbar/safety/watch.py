@@ -12,7 +12,7 @@ from drawbar.safety.engagement import STEERING
 from drawbar.safety.envelope import is_after
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.speeds import Speeds
-from drawbar.statuses import FixQuality
+from drawbar.statuses import FixQuality, Status
 
 _SKIPPED = 0.5
 """for which a receiver may tell nothing, as where epochs are lost on their way, without having lost its RTK fix, s"""
@@ -128,6 +128,7 @@ class Watch:
             "lateral_error": largest(state.tractor_lateral_error, state.trailer_lateral_error),
             "heading_error": largest(state.tractor_heading_error, state.trailer_heading_error),
             "hitch_angle": state.hitch_angle,
+            "backwards": state.status == Status.BACKWARDS,
             "wiggled": state.wiggled == 1,
         }
 

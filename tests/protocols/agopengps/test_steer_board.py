@@ -21,6 +21,7 @@ OFF = SteeringRequest(steer=False, angle=0.0, speed=1.0)
 
 @pytest.mark.parametrize("rate", RATES)
 def test_engages_at_every_rate_of_calls_and_keeps_below_40_hz(firmware: str, rate: float) -> None:
+    """Rule 5: 10 to 20 Hz, never above 40, whatever the rate of the control."""
     bench = Bench(firmware, rate)
     bench.engage()
     bench.run(3.0)
@@ -59,6 +60,7 @@ def test_a_new_set_point_waits_while_the_board_does_not_steer_yet(firmware: str)
 
 
 def test_set_points_that_change_all_the_time_stay_below_40_hz(firmware: str) -> None:
+    """Rule 5: nor by set points that are new each time."""
     bench = Bench(firmware, rate=200.0)
     bench.engage()
     for step in range(400):
@@ -89,6 +91,7 @@ def test_the_wheel_follows_the_set_point(firmware: str) -> None:
 
 
 def test_a_request_that_stands_from_the_beginning_is_no_edge(firmware: str) -> None:
+    """Rule 1 of hardware.md 3.4: it engages by an edge, never by a level."""
     bench = Bench(firmware)
     bench.ask(steer=True)
     bench.run(6.0)
@@ -134,6 +137,7 @@ def test_a_board_that_falls_silent_is_no_longer_ready(firmware: str) -> None:
 
 
 def test_a_board_must_be_heard_for_a_second_without_a_break(firmware: str) -> None:
+    """Rule 1: heard for a second before every engagement."""
     bench = Bench(firmware)
     for _ in range(2):
         bench.replies_pass = False
@@ -157,6 +161,7 @@ def test_a_fast_wheel_is_plausible(rate: float) -> None:
 
 
 def test_set_points_beyond_the_machines_limit_are_clamped() -> None:
+    """Rule 6: clamped before it is rounded."""
     bench = Bench("v4")
     bench.engage()
     for angle in (1.0, -1e300):

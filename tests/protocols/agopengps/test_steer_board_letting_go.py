@@ -28,6 +28,7 @@ def test_letting_go_stops_the_motor_with_the_next_call(firmware: str) -> None:
 
 
 def test_after_letting_go_a_second_of_zeros_comes_first(firmware: str) -> None:
+    """Rule 1: three frames of zeros with the steer bit off before the next edge."""
     bench = Bench(firmware)
     bench.engage()
     bench.board.override()
@@ -42,6 +43,7 @@ def test_after_letting_go_a_second_of_zeros_comes_first(firmware: str) -> None:
 
 
 def test_an_operator_who_takes_over_stops_the_motor_within_one_call(firmware: str) -> None:
+    """Rule 2: the steer bit that goes off is an override; zeros at once, no engagement by itself."""
     bench = Bench(firmware)
     bench.engage()
     bench.board.override()
@@ -62,6 +64,7 @@ def test_an_operator_who_takes_over_stops_the_motor_within_one_call(firmware: st
 
 
 def test_override_is_answered_with_status_0_at_once_whatever_the_pace() -> None:
+    """Rule 2: that frame is what stops the motor."""
     bench = Bench("v4", 100.0)
     bench.engage()
     while bench.sent[-1][0] != bench.time:
@@ -75,6 +78,7 @@ def test_override_is_answered_with_status_0_at_once_whatever_the_pace() -> None:
 
 @pytest.mark.parametrize("rate", [3.0, *RATES])
 def test_missing_replies_let_go_and_stay_let_go(firmware: str, rate: float) -> None:
+    """Rule 3: 200 ms without a reply."""
     bench = Bench(firmware, rate)
     bench.engage()
     bench.replies_pass = False
@@ -112,6 +116,7 @@ def test_a_short_own_gap_is_no_silence_of_the_board(firmware: str) -> None:
 
 @pytest.mark.parametrize("outage", [0.0, 0.03, 0.1, 0.3, 1.0, 4.0])
 def test_a_board_that_starts_anew_while_engaged_is_never_driven_again(firmware: str, outage: float) -> None:
+    """Rule 3: such a board would engage by itself on the next frames with status 1."""
     bench = Bench(firmware)
     bench.engage()
     bench.board.restart(bench.time, outage)
@@ -123,6 +128,7 @@ def test_a_board_that_starts_anew_while_engaged_is_never_driven_again(firmware: 
 
 
 def test_an_implausible_angle_lets_go(firmware: str) -> None:
+    """Rule 3: a jump of the angle in one reply is the same."""
     for angle in (math.radians(5.2), math.radians(51.0)):
         bench = Bench(firmware)
         bench.engage()
@@ -154,6 +160,7 @@ def test_engaged_means_that_the_board_says_so() -> None:
 
 
 def test_an_own_gap_lets_go_and_asks_for_a_second_of_zeros(firmware: str) -> None:
+    """Rule 4: no silence is followed by status 1."""
     bench = Bench(firmware)
     bench.engage()
     bench.ticks += 30
@@ -167,6 +174,7 @@ def test_an_own_gap_lets_go_and_asks_for_a_second_of_zeros(firmware: str) -> Non
 
 
 def test_after_an_own_gap_the_first_second_is_zeros() -> None:
+    """Rule 4: zeros for a second after an own gap."""
     bench = Bench("v26")
     bench.run(3.0)
     for _ in range(40):  # replies go on, no set points
@@ -265,6 +273,7 @@ def test_a_board_that_is_switched_on_is_refused(firmware: str) -> None:
     [(math.nan, 1.0), (math.inf, 1.0), (0.1, math.nan), (0.1, 25.2 / 3.6), (0.1, -math.inf), (0.1, 1e300)],
 )
 def test_what_may_not_be_sent_lets_go(firmware: str, angle: float, speed: float) -> None:
+    """Rule 6: no NaN reaches the wire."""
     bench = Bench(firmware)
     bench.engage()
     bench.ask(steer=True, angle=angle, speed=speed)
