@@ -206,6 +206,12 @@ class Configuration(Settings):
         return self
 
     @model_validator(mode="after")
+    def _guidance_of_tracked_points(self) -> Self:
+        if not (self.vehicle.tracked.are_the_bodies or self.guidance.mode == "preview"):
+            raise ValueError('vehicle.tracked needs guidance.mode = "preview"; choose it, or leave vehicle.tracked out')
+        return self
+
+    @model_validator(mode="after")
     def _begin_nearer_than_lost(self) -> Self:
         begin, lost = self.guidance.maximum_start_distance, self.sanity.lost
         if not begin < lost:

@@ -18,7 +18,7 @@ from drawbar.estimation.ideal import ideal_estimate
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.geometry import Floats, wrap
 from drawbar.guidance.beginning import beginning, demand_near
-from drawbar.guidance.demands import demand_steering
+from drawbar.guidance.demands import demand_steering, demand_trackable
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.path import Path
@@ -223,6 +223,7 @@ def build_path(configuration: Configuration) -> "tuple[Path, DrivablePath | None
     demand_steering(
         path, configuration.vehicle, speed=configuration.speed, tolerance=configuration.guidance.path_tolerance
     )
+    demand_trackable(path, configuration.vehicle)
     return path, drivable
 
 
@@ -255,10 +256,11 @@ def build_machine(configuration: Configuration, path: Path, seed: int) -> Machin
     """
     x, y, yaw, _ = path.sample(np.zeros(1))[0].tolist()
     start, settings = configuration.start, configuration.machine
+    faces, left = yaw + start.yaw, configuration.vehicle.tracked.tractor.left
     pose = Pose(
-        x=x + start.ahead * math.cos(yaw) - start.left * math.sin(yaw),
-        y=y + start.ahead * math.sin(yaw) + start.left * math.cos(yaw),
-        yaw=yaw + start.yaw,
+        x=x + start.ahead * math.cos(yaw) - start.left * math.sin(yaw) + left * math.sin(faces),
+        y=y + start.ahead * math.sin(yaw) + start.left * math.cos(yaw) - left * math.cos(faces),
+        yaw=faces,
     )
     vehicle, sample_time = configuration.vehicle, configuration.sample_time
     if isinstance(settings, PhysicsMachineSettings):

@@ -11,8 +11,9 @@
 #include "signals.h"
 
 struct off_tracking {
-    double hitch;                          /* rear axle to free joint, m */
-    double antenna;                        /* free joint to trailer antenna, the trailer's steering at its limit, m */
+    double hitch;                          /* tractor's tracked point to free joint, m */
+    double antenna;                        /* free joint to the trailer's, the trailer's steering at its limit, m */
+    double apart;                          /* the trailer's tracked point to the left of the tractor's, m */
     double cut_in;                         /* lateral error per curvature, m^2 */
     double reach;                          /* of the short drawbar sideways, m */
 };
@@ -23,7 +24,7 @@ static inline double off_tracking_remainder(const struct off_tracking *vehicle, 
                                             double trailer_crab)
 {
     const double hanging = vehicle->hitch * sin(tractor_crab) + vehicle->antenna * sin(trailer_crab);
-    const double error = hanging + vehicle->cut_in * curvature;
+    const double error = hanging + vehicle->cut_in * curvature + vehicle->apart;
     const double reach = vehicle->reach * cos(trailer_crab);
 
     return error - clipped(error, reach);
@@ -48,7 +49,7 @@ struct shared_error {
 
 #define SHARED_ERROR_FIELDS(place)                                                                          \
     SETTING(component, place.off_tracking.hitch, 0, 1, 0, 0) SETTING(component, place.off_tracking.antenna, 0, 1, 0, 0) \
-    SETTING(component, place.off_tracking.cut_in, 0, 1, 0, 0) SETTING(component, place.off_tracking.reach, 0, 1, 0, 0) \
+    SETTING(component, place.off_tracking.apart, 0, 1, 0, 0) SETTING(component, place.off_tracking.cut_in, 0, 1, 0, 0) SETTING(component, place.off_tracking.reach, 0, 1, 0, 0) \
     SETTING(component, place.share, 0, 1, 0, 0) SETTING(component, place.accepted_error, 0, 1, 0, 0)                  \
     SETTING(component, place.widening, 0, 1, 0, 0) SETTING(component, place.lag, 0, 1, 0, 0)                             \
     SETTING(component, place.sample_time, 0, 1, 0, 0)

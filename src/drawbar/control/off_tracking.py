@@ -14,13 +14,14 @@ def sharing_settings(vehicle: VehicleParameters, settings: SharingSettings, samp
         settings: how to share.
         sample_time: between stages, s.
     """
-    hitch, c = vehicle.free_joint_offset, vehicle.trailer_antenna
+    hitch, c, (ahead, left) = vehicle.free_joint_offset, vehicle.trailer_point, vehicle.tracked.tractor.arm
     along = vehicle.trailer_length + vehicle.drawbar_length * math.cos(vehicle.trailer_steering_limit)
     across = vehicle.drawbar_length * math.sin(vehicle.trailer_steering_limit)
     return {
-        "shared.off_tracking.hitch": hitch,
+        "shared.off_tracking.hitch": hitch + ahead,
         "shared.off_tracking.antenna": along - c,
-        "shared.off_tracking.cut_in": 0.5 * (along**2 + across**2 - hitch**2 - c**2),
+        "shared.off_tracking.apart": vehicle.tracked.trailer.left - left,
+        "shared.off_tracking.cut_in": 0.5 * (along**2 + across**2 - hitch**2 - c**2 + ahead**2),
         "shared.off_tracking.reach": across,
         "shared.share": settings.share,
         "shared.accepted_error": settings.accepted_error,

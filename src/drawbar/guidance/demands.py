@@ -8,10 +8,12 @@ from drawbar.errors import PathError
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.vehicle.off_tracking import steady_off_tracking
-from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.parameters import TrackedPoints, VehicleParameters
 
 _STEP = 0.05
 """m between the places where a path is looked at"""
+_ACCEPTED = 0.10
+"""which the trailer's tracked point may steadily be beside the line in a curve, m"""
 
 
 def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tolerance: float) -> None:
@@ -30,7 +32,7 @@ def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tol
         PathError: a curve is too tight, or begins or ends too suddenly; says what of the vehicle does not suffice.
     """
     curvature = _curvature(path)
-    wheels = np.arctan(curvature * vehicle.wheelbase)
+    wheels = np.arctan(_axle_curvature(curvature, *vehicle.tracked.tractor.arm) * vehicle.wheelbase)
     tightest, angle = float(np.abs(curvature).max()), float(np.abs(wheels).max())
     if not angle <= vehicle.tractor_steering_limit:
         raise PathError(
@@ -59,10 +61,46 @@ def largest_off_tracking(path: Path, vehicle: VehicleParameters) -> tuple[float,
     curvature = _curvature(path)
     window = min(len(curvature), max(1, round((vehicle.trailer_length + vehicle.drawbar_length) / _STEP)))
     sums = np.concatenate([[0.0], np.cumsum(curvature)])
-    tightest = float(np.abs(sums[window:] - sums[:-window]).max() / window)
-    if not tightest > 0.0:
+    means = (sums[window:] - sums[:-window]) / window
+    tightest = np.array([means.max(), means.min()])[:: 1 if means.max() >= -means.min() else -1]  # to either side
+    tightest = tightest[tightest != 0.0]
+    if not len(tightest):
         return 0.0, 0.0
-    return float(steady_off_tracking(vehicle, np.array([tightest]))[0]), tightest
+    off_tracking = steady_off_tracking(vehicle, tightest)
+    worst = int(off_tracking.argmax())
+    return float(off_tracking[worst]), abs(float(tightest[worst]))
+
+
+def demand_trackable(path: Path, vehicle: VehicleParameters) -> None:
+    """Refuse a path in whose curves the trailer's tracked point cannot be on the line while the tractor's is.
+
+    Args:
+        path: to be driven.
+        vehicle: with the points that shall be on the line.
+
+    Raises:
+        PathError: the trailer's steering does not reach so far; says what it leaves, and what would help.
+    """
+    if vehicle.tracked.are_the_bodies:
+        return
+    left, curvature = largest_off_tracking(path, vehicle)
+    bodies, _ = largest_off_tracking(path, vehicle.model_copy(update={"tracked": TrackedPoints()}))
+    accepted = max(_ACCEPTED, bodies)
+    if not left <= accepted:
+        raise PathError(
+            f"in curves of {1.0 / curvature:.1f} m radius the trailer's point, vehicle.tracked.trailer, would run "
+            f"{left:.2f} m beside the line, its steering at its limit and the tractor's point, "
+            f"vehicle.tracked.tractor, on the line; at most {accepted:.2f} m is allowed: bring these points nearer to "
+            f"their axles, or choose a path whose curves are wider"
+        )
+
+
+def _axle_curvature(curvature: Floats, forward: float, left: float) -> Floats:
+    """Return the rear axle's curvature where its tracked point is on a curvature (1/m), very large if it cannot."""
+    across = np.clip(forward * curvature, -0.999, 0.999)  # sine of the angle to its motion
+    inward = np.maximum(left * curvature + np.sqrt(1.0 - across**2), 1e-3)
+    axle: Floats = curvature / inward
+    return axle
 
 
 def _curvature(path: Path) -> Floats:

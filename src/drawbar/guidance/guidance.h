@@ -9,6 +9,7 @@
 #include "geometry.h"
 #include "path.h"
 #include "signals.h"
+#include "tracked.h"
 
 #define GUIDANCE_UNDER 1.0                 /* largest distance from a path that begins under the vehicle, m */
 #define ASTRAY (DRAWBAR_PI / 3.0)          /* heading error up to which the controllers find their way by themselves;
@@ -19,13 +20,17 @@ enum { TRACTOR, TRAILER, BODIES };
 struct guidance {
     double window_behind, window_ahead;    /* of the last progress, m */
     double start_distance;                 /* largest distance of the tractor from where a run begins, m */
+    struct tracked tracked[BODIES];
     double progress[BODIES];               /* arc length of the closest points, m */
     double samples[BODIES][STAGES + 1][4]; /* as path_sample, yaw on the branch of the estimate */
 };
 
+#define TRACKED_FIELDS(type, place)                                                                          \
+    SETTING(type, place.arm, 0, 2, 0, 0) SETTING(type, place.axle, 0, 1, 0, 0)
 #define GUIDANCE_FIELDS(type, prefix)                                                                        \
     SETTING(type, prefix window_behind, 0, 1, 0, 0) SETTING(type, prefix window_ahead, 0, 1, 0, 0)           \
-    SETTING(type, prefix start_distance, 0, 1, 0, 0) FIELD(type, prefix progress, 0, BODIES, 0, 0)           \
+    SETTING(type, prefix start_distance, 0, 1, 0, 0) TRACKED_FIELDS(type, prefix tracked[TRACTOR])           \
+    TRACKED_FIELDS(type, prefix tracked[TRAILER]) FIELD(type, prefix progress, 0, BODIES, 0, 0)           \
     FIELD(type, prefix samples, 0, BODIES, STAGES + 1, 4)
 
 /* Place both bodies (x, y, m) on the path near an arc length (m). */
@@ -47,13 +52,33 @@ static inline int guidance_place(struct guidance *guidance, const struct path *p
     return DRAWBAR_GUIDANCE_FINE;
 }
 
+/* The estimate with the poses of what is tracked in place of the bodies'. */
+static inline struct drawbar_estimate guidance_tracked(const struct guidance *guidance,
+                                                       const struct drawbar_estimate *estimate)
+{
+    struct drawbar_estimate tracked = *estimate;
+    struct drawbar_pose *const poses[BODIES] = {&tracked.tractor, &tracked.trailer};
+    double place[2];
+
+    for (int i = 0; i < BODIES; ++i) {
+        tracked_place(guidance->tracked[i].arm, poses[i]->x, poses[i]->y, poses[i]->yaw, place);
+        poses[i]->x = place[0];
+        poses[i]->y = place[1];
+    }
+    return tracked;
+}
+
 /* Place both bodies from where they are measured when the run begins. */
 static inline int guidance_begin(struct guidance *guidance, const struct path *path, double start,
                                  const struct drawbar_measurement *first)
 {
     const double tractor[] = {first->tractor_x, first->tractor_y}, trailer[] = {first->trailer_x, first->trailer_y};
 
-    return guidance_place(guidance, path, start, tractor, trailer);
+    const int status = guidance_place(guidance, path, start, tractor, trailer);
+
+    for (int i = 0; i < BODIES; ++i)       /* a yaw is not known yet: about there is near enough */
+        guidance->progress[i] += guidance->tracked[i].arm[0];
+    return status;
 }
 
 /* Place both bodies on another path, from where they are estimated; nothing changes where the tractor is not on it, or
@@ -61,8 +86,9 @@ static inline int guidance_begin(struct guidance *guidance, const struct path *p
 static inline int guidance_change(struct guidance *guidance, const struct path *path, double start,
                                   const struct drawbar_estimate *estimate)
 {
-    const double tractor[] = {estimate->tractor.x, estimate->tractor.y};
-    const double trailer[] = {estimate->trailer.x, estimate->trailer.y};
+    const struct drawbar_estimate tracked = guidance_tracked(guidance, estimate);
+    const double tractor[] = {tracked.tractor.x, tracked.tractor.y};
+    const double trailer[] = {tracked.trailer.x, tracked.trailer.y};
     struct guidance placed = *guidance;
     const int status = guidance_place(&placed, path, start, tractor, trailer);
     double sample[4];
@@ -124,6 +150,22 @@ static inline void guidance_to_branch(struct guidance *guidance, const struct dr
         const double first = guidance->samples[i][0][AT_YAW], shift = nearest_branch(first, targets[i]) - first;
         for (int j = 0; j <= STAGES; ++j)
             guidance->samples[i][j][AT_YAW] += shift;
+    }
+}
+
+/* Let the references be those of the bodies' own points. */
+static inline void guidance_to_bodies(struct guidance *guidance, const struct drawbar_estimate *estimate,
+                                      struct drawbar_body_reference *const references[BODIES])
+{
+    const double yaws[BODIES] = {estimate->tractor.yaw, estimate->trailer.yaw};
+    const double crabs[BODIES] = {estimate->tractor_crab, estimate->trailer_crab};
+    double directions[STAGES + 1], turned[STAGES + 1];
+
+    for (int i = 0; i < BODIES; ++i) {
+        if (tracked_is_body(&guidance->tracked[i]))
+            continue;
+        tracked_body(&guidance->tracked[i], estimate, yaws[i], crabs[i], STAGES + 1, guidance->samples[i], directions, turned);
+        memcpy(references[i]->closest, guidance->samples[i][0], sizeof references[i]->closest);
     }
 }
 

@@ -25,12 +25,15 @@ def preview_unit(settings: GuidanceSettings, vehicle: VehicleParameters, *, stag
         stages: of the references, which have one sample more.
         interval: between stages, s.
     """
-    values = {
+    values: dict[str, ArrayLike] = {
         "limits.curvature": vehicle.curvature_limit,
         "limits.rate": settings.curvature_rate_limit,
         "interval": interval,
         "wheelbase": vehicle.wheelbase,
         "room": settings.turning_room,
+        "guidance.tracked[TRACTOR].arm": vehicle.tracked.tractor.arm,
+        "guidance.tracked[TRAILER].arm": vehicle.tracked.trailer.arm,
+        "guidance.tracked[TRAILER].axle": vehicle.trailer_antenna,
     }
     return _unit("preview.h", stages, settings, values)
 

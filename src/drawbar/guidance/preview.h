@@ -104,11 +104,13 @@ static int preview_turn(struct component *component, const struct path *path, co
     return approach_find(&component->approach, path, &beside, &component->limits, component->room, line);
 }
 
-/* Sample what a body follows at every stage, at a speed over ground, m/s. */
+/* Sample what a body follows at every stage, at a speed over ground, m/s. What is tracked to the left of a body goes on
+ * slower in a curve to the left, and faster in one to the right. */
 static void preview_samples(struct component *component, const struct path *path, int body, double speed)
 {
     double (*samples)[4] = component->guidance.samples[body], place = component->furthest[body];
-    const int beside = !offset_is_none(path->offset);
+    const double left = component->guidance.tracked[body].arm[1];
+    const int beside = left != 0.0 || !offset_is_none(path->offset);
 
     for (int j = 0; j <= STAGES; ++j) {
         const double distance = speed * (component->interval * j);
@@ -116,7 +118,7 @@ static void preview_samples(struct component *component, const struct path *path
             approach_sample(&component->approach, path, component->approached + distance, samples[j]);
         else
             path_sample(path, beside ? place : component->furthest[body] + distance, samples[j]);
-        place = path_ahead(path, place, speed * component->interval);
+        place = path_ahead(path, place, speed * component->interval / fmax(1.0 + left * samples[j][AT_CURVATURE], 0.2));
     }
 }
 
@@ -127,18 +129,20 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
     struct guidance *guidance = &component->guidance;
     struct drawbar_body_reference *const references[BODIES] = {tractor, trailer};
     const double speed = estimate->longitudinal_slip * estimate->speed;
-    const int status = guidance_advance(guidance, path, estimate, references);
+    const struct drawbar_estimate tracked = guidance_tracked(guidance, estimate);
+    const int status = guidance_advance(guidance, path, &tracked, references);
 
     if (status != DRAWBAR_GUIDANCE_FINE)
         return status;
     if (!isfinite(speed))
         return DRAWBAR_GUIDANCE_SPEED_NOT_FINITE;
-    preview_advance(component, &estimate->tractor);
-    if (!preview_turn(component, path, estimate, work))
+    preview_advance(component, &tracked.tractor);
+    if (!preview_turn(component, path, &tracked, work))
         return DRAWBAR_GUIDANCE_NO_WAY;
     for (int i = 0; i < BODIES; ++i)
         preview_samples(component, path, i, speed);
     guidance_to_branch(guidance, estimate);
+    guidance_to_bodies(guidance, estimate, references);
     return DRAWBAR_GUIDANCE_FINE;
 }
 

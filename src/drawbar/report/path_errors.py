@@ -1,4 +1,4 @@
-"""Path errors: how far both bodies were from the path; their points on the ground, projected on it."""
+"""Path errors: how far both bodies were from the path; their tracked points on the ground, projected on it."""
 
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -64,8 +64,11 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
     path = log.header.path.path()
 
     def of_body(body: str) -> PathErrors:
-        x, y = (log.column(f"{source}.{body}.{axis}") for axis in "xy")
+        x, y, yaw = (log.column(f"{source}.{body}.{name}") for name in ("x", "y", "yaw"))
         x[left_out] = np.nan
+        forward, left = getattr(log.header.vehicle.tracked, body).arm
+        if forward or left:
+            x, y = x + forward * np.cos(yaw) - left * np.sin(yaw), y + forward * np.sin(yaw) + left * np.cos(yaw)
         return project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))

@@ -40,6 +40,34 @@ class Masts(Settings):
     """from the tracked point, `vehicle.trailer_antenna` ahead of the axle"""
 
 
+class TrackedPoint(Settings):
+    """The point of a body that shall be on the line, such as a tool's, from its body's point along the body's axes."""
+
+    forward: Offset = 0.0
+    """m"""
+    left: Offset = 0.0
+    """m"""
+
+    @property
+    def arm(self) -> tuple[float, float]:
+        """Forward, left, m."""
+        return self.forward, self.left
+
+
+class TrackedPoints(Settings):
+    """The points of both bodies that shall be on the line."""
+
+    tractor: TrackedPoint = TrackedPoint()
+    """from the middle of the rear axle"""
+    trailer: TrackedPoint = TrackedPoint()
+    """from the trailer's point, `vehicle.trailer_antenna` ahead of its axle"""
+
+    @property
+    def are_the_bodies(self) -> bool:
+        """Whether they are the points of the bodies themselves."""
+        return not any((*self.tractor.arm, *self.trailer.arm))
+
+
 class VehicleParameters(Settings):
     """Lengths, steering limits and actuator lag; the defaults are the paper's machine."""
 
@@ -52,8 +80,10 @@ class VehicleParameters(Settings):
     trailer_length: Length = 1.3
     """L_i, RJ2 to the trailer axle, m"""
     trailer_antenna: NonNegativeLength = 0.25
-    """c, the trailer's tracked point ahead of its axle, m; its antenna stands above it unless `masts` says otherwise"""
+    """c, the trailer's point ahead of its axle, m; its antenna stands above it unless `masts` says otherwise, and it is
+    what shall be on the line unless `tracked` says otherwise"""
     masts: Masts = Masts()
+    tracked: TrackedPoints = TrackedPoints()
     joint_sign: Literal[-1, 1] = 1
     """+1: a positive trailer command drives phi - psi positive; -1: the actuator (not the sensor) is reversed"""
     tractor_steering_limit: SteeringAngle = math.radians(30.0)
@@ -78,12 +108,26 @@ class VehicleParameters(Settings):
                 f"trailer_antenna = {self.trailer_antenna} m is ahead of the actuated joint; it must be "
                 f"at most trailer_length = {self.trailer_length} m"
             )
+        apart = self.tracked.trailer.left - self.tracked.tractor.left
+        reach = self.drawbar_length * math.sin(self.trailer_steering_limit)
+        if apart and not abs(apart) <= reach:
+            raise ValueError(
+                f"tracked.trailer.left = {self.tracked.trailer.left} m is {abs(apart):.3g} m beside "
+                f"tracked.tractor.left = {self.tracked.tractor.left} m; the trailer's steering reaches drawbar_length "
+                f"sin(trailer_steering_limit) = {reach:.3g} m to either side: bring them nearer to each other, so that "
+                f"the tractor runs beside the line too"
+            )
         if not self.drawbar_length < self.hitch_length + self.wheelbase:
             raise ValueError(
                 f"drawbar_length = {self.drawbar_length} m puts the free joint ahead of the front axle; it must be "
                 f"below hitch_length + wheelbase = {self.hitch_length + self.wheelbase} m"
             )
         return self
+
+    @property
+    def trailer_point(self) -> float:
+        """Distance of the trailer's tracked point ahead of its axle, m."""
+        return self.trailer_antenna + self.tracked.trailer.forward
 
     @property
     def free_joint_offset(self) -> float:
