@@ -319,8 +319,7 @@ def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autop
         away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "supervisor", "lost")
         return f"{at} the tractor was {away:.2f} m from the path (limit {limit:g} m)."
     if status is Status.BLIND:
-        time, way = (_live(autopilot, "supervisor", name) for name in ("blind", "blind_way"))
-        return f"{at} neither antenna had had a valid fix for more than {time:g} s or {way:g} m."
+        return f"{at} {_without_fixes(autopilot)}"
     if status is Status.STEERING:
         return f"{at} {_not_followed(record, autopilot)}"
     if status is Status.HITCH:
@@ -336,6 +335,15 @@ def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autop
     if status is Status.GUIDANCE:
         return f"{at} {_lost(record.estimate, autopilot)}"
     return f"{at} the run was {status.text}."
+
+
+def _without_fixes(autopilot: Autopilot) -> str:
+    """Say how far the vehicle has gone without a fix, and how far and for how long it may."""
+    way, longest, most = (_live(autopilot, "supervisor", name) for name in ("way", "blind", "blind_deviation"))
+    return (
+        f"neither antenna had had a valid fix for {way:.1f} m; "
+        f"the limits are {longest:g} s, and a standard deviation across the line of {most:g} m."
+    )
 
 
 def _live(autopilot: Autopilot, component: str, name: str, place: int = 0) -> float:

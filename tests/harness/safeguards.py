@@ -57,7 +57,7 @@ class Supervisor(Alone):
 
     def __init__(self) -> None:
         """Compile the supervisor."""
-        super().__init__(supervisor_unit(SanitySettings()))
+        super().__init__(supervisor_unit(SanitySettings(), VehicleParameters()))
 
     def watch(self, estimate: Estimate, tractor: BodyReference) -> Supervision:
         """Judge one step by its estimate and the tractor's reference."""

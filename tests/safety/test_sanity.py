@@ -158,11 +158,15 @@ def test_coarse_positions_slow_and_then_end_the_run() -> None:
     assert sanity.look(one_is_fine, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
 
 
-def test_a_coarse_fix_that_is_not_believed_is_none() -> None:
-    sanity = Sanity()
+@pytest.mark.parametrize("deviation", [0.02, 0.8])
+def test_fixes_that_are_not_believed_slow_as_coarse_ones_do(deviation: float) -> None:
+    sanity, shares = Sanity(SanitySettings(coarse_after=0.5, coarse_share=0.4)), []
     blind = replace(estimate(), tractor_fix=FixStatus.REJECTED, trailer_fix=FixStatus.MISSING)
-    for k in range(100):
-        assert sanity.look(measurement(k, deviation=0.8), blind, beside(0.0), beside(0.0)) == (0, 1.0)
+    for k in range(20):
+        seen = measurement(k, deviation=deviation if k > 10 else math.nan)
+        shares.append(sanity.look(seen, blind if k > 10 else estimate(), beside(0.0), beside(0.0))[1])
+    assert shares == [1.0] * 13 + [0.4] * 7
+    assert sanity.look(measurement(20), estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
 
 
 def test_a_hitch_angle_that_contradicts_is_named() -> None:

@@ -7,13 +7,23 @@ import numpy as np
 import pytest
 from ordinary import believed
 from safeguards import Supervisor
+from scipy.optimize import brentq
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import BodyReference, FixStatus, Supervision
+from drawbar.vehicle.parameters import VehicleParameters
 
-LOST, BLIND, BLIND_WAY = (getattr(SanitySettings(), name) for name in ("lost", "blind", "blind_way"))
+LOST, BLIND, DEVIATION = (getattr(SanitySettings(), name) for name in ("lost", "blind", "blind_deviation"))
+HEADING, STEERING = 0.013, 0.0056
+"""as in supervisor.py, rad"""
+BLIND_WAY = brentq(
+    lambda way: way * math.hypot(HEADING, STEERING * way / (2.0 * VehicleParameters().wheelbase)) - DEVIATION,
+    0.0,
+    100.0,
+)
+"""m"""
 LOST_FIX = FixStatus.MISSING
 SEEN = believed(time=3.0)
 

@@ -41,22 +41,17 @@ struct component {
     SETTING(component, swing_share, 0, 1, 0, 0) SETTING(component, wheelbase, 0, 1, 0, 0)                              \
     SETTING(component, swings_slow, 1, 1, 0, 0) SETTING(component, swings_stop, 1, 1, 0, 0)
 
-/* For how long fixes have been coarse, s: there are some, but none that is fine. */
-static inline double coarse_for(struct component *sanity, const struct drawbar_measurement *measurement,
+/* For how long no fix has been fine, s: there are coarse ones, or none. */
+static inline double without_fine(struct component *sanity, const struct drawbar_measurement *measurement,
                                 const struct drawbar_estimate *estimate)
 {
     const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
     const int32_t fixes[] = {estimate->tractor_fix, estimate->trailer_fix};
-    int coarse = 0;
 
     for (int i = 0; i < 2; ++i)
-        if (fixes[i] == DRAWBAR_FIX_ACCEPTED) {
-            if (!(told[i] > sanity->fine))
-                sanity->last_fine = measurement->time;
-            else
-                coarse = 1;
-        }
-    return coarse ? measurement->time - sanity->last_fine : 0.0;
+        if (fixes[i] == DRAWBAR_FIX_ACCEPTED && !(told[i] > sanity->fine))
+            sanity->last_fine = measurement->time;
+    return measurement->time - sanity->last_fine;
 }
 
 /* Whether a point has moved against the way that its body faces, and the other as well or without fixes that tell. */
@@ -118,7 +113,7 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
         sanity->last_fine = sanity->time = measurement->time;
         sanity->begun = 1;
     }
-    const double coarse = coarse_for(sanity, measurement, estimate);
+    const double coarse = without_fine(sanity, measurement, estimate);
     const int backwards = moves_backwards(sanity, measurement, estimate);
     const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate,
                                          measurement->time - sanity->time);

@@ -17,12 +17,13 @@ class SanitySettings(Settings):
     """distance of the tractor from the path at which the run ends, m; more than `guidance.maximum_start_distance`"""
     blind: Positive = 15.0
     """time without a fix of either antenna that is believed after which the run ends, s"""
-    blind_way: Positive = 15.0
-    """way without one after which it does, m: a wrong heading leads the farther off, the farther it goes"""
+    blind_deviation: Positive = 0.15
+    """standard deviation across the line, as the way without a fix makes it, at which the run ends, m; `drawbar drive`
+    holds the estimator's own against `safety.drive.lateral_deviation`"""
     fine: Positive = 0.1
     """standard deviation up to which a fix is fine, m; RTK float is coarse"""
     coarse_after: NonNegative = 0.5
-    """time with coarse fixes only after which the vehicle is driven slower, s"""
+    """time with coarse fixes only, or with none, after which the vehicle is driven slower, s"""
     coarse_share: Share = 0.5
     """part of the set speed then"""
     coarse_budget: Positive = 30.0
@@ -49,7 +50,7 @@ class SanitySettings(Settings):
 def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, chain: bool = True) -> Unit:
     """Return what watches a run from its first step on; `chain`: the estimator knows the exact chain."""
     values: dict[str, ArrayLike] = {
-        **settings.model_dump(exclude={"lost", "blind", "blind_way"}),
+        **settings.model_dump(exclude={"lost", "blind", "blind_deviation"}),
         "wheelbase": vehicle.wheelbase,
     }
     for setting, key in (("least", "hitch_mean"), ("most", "hitch"), ("patience", "hitch_patience")):

@@ -1,4 +1,8 @@
-/* Supervisor: whether a run may go on; it watches what the controllers cannot mend. */
+/* Supervisor: whether a run may go on; it watches what the controllers cannot mend.
+ *
+ * Without a fix a vehicle is led by its wheels: after the way s the heading that it had is off by theta and the curvature that
+ * it steers by delta / L, so that it is aside by s hypot(theta, delta s / 2 L) (standard deviations, docs/safety.md).
+ */
 #ifndef DRAWBAR_SUPERVISOR_H
 #define DRAWBAR_SUPERVISOR_H
 
@@ -10,14 +14,22 @@
 struct component {
     double lost;                           /* distance from the path at which a run is given up, m */
     double blind;                          /* time without a fix of either antenna after which it is, s */
-    double blind_way;                      /* way without one after which it is, m */
+    double blind_deviation;                /* standard deviation of the position across at which it is, m */
+    double heading, bend;                  /* theta, rad; delta / 2 L, 1/m */
     double way;                            /* since the last fix, m */
     time_stamp last_fix, now;
     int32_t begun;
 };
 
 #define COMPONENT_FIELDS SETTING(component, lost, 0, 1, 0, 0) SETTING(component, blind, 0, 1, 0, 0) \
-    SETTING(component, blind_way, 0, 1, 0, 0)
+    SETTING(component, blind_deviation, 0, 1, 0, 0) SETTING(component, heading, 0, 1, 0, 0)                          \
+    SETTING(component, bend, 0, 1, 0, 0) FIELD(component, way, 0, 1, 0, 0)
+
+/* Standard deviation of the position across, for all that the way since the last fix makes of it, m. */
+static inline double astray(const struct component *supervisor)
+{
+    return supervisor->way * hypot(supervisor->heading, supervisor->bend * supervisor->way);
+}
 
 /* Look at one step's estimate and the tractor's reference. A fix counts if it was believed; one that a receiver repeats
  * is none. */
@@ -36,7 +48,7 @@ int UNIT(watch)(struct component *supervisor, const struct drawbar_estimate *est
     supervisor->begun = 1;
     if (!(fabs(tractor->lateral_error) <= supervisor->lost)) /* also when it is NaN */
         return OFF_COURSE;
-    if (estimate->time - supervisor->last_fix > supervisor->blind || !(supervisor->way <= supervisor->blind_way))
+    if (estimate->time - supervisor->last_fix > supervisor->blind || !(astray(supervisor) <= supervisor->blind_deviation))
         return BLIND;
     return ON_COURSE;
 }

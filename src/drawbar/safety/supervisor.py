@@ -1,14 +1,21 @@
 """Supervisor: watches what the controllers cannot mend (supervisor.h)."""
 
+from numpy.typing import ArrayLike
+
 from drawbar.codegen import Unit
 from drawbar.safety.sanity import SanitySettings
+from drawbar.vehicle.parameters import VehicleParameters
 
-_SETTINGS = ("lost", "blind", "blind_way")
+_SETTINGS = ("lost", "blind", "blind_deviation")
+_HEADING, _STEERING = 0.013, 0.0056
+"""standard deviations of heading and steering when the last fix is lost, rad: what they make of the way is what the
+estimator's own covariance says (tests/safety/test_blind.py)"""
 
 
-def supervisor_unit(sanity: SanitySettings) -> Unit:
+def supervisor_unit(sanity: SanitySettings, vehicle: VehicleParameters) -> Unit:
     """Return the supervisor, which watches a run from its first step on."""
-    settings = {name: getattr(sanity, name) for name in _SETTINGS}
+    settings: dict[str, ArrayLike] = {name: getattr(sanity, name) for name in _SETTINGS}
+    settings |= {"heading": _HEADING, "bend": _STEERING / (2.0 * vehicle.wheelbase)}
     return Unit(
         name="supervisor", source='#include "supervisor.h"', configure=lambda workspace: workspace.write(settings)
     )
