@@ -153,6 +153,9 @@ def drive(configuration: Configuration, run: Path, pace: int, seconds: float = _
             front.wait(0.05)
             if front.state is not None and front.state.state not in states[-1:]:
                 states.append(front.state.state)
+        if gone := crew.ended():
+            print(f"ended: {', '.join(gone)}: {crew.words()}", file=sys.stderr)
+            states.append(SupervisorState.FAULT)
         used, lasted = used + _processor_time(crew), clock() / pace
         front.close()
     steps, delays, late = _read(run / LOG_NAME)
@@ -205,9 +208,11 @@ def _read(log: Path) -> tuple[list[StepRecord], list[tuple[float, float]], int]:
 
 
 def _processor_time(crew: Crew) -> float:
-    """Return what all processes of a drive have used of the processor, s."""
+    """Return what all processes of a drive that are there have used of the processor, s."""
     used = 0
     for process in crew.processes.values():
+        if process.poll() is not None:
+            continue
         fields = Path(f"/proc/{process.pid}/stat").read_text("utf-8").rpartition(")")[2].split()
         used += int(fields[11]) + int(fields[12])
     return used / os.sysconf("SC_CLK_TCK")
