@@ -171,6 +171,12 @@ ERRORS_DE: Mapping[str, str] = {
     "= {} rad does not allow; raise it, or choose a path without curves as tight":
         "Die engste Kurve ({0} 1/m) braucht {2}° der Vorderräder ({1} rad), erlaubt sind {3} rad; unter Einrichten "
         "mehr erlauben, oder eine Linie ohne so enge Kurven wählen",
+    "in curves of {} m radius the trailer's point, vehicle.tracked.trailer, would run {} m beside the line, its "
+    "steering at its limit and the tractor's point, vehicle.tracked.tractor, on the line; at most {} m is allowed: "
+    "bring these points nearer to their axles, or choose a path whose curves are wider":
+        "In Kurven von {0} m Radius liefe der Punkt des Anhängers (vehicle.tracked.trailer) {1} m neben der Linie, "
+        "auch mit voll eingeschlagener Lenkung und dem Punkt des Traktors (vehicle.tracked.tractor) auf der Linie; "
+        "höchstens {2} m: die Punkte näher an ihre Achsen legen, oder eine Linie mit weiteren Kurven wählen",
     "the path's curves need {} rad/s of the front wheels at {} m/s to stay within {} m (guidance.path_tolerance); "
     "vehicle.tractor_steering_rate = {} rad/s is too slow: raise it, or lower speed":
         "Die Kurven brauchen bei {1} m/s {0} rad/s der Vorderräder, um {2} m einzuhalten; {3} rad/s sind zu langsam: "
@@ -241,6 +247,12 @@ ERRORS_DE: Mapping[str, str] = {
         "{0} m/s ist zu schnell, höchstens {1} m/s; sind das km/h? {2} km/h = {3} m/s",
     "trailer_antenna = {} m is ahead of the actuated joint; it must be at most trailer_length = {} m":
         "der geführte Punkt, {0} m vor der Achse, liegt vor dem Lenkgelenk; höchstens {1} m, Lenkgelenk bis Achse",
+    "tracked.trailer.left = {} m is {} m beside tracked.tractor.left = {} m; the trailer's steering reaches "
+    "drawbar_length sin(trailer_steering_limit) = {} m to either side: bring them nearer to each other, so that the "
+    "tractor runs beside the line too":
+        "der geführte Punkt des Anhängers, {0} m links, liegt {1} m neben dem des Traktors, {2} m links; die Lenkung "
+        "des Anhängers reicht {3} m zur Seite: beide näher zueinander legen, dann fährt auch der Traktor neben der "
+        "Linie",
     "drawbar_length = {} m puts the free joint ahead of the front axle; it must be below hitch_length + wheelbase = "
     "{} m":
         "Kupplung bis Lenkgelenk, {0} m, legt die Kupplung vor die Vorderachse; es muss kürzer als {1} m sein",
