@@ -194,16 +194,14 @@ ERRORS_DE: Mapping[str, str] = {
         "Das Fahrzeug wird gerade gelenkt; zuerst anhalten, dann speichern",
     "{}: cannot be read ({})": "{0}: nicht lesbar ({1})",
     "{}: cannot be read ({}); {}": "{0}: nicht lesbar ({1})",
-    "{}: holds no {}; {}": "{0}: {1} fehlt darin; das ist keine Aufzeichnung von drawbar",
+    "{}: holds no {}{}; {}": "{0}: enthält nicht {1}{2}",
     "{}: is a pipe or a device, not a file; {}": "{0}: ist eine Pipe oder ein Gerät, keine Datei",
     "{}: is damaged, or no log of drawbar ({}); {}": "{0}: ist beschädigt oder keine Aufzeichnung von drawbar ({1})",
     "it does not begin as an MCAP file does": "sie beginnt nicht wie eine MCAP-Datei",
-    "an attachment does not match its checksum": "die Prüfsumme eines Anhangs stimmt nicht",
     "a chunk does not match its checksum": "die Prüfsumme eines Abschnitts stimmt nicht",
     "a chunk has another length than it states": "ein Abschnitt hat nicht die Länge, die er angibt",
     "a chunk is compressed by {}, which drawbar does not write":
         "ein Abschnitt ist mit {0} gepackt, was drawbar nie schreibt",
-    "a step lacks what every step of drawbar has ({})": "einem Schritt fehlt, was jeder Schritt von drawbar hat ({0})",
     "it is not known where on Earth the path of this log lies: figure-eights and CSV files do not say. Export --csv "
     "instead, or drive a line that was recorded with its place":
         "Die Linie dieser Fahrt hat keinen Ort auf der Erde: Achten und CSV-Dateien haben keinen. Als CSV exportieren",
