@@ -264,6 +264,7 @@ def test_zeros_behind_a_cut_are_as_if_they_were_not_there(tmp_path, monkeypatch)
 def long_log(tmp_path, monkeypatch):
     """Return the file of a log of 40 steps in chunks of three, and its steps."""
     monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)
+    monkeypatch.setattr("drawbar.recording.recorder._HELD_BACK", 2**64)  # no chunk ends before it is full
     records = [dataclasses.replace(arbitrary_step(seed), step=seed) for seed in range(40)]
     with Recorder(tmp_path / "log.mcap", header()) as recorder:
         for record in records:
@@ -372,6 +373,23 @@ def test_a_log_whose_header_is_damaged_says_so_or_names_it(long_log):
         DrawbarError, match=r"log\.mcap: is damaged.*bytes \d+ to \d+ are .*what was known before the first step"
     ):
         read_log(file)
+
+
+def test_steps_that_come_fast_are_not_written_twice(tmp_path, monkeypatch):
+    now = 10**9
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 20_000)
+    monkeypatch.setattr("drawbar.recording.recorder.time.monotonic_ns", lambda: now)
+    with Recorder(tmp_path / "log.mcap", header()) as recorder:
+        for seed in range(200):
+            now += 3_000_000
+            recorder.write(arbitrary_step(seed))
+    with (tmp_path / "log.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    chunked = sum(each.chunk_length + each.message_index_length for each in summary.chunk_indexes)
+    begin = summary.chunk_indexes[0].chunk_start_offset
+    end = summary.chunk_indexes[-1].chunk_start_offset
+    assert end - begin < chunked < (tmp_path / "log.mcap").stat().st_size
+    assert len(read_log(tmp_path / "log.mcap").records) == 200
 
 
 def test_a_log_of_several_chunks_is_whole_indexed_and_readable_at_any_moment(tmp_path, monkeypatch, every_step_at_once):

@@ -35,6 +35,8 @@ ENDLESS = 2**63 - 1
 """length of a chunk that is not complete"""
 CHUNK_BYTES = 1 << 18
 """of messages, before they are compressed, after which a chunk ends: what one damaged byte may cost"""
+_WORTH = 4
+"""part of a chunk that is enough to end it rather than to write it twice, as it is and compressed"""
 _WINDOW_LOG = 18
 """of zstd's window, which a whole chunk fits into: one that wraps within a chunk takes twice as long to search"""
 BESIDE, VOID = 0x80, 0x81
@@ -116,8 +118,12 @@ class ChunkedWriter:
 
     def flush(self) -> None:
         """Let all that was added reach the operating system."""
-        if self._chunk is not None:
+        if self._chunk is None:
+            return
+        if self._chunk.is_begun or self._chunk.size < CHUNK_BYTES // _WORTH:
             self._chunk.flush()
+        else:
+            self._end_chunk()
 
     def finish(self) -> None:
         """Write what remains of the last chunk, and the summary."""
@@ -206,8 +212,8 @@ class _Chunk:
         self._messages: dict[int, list[int]] = {}
         self._waiting: list[bytes] = []
         """records that are not in the file yet"""
-        self._is_begun = False
-        """some are"""
+        self.is_begun = False
+        """some records are in the file"""
         self.size = 0
         """bytes, uncompressed"""
 
@@ -219,8 +225,8 @@ class _Chunk:
     def flush(self) -> None:
         """Write what waits as it is."""
         records = self._take()
-        if not self._is_begun:
-            records, self._is_begun = _chunk_head(ENDLESS, (0, 0), 0, "", 0) + records, True
+        if not self.is_begun:
+            records, self.is_begun = _chunk_head(ENDLESS, (0, 0), 0, "", 0) + records, True
         self._stream.write(records)
         self._stream.flush()
 
@@ -238,13 +244,16 @@ class _Chunk:
 
     def end(self) -> ChunkIndex:
         """Write it compressed, the messages' index behind it; return what the summary says of the chunk."""
-        self._take()
+        if self.is_begun:
+            self.flush()  # what takes its place is shorter then, and nothing stays void
+        else:
+            self._take()
         content = b"".join([*self._compressed, self._compressor.flush()])
         times = [entries[::2] for entries in self._messages.values()]
         span = min(map(min, times)), max(map(max, times))
         head = _chunk_head(_HEADED + len(COMPRESSION) + len(content), span, self.size, COMPRESSION, len(content))
         start = self._start
-        if self._is_begun:
+        if self.is_begun:
             start = _replace(self._stream, start, head + content)
         else:
             self._stream.write(head + content)

@@ -47,7 +47,7 @@ class Recorder:
             StorageError: the file cannot be created.
             DrawbarError: an argument is none.
         """
-        self._file, self._steps = demand_path("file", file), 0
+        self._file, self._steps, self._kept = demand_path("file", file), 0, 0
         self._time, self._zero, self._flushed = 0, math.nan, 0
         self._channel: int | None = None
         demand("header", header, RunHeader, "give that of Simulation.header() or run_header()")
@@ -70,7 +70,7 @@ class Recorder:
         """Append one step; its time is that of its measurement, counted from the first one where that is negative.
 
         Raises:
-            StorageError: it cannot be written; the steps before it are.
+            StorageError: it cannot be written; what was flushed before is.
             SignalError: the record holds what is no number.
         """
         data, now = packed(record), time.monotonic_ns()
@@ -86,7 +86,7 @@ class Recorder:
             )
             if now - self._flushed >= _HELD_BACK:
                 self._writer.flush()
-                self._flushed = now
+                self._flushed, self._kept = now, self._steps + 1
         except OSError as error:
             raise self._full(error) from error
         self._steps += 1
@@ -124,8 +124,8 @@ class Recorder:
 
     def _full(self, error: OSError) -> StorageError:
         return StorageError(
-            f"{self._file}: the log cannot be written any further ({error.strerror}); its first {self._steps} steps "
-            f"are kept: free space, then `drawbar report {self._file.parent}`"
+            f"{self._file}: the log cannot be written any further ({error.strerror}); its first {self._kept} "
+            f"steps or more are kept: free space, then `drawbar report {self._file.parent}`"
         )
 
     def give_up(self) -> None:
