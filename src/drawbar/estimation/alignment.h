@@ -176,7 +176,7 @@ static inline void align_fix(struct component *alignment, int body, const struct
     const struct mast *mast = &alignment->masts[body];
     struct reported_fix *known = &alignment->fixes[body];
     const double reported[] = {fix[0], fix[1]};
-    double roll = 0.0, pitch = 0.0, arm[2];
+    double roll = 0.0, pitch = 0.0, arm[2] = {0.0, 0.0};   /* no mast: no arm */
 
     const struct drawbar_pose then = {at_age(since, age, last->x, now->x), at_age(since, age, last->y, now->y),
                                       at_age(since, age, last->yaw, now->yaw)};

@@ -8,6 +8,7 @@
 #ifndef DRAWBAR_LEAN_WATCH_H
 #define DRAWBAR_LEAN_WATCH_H
 
+#include "drawbar_signals.h"
 #include "lean_bank.h"
 #include "mast_swing.h"
 #include "status.h"
