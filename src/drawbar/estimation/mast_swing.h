@@ -24,9 +24,9 @@ enum { SWING_OFFSET, SWING_DRIFT, SWING_SHARE, SWUNG };
 #define SWING_NOISE 0.02                   /* of a fix, with that of the roll, at least, m */
 #define SWING_JUMP 4.0                     /* deviations of a fix that has jumped: it says nothing of the roll */
 #define SWING_USUAL 30.0                   /* time over which the squares of what is unexpected are averaged, s */
-#define SWING_LATELY 2.0                   /* the same for what is so now, s */
+#define SWING_LATELY 4.0                   /* the same for what is so now, s */
 #define SWING_CERTAIN 4.5                  /* deviations by which the share is below zero of a reversed sensor */
-#define SWING_ODD 2.0                      /* times the usual that is too much beside a roll that stands still */
+#define SWING_ODD 3.0                      /* times the usual that is too much beside a roll that stands still */
 
 struct mast_swing {
     double state[SWUNG];                   /* place, m, and direction of the prediction, rad; share */
