@@ -16,8 +16,8 @@ from drawbar.control.tube.adversary import worst_signs
 from drawbar.errors import ConfigurationError, DrawbarError, HardwareError, PathError, demand
 from drawbar.estimation.ideal import ideal_estimate
 from drawbar.estimation.settings import IdealEstimatorSettings
-from drawbar.geometry import Floats, wrap
-from drawbar.guidance.beginning import beginning, demand_near
+from drawbar.geometry import Floats
+from drawbar.guidance.beginning import beginning
 from drawbar.guidance.demands import demand_steering, demand_trackable
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.load import load_line
@@ -27,20 +27,14 @@ from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.recording.header import run_header
 from drawbar.recording.log import Outcome, RunHeader, RunLog
-from drawbar.safety.gate import PATIENCE
 from drawbar.signals import Estimate, Measurement, Pose, Status, StepRecord
 from drawbar.step.autopilot import Autopilot
-from drawbar.step.build import ENDURANCE, build_autopilot, build_tubes
+from drawbar.step.build import build_autopilot, build_tubes
+from drawbar.step.reasons import reason, refusal
 from drawbar.termination import heeded_termination
 
 if TYPE_CHECKING:
     from drawbar.guidance.smoothing import DrivablePath
-
-
-_SWAPPED = math.radians(120.0)
-"""facing so far away from the path, a vehicle that drove along it may have its antennas swapped, rad"""
-_STUCK = 2
-"""a doubt of lean_watch.h: the roll stands still"""
 
 
 class RunAborted(DrawbarError):  # noqa: N818 -- an outcome, not a mistake
@@ -94,11 +88,11 @@ def drive(
                 between()
             autopilot.prepare()
             if status in (Status.POSITION, Status.START, Status.NO_PATH):
-                raise _refusal(status, autopilot, measurement)
+                raise refusal(status, autopilot, measurement)
             record = autopilot.record(machine.truth() if isinstance(machine, MachineWithTruth) else None)
             yield record
             if status.has_ended:
-                raise RunAborted(_reason(status, before, record, autopilot))
+                raise RunAborted(reason(status, before, record, autopilot))
             if measurement.time - begin > time_limit:
                 raise RunAborted(
                     f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log."
@@ -293,122 +287,3 @@ def _bounded_errors(configuration: Configuration, kind: str, seed: int) -> Calla
             )
         worst = dict(zip(("ground", "estimate"), worst_signs(tubes), strict=True))[kind]
     return BoundedSequence(errors.draw, bounds, seed=seed, worst=worst).draw
-
-
-def _refusal(status: Status, autopilot: Autopilot, first: Measurement) -> DrawbarError:
-    """Return the error that says why a run cannot begin."""
-    if status is Status.NO_PATH:
-        return PathError("the autopilot has no path; call autopilot.begin(path) before it drives")
-    if not np.isfinite([first.tractor_x, first.tractor_y, first.trailer_x, first.trailer_y]).all():
-        return HardwareError(
-            f"The first measurement lacks a position (tractor {first.tractor_x}, {first.tractor_y}; "
-            f"trailer {first.trailer_x}, {first.trailer_y}); wait for a fix of both antennas to start."
-        )
-    try:
-        reach = _live(autopilot, "guidance", "guidance.start_distance")
-        demand_near(autopilot.path, autopilot.start, first.tractor_x, first.tractor_y, reach)
-    except PathError as error:
-        return error
-    return PathError(Status.START.text)
-
-
-def _reason(status: Status, before: Status, record: StepRecord, autopilot: Autopilot) -> str:
-    """Say why a run has ended; `before`: the status of the step before its last."""
-    at = f"At {record.measurement.time:.1f} s"
-    if status is Status.OFF_COURSE:
-        away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "supervisor", "lost")
-        return f"{at} the tractor was {away:.2f} m from the path (limit {limit:g} m)."
-    if status is Status.BLIND:
-        return f"{at} {_without_fixes(autopilot)}"
-    if status is Status.STEERING:
-        return f"{at} {_not_followed(record, autopilot)}"
-    if status is Status.HITCH:
-        return f"{at} {_contradicted(record, autopilot)}"
-    if status is Status.ROLL:
-        return f"{at} {_leans_otherwise(record, autopilot)}"
-    if status is Status.STOPPED and before is Status.TIME:
-        return f"{at} the machine's time stamps had not increased, or were not finite, for {PATIENCE} s."
-    if status is Status.STOPPED:
-        return f"{at} the gate had had no valid command to let pass for {PATIENCE} s."
-    if status is Status.UNSOLVED:
-        return f"{at} estimator and controllers had not all had a solution for {ENDURANCE:.0f} s."
-    if status is Status.GUIDANCE:
-        return f"{at} {_lost(record.estimate, autopilot)}"
-    return f"{at} the run was {status.text}."
-
-
-def _without_fixes(autopilot: Autopilot) -> str:
-    """Say how far the vehicle has gone without a fix, and how far and for how long it may."""
-    way, longest, most = (_live(autopilot, "supervisor", name) for name in ("way", "blind", "blind_deviation"))
-    return (
-        f"neither antenna had had a valid fix for {way:.1f} m; "
-        f"the limits are {longest:g} s, and a standard deviation across the line of {most:g} m."
-    )
-
-
-def _live(autopilot: Autopilot, component: str, name: str, place: int = 0) -> float:
-    """Return a number of a component."""
-    return float(autopilot.library.components[component].live.array(name)[place])
-
-
-def _not_followed(record: StepRecord, autopilot: Autopilot) -> str:
-    """Say which steering does not follow its commands."""
-    sensed, angles = record.measurement, []
-    for place, body, name in ((0, "tractor", "the front wheels"), (1, "trailer", "the trailer's joint")):
-        stuck = _live(autopilot, "actuation", "stuck_for", place) > 0.0
-        if stuck or _live(autopilot, "actuation", "odd_for", place) > 0.0:
-            measured, asked = (math.degrees(getattr(each, f"{body}_steering")) for each in (sensed, record.command))
-            shows = f"the sensor of {name} shows {'the very same ' if stuck else ''}{measured:.1f}°"
-            angles.append(f"{shows}, {asked:.1f}° were commanded")
-    return (
-        f"{'; '.join(angles)}: it is stuck or has the wrong sign, the actuator does not follow its commands, or "
-        f"somebody steers; look at `drawbar check --wiggle`."
-    )
-
-
-def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
-    """Say which of the trailer's angles contradicts the motion: the one that is farther from its estimate."""
-    names = {"hitch_angle": "hitch angle", "trailer_steering": "trailer's joint"}
-    pairs = {name: [math.degrees(getattr(of, name)) for of in (record.measurement, record.estimate)] for name in names}
-    stuck = _live(autopilot, "sanity", "hitch.stuck") > 0.0
-    worst = "hitch_angle" if stuck else max(names, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
-    measured, found = pairs[worst]
-    return (
-        f"the sensor of the {names[worst]} shows {measured:.1f}°, which contradicts the motion of both bodies "
-        f"({found:.1f}° are estimated): it is stuck{'' if stuck else ', has the wrong sign or is off'}."
-    )
-
-
-def _leans_otherwise(record: StepRecord, autopilot: Autopilot) -> str:
-    """Say which roll sensor is wrong, and what about it."""
-    sensors = []
-    for place, body in enumerate(("tractor", "trailer")):
-        doubt = _live(autopilot, "alignment", "leans.doubts", place)
-        if doubt:
-            shown = f"{math.degrees(getattr(record.measurement, f'{body}_roll')):.1f}°"
-            wrong = "stands still while it does not" if doubt == _STUCK else "is reversed"
-            sensors.append(f"the roll of the {body} ({shown}) {wrong}")
-    return (
-        f"{' and '.join(sensors)}, as the swing of its antenna, its pitch in other headings and the other body's "
-        "attitude show: right side down is positive; look at the sensor's mounting and at the mast's height."
-    )
-
-
-def _lost(estimate: Estimate, autopilot: Autopilot) -> str:
-    """Say why guidance had no reference."""
-    guidance = autopilot.library.components["guidance"].live
-    for pose in (estimate.tractor, estimate.trailer):
-        if not math.isfinite(pose.x + pose.y + pose.yaw):
-            return f"the estimated {pose} was not finite."
-    speed = estimate.longitudinal_slip * estimate.speed
-    if not math.isfinite(speed):
-        return f"the estimated speed over ground was {speed} m/s."
-    tractor, progress = estimate.tractor, guidance.array("guidance.progress")[0]
-    turned = wrap(tractor.yaw - float(autopilot.path.sample(np.array(progress))[2]))
-    curvature, rate, room = (float(guidance.array(name)[0]) for name in ("limits.curvature", "limits.rate", "room"))
-    return (
-        f"the tractor at ({tractor.x:z.2f}, {tractor.y:z.2f}) m faced {math.degrees(turned):.0f}° away from the "
-        f"path; turns of {curvature:g} 1/m and {rate:g} 1/m² do not lead onto it within "
-        f"{room:g} m beside it: turn the vehicle by hand, or raise guidance.turning_room or "
-        f"vehicle.curvature_limit{'; or are the antennas swapped?' if abs(turned) > _SWAPPED else ''}"
-    )

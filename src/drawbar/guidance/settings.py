@@ -1,8 +1,52 @@
-"""The guidance section of a configuration."""
+"""The sections `path` and `guidance` of a configuration: what to drive, and how it becomes references."""
 
-from typing import Literal
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
 
 from drawbar.settings import Length, NonNegativeLength, Positive, Settings
+
+TrackLength = Annotated[float, Field(gt=0.0, le=1000.0)]
+"""A length of the figure-eights, m; longer tracks are recorded lines."""
+
+
+class PathSettings(Settings):
+    """What to drive: a recorded line, or else figure-eights."""
+
+    file: str = ""
+    """AgOpenGPS field folder, CSV or GeoJSON file, relative to the configuration file that names it, or for --path
+    and --set to the working directory; empty: the figure-eights"""
+    track: str = ""
+    """name of the line, where the file holds several"""
+    extension: Annotated[float, Field(ge=0.0, le=10_000.0)] = 0.0
+    """how far an A-B line of AgOpenGPS, which has no end, goes beyond its points, m; 0: to the field's boundary, or
+    100 m where the field has none"""
+    offset: Annotated[float, Field(ge=-100.0, le=100.0)] = 0.0
+    """how far to the left of the line is driven (right: negative), m"""
+    working_width: Annotated[float, Field(ge=0.0, le=60.0)] = 0.0
+    """between parallel lines beside this one, which the operator may choose while the vehicle is not steered, m; each
+    is driven in the direction in which the vehicle faces. 0: there is only this line"""
+    radii: Annotated[tuple[TrackLength, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
+    """of the figure-eights, one after the other, m"""
+    straight_length: TrackLength = 20.0
+    """of the figure-eights' straights, m"""
+
+    @field_validator("file", "track")
+    @classmethod
+    def _unicode(cls, name: str) -> str:
+        try:
+            name.encode()
+        except UnicodeEncodeError as error:
+            raise ValueError(f"{name!r} is not Unicode, and a configuration is; rename it") from error
+        if "\0" in name:
+            raise ValueError("holds a zero character, which no name of a file has; leave it out")
+        return name
+
+    @model_validator(mode="after")
+    def _track_of_a_file(self) -> Self:
+        if self.track and not self.file:
+            raise ValueError(f"track = {self.track!r} is given without a file; give path.file too, or leave track out")
+        return self
 
 
 class GuidanceSettings(Settings):

@@ -28,6 +28,7 @@ from drawbar.errors import DrawbarError, demand_path
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.recording.frames import Damage, DamagedLogError
+from drawbar.recording.losses import Losses
 from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
 from drawbar.step.layout import StepLayout
@@ -317,7 +318,7 @@ class _NoHeaderError(Exception):
 
 def _parts(records: Iterator[Logged]) -> LogParts:
     before = list[Damage]()
-    header, outcome, losses = None, _KILLED, _Losses()
+    header, outcome, losses = None, _KILLED, Losses()
     for record in records:
         if isinstance(record, Damage):
             before.append(record)
@@ -356,34 +357,6 @@ def _outcome(told: Mapping[str, str]) -> Outcome | None:
     if told.get("finished") not in ("true", "false") or "reason" not in told:
         return None
     return Outcome(finished=told["finished"] == "true", reason=told["reason"])
-
-
-class _Losses:
-    """Tells which steps were lost where a log is damaged."""
-
-    def __init__(self) -> None:
-        self.texts: list[str] = []
-        self._last, self._open = -1, list[Damage]()
-
-    def add(self, damage: Damage) -> None:
-        self._open.append(damage)
-
-    def see(self, step: int) -> None:
-        """Take in that a step was read."""
-        if self._open:
-            first, last = self._last + 1, step - 1
-            lost = f"step {first} is lost" if first == last else f"steps {first} to {last} are lost"
-            self._say(lost if first <= last else "no step is lost" if first == step else "steps may be lost")
-        self._last = step
-
-    def end(self) -> None:
-        """Take in that no step follows."""
-        if self._open:
-            self._say(f"what came after step {self._last} is lost" if self._last >= 0 else "no step is left")
-
-    def _say(self, lost: str) -> None:
-        self.texts.append(f"{'; '.join(map(str, self._open))}: {lost}")
-        self._open.clear()
 
 
 def read_log(file: str | os.PathLike[str]) -> RunLog:

@@ -163,7 +163,7 @@ class StepLayout:
         data, absent = bytearray(self.size), record.truth is None
         known = [name for name in self._numbers if not name.endswith(".deviations")]
         try:
-            given = {name: _number(record, name) for name in known if not (absent and name.startswith("truth."))}
+            given = {name: attrgetter(name)(record) for name in known if not (absent and name.startswith("truth."))}
             for body in ("tractor", "trailer"):
                 given[f"plan.{body}.deviations"] = len(getattr(record.plan, body).deviation)
             numbers = [
@@ -217,10 +217,6 @@ _layout = cache(StepLayout)
 def _format(cell: Cell, *, read: bool) -> str:
     """Return what module struct is told of a cell that is read, or else passed over."""
     return cell.code if read else f"0{cell.code}{max(1, cell.length) * calcsize(cell.code)}x"
-
-
-def _number(record: StepRecord, name: str) -> Any:
-    return attrgetter(name)(record)
 
 
 @dataclass(frozen=True, slots=True)

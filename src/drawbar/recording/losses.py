@@ -1,0 +1,33 @@
+"""Losses: which steps of a log are lost where its file is damaged."""
+
+from drawbar.recording.frames import Damage
+
+
+class Losses:
+    """Collects what was lost, in sentences, while the steps of a log are read in turn."""
+
+    def __init__(self) -> None:
+        """Begin before the first step."""
+        self.texts: list[str] = []
+        self._last, self._open = -1, list[Damage]()
+
+    def add(self, damage: Damage) -> None:
+        """Take in bytes that are damaged."""
+        self._open.append(damage)
+
+    def see(self, step: int) -> None:
+        """Take in that a step was read."""
+        if self._open:
+            first, last = self._last + 1, step - 1
+            lost = f"step {first} is lost" if first == last else f"steps {first} to {last} are lost"
+            self._say(lost if first <= last else "no step is lost" if first == step else "steps may be lost")
+        self._last = step
+
+    def end(self) -> None:
+        """Take in that no step follows."""
+        if self._open:
+            self._say(f"what came after step {self._last} is lost" if self._last >= 0 else "no step is left")
+
+    def _say(self, lost: str) -> None:
+        self.texts.append(f"{'; '.join(map(str, self._open))}: {lost}")
+        self._open.clear()
