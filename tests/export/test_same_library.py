@@ -56,7 +56,7 @@ def faulty(records: list[StepRecord]) -> Iterator[Measurement]:
         if 100 <= i < 110:
             measured = replace(measured, tractor_x=math.nan, trailer_y=math.inf)
         if i >= 120:
-            measured = replace(measured, speed=14.0)
+            measured = replace(measured, tractor_steering=1.3)
         yield measured
 
 

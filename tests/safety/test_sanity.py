@@ -87,6 +87,25 @@ def test_what_has_oscillated_stays_slow() -> None:
     assert seen[-1] == (0, SanitySettings().swing_share)
 
 
+@pytest.mark.parametrize("offset", [0.12, -0.12])
+def test_an_oscillation_about_a_place_beside_the_line_ends_the_run_a_period_later_at_most(offset: float) -> None:
+    """Peaks of 42 and 18 cm in turn: each is as large as the last one on its side; the first two have none there."""
+    about_the_line, beside_it = (watched(middle + each for each in sine(200, 4.0, 0.3)) for middle in (0.0, offset))
+    ends = [next(k for k, (status, _) in enumerate(seen) if status) for seen in (about_the_line, beside_it)]
+    assert beside_it[ends[1]][0] == Status.OSCILLATION
+    assert ends[1] <= ends[0] + 4.0 / SAMPLE
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, -0.1])
+@pytest.mark.parametrize("left", [0.3, 0.6])
+def test_what_dies_away_is_no_oscillation_wherever_it_settles(left: float, offset: float) -> None:
+    fading = [
+        offset + 1.5 * math.exp(math.log(left) * k * SAMPLE / 2.0) * math.sin(math.pi * k * SAMPLE / 2.0)
+        for k in range(200)
+    ]
+    assert {status for status, _ in watched(fading)} == {0}
+
+
 def test_steering_along_a_curve_is_no_swing() -> None:
     sanity, wheelbase = Sanity(), 1.4
     for k, curvature in enumerate(sine(200, 6.0, 0.25)):

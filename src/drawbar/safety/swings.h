@@ -1,8 +1,9 @@
 /* Swings to both sides of a signal that ought to be near zero: a loop that oscillates rather than settles.
  *
  * A half wave ends where the signal is on the other side of zero by half of the threshold. One counts if its peak is beyond
- * the threshold, if it did not take longer than LONGEST_SWING, and if it is not clearly smaller than the one before: what
- * dies away by itself (a bump, the way onto the line) is no oscillation.
+ * the threshold, if it did not take longer than LONGEST_SWING, and if it is not clearly smaller than the one before, or than
+ * the last one on its own side: what dies away by itself (a bump, the way onto the line) is no oscillation, but one about
+ * a place beside zero is.
  */
 #ifndef DRAWBAR_SWINGS_H
 #define DRAWBAR_SWINGS_H
@@ -12,10 +13,10 @@
 #include "geometry.h"
 
 #define LONGEST_SWING 8.0                  /* s */
-#define STILL_SWINGING 0.7                 /* least share of the peak before it */
+#define STILL_SWINGING 0.7                 /* least share of a peak before it */
 
 struct swings {
-    double peak, before;                   /* of this half wave, so far, and of the one before */
+    double peak, before, earlier;          /* of this half wave, so far, and of the two before; 0: there was none */
     time_stamp since;                      /* when this half wave began */
     int32_t side;                          /* 1: it is to the left, -1: to the right, 0: none yet */
     int32_t count;                         /* half waves in a row that count */
@@ -28,12 +29,14 @@ static inline int32_t swings_update(struct swings *swings, double time, double s
 
     if (!isfinite(signal) || time - swings->since > LONGEST_SWING) {
         swings->count = swings->side = 0;
-        swings->peak = swings->before = 0.0;
+        swings->peak = swings->before = swings->earlier = 0.0;
         swings->since = time;
     }
     if (side != 0 && side != swings->side) {
-        const int counts = swings->peak > threshold && swings->peak >= STILL_SWINGING * swings->before;
+        const double last = swings->earlier > 0.0 ? fmin(swings->before, swings->earlier) : swings->before;
+        const int counts = swings->peak > threshold && swings->peak >= STILL_SWINGING * last;
         swings->count = counts ? swings->count + 1 : 0;
+        swings->earlier = swings->before;
         swings->before = swings->peak;
         swings->peak = 0.0;
         swings->since = time;

@@ -30,6 +30,7 @@ struct fuzz {
     uint32_t noise;
     double noise_level;
     double sway;                           /* by which fixes go from side to side, m */
+    int is_askew;                          /* the tractor's roll sensor is mounted the wrong way round */
     double sample_time;                    /* the caller's, s */
     int steps;
 };
@@ -86,6 +87,7 @@ static int measure(struct fuzz *f, struct drawbar_measurement *measurement)
         values[i] += f->sway * sin(SWAY_RATE * f->vehicle.time);
     measurement->time = f->is_replaced[0] ? values[0] : measurement->time + values[0];
     memcpy(numbers, values + 1, sizeof values - sizeof *values);
+    measurement->tractor_roll *= f->is_askew ? -1.0 : 1.0;
     measurement->tractor_fix_quality = f->qualities[0];
     measurement->trailer_fix_quality = f->qualities[1];
     return infinite;
@@ -451,6 +453,7 @@ static void act(struct fuzz *f)
     case 16: float_fixes(f), go_on(f); break;
     case 17: f->sway = next_fraction(&f->bytes), go_on(f); break;
     case 18: carry_away(f), go_on(f); break;
+    case 19: f->is_askew = !f->is_askew, go_on(f); break;
     default: drive(f);
     }
 }

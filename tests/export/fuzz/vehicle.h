@@ -7,6 +7,9 @@
 #include "drawbar_signals.h"
 
 #define STEPS 10
+#define SLOPE 0.05                         /* the ground's, which falls to the south, rad */
+#define TRACTOR_MAST 2.5                   /* height, m */
+#define TRAILER_MAST 2.0
 
 struct vehicle {
     double time, x, y, yaw, trailer_yaw;   /* s, m, rad */
@@ -43,7 +46,7 @@ static inline void vehicle_drive(struct vehicle *v, const struct drawbar_command
         vehicle_move(v, command, sample / STEPS);
 }
 
-/* What the cheapest sensors report; it has no others. */
+/* What the cheapest sensors report, and how both bodies lean; it has no others. */
 static inline struct drawbar_measurement vehicle_measure(const struct vehicle *v)
 {
     const double drawbar_yaw = v->trailer_yaw + v->joint;
@@ -58,6 +61,12 @@ static inline struct drawbar_measurement vehicle_measure(const struct vehicle *v
     measured.speed = v->speed;
     measured.tractor_steering = v->steering;
     measured.trailer_steering = v->joint;
+    measured.tractor_y -= TRACTOR_MAST * sin(SLOPE);
+    measured.trailer_y -= TRAILER_MAST * sin(SLOPE);
+    measured.tractor_roll = SLOPE * cos(v->yaw);
+    measured.tractor_pitch = SLOPE * sin(v->yaw);
+    measured.trailer_roll = SLOPE * cos(v->trailer_yaw);
+    measured.trailer_pitch = SLOPE * sin(v->trailer_yaw);
     return measured;
 }
 
