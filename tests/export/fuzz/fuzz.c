@@ -255,6 +255,7 @@ static void repair(struct fuzz *f)
     memset(f->qualities, 0, sizeof f->qualities);
     memset(&solver_faults, 0, sizeof solver_faults);
     f->sway = 0.0;
+    f->is_askew = 0;
     f->sample_time = DRAWBAR_SAMPLE_TIME;
 }
 
