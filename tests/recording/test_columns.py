@@ -1,27 +1,23 @@
 """Columns read in a stream are those of the whole log."""
 
-import importlib.util
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from arbitrary_logs import arbitrary_step, header, write, write_as_json
 
 from drawbar.errors import DrawbarError
 from drawbar.recording import columns
 from drawbar.recording.columns import WIDE, read_columns, reported
 from drawbar.recording.log import read_log
+from drawbar.recording.recorder import Recorder
 from drawbar.step import layout
-
-_SPECIFICATION = importlib.util.spec_from_file_location("recorded", Path(__file__).with_name("test_recorder.py"))
-assert _SPECIFICATION is not None
-assert _SPECIFICATION.loader is not None
-t = importlib.util.module_from_spec(_SPECIFICATION)
-_SPECIFICATION.loader.exec_module(t)
 
 
 def test_columns_are_those_of_the_whole_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(columns, "_BLOCK", 7)
-    t.write(tmp_path / "log.mcap", 30)
+    write(tmp_path / "log.mcap", 30)
     whole, streamed = read_log(tmp_path / "log.mcap"), read_columns(tmp_path / "log.mcap")
     for name in reported(has_truth=True):
         expected = whole.column(name)
@@ -32,7 +28,7 @@ def test_columns_are_those_of_the_whole_log(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_columns_of_logs_whose_steps_are_json_are_those_of_the_whole_log(tmp_path: Path) -> None:
-    t.write_as_json(tmp_path / "log.mcap", 3)
+    write_as_json(tmp_path / "log.mcap", 3)
     whole, read = read_log(tmp_path / "log.mcap"), read_columns(tmp_path / "log.mcap")
     assert read.steps == 3
     for name in reported(has_truth=True):
@@ -45,7 +41,7 @@ def test_a_column_that_a_log_lacks_is_missing(tmp_path: Path, monkeypatch: pytes
     assert earlier != schema
     monkeypatch.setattr("drawbar.recording.recorder.step_schema", lambda stages: earlier)
     monkeypatch.setattr("drawbar.recording.recorder.packed", layout.StepLayout.of_schema(earlier).pack)
-    steps = t.write(tmp_path / "log.mcap", 9)
+    steps = write(tmp_path / "log.mcap", 9)
     log = read_columns(tmp_path / "log.mcap", ["estimate.trailer_slip", "estimate.steering_offset"])
     assert np.isnan(log.column("estimate.trailer_slip")).all()
     offsets = [step.estimate.steering_offset for step in steps]
@@ -54,8 +50,8 @@ def test_a_column_that_a_log_lacks_is_missing(tmp_path: Path, monkeypatch: pytes
 
 def test_a_number_that_stays_the_same_is_kept_once(tmp_path: Path) -> None:
     still, moving = "command.speed", "measurement.time"
-    steps = [t.dataclasses.replace(t.arbitrary_step(seed), command=t.arbitrary_step(0).command) for seed in range(9)]
-    with t.Recorder(tmp_path / "log.mcap", t.header()) as recorder:
+    steps = [replace(arbitrary_step(seed), command=arbitrary_step(0).command) for seed in range(9)]
+    with Recorder(tmp_path / "log.mcap", header()) as recorder:
         for step in steps:
             recorder.write(step)
     log = read_columns(tmp_path / "log.mcap", [still, moving])
@@ -64,8 +60,8 @@ def test_a_number_that_stays_the_same_is_kept_once(tmp_path: Path) -> None:
 
 
 def test_without_truth_its_columns_are_missing(tmp_path: Path) -> None:
-    with t.Recorder(tmp_path / "log.mcap", t.header()) as recorder:
-        recorder.write(t.dataclasses.replace(t.arbitrary_step(1), truth=None))
+    with Recorder(tmp_path / "log.mcap", header()) as recorder:
+        recorder.write(replace(arbitrary_step(1), truth=None))
     log = read_columns(tmp_path / "log.mcap")
     assert not log.has_truth
     assert np.isnan(log.column("truth.tractor.x")).all()
@@ -73,7 +69,7 @@ def test_without_truth_its_columns_are_missing(tmp_path: Path) -> None:
 
 
 def test_a_log_without_steps_has_empty_columns(tmp_path: Path) -> None:
-    t.write(tmp_path / "log.mcap", 0)
+    write(tmp_path / "log.mcap", 0)
     assert read_columns(tmp_path / "log.mcap").column("measurement.time").shape == (0,)
 
 

@@ -1,96 +1,23 @@
 import dataclasses
 import os
 import pathlib
-import re
 import signal
 import subprocess
 import sys
-import types
-import typing
-from datetime import UTC, datetime
-from enum import IntEnum, IntFlag
 
-import msgspec
+import arbitrary_logs
 import numpy as np
 import pytest
+from arbitrary_logs import arbitrary_step, assert_identical, header, write, write_as_json
 from mcap.reader import make_reader
-from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
 
 from drawbar.errors import DrawbarError
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.recording import chunks
-from drawbar.recording.columns import read_columns
-from drawbar.recording.log import PathTable, RecordedPoints, RunHeader, encode_special, read_log
+from drawbar.recording.log import RecordedPoints, read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.table import number_names
-from drawbar.signals import StepRecord
-from drawbar.step.layout import packed
-from drawbar.vehicle.parameters import VehicleParameters
-
-SHAPES = {"closest": (4,), "samples": (3, 4), "poses": (3, 3), "steerings": (2,), "deviation": (3,)}
-PREDICTED = ("poses", "steerings")
-"""what is recorded in single precision"""
-
-
-def arbitrary(kind, name, rng):
-    """Return a random value of a signal's type; every seventh number is missing."""
-    if isinstance(kind, types.UnionType):
-        kind = kind.__args__[0]
-    if dataclasses.is_dataclass(kind):
-        hints = typing.get_type_hints(kind)
-        return kind(**{field: arbitrary(hint, field, rng) for field, hint in hints.items()})
-    if kind is float:
-        if name == "time":
-            return float(rng.exponential())
-        return float("nan") if rng.random() < 1 / 7 else float(rng.normal() * 1e3)
-    if isinstance(kind, type) and issubclass(kind, IntEnum | IntFlag):
-        return list(kind)[int(rng.integers(len(kind)))]
-    if kind in (int, bool):
-        return kind(rng.integers(0, 2))
-    array = rng.normal(size=SHAPES[name])
-    array.flat[0] = np.nan
-    return array.astype(np.float32).astype(float) if name in PREDICTED else array
-
-
-def arbitrary_step(seed):
-    return arbitrary(StepRecord, "", np.random.default_rng(seed))
-
-
-def header():
-    return RunHeader(
-        configuration_name="articulated",
-        configuration="[vehicle]\nwheelbase = 1.4 # ü\n",
-        seed=3,
-        started=datetime(2026, 5, 4, 3, 2, 1, tzinfo=UTC),
-        vehicle=VehicleParameters(joint_sign=-1),
-        path=PathTable.of(figure_eights([1.0], 1.0)),
-        path_name="eights",
-        path_note="as recorded",
-        recorded=RecordedPoints.of(np.array([[0.0, 0.1], [3.0, 0.2]]), np.array([0.1, 0.2])),
-        estimate_bounds={"longitudinal_slip": (0.25, 1.0)},
-    )
-
-
-def assert_identical(left, right):
-    """Exact equality, fields in depth, where NaN equals NaN and arrays keep shape and type."""
-    assert type(left) is type(right)
-    if dataclasses.is_dataclass(left):
-        for field in dataclasses.fields(left):
-            assert_identical(getattr(left, field.name), getattr(right, field.name))
-    elif isinstance(left, np.ndarray):
-        assert left.dtype == right.dtype
-        np.testing.assert_array_equal(left, right, strict=True)
-    else:
-        assert left == right or (left != left and right != right)
-
-
-def write(file, count):
-    records = [arbitrary_step(seed) for seed in range(count)]
-    with Recorder(file, header()) as recorder:
-        for record in records:
-            recorder.write(record)
-    return records
 
 
 def test_every_field_survives_the_round_trip(tmp_path):
@@ -191,18 +118,12 @@ def test_recorded_points_are_few_and_the_worst_is_among_them(count):
     assert np.diff(recorded.points[:, 0]).max() <= np.ceil(count / 3000)
 
 
-@pytest.fixture
-def every_step_at_once(monkeypatch):
-    monkeypatch.setattr("drawbar.recording.recorder._HELD_BACK", 0)
-
-
 def test_a_killed_process_leaves_every_step_of_a_real_machine(tmp_path):
     script = f"""
 import os, signal, sys, time
-sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r})
+sys.path.insert(0, {str(pathlib.Path(arbitrary_logs.__file__).parent)!r})
 import pathlib
-import re
-import test_recorder as t
+import arbitrary_logs as t
 recorder = t.Recorder(pathlib.Path({str(tmp_path / "log.mcap")!r}), t.header())
 for seed in range(7):
     step = t.arbitrary_step(seed)
@@ -229,150 +150,6 @@ def test_steps_that_come_fast_wait_20_milliseconds_at_most(tmp_path, monkeypatch
             recorder.write(arbitrary_step(seed))
             assert len(read_log(file).records) == kept
     assert len(read_log(file).records) == 6
-
-
-def test_a_last_message_cut_at_any_byte_is_left_out(tmp_path, every_step_at_once):
-    file = tmp_path / "log.mcap"
-    with Recorder(file, header()) as recorder:
-        recorder.write(arbitrary_step(0))
-        one = file.stat().st_size
-        recorder.write(arbitrary_step(1))
-        data = file.read_bytes()
-    for end in range(one, len(data) + 1):
-        file.write_bytes(data[:end])
-        log = read_log(file)
-        assert len(log.records) == (2 if end == len(data) else 1)
-        assert_identical(log.records[0], arbitrary_step(0))
-        assert not log.outcome.finished
-
-
-def test_zeros_behind_a_cut_are_as_if_they_were_not_there(tmp_path, monkeypatch):
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)  # two or three steps
-    file, steps = tmp_path / "log.mcap", write(tmp_path / "log.mcap", 9)
-    whole = file.read_bytes()
-    for end in range(len(whole) // 3, len(whole) - 2_000, 137):  # as a file system leaves it where the power failed
-        file.write_bytes(whole[:end])
-        cut = len(read_log(file).records)
-        file.write_bytes(whole[:end] + bytes(100_000))
-        found = read_log(file).records
-        assert cut - 1 <= len(found) <= cut
-        for step, record in zip(steps, found, strict=False):
-            assert_identical(step, record)
-
-
-@pytest.fixture
-def long_log(tmp_path, monkeypatch):
-    """Return the file of a log of 40 steps in chunks of three, and its steps."""
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)
-    monkeypatch.setattr("drawbar.recording.recorder._HELD_BACK", 2**64)  # no chunk ends before it is full
-    records = [dataclasses.replace(arbitrary_step(seed), step=seed) for seed in range(40)]
-    with Recorder(tmp_path / "log.mcap", header()) as recorder:
-        for record in records:
-            recorder.write(record)
-    return tmp_path / "log.mcap", records
-
-
-def demand_a_chunk_at_most(log, steps):
-    """Demand what is left of a damaged log to be as it was, all but one chunk, and told rightly what is lost."""
-    found = {record.step for record in log.records}
-    for record in log.records:
-        assert_identical(record, steps[record.step])
-    lost = sorted(set(range(len(steps))) - found)
-    assert len(lost) <= 3
-    assert (lost == []) or lost == list(range(lost[0], lost[-1] + 1))
-    if not lost:
-        return
-    said = " ".join(log.losses)
-    if lost[-1] == len(steps) - 1:
-        assert f"what came after step {lost[0] - 1} is lost" in said
-    else:
-        single = f"step {lost[0]} is lost"
-        assert (single if len(lost) == 1 else f"steps {lost[0]} to {lost[-1]} are lost") in said
-        assert re.search(r"bytes \d+ to \d+ are damaged", said)
-
-
-def test_a_flipped_bit_costs_the_chunk_that_it_is_in(long_log):
-    file, steps = long_log
-    whole, losses, refused = file.read_bytes(), 0, list[tuple[int, str]]()
-    header_end = whole.index(b"drawbar/msg/StepRecord")
-    data_end = whole.rindex(b"outcome")
-    rng = np.random.default_rng(7)
-    for position in range(0, len(whole), 311):
-        data = bytearray(whole)
-        data[position] ^= 1 << int(rng.integers(8))
-        file.write_bytes(data)
-        try:
-            log = read_log(file)
-        except DrawbarError as error:
-            refused.append((position, str(error)))
-            continue
-        demand_a_chunk_at_most(log, steps)
-        losses += bool(log.losses)
-        if header_end < position < data_end - 20 and len(log.records) == len(steps):
-            assert log.outcome.finished or log.losses
-    assert losses > 50
-    assert all(position < header_end and "log.mcap: " in said for position, said in refused)
-
-
-@pytest.mark.parametrize("length", [1, 8, 700, 3000])
-def test_bytes_that_are_missing_cost_the_chunks_that_they_are_in(long_log, length):
-    file, steps = long_log
-    whole = file.read_bytes()
-    begin, end = whole.index(b"zstd") + 20, whole.rindex(b"zstd")
-    for position in range(begin, end - length, 4993):
-        file.write_bytes(whole[:position] + whole[position + length :])
-        log = read_log(file)
-        assert len(log.records) >= len(steps) - (6 if length < 3000 else 9)
-        assert log.losses or len(log.records) == len(steps)
-        for record in log.records:
-            assert_identical(record, steps[record.step])
-
-
-def test_what_damage_costs_is_told_with_its_bytes_and_steps(long_log):
-    file, _ = long_log
-    whole = file.read_bytes()
-    places = [found.start() for found in re.finditer(b"zstd", whole)]
-    data = bytearray(whole)
-    data[places[2] + 500] ^= 16
-    file.write_bytes(data)
-    log, columns = read_log(file), read_columns(file, ["measurement.time"])
-    begin = places[2] - 41
-    assert [record.step for record in log.records] == [*range(6), *range(9, 40)]
-    assert log.outcome.finished
-    (said,) = log.losses
-    assert re.fullmatch(rf"bytes {begin} to \d+ are damaged: steps 6 to 8 are lost", said)
-    assert columns.losses == log.losses
-    np.testing.assert_array_equal(columns.column("measurement.time"), log.column("measurement.time"))
-
-
-def test_a_damaged_last_chunk_that_is_open_costs_what_is_behind(tmp_path, every_step_at_once):
-    file, steps = tmp_path / "log.mcap", [dataclasses.replace(arbitrary_step(seed), step=seed) for seed in range(6)]
-    recorder = Recorder(file, header())
-    for step in steps:
-        recorder.write(step)
-    data = bytearray(file.read_bytes())
-    recorder.give_up()
-    size = len(packed(steps[0])) + 35
-    data[len(data) - 2 * size] ^= 0x40  # the operation code of the last message but one
-    file.write_bytes(data)
-    log = read_log(file)
-    assert [record.step for record in log.records] == [0, 1, 2, 3]
-    assert re.fullmatch(r"bytes \d+ to \d+ are damaged: what came after step 3 is lost", log.losses[0])
-
-
-def test_a_log_whose_header_is_damaged_says_so_or_names_it(long_log):
-    file, _ = long_log
-    whole = file.read_bytes()
-    place = whole.index(b'"seed":3')
-    file.write_bytes(whole.replace(b'"seed":3', b'"seed":4'))
-    log = read_log(file)
-    assert (log.header.seed, len(log.records)) == (4, 40)
-    assert "they hold what was known before the first step" in log.losses[0]
-    file.write_bytes(whole[:place] + b"}" + whole[place + 1 :])
-    with pytest.raises(
-        DrawbarError, match=r"log\.mcap: is damaged.*bytes \d+ to \d+ are .*what was known before the first step"
-    ):
-        read_log(file)
 
 
 def test_steps_that_come_fast_are_not_written_twice(tmp_path, monkeypatch):
@@ -406,19 +183,6 @@ def test_a_log_of_several_chunks_is_whole_indexed_and_readable_at_any_moment(tmp
         summary = reader.get_summary()
     assert summary.statistics.message_count == 20
     assert summary.statistics.chunk_count == len(summary.chunk_indexes) > 5
-
-
-def write_as_json(file, count):
-    """Write a log as earlier versions did, without chunks."""
-    encoder = msgspec.json.Encoder(enc_hook=encode_special)
-    with file.open("wb") as stream:
-        writer = Writer(stream, use_chunking=False)
-        writer.start(profile="drawbar")
-        writer.add_attachment(0, 0, "run.json", "application/json", encoder.encode(header()))
-        channel = writer.register_channel("/step", "json", writer.register_schema("StepRecord", "jsonschema", b"{}"))
-        for seed in range(count):
-            writer.add_message(channel, seed, encoder.encode(arbitrary_step(seed)), seed, seed)
-        writer.finish()
 
 
 def test_logs_of_earlier_versions_are_read(tmp_path):

@@ -1,0 +1,159 @@
+"""Logs that are cut or damaged: what is sound is read, and what is lost is told."""
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+from arbitrary_logs import arbitrary_step, assert_identical, header, write
+
+from drawbar.errors import DrawbarError
+from drawbar.recording import chunks
+from drawbar.recording.columns import read_columns
+from drawbar.recording.log import read_log
+from drawbar.recording.recorder import Recorder
+from drawbar.step.layout import packed
+
+
+def test_a_last_message_cut_at_any_byte_is_left_out(tmp_path, every_step_at_once):
+    file = tmp_path / "log.mcap"
+    with Recorder(file, header()) as recorder:
+        recorder.write(arbitrary_step(0))
+        one = file.stat().st_size
+        recorder.write(arbitrary_step(1))
+        data = file.read_bytes()
+    for end in range(one, len(data) + 1):
+        file.write_bytes(data[:end])
+        log = read_log(file)
+        assert len(log.records) == (2 if end == len(data) else 1)
+        assert_identical(log.records[0], arbitrary_step(0))
+        assert not log.outcome.finished
+
+
+def test_zeros_behind_a_cut_are_as_if_they_were_not_there(tmp_path, monkeypatch):
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)  # two or three steps
+    file, steps = tmp_path / "log.mcap", write(tmp_path / "log.mcap", 9)
+    whole = file.read_bytes()
+    for end in range(len(whole) // 3, len(whole) - 2_000, 137):  # as a file system leaves it where the power failed
+        file.write_bytes(whole[:end])
+        cut = len(read_log(file).records)
+        file.write_bytes(whole[:end] + bytes(100_000))
+        found = read_log(file).records
+        assert cut - 1 <= len(found) <= cut
+        for step, record in zip(steps, found, strict=False):
+            assert_identical(step, record)
+
+
+@pytest.fixture
+def long_log(tmp_path, monkeypatch):
+    """Return the file of a log of 40 steps in chunks of three, and its steps."""
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)
+    monkeypatch.setattr("drawbar.recording.recorder._HELD_BACK", 2**64)  # no chunk ends before it is full
+    records = [dataclasses.replace(arbitrary_step(seed), step=seed) for seed in range(40)]
+    with Recorder(tmp_path / "log.mcap", header()) as recorder:
+        for record in records:
+            recorder.write(record)
+    return tmp_path / "log.mcap", records
+
+
+def demand_a_chunk_at_most(log, steps):
+    """Demand what is left of a damaged log to be as it was, all but one chunk, and told rightly what is lost."""
+    found = {record.step for record in log.records}
+    for record in log.records:
+        assert_identical(record, steps[record.step])
+    lost = sorted(set(range(len(steps))) - found)
+    assert len(lost) <= 3
+    assert (lost == []) or lost == list(range(lost[0], lost[-1] + 1))
+    if not lost:
+        return
+    said = " ".join(log.losses)
+    if lost[-1] == len(steps) - 1:
+        assert f"what came after step {lost[0] - 1} is lost" in said
+    else:
+        single = f"step {lost[0]} is lost"
+        assert (single if len(lost) == 1 else f"steps {lost[0]} to {lost[-1]} are lost") in said
+        assert re.search(r"bytes \d+ to \d+ are damaged", said)
+
+
+def test_a_flipped_bit_costs_the_chunk_that_it_is_in(long_log):
+    file, steps = long_log
+    whole, losses, refused = file.read_bytes(), 0, list[tuple[int, str]]()
+    header_end = whole.index(b"drawbar/msg/StepRecord")
+    data_end = whole.rindex(b"outcome")
+    rng = np.random.default_rng(7)
+    for position in range(0, len(whole), 311):
+        data = bytearray(whole)
+        data[position] ^= 1 << int(rng.integers(8))
+        file.write_bytes(data)
+        try:
+            log = read_log(file)
+        except DrawbarError as error:
+            refused.append((position, str(error)))
+            continue
+        demand_a_chunk_at_most(log, steps)
+        losses += bool(log.losses)
+        if header_end < position < data_end - 20 and len(log.records) == len(steps):
+            assert log.outcome.finished or log.losses
+    assert losses > 50
+    assert all(position < header_end and "log.mcap: " in said for position, said in refused)
+
+
+@pytest.mark.parametrize("length", [1, 8, 700, 3000])
+def test_bytes_that_are_missing_cost_the_chunks_that_they_are_in(long_log, length):
+    file, steps = long_log
+    whole = file.read_bytes()
+    begin, end = whole.index(b"zstd") + 20, whole.rindex(b"zstd")
+    for position in range(begin, end - length, 4993):
+        file.write_bytes(whole[:position] + whole[position + length :])
+        log = read_log(file)
+        assert len(log.records) >= len(steps) - (6 if length < 3000 else 9)
+        assert log.losses or len(log.records) == len(steps)
+        for record in log.records:
+            assert_identical(record, steps[record.step])
+
+
+def test_what_damage_costs_is_told_with_its_bytes_and_steps(long_log):
+    file, _ = long_log
+    whole = file.read_bytes()
+    places = [found.start() for found in re.finditer(b"zstd", whole)]
+    data = bytearray(whole)
+    data[places[2] + 500] ^= 16
+    file.write_bytes(data)
+    log, columns = read_log(file), read_columns(file, ["measurement.time"])
+    begin = places[2] - 41
+    assert [record.step for record in log.records] == [*range(6), *range(9, 40)]
+    assert log.outcome.finished
+    (said,) = log.losses
+    assert re.fullmatch(rf"bytes {begin} to \d+ are damaged: steps 6 to 8 are lost", said)
+    assert columns.losses == log.losses
+    np.testing.assert_array_equal(columns.column("measurement.time"), log.column("measurement.time"))
+
+
+def test_a_damaged_last_chunk_that_is_open_costs_what_is_behind(tmp_path, every_step_at_once):
+    file, steps = tmp_path / "log.mcap", [dataclasses.replace(arbitrary_step(seed), step=seed) for seed in range(6)]
+    recorder = Recorder(file, header())
+    for step in steps:
+        recorder.write(step)
+    data = bytearray(file.read_bytes())
+    recorder.give_up()
+    size = len(packed(steps[0])) + 35
+    data[len(data) - 2 * size] ^= 0x40  # the operation code of the last message but one
+    file.write_bytes(data)
+    log = read_log(file)
+    assert [record.step for record in log.records] == [0, 1, 2, 3]
+    assert re.fullmatch(r"bytes \d+ to \d+ are damaged: what came after step 3 is lost", log.losses[0])
+
+
+def test_a_log_whose_header_is_damaged_says_so_or_names_it(long_log):
+    file, _ = long_log
+    whole = file.read_bytes()
+    place = whole.index(b'"seed":3')
+    file.write_bytes(whole.replace(b'"seed":3', b'"seed":4'))
+    log = read_log(file)
+    assert (log.header.seed, len(log.records)) == (4, 40)
+    assert "they hold what was known before the first step" in log.losses[0]
+    file.write_bytes(whole[:place] + b"}" + whole[place + 1 :])
+    with pytest.raises(
+        DrawbarError, match=r"log\.mcap: is damaged.*bytes \d+ to \d+ are .*what was known before the first step"
+    ):
+        read_log(file)
