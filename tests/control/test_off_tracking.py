@@ -33,7 +33,7 @@ const struct drawbar_field drawbar_fields[] = {{
 }};
 int targets(struct component *p, const struct drawbar_estimate *estimate)
 {{
-    shared_targets(&p->shared, estimate, (const double (*)[4])p->samples, p->stages, p->result, 1);
+    shared_targets(&p->shared, estimate, (const double (*)[4])p->samples, p->stages, p->result, 1, NULL);
     return 0;
 }}
 int remainder_of(struct component *p, const struct drawbar_estimate *e)

@@ -149,11 +149,12 @@ int drawbar_predictor_sent(struct component *component, const struct drawbar_com
 }
 
 int drawbar_guidance_begin(struct component *component, const struct path *path, double start,
-                           const struct drawbar_measurement *first)
+                           const struct drawbar_measurement *first, double *distance)
 {
     (void)component;
     (void)path;
     called('B');
+    *distance = fabs(start - first->tractor_x);
     return first->tractor_x < start;
 }
 

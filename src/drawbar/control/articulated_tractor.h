@@ -55,7 +55,7 @@ static void fill(struct component *component, const struct drawbar_estimate *est
         p[P_REFERENCE_YAW] = sample[AT_YAW];
         solver->y[k][Y_STEERING] = curvature_steering(&component->chain, estimate, sample[AT_CURVATURE]);
     }
-    shared_targets(&component->shared, estimate, reference->samples, N + 1, &solver->y[0][Y_LATERAL_ERROR], NY);
+    shared_targets(&component->shared, estimate, reference->samples, N + 1, &solver->y[0][Y_LATERAL_ERROR], NY, NULL);
 }
 
 /* Linearise along the path itself, steered as its curvature asks. */

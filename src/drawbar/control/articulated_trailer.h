@@ -60,29 +60,26 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
     }
 }
 
-/* Let the tractor come back to its targets (m) beside the line as a critically damped oscillator does: after a way s its
- * offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. Returns 0 where the
- * line is not finite. */
+/* Let the tractor come back to its targets (m; slopes in rad) beside the line as a critically damped oscillator does: after
+ * a way s its offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. It turns to
+ * where the targets lead within l as well. Returns 0 where the line is not finite. */
 static int follow_targets(struct component *component, const struct drawbar_estimate *estimate,
-                          const struct drawbar_body_reference *tractor, const double *targets)
+                          const struct drawbar_body_reference *tractor, const double *targets, const double *slopes)
 {
     const double *closest = tractor->samples[0], crab = estimate->tractor_crab;
     const double along = cos(closest[AT_YAW]), across = sin(closest[AT_YAW]);
     const double dx = estimate->tractor.x - closest[AT_X], dy = estimate->tractor.y - closest[AT_Y];
     const double ahead = along * dx + across * dy, aside = along * dy - across * dx;
     const double steep = tan(clipped(wrapped(estimate->tractor.yaw + crab - closest[AT_YAW]), STEEPEST));
-    const double offset = aside - targets[0];
-    const double slope = steep - shared_slope(&component->shared, estimate, closest[AT_CURVATURE], targets[0]);
-    const double bend = slope + offset / component->return_length;
+    const double offset = aside - targets[0], bend = steep - slopes[0] + offset / component->return_length;
     const double step = estimate->longitudinal_slip * estimate->speed * component->interval;
     const double fades = exp(-step / component->return_length);
-    double share = 1.0, last = 0.0, sum = 0.0;
+    double share = 1.0, aims = slopes[0], last = 0.0, sum = 0.0;
 
     for (int k = 0; k <= N; ++k) {
         const double *sample = tractor->samples[k];
         const double back = (offset + bend * k * step) * share, beside = targets[k] + back;
         const double away = bend * share - back / component->return_length;
-        const double aims = shared_slope(&component->shared, estimate, sample[AT_CURVATURE], targets[k]);
         const double yaw = sample[AT_YAW] + atan(aims + away) - crab - side_slip_change(estimate, closest, sample);
         const double forward = cos(sample[AT_YAW]), left = sin(sample[AT_YAW]);
         double *p = component->rti.p[k];
@@ -93,6 +90,7 @@ static int follow_targets(struct component *component, const struct drawbar_esti
             component->rti.p[k - 1][P_TRACTOR_YAW_RATE] = p[P_TRACTOR_YAW_RATE] = (yaw - last) / component->interval;
         last = yaw;
         share *= fades;
+        aims += (1.0 - fades) * (slopes[k] - aims);
         sum += p[P_TRACTOR_X] + p[P_TRACTOR_Y] + yaw;
     }
     return isfinite(sum);
@@ -102,10 +100,10 @@ static int follow_targets(struct component *component, const struct drawbar_esti
 static int follow_line(struct component *component, const struct drawbar_estimate *estimate,
                        const struct drawbar_body_reference *tractor)
 {
-    double targets[N + 1];
+    double targets[N + 1], slopes[N + 1];
 
-    shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets, 1);
-    return follow_targets(component, estimate, tractor, targets);
+    shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets, 1, slopes);
+    return follow_targets(component, estimate, tractor, targets, slopes);
 }
 
 /* The tractor's smoothed present yaw rate, rad/s; one that is not finite is none to go on from. */

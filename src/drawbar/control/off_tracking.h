@@ -66,25 +66,22 @@ static inline double steady_target(const struct shared_error *shared, const stru
     return -shared->widening * curvature - (excess < 0.0 ? 0.0 : copysign(taken, remainder));
 }
 
-/* The slope (rad) against its line at which the tractor keeps to a target (m) on a curvature (1/m). */
-static inline double shared_slope(const struct shared_error *shared, const struct drawbar_estimate *estimate,
-                                  double curvature, double target)
-{
-    return (steady_target(shared, estimate, curvature) - target) / shared->lag;
-}
-
-/* The lateral targets (m, left positive) at the next stages of the path (x, y, yaw, curvature); the next call begins at
- * the second. Targets are stride numbers apart. What is not finite now is nothing to begin at then. */
+/* The lateral targets (m, left positive) at the next stages of the path (x, y, yaw, curvature), and the slopes (rad; or NULL)
+ * at which they leave the line; the next call begins at the second. Targets are stride numbers apart. What is not finite
+ * now is nothing to begin at then. */
 static inline void shared_targets(struct shared_error *shared, const struct drawbar_estimate *estimate,
-                                  const double (*samples)[4], int stages, double *targets, int stride)
+                                  const double (*samples)[4], int stages, double *targets, int stride, double *slopes)
 {
     const double step = estimate->longitudinal_slip * estimate->speed * shared->sample_time;
     const double follows = -expm1(-step / shared->lag);
     double target = shared->next;
 
     for (int k = 0; k < stages; ++k) {
+        const double left = steady_target(shared, estimate, samples[k][AT_CURVATURE]) - target;
         targets[k * stride] = target;
-        target += follows * (steady_target(shared, estimate, samples[k][AT_CURVATURE]) - target);
+        if (slopes)
+            slopes[k] = left / shared->lag;
+        target += follows * left;
         if (k == 0 && isfinite(target))
             shared->next = target;
     }

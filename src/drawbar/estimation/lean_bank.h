@@ -51,13 +51,18 @@ static inline void lean_bank_move(struct lean_bank *bank, double moved)
         bank->covariance[i][i] += moved * (i < ZEROS ? SLOPE_WALK * SLOPE_WALK : ZERO_WALK * ZERO_WALK);
 }
 
-/* An angle of a body as a sum of the states, where it faces so, rad. */
-static inline void lean_row(int body, int angle, double yaw, double *row)
+/* An angle of a body as a sum of states: so much of the slope to the east and to the north, and the zero at a place. */
+struct lean_row {
+    double east, north;
+    int zero;
+};
+
+/* The row of an angle of a body that faces so, rad. */
+static inline struct lean_row lean_row(int body, int angle, double yaw)
 {
-    for (int i = 0; i < LEANS; ++i)
-        row[i] = i == ZEROS + 2 * body + angle ? 1.0 : 0.0;
-    row[SLOPE_EAST] = angle == ROLL ? -sin(yaw) : cos(yaw);
-    row[SLOPE_NORTH] = angle == ROLL ? cos(yaw) : sin(yaw);
+    const double along = cos(yaw), across = sin(yaw);
+
+    return (struct lean_row){angle == ROLL ? -across : along, angle == ROLL ? along : across, ZEROS + 2 * body + angle};
 }
 
 /* The sign of what a sensor reports, by a hypothesis. */
@@ -66,26 +71,22 @@ static inline double lean_sign(int hypothesis, int body, int angle)
     return angle == ROLL && (hypothesis >> body & 1) ? -1.0 : 1.0;
 }
 
-static inline double lean_of(const double *row, const double *state)
+static inline double lean_of(const struct lean_row *row, const double *state)
 {
-    double sum = 0.0;
-
-    for (int i = 0; i < LEANS; ++i)
-        sum += row[i] * state[i];
-    return sum;
+    return row->east * state[SLOPE_EAST] + row->north * state[SLOPE_NORTH] + state[row->zero];
 }
 
 /* Take in an angle (rad) that stands for so much of the way (m). */
 static inline void lean_bank_angle(struct lean_bank *bank, int body, int angle, double yaw, double told, double way)
 {
-    double row[LEANS], gain[LEANS], variance = bank->spread * fmax(LEAN_ALIKE / way, 1.0), least = INFINITY;
+    const struct lean_row row = lean_row(body, angle, yaw);
+    double gain[LEANS], variance = bank->spread * fmax(LEAN_ALIKE / way, 1.0), least = INFINITY;
 
-    lean_row(body, angle, yaw, row);
     for (int i = 0; i < LEANS; ++i)
-        gain[i] = lean_of(bank->covariance[i], row);
-    variance += lean_of(row, gain);
+        gain[i] = lean_of(&row, bank->covariance[i]);
+    variance += lean_of(&row, gain);
     for (int h = 0; h < SIGNS; ++h) {
-        const double error = lean_sign(h, body, angle) * told - lean_of(row, bank->states[h]);
+        const double error = lean_sign(h, body, angle) * told - lean_of(&row, bank->states[h]);
         bank->against[h] += 0.5 * error * error / variance;
         least = fmin(least, error * error);
         for (int i = 0; i < LEANS; ++i)
@@ -146,10 +147,9 @@ static inline void lean_bank_take(struct lean_bank *bank, int body, double yaw, 
 static inline double lean_bank_roll(const struct lean_bank *bank, int body, double yaw)
 {
     const int likeliest = lean_bank_likeliest(bank);
-    double row[LEANS];
+    const struct lean_row row = lean_row(body, ROLL, yaw);
 
-    lean_row(body, ROLL, yaw, row);
-    return lean_sign(likeliest, body, ROLL) * lean_of(row, bank->states[likeliest]);
+    return lean_sign(likeliest, body, ROLL) * lean_of(&row, bank->states[likeliest]);
 }
 
 /* Whether the roll of a body is reversed: bodies whose signs do not show apart from each other are all named. */

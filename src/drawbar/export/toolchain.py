@@ -15,7 +15,7 @@ from drawbar.codegen.cache import own_cache_folder
 from drawbar.codegen.compiler import environment
 from drawbar.errors import CompilerError
 from drawbar.export.objects import ObjectFile, read_object
-from drawbar.export.targets import FLAGS, Target
+from drawbar.export.targets import FLAGS, SMALL, Target
 from drawbar.extras import install_command
 
 
@@ -74,7 +74,8 @@ def _compile(target: Target, flags: Sequence[str], library: Path, workshop: Path
     system = [f"-isystem{bundled / name}" for name in target.headers]
     sources = sorted((workshop / "src").glob("*.c"))
     for source in sources:
-        command = ["cc", *flags, *system, "-I../include", "-c", source.name, "-o", f"{source.stem}.o"]
+        small = [SMALL[source.name]] if source.name in SMALL else []
+        command = ["cc", *flags, *small, *system, "-I../include", "-c", source.name, "-o", f"{source.stem}.o"]
         _zig(command, source.parent)
     return [source.with_suffix(".o") for source in sources]
 

@@ -33,15 +33,16 @@ struct guidance {
     TRACKED_FIELDS(type, prefix tracked[TRAILER]) FIELD(type, prefix progress, 0, BODIES, 0, 0)           \
     FIELD(type, prefix samples, 0, BODIES, STAGES + 1, 4)
 
-/* Place both bodies (x, y, m) on the path near an arc length (m). */
+/* Place both bodies (x, y, m) on the path near an arc length (m); the tractor's `distance` from there (m) is told. */
 static inline int guidance_place(struct guidance *guidance, const struct path *path, double start,
-                                 const double *tractor, const double *trailer)
+                                 const double *tractor, const double *trailer, double *distance)
 {
     const double reach = guidance->start_distance;
     double beginning[4], error;
 
     path_sample(path, start, beginning);
-    if (!(hypot(tractor[0] - beginning[AT_X], tractor[1] - beginning[AT_Y]) <= reach))
+    *distance = hypot(tractor[0] - beginning[AT_X], tractor[1] - beginning[AT_Y]);
+    if (!(*distance <= reach))
         return DRAWBAR_GUIDANCE_FAR_FROM_START;
     if (!isfinite(trailer[0] + trailer[1]))
         return DRAWBAR_GUIDANCE_POSE_NOT_FINITE;
@@ -68,13 +69,12 @@ static inline struct drawbar_estimate guidance_tracked(const struct guidance *gu
     return tracked;
 }
 
-/* Place both bodies from where they are measured when the run begins. */
+/* Place both bodies from where they are measured when the run begins; see guidance_place. */
 static inline int guidance_begin(struct guidance *guidance, const struct path *path, double start,
-                                 const struct drawbar_measurement *first)
+                                 const struct drawbar_measurement *first, double *distance)
 {
     const double tractor[] = {first->tractor_x, first->tractor_y}, trailer[] = {first->trailer_x, first->trailer_y};
-
-    const int status = guidance_place(guidance, path, start, tractor, trailer);
+    const int status = guidance_place(guidance, path, start, tractor, trailer, distance);
 
     for (int i = 0; i < BODIES; ++i)       /* a yaw is not known yet: about there is near enough */
         guidance->progress[i] += guidance->tracked[i].arm[0];
@@ -90,8 +90,8 @@ static inline int guidance_change(struct guidance *guidance, const struct path *
     const double tractor[] = {tracked.tractor.x, tracked.tractor.y};
     const double trailer[] = {tracked.trailer.x, tracked.trailer.y};
     struct guidance placed = *guidance;
-    const int status = guidance_place(&placed, path, start, tractor, trailer);
-    double sample[4];
+    double sample[4], distance;
+    const int status = guidance_place(&placed, path, start, tractor, trailer, &distance);
 
     if (status != DRAWBAR_GUIDANCE_FINE)
         return status;

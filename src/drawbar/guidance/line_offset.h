@@ -88,9 +88,9 @@ static inline double offset_error(const struct line_offset *offset, double arc_l
 /* The length (m) of a shift (m) that curves (1/m), and changes its curvature (1/m^2), so much at most. */
 static inline double offset_length(double change, double curvature, double rate)
 {
-    const double far = fabs(change);
+    const double far = fabs(change), cube = OFFSET_BEND_RATE * far / rate;
 
-    return fmax(fmax(sqrt(OFFSET_BEND * far / curvature), cbrt(OFFSET_BEND_RATE * far / rate)), OFFSET_SHORTEST);
+    return fmax(fmax(sqrt(OFFSET_BEND * far / curvature), exp(log(cube) / 3.0)), OFFSET_SHORTEST);
 }
 
 /* Lead along the wished offset at once. */

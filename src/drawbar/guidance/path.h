@@ -173,16 +173,13 @@ static inline double path_ahead(const struct path *path, double arc_length, doub
 }
 
 /* Whether there is a line so far to the left of the path (m) that is nowhere tighter than a curvature (1/m), or than the
- * path itself. */
+ * path itself; each piece by its mean curvature. */
 static inline int path_has_beside(const struct path *path, double offset, double tightest)
 {
-    double sample[4];
-
-    for (int32_t i = 0; i < path->count && offset != 0.0; ++i) {
-        const struct path_cubic cubic = path_cubic(path, i + 1 < path->count ? i + 1 : i);
-        path_cubic_sample(&cubic, path->nodes[i].arc_length, sample);
-        const double curvature = fabs(sample[AT_CURVATURE]), stretch = 1.0 - offset * sample[AT_CURVATURE];
-        if (!(stretch > OFFSET_LEAST_STRETCH && curvature <= fmax(tightest, curvature) * stretch))
+    for (int32_t i = 1; i < path->count && offset != 0.0; ++i) {
+        const struct drawbar_path_node *a = &path->nodes[i - 1], *b = &path->nodes[i];
+        const double bend = (b->yaw - a->yaw) / (b->arc_length - a->arc_length), stretch = 1.0 - offset * bend;
+        if (!(stretch > OFFSET_LEAST_STRETCH && fabs(bend) <= fmax(tightest, fabs(bend)) * stretch))
             return 0;
     }
     return 1;

@@ -29,11 +29,11 @@ struct component {
 
 /* Place both bodies on the path from where they stand when the run begins; returns an enum drawbar_guidance. */
 int UNIT(begin)(struct component *component, const struct path *path, double start,
-                const struct drawbar_measurement *first)
+                const struct drawbar_measurement *first, double *distance)
 {
     component->furthest[TRACTOR] = component->furthest[TRAILER] = -INFINITY;
     component->approach.count = 0;
-    return guidance_begin(&component->guidance, path, start, first);
+    return guidance_begin(&component->guidance, path, start, first, distance);
 }
 
 /* Go on along another path; nothing changes where the vehicle is not on it. */

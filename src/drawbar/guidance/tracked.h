@@ -64,21 +64,17 @@ static inline double tracked_way(const double *from, const double *to)
 static inline void tracked_yaws(double ahead, double yaw, const double *directions, const double (*samples)[4], int count,
                                 double *yaws)
 {
-    const int last = count - 1;
+    const int last = count - 1, first = ahead > 0.0 ? 0 : last, next = ahead > 0.0 ? 1 : -1;
+    const double way = tracked_way(samples[last - 1], samples[last]);
+    const double steady = directions[last] - (way > 0.0 ? ahead * (directions[last] - directions[last - 1]) / way : 0.0);
 
     memcpy(yaws, directions, (size_t)count * sizeof *yaws);
-    if (ahead > 0.0) {
-        yaws[0] = yaw;
-        for (int k = 0; k < last; ++k)
-            yaws[k + 1] = tracked_turn(ahead, tracked_way(samples[k], samples[k + 1]), directions[k], directions[k + 1],
-                                       yaws[k]);
-    } else if (ahead < 0.0) {
-        const double way = tracked_way(samples[last - 1], samples[last]);
-        yaws[last] -= way > 0.0 ? ahead * (directions[last] - directions[last - 1]) / way : 0.0;
-        for (int k = last; k > 0; --k)
-            yaws[k - 1] = tracked_turn(ahead, -tracked_way(samples[k - 1], samples[k]), directions[k], directions[k - 1],
-                                       yaws[k]);
-    }
+    if (ahead == 0.0)
+        return;
+    yaws[first] = ahead > 0.0 ? yaw : steady;
+    for (int k = first; k != last - first; k += next)
+        yaws[k + next] = tracked_turn(ahead, next * tracked_way(samples[k], samples[k + next]), directions[k],
+                                      directions[k + next], yaws[k]);
 }
 
 /* The curvature (1/m) of the axle's middle whose body's tracked point (`ahead` of it and to its `left`, m) moves so far

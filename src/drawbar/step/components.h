@@ -65,7 +65,7 @@ int drawbar_predictor_sent(struct component *component, const struct drawbar_com
 
 int drawbar_guidance_initialise(struct component *component);
 int drawbar_guidance_begin(struct component *component, const struct path *path, double start,
-                           const struct drawbar_measurement *first);
+                           const struct drawbar_measurement *first, double *distance);
 int drawbar_guidance_change(struct component *component, const struct path *path, double start,
                             const struct drawbar_estimate *estimate);
 int drawbar_guidance_reference(struct component *component, const struct path *path,

@@ -57,16 +57,15 @@ static void initialise_components(struct autopilot *a)
 static int begin_run(struct autopilot *a, const struct drawbar_measurement *reported)
 {
     struct drawbar_measurement first;
-    double start[4];
 
     initialise_components(a);
     offset_begin(&a->offset);
     drawbar_alignment_begin(COMPONENT(a->alignment), reported, &first);
-    path_sample(&a->path, a->start, start);
-    a->diagnostics.start_distance = hypot(first.tractor_x - start[AT_X], first.tractor_y - start[AT_Y]);
+    a->diagnostics.start_distance = NAN;
     if (drawbar_estimator_begin(COMPONENT(a->estimator), &first) == BAD_INPUT)
         return DRAWBAR_POSITION;
-    a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, &first);
+    a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, &first,
+                                                     &a->diagnostics.start_distance);
     if (a->diagnostics.guidance != DRAWBAR_GUIDANCE_FINE)
         return DRAWBAR_START;
     drawbar_gate_begin(COMPONENT(a->gate), &first);

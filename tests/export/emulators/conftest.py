@@ -76,9 +76,10 @@ class Replay:
     """millions of each step, where QEMU counts them"""
 
 
-def runaway_wheel(measured: Measurement) -> Measurement:
-    """Let the wheel-speed sensor report 14 m/s for a while, which the estimator comes to believe."""
-    return replace(measured, speed=14.0) if 30.0 <= measured.time < 34.0 else measured
+def glitching_joint(measured: Measurement) -> Measurement:
+    """Let the joint's sensor report 74° for one sample in twenty: no plan leads back from there within its bounds."""
+    glitches = 30.0 <= measured.time < 330.0 and measured.time % 4.0 < 0.19
+    return replace(measured, trailer_steering=1.3) if glitches else measured
 
 
 @pytest.fixture(scope="session")
@@ -86,10 +87,10 @@ def record(build: Callable[..., Simulation]) -> Callable[..., Recording]:
     """Return a function that drives a shipped configuration with changes and keeps the run."""
 
     @cache
-    def record(name: str, *changes: str, steps: int = 10000, runaway: bool = False) -> Recording:
+    def record(name: str, *changes: str, steps: int = 10000, glitches: bool = False) -> Recording:
         simulation = build(name, *changes)
-        if runaway:
-            simulation.machine = InterceptedMachine(simulation.machine, runaway_wheel)
+        if glitches:
+            simulation.machine = InterceptedMachine(simulation.machine, glitching_joint)
         return Recording(nodes=simulation.path.nodes, records=list(islice(simulation.steps(), steps)))
 
     return record

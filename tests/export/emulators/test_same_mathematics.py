@@ -33,7 +33,7 @@ def runs(record: Callable) -> dict:
     return {
         "gps_loss": record("articulated", f"machine.events=[{', '.join(LOSSES)}]"),
         "saturation": record("articulated", "start.left=3.0", f"machine.events=[{', '.join(BUMPS)}]"),
-        "solver_fallback": record("articulated", runaway=True),
+        "solver_fallback": record("articulated", glitches=True),
     }
 
 
