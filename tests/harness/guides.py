@@ -25,7 +25,9 @@ class Guidance(Alone):
         super().__init__(unit)
         self._stages, self.path = stages, path
         first = measured(*tractor, *trailer)
-        self.begun = GuidanceStatus(self.call("begin", byref(CPath(path.nodes)), Real(start), given(first), byref(Real())))
+        self.begun = GuidanceStatus(
+            self.call("begin", byref(CPath(path.nodes)), Real(start), given(first), byref(Real()))
+        )
         self._tractor, self._trailer = CBodyReference(), CBodyReference()
 
     @property

@@ -16,7 +16,7 @@ from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.vehicle.integrators import Attempt, Integrator, attempt, discretise
 from drawbar.vehicle.model import Constant, by_name, constant, with_values
 
-CONTROL_ITERATIONS, ESTIMATION_ITERATIONS, CONSTRAINED_ITERATIONS = 25, 8, 60
+CONTROL_ITERATIONS, ESTIMATION_ITERATIONS, CONSTRAINED_ITERATIONS = 25, 8, 80
 """Most iterations of the interior point in one feedback. In the robustness experiment's runs of the product (seeds 0 to
 2) an answer passed the check after 23 at most in a controller, and after 2 in the estimator. Bounds on outputs and
 changes of inputs have as many as a quadratic program by itself."""

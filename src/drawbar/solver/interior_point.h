@@ -14,7 +14,7 @@
 #include "ip_start.h"
 
 #ifndef IP_ITERATIONS
-#define IP_ITERATIONS 60                   /* a unit whose time is short says less */
+#define IP_ITERATIONS 80                   /* a unit whose time is short says less */
 #endif
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
 #define BOUNDARY 0.995                     /* share of the way to the nearest boundary that a step may go */
