@@ -33,6 +33,10 @@ RUNS = {
     "fixes lost": ("machine.events=[{kind='gps_loss', start=20, duration=6}]",),
     "3 m beside": ("start.left=3.0",),
 }
+TWINS = (0.0, 1e-6, -1e-6, 1e-5)
+"""m further to the left, where the product's own runs begin. Sensors round, so two runs that begin a nanometre apart
+are millimetres apart after ten seconds, and so are those of one text on two processors: the largest error of the
+product itself spans 6 mm over these."""
 SETTLED = 100
 """steps until the vehicle is on the path"""
 MEASUREMENT, COMMAND = SingleLayout(Measurement), SingleLayout(Command)
@@ -157,16 +161,18 @@ def library(exported: Callable[..., Path]) -> SingleAutopilot:
 
 @pytest.mark.parametrize("run", RUNS)
 def test_drives_as_the_product_does(run: str, library: SingleAutopilot, build: Callable[..., Simulation]) -> None:
-    simulations = build("articulated", *RUNS[run]), build("articulated", *RUNS[run])
-    path = simulations[0].path
-    of_product, places = driven_by_product(simulations[0])
-    of_single, also = driven(simulations[1], library)
-    product, single = errors(path, places), errors(path, also)
-    for name, figures in (("double", product), ("single", single)):
+    changed = build("articulated", *RUNS[run])
+    path, left = changed.path, changed.configuration.start.left
+    of_single, also = driven(changed, library)
+    single, product = errors(path, also), []
+    for beside in TWINS:
+        of_product, places = driven_by_product(build("articulated", *RUNS[run], f"start.left={left + beside}"))
+        assert of_single == of_product
+        product.append(errors(path, places))
+    for name, figures in (("double", product[0]), ("single", single)):
         print(f"\n| {run} | {name} | {' | '.join(f'{each:.1f}' for each in figures)} |", end="")
-    assert of_single == of_product
-    assert np.max(np.abs(single - product)[::2]) < 1.0
-    assert np.max((single - product)[1::2]) < 5.0  # the largest of a run is chance: smaller is no fault
+    assert np.max(np.abs(single - np.mean(product, axis=0))[::2]) < 1.0
+    assert np.max((single - np.max(product, axis=0))[1::2]) < 5.0  # smaller is no fault
 
 
 def test_far_from_the_origin(library: SingleAutopilot, build: Callable[..., Simulation]) -> None:
