@@ -1,20 +1,20 @@
-"""Dead time and lag of the steerings: against an independent simulation of both, and in closed loop."""
+"""Dead time, lag and rate of the steerings: against an independent simulation of them, and in closed loop."""
 
 import math
 from collections.abc import Callable
-from ctypes import c_double
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from actuation import Identification
+from c_signals import given
 from estimators import DeadTimePredictor
 
-from drawbar.estimation.actuation import bank_lags
+from drawbar.estimation.actuation import bank_lags, bank_rates
 from drawbar.estimation.settings import ActuationSettings
 from drawbar.geometry import Floats
-from drawbar.signals import Command, Estimate, Measurement, Pose, SolverStatus, Status
+from drawbar.signals import Actuation, Command, Estimate, Measurement, Pose, SolverStatus, Status
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -58,12 +58,13 @@ def fed(
     resolution: float = DEGREE,
     settings: ActuationSettings | None = None,
     prepared: bool = False,
+    slower: float = 1.0,
 ) -> Identification:
-    """Return an identification that has seen a drive."""
+    """Return an identification that has seen a drive; slower: the true rates in shares of the stated ones."""
     vehicle, sent = VehicleParameters(), commands(samples, size=size)
     identification = Identification(vehicle, settings or ActuationSettings(), SAMPLE)
     rates = vehicle.tractor_steering_rate, vehicle.trailer_steering_rate
-    angles = np.column_stack([steered(sent[:, i], dead_time, lag, rates[i]) for i in range(2)])
+    angles = np.column_stack([steered(sent[:, i], dead_time, lag, slower * rates[i]) for i in range(2)])
     measured = resolution * np.round((angles + offset) / resolution)
     for k in range(samples):
         identification.measured(measurement(SAMPLE * k, *measured[k], age))
@@ -86,6 +87,28 @@ def test_dead_time_and_lag_are_found_within_a_minute(dead_time: float, lag: floa
         assert body.dead_time_deviation < 0.09
         assert body.lag_deviation < 0.3 * lag
     assert told.dead_time == pytest.approx(max(told.tractor.dead_time, told.trailer.dead_time), abs=0.02)
+
+
+@pytest.mark.parametrize("slower", [1.0, 0.6, 0.35, 0.2])
+@pytest.mark.parametrize(("dead_time", "lag"), [(0.1, 0.3), (0.3, 0.2)])
+def test_a_rate_that_commands_exceed_is_found_within_a_minute(slower: float, dead_time: float, lag: float) -> None:
+    vehicle, told = VehicleParameters(), fed(dead_time, lag, size=0.3, slower=slower).told()
+    for body, stated in (
+        (told.tractor, vehicle.tractor_steering_rate),
+        (told.trailer, vehicle.trailer_steering_rate),
+    ):
+        assert body.rate == pytest.approx(slower * stated, rel=0.1)
+        assert abs(body.rate - slower * stated) < 2.0 * body.rate_deviation < 0.4 * stated
+        assert body.dead_time == pytest.approx(dead_time, abs=0.1)
+    assert told.tractor_rate == pytest.approx(told.tractor.rate, rel=0.02)
+    assert told.trailer_rate == pytest.approx(told.trailer.rate, rel=0.02)
+
+
+@pytest.mark.parametrize(("dead_time", "lag"), [(0.0, 0.3), (0.4, 0.3), (0.1, 1.0)])
+def test_a_rate_that_nothing_shows_stays_as_stated(dead_time: float, lag: float) -> None:
+    told, vehicle = fed(dead_time, lag).told(), VehicleParameters()
+    assert told.tractor.rate == pytest.approx(vehicle.tractor_steering_rate, rel=0.05)
+    assert told.trailer.rate == pytest.approx(vehicle.trailer_steering_rate, rel=0.05)
 
 
 def test_what_is_known_does_not_depend_on_whether_there_was_time_to_prepare() -> None:
@@ -157,6 +180,37 @@ def test_the_bank_is_bayes_rule() -> None:
     assert told.dead_time_deviation == pytest.approx(math.sqrt(spread + part**2 / 12.0), rel=1e-9)
 
 
+def test_the_bank_of_rates_is_bayes_rule() -> None:
+    """Mean and deviation of the rate are those of the posterior over rates and lags at the dead time that was found."""
+    settings, vehicle, samples = ActuationSettings(memory=20.0, guess_deviation=1e-3), VehicleParameters(), 80
+    identification = fed(0.2, 0.3, samples=samples, settings=settings, size=0.25, slower=0.6)
+    sent, stated = commands(samples, size=0.25)[:, 0], vehicle.tractor_steering_rate
+    measured = DEGREE * np.round(steered(sent, 0.2, 0.3, 0.6 * stated) / DEGREE)
+    weights = np.exp(-SAMPLE / settings.memory) ** np.arange(samples - 2, -1, -1)
+    rates, lags = bank_rates(), bank_lags()
+    logs = np.empty((len(rates), len(lags)))
+    for r, slower in enumerate(rates):
+        for j, lag in enumerate(lags):
+            angle, angles, most = 0.0, [], 0.05 * stated * math.exp(slower)
+            fine = np.concatenate((np.zeros(4), np.repeat(sent, 4)))
+            for k in range(samples):
+                angles.append(angle)
+                for command in fine[4 * k : 4 * k + 4]:
+                    angle += float(np.clip((1.0 - math.exp(-0.05 / lag)) * (command - angle), -most, most))
+            errors = (measured - angles)[1:]
+            spread = np.average(errors**2, weights=weights) - np.average(errors, weights=weights) ** 2
+            slow, count = math.log(lag / 0.3) / settings.lag_deviation, weights.sum() / settings.repeats
+            logs[r, j] = -0.5 * (count * math.log(spread + settings.resolution**2) + slow**2) - 6.0 * (r > 0)
+    probability = np.exp(logs - logs.max())
+    by_rate = probability.sum(axis=1) / probability.sum()
+    mean = float(by_rate @ rates)
+    variance = float(by_rate @ rates**2) - mean**2 + math.log(1.2) ** 2 / 12.0
+    told = identification_after_last(identification).tractor
+    assert -1.0 < mean < -0.02  # both the stated rate and slower ones are believed in
+    assert told.rate == pytest.approx(stated * math.exp(mean), rel=1e-9)
+    assert told.rate_deviation == pytest.approx(told.rate * math.sqrt(variance), rel=1e-9)
+
+
 def identification_after_last(identification: Identification) -> Any:
     """Judge the tractor's bank once more, on what it has seen: a sample without angles, one for each steering."""
     for _ in range(2):
@@ -203,7 +257,8 @@ def test_an_adapted_command_moves_the_slow_actuator_as_the_stated_one() -> None:
 
 
 def test_a_dead_time_found_during_the_run_is_predicted_over_as_one_that_was_stated() -> None:
-    stated = VehicleParameters(dead_time=0.5, steering_lag=0.6)
+    rates = {"tractor_steering_rate": 0.2, "trailer_steering_rate": 0.1}
+    stated = VehicleParameters(dead_time=0.5, steering_lag=0.6, **rates)
     guessed = VehicleParameters(dead_time=0.2)
     one = DeadTimePredictor(stated, articulated(stated), SAMPLE)
     other = DeadTimePredictor(guessed, articulated(guessed), SAMPLE)
@@ -211,7 +266,8 @@ def test_a_dead_time_found_during_the_run_is_predicted_over_as_one_that_was_stat
         command = Command(time=0.0, tractor_steering=angle, trailer_steering=-angle, speed=1.0)
         one.sent(command)
         other.sent(command)
-    other.call("actuation", c_double(0.5), c_double(0.6), c_double(0.6))
+    known = Actuation(dead_time=0.5, tractor_lag=0.6, trailer_lag=0.6, tractor_rate=0.2, trailer_rate=0.1)
+    other.call("actuation", given(known))
     now = estimate(0.02, -0.03)
     assert repr(one.ahead(now)) == repr(other.ahead(now))
     command = replace(command, speed=0.5)
@@ -222,6 +278,8 @@ UNTOLD = {
     "dead time 0.2 s at 2 m/s": ("speed=2.0", "machine.actuators.dead_time=0.2"),
     "dead time 0.4 s": ("machine.actuators.dead_time=0.4",),
     "lag 1 s": ("machine.actuators.lag_factor=3.3333",),
+    "front wheels half as fast at 2 m/s": ("speed=2.0", "machine.actuators.tractor_rate=0.218"),
+    "joint a third as fast at 2 m/s": ("speed=2.0", "machine.actuators.trailer_rate=0.116"),
     "all of them at 2 m/s": ("speed=2.0", "machine.actuators.dead_time=0.15", "machine.actuators.lag_factor=1.3333"),
 }
 
@@ -233,3 +291,14 @@ def test_what_nobody_told_is_driven_with_from_the_first_metre(case: str, simulat
         error = np.abs(run.true_errors(body).error)
         assert error.mean() < mean
         assert error.max() < 0.15
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rate_that_nobody_told_is_driven_with(seed: int, simulate: Callable) -> None:
+    """Planned with the stated rate, front wheels of half of it swing at 3 m/s until the run is stopped."""
+    slow = "machine.actuators.tractor_rate=0.218"
+    run = simulate("articulated", "speed=3.0", "actuation.identify=true", slow, seed=seed)
+    assert run.records[-1].status == Status.OK
+    assert run.records[-1].actuation.tractor_rate == pytest.approx(0.218, rel=0.05)
+    for body in ("tractor", "trailer"):
+        assert np.abs(run.true_errors(body).error).mean() < 0.04

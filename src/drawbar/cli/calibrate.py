@@ -119,7 +119,7 @@ def _tell(found: "Found") -> None:
 
 
 def identify(log: RunLogFile) -> None:
-    """Find dead time and lag of both steerings, and how late fixes were, in the log of a run or a drive."""
+    """Find dead time, lag and rate of both steerings, and how late fixes were, in the log of a run or a drive."""
     from drawbar.config import recorded_configuration
     from drawbar.estimation.identification import identify as evaluate
     from drawbar.recording.log import read_log
@@ -137,7 +137,10 @@ def identify(log: RunLogFile) -> None:
     _tell_steering("joint", found.trailer)
     console.print(
         f"stated: vehicle.dead_time = {recorded.vehicle.dead_time} s, "
-        f"vehicle.steering_lag = {recorded.vehicle.steering_lag} s"
+        f"vehicle.steering_lag = {recorded.vehicle.steering_lag} s, "
+        f"vehicle.tractor_steering_rate = {recorded.vehicle.tractor_steering_rate:.3g} rad/s, "
+        f"vehicle.trailer_steering_rate = {recorded.vehicle.trailer_steering_rate:.3g} rad/s",
+        soft_wrap=True,
     )
     latency = steered[-1].actuation.fix_latency
     if latency > _NOTED_LATENCY:
@@ -151,5 +154,6 @@ def identify(log: RunLogFile) -> None:
 def _tell_steering(name: str, found: "BodyActuation") -> None:
     console.print(
         f"{name}: dead time {found.dead_time:.2f} ± {found.dead_time_deviation:.2f} s, "
-        f"lag {found.lag:.2f} ± {found.lag_deviation:.2f} s"
+        f"lag {found.lag:.2f} ± {found.lag_deviation:.2f} s, rate {found.rate:.3f} ± {found.rate_deviation:.3f} rad/s",
+        soft_wrap=True,
     )

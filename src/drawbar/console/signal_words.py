@@ -72,6 +72,8 @@ QUANTITIES: Mapping[str, tuple[str, str, str]] = {
     "dead_time_deviation": ("Uncertainty of the dead time", "Unsicherheit der Totzeit", "s"),
     "lag": ("Lag", "Verzögerung", "s"),
     "lag_deviation": ("Uncertainty of the lag", "Unsicherheit der Verzögerung", "s"),
+    "rate": ("Fastest that it turns", "Höchste Lenkgeschwindigkeit", "rad/s"),
+    "rate_deviation": ("Uncertainty of that", "Unsicherheit davon", "rad/s"),
     "solver_failures": ("Solver failures in this step", "Rechnungen ohne Lösung in diesem Schritt", ""),
     "gate": ("What was made of the command, 0 is passed", "Was aus dem Befehl wurde, 0: weitergegeben", ""),
     "status": ("Status, 0 is well", "Status, 0 ist gut", ""),

@@ -8,11 +8,13 @@
 struct actuator {
     double lead;                           /* dt / (1 - exp(-dt / tau)), s */
     double limit;                          /* largest command, rad */
+    double rate_share;                     /* part of its rate that plans may ask for */
     double sign;                           /* -1 where the actuator is reversed, else 1 */
 };
 
 #define ACTUATOR_FIELDS(place)                                                                    \
-    SETTING(component, place.lead, 0, 1, 0, 0) SETTING(component, place.limit, 0, 1, 0, 0) SETTING(component, place.sign, 0, 1, 0, 0)
+    SETTING(component, place.lead, 0, 1, 0, 0) SETTING(component, place.limit, 0, 1, 0, 0) \
+    SETTING(component, place.rate_share, 0, 1, 0, 0) SETTING(component, place.sign, 0, 1, 0, 0)
 
 /* The command (rad) that moves the steering (rad) at a mean rate (rad/s) over a sample. It ends at the limit, which the
  * lag then approaches from inside; `rate` becomes the one that the command makes. */

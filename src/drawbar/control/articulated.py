@@ -23,9 +23,7 @@ def articulated_tractor_unit(
     errors = {"lateral_error": weights.lateral, "heading_error": weights.heading, "steering": weights.steering}
     model = articulated_tractor(vehicle)
     problem = _problem(model, settings.horizon, sample_time, errors, weights.steering_rate, tube)
-    actuator = actuator_settings(
-        lag=vehicle.steering_lag, limit=tube.bounds["command"].tightened, sample_time=sample_time
-    )
+    actuator = actuator_settings(tube, lag=vehicle.steering_lag, sample_time=sample_time)
     sharing = sharing_settings(vehicle, settings.sharing, sample_time)
     own = {**chain_settings(vehicle), **actuator, **sharing, "calm": weights.steering_rate}
     return subsystem_unit("tractor", problem, tube, "articulated_tractor.h", own)
@@ -39,12 +37,7 @@ def articulated_trailer_unit(
     errors = {"lateral_error": weights.lateral, "steering": weights.steering}
     model = articulated_trailer(vehicle)
     problem = _problem(model, settings.horizon, sample_time, errors, weights.steering_rate, tube)
-    actuator = actuator_settings(
-        lag=vehicle.steering_lag,
-        limit=tube.bounds["command"].tightened,
-        sample_time=sample_time,
-        sign=vehicle.joint_sign,
-    )
+    actuator = actuator_settings(tube, lag=vehicle.steering_lag, sample_time=sample_time, sign=vehicle.joint_sign)
     motion = {
         "interval": sample_time,
         "smoothing": -math.expm1(-sample_time / settings.yaw_rate_lag),

@@ -8,6 +8,7 @@
 #include "actuator.h"
 #include "chain.h"
 #include "off_tracking.h"
+#include "rate_bounds.h"
 #include "rate_weight.h"
 #include "side_slip.h"
 #include "subsystem.h"
@@ -72,6 +73,11 @@ static void guess(struct rti *solver)
     memset(INPUT(solver->z, 0), 0, N * NU * sizeof(double));
     memcpy(STATE(solver->z, 0), iteration_begin(solver), NX * sizeof(double));
     rti_prepare(solver);
+}
+
+static void allow_rates(struct component *component, const struct drawbar_actuation *known)
+{
+    bound_rate(&component->rti, U_STEERING_RATE, component->actuator.rate_share * known->tractor_rate);
 }
 
 #include "actuated_command.h"

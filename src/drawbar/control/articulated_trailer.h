@@ -8,6 +8,7 @@
 #include "actuator.h"
 #include "chain.h"
 #include "off_tracking.h"
+#include "rate_bounds.h"
 #include "side_slip.h"
 #include "subsystem.h"
 #include "yaw_rate.h"
@@ -163,6 +164,11 @@ static void fill(struct component *component, const struct drawbar_estimate *est
 static void guess(struct rti *solver)
 {
     iteration_rest(solver);
+}
+
+static void allow_rates(struct component *component, const struct drawbar_actuation *known)
+{
+    bound_rate(&component->rti, U_STEERING_RATE, component->actuator.rate_share * known->trailer_rate);
 }
 
 #include "actuated_command.h"

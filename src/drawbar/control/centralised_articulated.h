@@ -13,6 +13,7 @@
 #define TRAILER_DEVIATIONS 2               /* theta - psi, delta_i */
 
 #include "centralised.h"
+#include "rate_bounds.h"
 #include "rate_weight.h"
 #include "side_slip.h"
 
@@ -110,6 +111,14 @@ static void vehicle_command(struct component *component, double *commands)
                                   &rates[U_TRACTOR_STEERING_RATE]);
     commands[1] = actuator_follow(&component->trailer_actuator, x[X_TRAILER_STEERING],
                                   &rates[U_TRAILER_STEERING_RATE]);
+}
+
+static void allow_rates(struct component *component, const struct drawbar_actuation *known)
+{
+    const double front = component->tractor_actuator.rate_share * known->tractor_rate;
+
+    bound_rate(&component->rti, U_TRACTOR_STEERING_RATE, front);
+    bound_rate(&component->rti, U_TRAILER_STEERING_RATE, component->trailer_actuator.rate_share * known->trailer_rate);
 }
 
 static void vehicle_hold(const struct component *component, double tractor, double trailer, double *commands)

@@ -39,11 +39,7 @@ def centralised_articulated_unit(
     own = {**chain_settings(vehicle), "calm": tractor.steering_rate}
     for body, tube, sign in (("tractor", tubes.tractor, 1), ("trailer", tubes.trailer, vehicle.joint_sign)):
         own |= actuator_settings(
-            lag=vehicle.steering_lag,
-            limit=tube.bounds["command"].tightened,
-            sample_time=sample_time,
-            sign=sign,
-            place=f"{body}_actuator",
+            tube, lag=vehicle.steering_lag, sample_time=sample_time, sign=sign, place=f"{body}_actuator"
         )
     return centralised_unit("centralised_articulated.h", problem, tubes, own)
 

@@ -94,4 +94,10 @@ int UNIT(skip)(struct component *component)
     return UNIT(ready)(component);
 }
 
+int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
+{
+    (void)component, (void)known;
+    return 0;
+}
+
 #endif

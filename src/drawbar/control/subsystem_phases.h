@@ -124,4 +124,11 @@ int UNIT(skip)(struct component *component)
     return UNIT(ready)(component);
 }
 
+/* Plan with what is known of the actuators. */
+int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
+{
+    allow_rates(component, known);
+    return 0;
+}
+
 #endif

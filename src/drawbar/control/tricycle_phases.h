@@ -19,6 +19,12 @@ static void body_plan(struct component *component)
     pose_plan(&component->subsystem, &component->rti);
 }
 
+/* The steering itself is the input: no rate is bounded. */
+static void allow_rates(struct component *component, const struct drawbar_actuation *known)
+{
+    (void)component, (void)known;
+}
+
 #include "subsystem_phases.h"
 
 #endif

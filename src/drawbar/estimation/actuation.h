@@ -1,9 +1,9 @@
-/* Actuation of both steerings: dead time and lag between command and angle as far as they are known, from the run
+/* Actuation of both steerings: dead time, lag and rate between command and angle as far as they are known, from the run
  * itself.
  *
- * Plans are made for the later of both dead times, approached gradually, and commands lead the steering by the lags that
- * were found: a controller's command moves an actuator of the stated lag from the angle at which it will find it, and is
- * stretched about that angle for one of another lag.
+ * Plans are made for the later of both dead times and for both rates, approached gradually, and commands lead the steering
+ * by the lags that were found: a controller's command moves an actuator of the stated lag from the angle at which it will
+ * find it, and is stretched about that angle for one of another lag.
  */
 #ifndef DRAWBAR_ACTUATION_H
 #define DRAWBAR_ACTUATION_H
@@ -21,7 +21,7 @@ struct component {
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double sample_time;                    /* s */
     double settling;                       /* share of a difference by which what is planned with changes in a sample */
-    double dead_time, lags[STEERED];       /* what is planned with, s */
+    double dead_time, lags[STEERED], rates[STEERED];   /* what is planned with, s, rad/s */
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
     double still[STEERED];                 /* the measured angle as it has been for some samples, rad */
@@ -36,8 +36,8 @@ struct component {
     LAG_BANK_FIELDS(component, banks[TRAILER_JOINT]) SETTING(component, limits, 0, STEERED, 0, 0)                      \
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
     SETTING(component, settling, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                 \
-    SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, odd, 0, 1, 0, 0)                                     \
-    SETTING(component, patience, 0, 1, 0, 0) FIELD(component, odd_for, 0, STEERED, 0, 0)                               \
+    SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, rates, 0, STEERED, 0, 0)                             \
+    SETTING(component, odd, 0, 1, 0, 0) SETTING(component, patience, 0, 1, 0, 0) FIELD(component, odd_for, 0, STEERED, 0, 0)                               \
     FIELD(component, stuck_for, 0, STEERED, 0, 0)
 
 /* Let what is planned with approach what is known. */
@@ -48,8 +48,10 @@ static void approach(struct component *actuation)
                                     banks[TRAILER_JOINT].dead_time - actuation->ages[TRAILER_JOINT]), 0.0);
 
     actuation->dead_time += actuation->settling * (wanted - actuation->dead_time);
-    for (int i = 0; i < STEERED; ++i)
+    for (int i = 0; i < STEERED; ++i) {
         actuation->lags[i] += actuation->settling * (banks[i].lag - actuation->lags[i]);
+        actuation->rates[i] += actuation->settling * (banks[i].rate - actuation->rates[i]);
+    }
 }
 
 /* Whether one steering has not followed its commands for too long, whatever its dead time and its lag are. */
@@ -151,6 +153,8 @@ static inline void tell_body(const struct lag_bank *bank, struct drawbar_body_ac
     body->dead_time_deviation = bank->dead_time_deviation;
     body->lag = bank->lag;
     body->lag_deviation = bank->lag_deviation;
+    body->rate = bank->rate;
+    body->rate_deviation = bank->rate_deviation;
 }
 
 /* Tell what is known, and what is planned with. */
@@ -161,6 +165,8 @@ int UNIT(tell)(const struct component *actuation, struct drawbar_actuation *told
     told->dead_time = actuation->dead_time;
     told->tractor_lag = actuation->lags[FRONT_WHEELS];
     told->trailer_lag = actuation->lags[TRAILER_JOINT];
+    told->tractor_rate = actuation->rates[FRONT_WHEELS];
+    told->trailer_rate = actuation->rates[TRAILER_JOINT];
     return 0;
 }
 

@@ -1,4 +1,4 @@
-"""Actuation: dead times and lags of both steerings, found during the run (actuation.h, lag_bank.h)."""
+"""Actuation: dead times, lags and rates of both steerings, found during the run (actuation.h, lag_bank.h)."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,16 +8,20 @@ from drawbar.estimation.settings import ActuationSettings
 from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 
-_DEAD_TIMES, _LAGS, _PAST = 17, 12, 512
+_DEAD_TIMES, _LAGS, _RATES, _PAST = 17, 12, 10, 512
 """as in lag_bank.h"""
 _STEP = 0.05
 """s; between two dead times of the bank, or less"""
 _FASTEST, _RATIO = 0.08, 1.3
 """first lag of the bank, s, and of each to the one before"""
+_SLOWER = 1.2
+"""of each rate of the bank to the next, which is slower"""
+_PRIOR_SLOWER = 6.0
+"""logarithm of the odds against each rate below the stated one: a few seconds of clear evidence"""
 
 
 def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float) -> Unit:
-    """Return what finds dead times and lags, and makes commands for the stated lag ones for the lag that was found.
+    """Return what finds dead times, lags and rates, and makes commands for the stated lag ones for the lag found.
 
     Args:
         vehicle: stated lag, rates, limits and dead time of the actuators.
@@ -33,6 +37,7 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
         "patience": settings.patience,
         "dead_time": _guess(vehicle, settings),
         "lags": 2 * [vehicle.steering_lag],
+        "rates": (vehicle.tractor_steering_rate, vehicle.trailer_steering_rate),
         **_grid(vehicle, settings, sample_time),
         **_bank("FRONT_WHEELS", vehicle, settings, vehicle.tractor_steering_rate),
         **_bank("TRAILER_JOINT", vehicle, settings, vehicle.trailer_steering_rate),
@@ -44,6 +49,12 @@ def bank_lags() -> Floats:
     """Return the lags of the bank's members, s."""
     lags: Floats = _FASTEST * np.power(_RATIO, np.arange(_LAGS), dtype=np.float64)
     return lags
+
+
+def bank_rates() -> Floats:
+    """Return the rates of the bank's members, as logarithms of shares of the stated rate."""
+    rates: Floats = -np.log(_SLOWER) * np.arange(_RATES, dtype=np.float64)
+    return rates
 
 
 def _grid(vehicle: VehicleParameters, settings: ActuationSettings, sample_time: float) -> dict[str, ArrayLike]:
@@ -59,21 +70,26 @@ def _grid(vehicle: VehicleParameters, settings: ActuationSettings, sample_time: 
         "grid.dead_times": part * delays,
         "grid.lags": lags,
         "grid.shares": -np.expm1(-part / lags),
+        "grid.log_lags": np.log(lags),
+        "grid.slower": bank_rates(),
         "grid.memory": np.exp(-sample_time / settings.memory),
         "grid.repeats": settings.repeats,
-        "grid.between": ((part * delays[1]) ** 2 / 12.0, np.log(_RATIO) ** 2 / 12.0),
+        "grid.between": np.square((part * delays[1], np.log(_RATIO), np.log(_SLOWER))) / 12.0,
         "grid.resolution": settings.resolution,
         "grid.prior_dead_time": _guess(vehicle, settings),
         "grid.prior_dead_time_deviation": settings.guess_deviation,
         "grid.prior_lag_deviation": settings.lag_deviation,
+        "grid.prior_slower": _PRIOR_SLOWER,
     }
 
 
 def _bank(name: str, vehicle: VehicleParameters, settings: ActuationSettings, rate: float) -> dict[str, ArrayLike]:
-    """Return what one steering's bank begins with; rate: of that steering at most, rad/s."""
+    """Return what one steering's bank begins with; rate: of that steering as stated, rad/s."""
     known: dict[str, ArrayLike] = {
         "prior_lag": vehicle.steering_lag,
+        "prior_rate": rate,
         "rate": rate,
+        "rate_deviation": rate * np.log(_SLOWER) / np.sqrt(12.0),
         "dead_time": _guess(vehicle, settings),
         "dead_time_deviation": settings.guess_deviation,
         "lag": vehicle.steering_lag,

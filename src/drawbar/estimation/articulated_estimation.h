@@ -101,11 +101,13 @@ static inline double mean_rate(double error, double lag, double limit, double in
     return copysign(moved, error) / interval;
 }
 
-/* From now on the actuators lag by so much, s. */
-static inline void model_lags(struct estimation_model *model, double tractor, double trailer)
+/* From now on reckon with what is known of the actuators. */
+static inline void model_actuation(struct estimation_model *model, const struct drawbar_actuation *known)
 {
-    model->tractor_lag = tractor;
-    model->trailer_lag = trailer;
+    model->tractor_lag = known->tractor_lag;
+    model->trailer_lag = known->trailer_lag;
+    model->tractor_rate = known->tractor_rate;
+    model->trailer_rate = known->trailer_rate;
 }
 
 /* The mean rates (rad/s) of both lagging, rate-limited actuators until the next sample. */

@@ -138,12 +138,16 @@ int UNIT(sent)(struct component *component, const struct drawbar_command *newest
     return 0;
 }
 
-/* From now on reckon with another dead time and other lags of tractor and trailer, s. */
-int UNIT(actuation)(struct component *component, double dead_time, double tractor_lag, double trailer_lag)
+/* From now on reckon with what is known of the actuators. */
+int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
 {
-    component->dead_time = dead_time;
-    component->constants[FIRST_LAG] = tractor_lag;
-    component->constants[FIRST_LAG + 1] = trailer_lag;
+    double *const actuators = component->constants + FIRST_LAG;
+
+    component->dead_time = known->dead_time;
+    actuators[0] = known->tractor_lag;
+    actuators[1] = known->trailer_lag;
+    actuators[2] = known->tractor_rate;
+    actuators[3] = known->trailer_rate;
     return 0;
 }
 

@@ -120,8 +120,9 @@ def actuated(vehicle: VehicleParameters, model: Model) -> Model:
 
 
 def _source(model: Model, lag: int, room: int) -> str:
-    """Return the C unit of the prediction with an actuated model, whose lags begin at this place among its constants.
+    """Return the C unit of the prediction with an actuated model.
 
+    lag: place among its constants where the actuators' lags, and then their rates, begin.
     room: how many commands are remembered.
     """
     x, p, y = (_places(model, letter) for letter in "XPY")

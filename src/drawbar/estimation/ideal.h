@@ -47,9 +47,9 @@ int UNIT(skip)(struct component *component, const struct drawbar_command *acting
     return UNIT(ready)(component, acting);
 }
 
-int UNIT(actuation)(struct component *component, double tractor_lag, double trailer_lag)
+int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
 {
-    (void)component, (void)tractor_lag, (void)trailer_lag;
+    (void)component, (void)known;
     return 0;
 }
 

@@ -1,4 +1,4 @@
-"""Identification: dead times and lags of both steerings from a record of commands and measured angles (lag_bank.h)."""
+"""Identification: dead times, lags and rates of both steerings from commands and measured angles (lag_bank.h)."""
 
 import ctypes
 from collections.abc import Iterable

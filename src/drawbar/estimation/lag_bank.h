@@ -1,11 +1,14 @@
-/* Lag bank of one steering: dead time and lag, from what it was commanded and what it did, by a bank of models (Magill
- * 1965).
+/* Lag bank of one steering: dead time, lag and rate, from what it was commanded and what it did, by a bank of models
+ * (Magill 1965).
  *
  * Each member is a lag of limited rate behind a dead time, driven by the commands alone. The errors of its angle against the
  * measured one are averaged over the last minute; a constant error is nobody's fault (the sensor's zero). With unknown
  * noise the likelihood of a member is its error's variance to the power of minus half the number of independent errors;
- * with a prior it gives the mean and the deviation of dead time and lag. While nothing moves all members are right alike,
- * and the prior stays.
+ * with a prior it gives the mean and the deviation of dead time, lag and rate. While nothing moves all members are right
+ * alike, and the prior stays.
+ *
+ * Members stand in rows of all lags: a row for each dead time, with the rate that was found, and then one for each rate,
+ * with the dead time that was found. Where another rate is found, what the first rows have seen was not theirs.
  */
 #ifndef DRAWBAR_LAG_BANK_H
 #define DRAWBAR_LAG_BANK_H
@@ -17,21 +20,28 @@
 
 #define DEAD_TIMES 17
 #define LAGS 12
-#define MEMBERS (DEAD_TIMES * LAGS)
+#define RATES 10
+#define ROWS (DEAD_TIMES + RATES)
+#define MEMBERS (ROWS * LAGS)
 #define PAST 512                           /* parts of samples that are kept: more than the longest dead time's */
 #define NO_STEERING 0.15                   /* errors beyond are somebody else's steering, rad */
 #define KNOWN_ZERO 10.0                    /* samples after which the sensor's zero is known */
+#define ANOTHER_RATE 1.15                  /* ratio of two rates that are not the same */
+#define STILL_TRUE 0.05                    /* what counts with another rate of what was seen with the last one */
 
 /* What is the same for both steerings. */
 struct lag_grid {
     double part;                           /* s; a sample has `parts` of them */
     double dead_times[DEAD_TIMES];         /* s */
     double lags[LAGS], shares[LAGS];       /* s; the share of an error that goes in a part, 1 - exp(-part / lag) */
+    double log_lags[LAGS];                 /* logarithms of the lags, */
+    double slower[RATES];                  /* and of the rates in shares of the stated one, which is the first */
     double memory;                         /* share of what is known that is kept from sample to sample */
     double repeats;                        /* how many errors in a row say the same */
-    double between[2];                     /* variances of dead time (s2) and of the lag's logarithm between two members */
+    double between[3];                     /* variances of dead time (s2), lag and rate (logarithms) between two members */
     double resolution;                     /* least standard deviation of the errors, rad */
     double prior_dead_time, prior_dead_time_deviation, prior_lag_deviation;   /* s, s, of the lag's logarithm */
+    double prior_slower;                   /* logarithm of the odds against a rate below the stated one */
     int32_t parts;
     int32_t delays[DEAD_TIMES];            /* dead times in parts */
 };
@@ -40,25 +50,28 @@ struct lag_grid {
     SETTING(type, place.part, 0, 1, 0, 0) SETTING(type, place.dead_times, 0, DEAD_TIMES, 0, 0)               \
     SETTING(type, place.lags, 0, LAGS, 0, 0) SETTING(type, place.shares, 0, LAGS, 0, 0)                      \
     SETTING(type, place.memory, 0, 1, 0, 0) SETTING(type, place.repeats, 0, 1, 0, 0)                         \
-    SETTING(type, place.between, 0, 2, 0, 0)                                                                 \
+    SETTING(type, place.log_lags, 0, LAGS, 0, 0) SETTING(type, place.slower, 0, RATES, 0, 0) SETTING(type, place.between, 0, 3, 0, 0)                     \
     SETTING(type, place.resolution, 0, 1, 0, 0) SETTING(type, place.prior_dead_time, 0, 1, 0, 0)             \
     SETTING(type, place.prior_dead_time_deviation, 0, 1, 0, 0)                                               \
-    SETTING(type, place.prior_lag_deviation, 0, 1, 0, 0) SETTING(type, place.parts, 1, 1, 0, 0)              \
-    SETTING(type, place.delays, 1, DEAD_TIMES, 0, 0)
+    SETTING(type, place.prior_lag_deviation, 0, 1, 0, 0) SETTING(type, place.prior_slower, 0, 1, 0, 0)       \
+    SETTING(type, place.parts, 1, 1, 0, 0) SETTING(type, place.delays, 1, DEAD_TIMES, 0, 0)
 
 struct lag_bank {
-    double prior_lag, rate;                /* s; of the steering at most, rad/s */
-    double dead_time, dead_time_deviation, lag, lag_deviation;   /* what is known, s */
+    double prior_lag, prior_rate;          /* as stated, s, rad/s */
+    double dead_time, dead_time_deviation, lag, lag_deviation, rate, rate_deviation;   /* what is known, s, rad/s */
     double past[PAST];                     /* commands of the last parts of samples, a ring, rad */
     double angle[MEMBERS];                 /* of each member, rad */
-    double weight, error[MEMBERS], square[MEMBERS];   /* sums over the samples: 1, rad, rad2 */
+    double driven_rate;                    /* of the rows of dead times, rad/s */
+    double weight, rate_weight;            /* sum over the samples of 1, for rows of dead times and of rates */
+    double error[MEMBERS], square[MEMBERS];   /* sums over the samples, rad, rad2 */
     int32_t newest, begun, behind;         /* behind: parts of samples that the members have still to follow */
 };
 
 #define LAG_BANK_FIELDS(type, place)                                                                         \
-    SETTING(type, place.prior_lag, 0, 1, 0, 0) SETTING(type, place.rate, 0, 1, 0, 0)                         \
+    SETTING(type, place.prior_lag, 0, 1, 0, 0) SETTING(type, place.prior_rate, 0, 1, 0, 0)                   \
     SETTING(type, place.dead_time, 0, 1, 0, 0) SETTING(type, place.dead_time_deviation, 0, 1, 0, 0)          \
-    SETTING(type, place.lag, 0, 1, 0, 0) SETTING(type, place.lag_deviation, 0, 1, 0, 0)
+    SETTING(type, place.lag, 0, 1, 0, 0) SETTING(type, place.lag_deviation, 0, 1, 0, 0)                      \
+    SETTING(type, place.rate, 0, 1, 0, 0) SETTING(type, place.rate_deviation, 0, 1, 0, 0)
 
 /* Begin with a steering that rests at an angle, rad. */
 static void bank_begin(struct lag_bank *bank, double angle)
@@ -69,6 +82,7 @@ static void bank_begin(struct lag_bank *bank, double angle)
         bank->past[i] = first;
     for (int i = 0; i < MEMBERS; ++i)
         bank->angle[i] = first;
+    bank->driven_rate = bank->rate;
     bank->begun = 1;
 }
 
@@ -79,18 +93,33 @@ static inline double within(double value, double most)
     return low > most ? most : low;
 }
 
+/* Index of the value (n) that comes nearest to another. */
+static inline int nearest_of(const double *values, int n, double wanted)
+{
+    int nearest = 0;
+
+    for (int i = 1; i < n; ++i)
+        if (fabs(values[i] - wanted) < fabs(values[nearest] - wanted))
+            nearest = i;
+    return nearest;
+}
+
 /* Let all members follow the commands that they are behind of. */
 static void bank_follow(struct lag_bank *bank, const struct lag_grid *grid)
 {
-    const double most = bank->rate * grid->part;
+    const int likeliest = nearest_of(grid->dead_times, DEAD_TIMES, bank->dead_time);
 
-    for (; bank->behind > 0; --bank->behind)
-        for (int d = 0; d < DEAD_TIMES; ++d) {
-            const double command = bank->past[(bank->newest + 2 * PAST + 1 - bank->behind - grid->delays[d]) % PAST];
-            double *restrict angle = bank->angle + d * LAGS;
+    for (int row = 0; bank->behind > 0 && row < ROWS; ++row) {
+        const int32_t delay = grid->delays[row < DEAD_TIMES ? row : likeliest];
+        const double rate = row < DEAD_TIMES ? bank->driven_rate : bank->prior_rate * exp(grid->slower[row - DEAD_TIMES]);
+        double *restrict angle = bank->angle + row * LAGS;
+        for (int32_t behind = bank->behind; behind > 0; --behind) {
+            const double command = bank->past[(bank->newest + 2 * PAST + 1 - behind - delay) % PAST];
             for (int l = 0; l < LAGS; ++l)
-                angle[l] += within(grid->shares[l] * (command - angle[l]), most);
+                angle[l] += within(grid->shares[l] * (command - angle[l]), rate * grid->part);
         }
+    }
+    bank->behind = 0;
 }
 
 /* Let a sample pass under a command, rad. The members follow when there is time, at the latest before they are looked at. */
@@ -110,22 +139,12 @@ static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, do
     if (!isfinite(measured))
         return;
     bank->weight = grid->memory * bank->weight + 1.0;
+    bank->rate_weight = grid->memory * bank->rate_weight + 1.0;
     for (int i = 0; i < MEMBERS; ++i) {
         const double error = within(measured - bank->angle[i], NO_STEERING);
         bank->error[i] = grid->memory * bank->error[i] + error;
         bank->square[i] = grid->memory * bank->square[i] + error * error;
     }
-}
-
-/* Index of the value (n) that comes nearest to another. */
-static inline int nearest_of(const double *values, int n, double wanted)
-{
-    int nearest = 0;
-
-    for (int i = 1; i < n; ++i)
-        if (fabs(values[i] - wanted) < fabs(values[nearest] - wanted))
-            nearest = i;
-    return nearest;
 }
 
 /* The angle of the member whose dead time and lag are nearest to those found, rad. */
@@ -156,48 +175,69 @@ static double bank_unexplained(const struct lag_bank *bank, double measured)
     return least;
 }
 
-/* The logarithms of the members' probabilities, but for a constant; returns the largest. */
-static double bank_likelihoods(const struct lag_bank *bank, const struct lag_grid *grid, double *log_probability)
+/* The logarithms of the members' probabilities, but for a constant. */
+static void bank_likelihoods(const struct lag_bank *bank, const struct lag_grid *grid, double *log_probability)
 {
-    const double samples = bank->weight / grid->repeats, least = grid->resolution * grid->resolution;
-    double slow[LAGS], most = -INFINITY;
+    const double least = grid->resolution * grid->resolution;
+    double slow[LAGS];
 
     for (int l = 0; l < LAGS; ++l)
-        slow[l] = log(grid->lags[l] / bank->prior_lag) / grid->prior_lag_deviation;
+        slow[l] = (grid->log_lags[l] - log(bank->prior_lag)) / grid->prior_lag_deviation;
     for (int i = 0; i < MEMBERS; ++i) {
-        const double early = (grid->dead_times[i / LAGS] - grid->prior_dead_time) / grid->prior_dead_time_deviation;
-        const double mean = bank->error[i] / bank->weight, spread = bank->square[i] / bank->weight - mean * mean;
-        log_probability[i] = -0.5 * (samples * log((spread > 0.0 ? spread : 0.0) + least)
-                                     + early * early + slow[i % LAGS] * slow[i % LAGS]);
-        most = log_probability[i] > most ? log_probability[i] : most;
+        const int row = i / LAGS;
+        const double early = row < DEAD_TIMES
+            ? (grid->dead_times[row] - grid->prior_dead_time) / grid->prior_dead_time_deviation : 0.0;
+        const double weight = row < DEAD_TIMES ? bank->weight : bank->rate_weight;
+        const double mean = bank->error[i] / weight, spread = bank->square[i] / weight - mean * mean;
+        log_probability[i] = -0.5 * (weight / grid->repeats * log((spread > 0.0 ? spread : 0.0) + least)
+                                     + early * early + slow[i % LAGS] * slow[i % LAGS])
+            - (row > DEAD_TIMES ? grid->prior_slower : 0.0);
     }
-    return most;
 }
 
-/* Find what is known of dead time and lag. */
+/* Drive the rows of dead times with the rate that was found, if it is another one. */
+static void bank_change_rate(struct lag_bank *bank)
+{
+    if (fmax(bank->rate / bank->driven_rate, bank->driven_rate / bank->rate) < ANOTHER_RATE)
+        return;
+    bank->driven_rate = bank->rate;
+    bank->weight *= STILL_TRUE;
+    for (int i = 0; i < DEAD_TIMES * LAGS; ++i) {
+        bank->error[i] *= STILL_TRUE;
+        bank->square[i] *= STILL_TRUE;
+    }
+}
+
+/* Find what is known of dead time, lag and rate. */
 static void bank_judge(struct lag_bank *bank, const struct lag_grid *grid)
 {
-    double log_probability[MEMBERS], lags[LAGS], sum = 0.0, moments[4] = {0.0, 0.0, 0.0, 0.0};
+    double probability[MEMBERS], mean[3], deviation[3];
+    const double *const values[3] = {grid->dead_times, grid->log_lags, grid->slower};
 
     if (!(bank->weight > 0.0))
         return;
-    const double most = bank_likelihoods(bank, grid, log_probability);
-    for (int l = 0; l < LAGS; ++l)
-        lags[l] = log(grid->lags[l]);
-    for (int i = 0; i < MEMBERS; ++i) {
-        const double probability = exp(log_probability[i] - most);
-        const double dead_time = grid->dead_times[i / LAGS], lag = lags[i % LAGS];
-        sum += probability;
-        moments[0] += probability * dead_time;
-        moments[1] += probability * dead_time * dead_time;
-        moments[2] += probability * lag;
-        moments[3] += probability * lag * lag;
+    bank_likelihoods(bank, grid, probability);
+    for (int j = 0; j < 3; ++j) {          /* dead time and logarithms of lag and rate, of which a member's place tells */
+        const int first = j < 2 ? 0 : DEAD_TIMES * LAGS, members = (j < 2 ? DEAD_TIMES : RATES) * LAGS;
+        double most = -INFINITY, sums[3] = {0.0, 0.0, 0.0};
+        for (int i = 0; i < members; ++i)
+            most = fmax(most, probability[first + i]);
+        for (int i = 0; i < members; ++i) {
+            const double each = exp(probability[first + i] - most), value = values[j][j == 1 ? i % LAGS : i / LAGS];
+            sums[0] += each;
+            sums[1] += each * value;
+            sums[2] += each * value * value;
+        }
+        mean[j] = sums[1] / sums[0];
+        deviation[j] = sqrt(fmax(sums[2] / sums[0] - mean[j] * mean[j], 0.0) + grid->between[j]);
     }
-    const double dead_time = moments[0] / sum, lag = moments[2] / sum;
-    bank->dead_time = dead_time;
-    bank->dead_time_deviation = sqrt(fmax(moments[1] / sum - dead_time * dead_time, 0.0) + grid->between[0]);
-    bank->lag = exp(lag);
-    bank->lag_deviation = bank->lag * sqrt(fmax(moments[3] / sum - lag * lag, 0.0) + grid->between[1]);
+    bank->dead_time = mean[0];
+    bank->dead_time_deviation = deviation[0];
+    bank->lag = exp(mean[1]);
+    bank->lag_deviation = bank->lag * deviation[1];
+    bank->rate = bank->prior_rate * exp(mean[2]);
+    bank->rate_deviation = bank->rate * deviation[2];
+    bank_change_rate(bank);
 }
 
 #endif

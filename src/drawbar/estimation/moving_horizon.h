@@ -184,10 +184,10 @@ int UNIT(skip)(struct component *component, const struct drawbar_command *acting
     return component->prepared = component->window.absorbed;
 }
 
-/* From now on reckon with other lags of tractor and trailer, s. */
-int UNIT(actuation)(struct component *component, double tractor_lag, double trailer_lag)
+/* From now on reckon with what is known of the actuators. */
+int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
 {
-    model_lags(&component->model, tractor_lag, trailer_lag);
+    model_actuation(&component->model, known);
     return 0;
 }
 

@@ -256,7 +256,7 @@ class IdealEstimatorSettings(Settings):
 
 
 class ActuationSettings(Settings):
-    """What is found of the steerings' dead times and lags during the run (docs/theory/identification.md)."""
+    """What is found of the steerings' dead times, lags and rates during the run (docs/theory/identification.md)."""
 
     identify: bool = False
     """find them, and plan with what was found; else they are what the vehicle section states"""
@@ -283,4 +283,4 @@ class ActuationSettings(Settings):
     patience: Positive = 1.0
     """for how long it may last before the run ends, s"""
     settling: Positive = 1.0
-    """time constant with which the dead time and lags that are planned with follow what is known, s"""
+    """time constant with which the dead time, lags and rates that are planned with follow what is known, s"""

@@ -85,9 +85,9 @@ static inline void model_told_outputs(const struct estimation_model *model, cons
     (void)model, (void)state, (void)command, (void)y;
 }
 
-static inline void model_lags(struct estimation_model *model, double tractor, double trailer)
+static inline void model_actuation(struct estimation_model *model, const struct drawbar_actuation *known)
 {
-    (void)model, (void)tractor, (void)trailer;
+    (void)model, (void)known;
 }
 
 static inline void model_told_inputs(const struct estimation_model *model, const double *state,

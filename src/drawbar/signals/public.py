@@ -215,6 +215,10 @@ class BodyActuation:
     """time constant"""
     lag_deviation: Seconds = 0.0
     """standard deviation"""
+    rate: RadiansPerSecond = 0.0
+    """fastest that it turns, the stated rate at most"""
+    rate_deviation: RadiansPerSecond = 0.0
+    """standard deviation"""
 
 
 @as_struct
@@ -231,6 +235,10 @@ class Actuation:
     tractor_lag: Seconds = 0.0
     """for which is planned"""
     trailer_lag: Seconds = 0.0
+    """for which is planned"""
+    tractor_rate: RadiansPerSecond = 0.0
+    """for which is planned"""
+    trailer_rate: RadiansPerSecond = 0.0
     """for which is planned"""
     fix_latency: Seconds = 0.0
     """by which fixes are later than their receivers or `sensors.fixes.age` tell, as the yaw-rate sensor shows"""

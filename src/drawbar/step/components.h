@@ -44,7 +44,7 @@ int drawbar_estimator_ready(struct component *component, const struct drawbar_co
 int drawbar_estimator_skip(struct component *component, const struct drawbar_command *acting);
 
 #ifdef DRAWBAR_IDENTIFIED
-int drawbar_estimator_actuation(struct component *component, double tractor_lag, double trailer_lag);
+int drawbar_estimator_actuation(struct component *component, const struct drawbar_actuation *known);
 int drawbar_actuation_initialise(struct component *component);
 int drawbar_actuation_measured(struct component *component, const struct drawbar_measurement *measurement);
 int drawbar_actuation_sent(struct component *component, const struct drawbar_command *command);
@@ -52,7 +52,13 @@ int drawbar_actuation_ready(struct component *component);
 int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double *tractor,
                             double *trailer);
 int drawbar_actuation_tell(const struct component *component, struct drawbar_actuation *told);
-int drawbar_predictor_actuation(struct component *component, double dead_time, double tractor_lag, double trailer_lag);
+int drawbar_predictor_actuation(struct component *component, const struct drawbar_actuation *known);
+#ifdef DRAWBAR_CENTRALISED
+int drawbar_controller_actuation(struct component *component, const struct drawbar_actuation *known);
+#else
+int drawbar_tractor_actuation(struct component *component, const struct drawbar_actuation *known);
+int drawbar_trailer_actuation(struct component *component, const struct drawbar_actuation *known);
+#endif
 #endif
 
 #ifdef DRAWBAR_DEAD_TIME

@@ -81,12 +81,17 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
 static int identify(struct autopilot *a, const struct drawbar_measurement *measurement)
 {
 #ifdef DRAWBAR_IDENTIFIED
-    struct drawbar_actuation *known = &a->known;
-
+    struct drawbar_actuation *const known = &a->known;
     const int odd = drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
     drawbar_actuation_tell(COMPONENT(a->actuation), known);
-    drawbar_estimator_actuation(COMPONENT(a->estimator), known->tractor_lag, known->trailer_lag);
-    drawbar_predictor_actuation(COMPONENT(a->predictor), known->dead_time, known->tractor_lag, known->trailer_lag);
+    drawbar_estimator_actuation(COMPONENT(a->estimator), known);
+    drawbar_predictor_actuation(COMPONENT(a->predictor), known);
+#ifdef DRAWBAR_CENTRALISED
+    drawbar_controller_actuation(COMPONENT(a->controller), known);
+#else
+    drawbar_tractor_actuation(COMPONENT(a->tractor), known);
+    drawbar_trailer_actuation(COMPONENT(a->trailer), known);
+#endif
     return odd;
 #else
     (void)a, (void)measurement;

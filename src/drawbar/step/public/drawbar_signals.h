@@ -247,6 +247,8 @@ struct drawbar_body_actuation {
     double dead_time_deviation;         /* standard deviation, s */
     double lag;                         /* time constant, s */
     double lag_deviation;               /* standard deviation, s */
+    double rate;                        /* fastest that it turns, the stated rate at most, rad/s */
+    double rate_deviation;              /* standard deviation, rad/s */
 };
 
 /* What is known of both steerings and of late fixes, and what is planned with; zero where nobody looks. */
@@ -257,6 +259,8 @@ struct drawbar_actuation {
                                          * (`actuation.body_lag_per_speed`), s */
     double tractor_lag;                 /* for which is planned, s */
     double trailer_lag;                 /* for which is planned, s */
+    double tractor_rate;                /* for which is planned, rad/s */
+    double trailer_rate;                /* for which is planned, rad/s */
     double fix_latency;                 /* by which fixes are later than their receivers or `sensors.fixes.age`
                                          * tell, as the yaw-rate sensor shows, s */
 };
