@@ -136,7 +136,8 @@ def drive(rate: float, seconds: float) -> None:
 
 def _described(log: Path, seen: list[SetPoint]) -> str:
     """Say how long commands took, from what the log holds and what was seen on the wire."""
-    epochs, commands, misses, late = list[tuple[int, int]](), list[tuple[int, float]](), [0], 0
+    epochs, commands, misses = list[tuple[int, int]](), list[tuple[int, float]](), [0]
+    starting = late = 0  # steps that were late before it steered, as it began, and in all
     with open_drive(log) as records:
         for record in records:
             if isinstance(record, Fixes):
@@ -144,7 +145,8 @@ def _described(log: Path, seen: list[SetPoint]) -> str:
             elif isinstance(record, Happening) and record.kind is Kind.MISS:
                 misses.append(record.time)
             elif isinstance(record, ControllerState):
-                late = max(late, record.overruns)
+                late = record.overruns
+                starting = starting if commands else late
             elif isinstance(record, CommandMessage) and record.mode is Mode.DRIVE:
                 angle = -100.0 * math.degrees(record.tractor_angle)
                 if not commands or angle != commands[-1][1]:  # the controller repeats the last one while it waits
@@ -172,7 +174,7 @@ def _described(log: Path, seen: list[SetPoint]) -> str:
         f"median {median:.1f} ms, p99 {most:.1f}, largest {largest:.1f} of {len(waits)}; "
         f"{same} as the one before, {missing} limited or left out, {missed} without their epoch"
     )
-    return f"{words}; {late} late steps; load {os.getloadavg()[0]:.1f}"
+    return f"{words}; {late - starting} late steps; load {os.getloadavg()[0]:.1f}"
 
 
 def main() -> int:
