@@ -100,6 +100,18 @@ def test_angles_of_hitch_and_joint_that_differ_a_little_for_long_are_doubted(hit
     assert not doubts(step(joint=math.nan, hitch=math.nan), 10).exist
 
 
+@pytest.mark.parametrize("false", [85.0, -85.0])
+@pytest.mark.parametrize("name", ["hitch", "joint"])
+def test_a_single_false_angle_is_not_doubted_and_two_in_a_row_are(name, false):
+    single, found = step(**{name: false * DEGREE}), on_calm_ground()
+    for i in range(30):
+        found.look(single if i % 6 == 0 else step(), engaged=True)
+        assert not found.exist
+    found.look(single, engaged=True)
+    found.look(single, engaged=True)
+    assert found.trailer
+
+
 @pytest.mark.parametrize("aside", [{"tractor": (1.3, 2.0)}, {"trailer": (3.0, 3.7)}])
 def test_angles_that_differ_less_are_doubted_where_an_antenna_is_contradicted_as_well(aside):
     both, angle, antenna = step(joint=2.0 * DEGREE, **aside), step(joint=2.0 * DEGREE), step(**aside)

@@ -60,6 +60,7 @@ def test_a_sensor_that_is_reversed_from_the_start_is_seen_once_it_moves() -> Non
         pytest.param(lambda true, t: true - 4.0 * DEGREE, id="offset to the other side"),
         pytest.param(lambda true, t: 0.0 if t > 20.0 else true, id="stuck in the middle"),
         pytest.param(lambda true, t: math.nan if t > 20.0 else true, id="missing"),
+        pytest.param(lambda true, t: -85.0 * DEGREE if round(t / 0.2) % 9 == 8 else true, id="single false ones"),
     ],
 )
 @pytest.mark.parametrize("steering", [0.0, 2.0, 6.0])

@@ -203,6 +203,17 @@ def test_a_sensor_that_goes_wrong_is_dropped_within_two_seconds_and_for_a_minute
     assert np.isfinite(found[690:]).all()
 
 
+def test_single_false_yaw_rates_and_shown_yaws_cost_their_own_samples_only() -> None:
+    sensor, alone, found = Sensor(), Sensor(), []
+    for k, (rate, yaw) in enumerate(weaving(600, 3)):
+        false_rate, false_yaw = (rate + 5.0 if k % 40 == 20 else rate), (yaw + 1.0 if k % 40 == 39 else yaw)
+        seen, expected = sensor.believed(false_rate, rate, false_yaw), alone.believed(rate, rate, yaw)
+        if k >= 60:
+            assert math.isnan(seen) is (k % 40 == 20)
+            found.append(seen - expected)
+    assert np.nanmax(np.abs(found)) < 0.25 * DEGREE  # half of its deviation
+
+
 @pytest.mark.parametrize("wrong", [lambda rate: -rate, lambda rate: rate + 12.0 * DEGREE], ids=["reversed", "offset"])
 def test_a_sensor_that_goes_wrong_in_a_curve_is_not_believed_even_once(wrong) -> None:
     true = rates(300)

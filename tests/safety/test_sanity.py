@@ -123,6 +123,15 @@ def test_motion_backwards_is_seen_within_a_second() -> None:
     assert SAMPLE * first <= 1.0
 
 
+@pytest.mark.parametrize("speed", [0.3, 1.0, 2.0])
+def test_a_single_false_speed_is_no_motion_backwards(speed: float) -> None:
+    sanity = Sanity()
+    for k in range(60):
+        seen = measurement(k, speed=speed, moved=SAMPLE * k * speed)
+        seen = replace(seen, speed=-20.0) if k % 10 == 9 else seen
+        assert sanity.look(seen, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
+
+
 @pytest.mark.parametrize("lost", ["tractor", "trailer"])
 def test_motion_backwards_is_seen_by_one_antenna(lost: str) -> None:
     sanity, statuses = Sanity(), []
@@ -199,6 +208,16 @@ def test_a_hitch_angle_that_contradicts_is_named() -> None:
         assert not Sanity().look(replace(measurement(k), hitch_angle=angle), estimate(), beside(0.0), beside(0.0))[0]
         missing = replace(measurement(k), hitch_angle=math.nan)
         assert not sanity.look(replace(missing, time=100.0 + SAMPLE * k), estimate(), beside(0.0), beside(0.0))[0]
+
+
+@pytest.mark.parametrize("false", [1.48, -1.48, 0.2])
+@pytest.mark.parametrize("name", ["hitch_angle", "trailer_steering"])
+def test_a_single_false_angle_is_no_contradiction(name: str, false: float) -> None:
+    sanity, rng = Sanity(), np.random.default_rng(6)
+    for k in range(200):
+        seen = replace(measurement(k), hitch_angle=float(rng.normal(0.0, 0.0175)), trailer_steering=0.0)
+        seen = replace(seen, **{name: false}) if k % 8 == 7 else seen
+        assert sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0] == 0
 
 
 def test_a_coarse_fix_that_scatters_is_no_motion() -> None:

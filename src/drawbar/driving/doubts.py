@@ -31,6 +31,8 @@ _MEMORY = 1.0
 """time over which differences of the trailer's angles are averaged, s"""
 _DIFFERENCE, _USUAL = math.radians(2.8), 7.0
 """mean of both together that is a contradiction: rad, and times its lately usual one, as rough ground has more"""
+_SHARP = 3.0
+"""times that limit that one difference counts in the mean at most, so that a single false angle is none"""
 _FIRST, _FIRST_TIME = math.radians(0.6), 5.0
 """what is usual before anything is known of the ground, and the time for which that counts: rad, s"""
 _SPAN = 0.6
@@ -136,8 +138,11 @@ class Doubts:
         """Return by how much both angles together have differed for long, as a share of what is a contradiction."""
         if len(self._differences) < (self._differences.maxlen or 0):
             return 0.0
-        apart = math.hypot(*map(fmean, zip(*self._differences, strict=True)))
         limit = max(_DIFFERENCE, _USUAL * self._usual.value)
+        counted = (
+            (_clipped(hitch, _SHARP * limit), _clipped(joint, _SHARP * limit)) for hitch, joint in self._differences
+        )
+        apart = math.hypot(*map(fmean, zip(*counted, strict=True)))
         if moves:
             self._usual.learn(min(apart, limit))
         return apart / limit
@@ -158,6 +163,10 @@ def _differences(record: StepRecord) -> tuple[float, float]:
     hitch = measured.hitch_angle - estimate.hitch_angle
     joint = measured.trailer_steering - estimate.trailer_steering
     return hitch if math.isfinite(hitch) else 0.0, joint if math.isfinite(joint) else 0.0
+
+
+def _clipped(angle: float, limit: float) -> float:
+    return min(max(angle, -limit), limit)
 
 
 def _both_rejected(record: StepRecord) -> bool:

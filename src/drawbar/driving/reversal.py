@@ -24,6 +24,8 @@ _SPAN = 0.6
 _OPPOSITE, _USUAL = math.radians(2.5), 2.2
 """root of a quarter of the difference of their mean squares, from which on the sensor is reversed: rad, and times the
 usual residual of the better one"""
+_SINGLE = 0.9
+"""share of that limit to which one sample brings the mean at most: it may be a false one"""
 _MOST = math.radians(12.0)
 """no residual counts more in it, rad"""
 _MOVES = 0.1
@@ -57,7 +59,8 @@ class Reversal:
             self._usual.learn(min(*residuals, _MOST))
         full = len(self._products) == self._products.maxlen
         limit = max(_OPPOSITE, _USUAL * self._usual.value)
-        return full and fmean(self._products) < -(limit**2)
+        least = -_SINGLE * len(self._products) * limit**2
+        return full and fmean(max(each, least) for each in self._products) < -(limit**2)
 
     def _follow(self, record: StepRecord, last: Measurement | None) -> bool:
         """Let the angle follow the motion since the last sample; return whether all of it is known."""

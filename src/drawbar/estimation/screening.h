@@ -8,6 +8,7 @@
 #ifndef DRAWBAR_SCREENING_H
 #define DRAWBAR_SCREENING_H
 
+#include "leap.h"
 #include "manoeuvre.h"
 #include "noise_level.h"
 #include "signals.h"
@@ -26,6 +27,7 @@ struct receiver {
 struct screening {
     /* settings: estimation/settings.py tells what they mean */
     double lateral, longitudinal, growth, single_growth, shift, release, length, hitch, repetition, patience, late;
+    double steering, speed;
     double deviation;                      /* of one coordinate of a fix at least, m */
     int32_t memory, long_memory, settling;
     /* state */
@@ -34,6 +36,7 @@ struct screening {
     struct suspicion suspicion;
     struct trust trust;
     struct manoeuvre manoeuvre;
+    struct leap leaps[3];                  /* of speed and both steerings */
     double length_error;                   /* mean error of the antennas' distance, m */
     int32_t lengths;                       /* samples in it */
 };
@@ -45,6 +48,7 @@ struct screening {
     SETTING(type, prefix length, 0, 1, 0, 0) SETTING(type, prefix hitch, 0, 1, 0, 0)                         \
     SETTING(type, prefix repetition, 0, 1, 0, 0) SETTING(type, prefix late, 0, 1, 0, 0)                      \
     SETTING(type, prefix patience, 0, 1, 0, 0) SETTING(type, prefix deviation, 0, 1, 0, 0)                   \
+    SETTING(type, prefix steering, 0, 1, 0, 0) SETTING(type, prefix speed, 0, 1, 0, 0)                       \
     SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)                 \
     SETTING(type, prefix settling, 1, 1, 0, 0)
 
@@ -172,14 +176,23 @@ static inline int screening_reject(const struct screening *s, const int *outside
     return rejected;
 }
 
-/* Hand on a measurement with what was found to be believed of it. */
+/* Begin a screened measurement: of speed and steering angles a single false one is masked. */
+static inline void screening_leaps(struct screening *s, const struct drawbar_measurement *measurement,
+                                   struct drawbar_measurement *believed)
+{
+    *believed = *measurement;
+    believed->speed = leap_masked(&s->leaps[0], s->speed, measurement->speed);
+    believed->tractor_steering = leap_masked(&s->leaps[1], s->steering, measurement->tractor_steering);
+    believed->trailer_steering = leap_masked(&s->leaps[2], s->steering, measurement->trailer_steering);
+}
+
+/* Mask the fixes that are not to be believed. */
 static inline void screening_accept(struct screening *s, const struct drawbar_measurement *measurement,
                                     struct screened *screened)
 {
     const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
     struct drawbar_measurement *believed = &screened->measurement;
 
-    *believed = *measurement;
     if (screened->fixes[0] != DRAWBAR_FIX_ACCEPTED)
         believed->tractor_x = believed->tractor_y = NAN;
     if (screened->fixes[1] != DRAWBAR_FIX_ACCEPTED)
@@ -198,7 +211,8 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
 static inline void screening_judge(struct screening *s, const struct drawbar_measurement *measurement,
                                    const double *expected, double yaw_rate, struct screened *screened)
 {
-    const struct motion motion = {measurement->speed, yaw_rate};
+    screening_leaps(s, measurement, &screened->measurement);
+    const struct motion motion = {screened->measurement.speed, yaw_rate};
     const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
                             measurement->trailer_y};
     const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};

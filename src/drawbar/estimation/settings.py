@@ -62,6 +62,10 @@ class ScreeningSettings(Settings):
     """largest change of the antennas' distance with which they still agree with each other, m"""
     hitch: PositiveAngle = 0.15
     """furthest that the hitch angle may be from its prediction, rad"""
+    steering: PositiveAngle = 0.2
+    """by how much a steering angle may change from one sample to the next before a second one must confirm it, rad"""
+    speed: Positive = 1.0
+    """the same of the speed, m/s"""
     repetition: Positive = 0.05
     """a fix that repeats exactly while the vehicle moved by more than this is stale, m"""
     patience: Positive = 1.0

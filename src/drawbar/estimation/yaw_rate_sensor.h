@@ -24,7 +24,7 @@
 #define FIRST_LEAD (2.0 * DEGREE)          /* deviation of the integral's first lead, rad */
 #define LEAD_WALK (0.2 * DEGREE)           /* by which the lead changes beside the bias, rad per square root of a second */
 #define MOST_LEAD (3.0 * DEGREE)           /* a root mean square of unexpected lead that contradicts, rad */
-#define LEAP (6.0 * DEGREE)                /* a single unexpected lead that does, rad */
+#define LEAP (6.0 * DEGREE)                /* an unexpected lead that does by itself, twice in a row, rad */
 #define OBSERVED 1.0                       /* time constant of that mean, s */
 #define ALIKE 30.0                         /* time over which the sensor is compared with the wheels, s */
 #define TURNED 27.0                        /* what the vehicle has turned in that time before it says anything, deg^2 / s */
@@ -54,12 +54,12 @@ struct yaw_rate_sensor {
     double latency;                        /* that is reckoned with, s; below zero: the sensor is late */
     double integral;                       /* rad */
     double before;                         /* last sample's yaw rate, rad/s */
-    double beyond;                         /* newest lead beyond what was expected, rad */
     double unexpected;                     /* mean square of the lead beyond what was expected */
     double square, product;                /* of the wheels' yaw rate, and with the sensor's, rad^2 / s */
     double apart;                          /* mean square of the difference from the wheels, rad^2 / s^2 */
     double doubted;                        /* for how much longer nothing is believed, s */
     int32_t begun, follows;                /* is there anything; is there an integral? */
+    int32_t sudden, leaps;                 /* was the newest yaw rate sudden; how many leads in a row were LEAPs? */
 };
 
 /* Begin to know the sensor; nothing is believed for a while (s). */
@@ -78,7 +78,8 @@ static inline void yaw_rate_follow(struct yaw_rate_sensor *sensor, const struct 
 
     sensor->integral = shown->yaw;
     sensor->found[LEAD] = turning * (sensor->latency - sensor->found[LATENCY]);
-    sensor->beyond = sensor->unexpected = 0.0;
+    sensor->unexpected = 0.0;
+    sensor->leaps = 0;
     for (int i = 0; i < FOUND; ++i)
         sensor->covariance[LEAD][i] = -turning * sensor->covariance[LATENCY][i];
     for (int i = 0; i < FOUND; ++i)
@@ -103,13 +104,16 @@ static inline void yaw_rate_integrate(struct yaw_rate_sensor *sensor, double tol
     sensor->covariance[LATENCY][LATENCY] += elapsed * LATENCY_WALK * LATENCY_WALK;
 }
 
-/* Compare the integral with a shown yaw. */
+/* Compare the integral with a shown yaw; of a leap nothing is learned. */
 static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, const struct shown_yaw *shown, double share)
 {
     const double late = (sensor->found[LATENCY] - sensor->latency) * shown->turning;
-    const double beyond = sensor->beyond = wrapped(sensor->integral - shown->yaw - sensor->found[LEAD] - late);
+    const double beyond = wrapped(sensor->integral - shown->yaw - sensor->found[LEAD] - late);
     double across[FOUND], variance = YAW_NOISE * YAW_NOISE;
 
+    sensor->leaps = fabs(beyond) > LEAP ? sensor->leaps + 1 : 0;
+    if (sensor->leaps)
+        return;
     for (int i = 0; i < FOUND; ++i)
         across[i] = sensor->covariance[i][LEAD] + shown->turning * sensor->covariance[i][LATENCY];
     variance += across[LEAD] + shown->turning * across[LATENCY];
@@ -152,6 +156,12 @@ static inline int yaw_rate_sudden(struct yaw_rate_sensor *sensor, double differe
     return fabs(difference) > limit;
 }
 
+/* What the sensor says without its errors, rad/s. */
+static inline double yaw_rate_right(const struct yaw_rate_sensor *sensor, double told)
+{
+    return told - sensor->found[SCALE] * told - sensor->found[BIAS];
+}
+
 /* Return the yaw rate to be believed, rad/s; NaN: none.
  *
  * told: by the sensor, rad/s; wheels: by the wheels, rad/s; shown: by antennas and angles; elapsed: since the last call, s. */
@@ -167,6 +177,10 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
         sensor->follows = 0;
         return NAN;
     }
+    const int sudden = yaw_rate_sudden(sensor, yaw_rate_right(sensor, told) - wheels, elapsed);
+    if (sudden && !sensor->sudden && sensor->follows)
+        told = sensor->before;             /* a single false one would spoil the integral */
+    sensor->sudden = sudden;
     if (sensor->follows)
         yaw_rate_integrate(sensor, told, elapsed);
     sensor->before = told;
@@ -174,12 +188,11 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
         yaw_rate_follow(sensor, shown);
     else if (isfinite(shown->yaw))
         yaw_rate_compare(sensor, shown, share);
-    if (sensor->unexpected > MOST_LEAD * MOST_LEAD || fabs(sensor->beyond) > LEAP)
+    if (sensor->unexpected > MOST_LEAD * MOST_LEAD || sensor->leaps > 1)
         yaw_rate_begin(sensor, PATIENCE);
-    const double right = told - sensor->found[SCALE] * told - sensor->found[BIAS];
+    const double right = yaw_rate_right(sensor, told);
     const int known = sensor->covariance[BIAS][BIAS] < BIAS_KNOWN * BIAS_KNOWN;
     const int alike = known && yaw_rate_alike(sensor, right, wheels, elapsed);
-    const int sudden = yaw_rate_sudden(sensor, right - wheels, elapsed);
     if (!alike || sudden || sensor->doubted > 0.0)
         return NAN;
     yaw_rate_reckon(sensor, elapsed);

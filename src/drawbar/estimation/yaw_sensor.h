@@ -13,6 +13,7 @@
 #include "geometry.h"
 
 #define YAW_GATE 0.1                       /* furthest that a yaw may be from the expected one, rad */
+#define YAW_SHOWN 0.15                     /* furthest that fixes and angles may show it off from what is known of that, rad */
 #define YAW_UNPROVED 3                     /* samples that a mounting without error counts for */
 #define YAW_MEMORY 500                     /* samples that the error is averaged over at most */
 
@@ -30,7 +31,7 @@ static inline double yaw_believed(struct yaw_sensor *sensor, double told, double
 
     if (!(fabs(off) <= YAW_GATE))
         return NAN;
-    if (isfinite(error)) {
+    if (fabs(error) <= YAW_SHOWN) {
         sensor->samples += sensor->samples < YAW_MEMORY;
         sensor->error += error / (sensor->samples + YAW_UNPROVED);
     }

@@ -17,8 +17,8 @@ FLAGS = (
     "-g0",
 )
 """The same on all targets. No fused multiply-add, so that targets agree; never -ffast-math."""
-SMALL = {"line.c": "-Os"}
-"""sources that no step calls, and what is asked for them beside these flags: that they are small"""
+SMALL = {"line.c": "-Os", "sanity.c": "-Os", "alignment.c": "-Os"}
+"""sources whose time does not count, and what is asked for them beside these flags: that they are small"""
 _SIZED = "-fstack-size-section"
 
 

@@ -17,6 +17,7 @@
 #define HITCH_FIRST 0.0105                 /* usual one before anything is known of the ground, rad, */
 #define HITCH_FIRST_TIME 5.0               /* and time for which that counts, s */
 #define HITCH_LATELY 30.0                  /* over which it is averaged, s */
+#define HITCH_SHARP 3.0                    /* times the limit of the mean that a difference counts in it at most */
 #define HITCH_SURGE 2.0                    /* times the usual one that counts at most: a fault is not to become usual */
 #define HITCH_MOVES 0.1                    /* speed below which nothing is learned, m/s */
 #define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not */
@@ -36,9 +37,10 @@ struct hitch_watch {
     SETTING(type, place.least, 0, 1, 0, 0) SETTING(type, place.most, 0, 1, 0, 0)                             \
     SETTING(type, place.patience, 0, 1, 0, 0) FIELD(type, place.stuck, 0, 1, 0, 0)
 
-static inline double hitch_difference(double measured, double estimated)
+/* An angle that is missing differs by nothing; a single false one is not to exceed the mean's limit by itself. */
+static inline double hitch_difference(double measured, double estimated, double limit)
 {
-    return isfinite(measured) ? wrapped(measured - estimated) : 0.0;
+    return isfinite(measured) ? clipped(wrapped(measured - estimated), HITCH_SHARP * limit) : 0.0;
 }
 
 /* Whether both angles differ for long by more than this ground makes them. */
@@ -46,19 +48,22 @@ static inline int hitch_contradicts(struct hitch_watch *watch, const struct draw
                                     const struct drawbar_estimate *estimate, double elapsed)
 {
     const int known = estimate->status == SOLVED;
-    const double now[] = {known ? hitch_difference(m->hitch_angle, estimate->hitch_angle) : 0.0,
-                          known ? hitch_difference(m->trailer_steering, estimate->trailer_steering) : 0.0};
+    const double usual = sqrt(watch->usual), limit = fmin(fmax(watch->least, HITCH_USUAL * usual), watch->most);
+    const double now[] = {
+        known ? hitch_difference(m->hitch_angle, estimate->hitch_angle, limit) : 0.0,
+        known ? hitch_difference(m->trailer_steering, estimate->trailer_steering, limit) : 0.0,
+    };
     const double share = -expm1(-elapsed / HITCH_MEAN);
 
     for (int i = 0; i < 2; ++i)
         watch->means[i] += share * (now[i] - watch->means[i]);
-    const double mean = hypot(watch->means[0], watch->means[1]), usual = sqrt(watch->usual);
+    const double mean = hypot(watch->means[0], watch->means[1]);
     if (fabs(m->speed) >= HITCH_MOVES && elapsed > 0.0) {
         const double counts = fmin(mean, HITCH_SURGE * usual);
         watch->known = fmin(watch->known + elapsed, HITCH_LATELY);
         watch->usual += elapsed / watch->known * (counts * counts - watch->usual);
     }
-    return mean > fmin(fmax(watch->least, HITCH_USUAL * usual), watch->most);
+    return mean > limit;
 }
 
 /* Whether the sensor reports the very same angle although the estimate has turned away from it. */

@@ -13,6 +13,7 @@
 
 #define MOTION_TIME 1.0                    /* over which motion is averaged, s */
 #define MOTION_LEAST 0.3                   /* way within it that says which way the vehicle moves, m */
+#define MOTION_SHARP 0.8                   /* of it, backwards, that one sample counts at most: it may be false */
 #define MOTION_SHARE 0.3                   /* of that way, backwards */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 
@@ -73,7 +74,7 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
     const double yaws[] = {estimate->tractor.yaw, estimate->trailer.yaw};
     const double told[] = {m->tractor_fix_deviation, m->trailer_fix_deviation};
     const double elapsed = m->time - sanity->time, kept = exp(-elapsed / MOTION_TIME);
-    const double way = isfinite(m->speed) ? m->speed * elapsed : 0.0;
+    const double way = isfinite(m->speed) ? fmax(m->speed * elapsed, -MOTION_SHARP * MOTION_LEAST) : 0.0;
 
     sanity->way = kept * sanity->way + way;
     for (int i = 0; i < 2; ++i) {
