@@ -62,3 +62,21 @@ def test_the_tractors_yaw_is_enough_to_know_the_direction():
 def test_a_line_that_the_vehicle_cannot_drive_is_refused():
     with pytest.raises(PathError, match="tightest curve"):
         straight().beside(6.5)
+
+
+def test_a_nudge_stays_on_its_side_of_the_field_whichever_way_the_line_is_driven():
+    line = straight("path.working_width=3.0").beside(3.0).nudged(0.2)
+    turned, _ = line.nearest(seen(line.path, 20.0, 0.1, backwards=True))
+    assert (line.left, turned.left) == (0.2, -0.2)
+    assert (turned.offset, turned.nudge) == (3.0, 0.2)
+    assert turned.nudged(-0.1).left == 0.1
+
+
+def test_another_line_has_no_nudge_of_the_one_before():
+    assert straight("path.working_width=3.0").nudged(0.2).beside(3.0).nudge == 0.0
+
+
+def test_a_nudge_that_the_vehicle_cannot_drive_is_refused():
+    line = straight().beside(4.0)
+    with pytest.raises(PathError, match="tightest curve"):
+        line.nudged(2.5)

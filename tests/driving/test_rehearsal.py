@@ -314,6 +314,9 @@ def test_the_line_is_nudged_while_driving_and_another_one_chosen_after_a_stop():
     rehearsal.ask(Action.NUDGE, 0.2)
     steps = list(rehearsal.run(12.0))
     assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+    for body in ("tractor", "trailer"):  # the line is shifted softly, both stay on it
+        beside = [getattr(record.reference, body).lateral_error for record, _ in steps]
+        assert np.abs(beside).max() < 0.06
     truth = steps[-1][1]
     for pose in (truth.tractor, truth.trailer):
         assert path.project(pose.x, pose.y, 0.0, 40.0)[1] == pytest.approx(0.2, abs=0.03)

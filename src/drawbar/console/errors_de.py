@@ -202,6 +202,12 @@ ERRORS_DE: Mapping[str, str] = {
     "a chunk has another length than it states": "ein Abschnitt hat nicht die Länge, die er angibt",
     "a chunk is compressed by {}, which drawbar does not write":
         "ein Abschnitt ist mit {0} gepackt, was drawbar nie schreibt",
+    "its steps lack {}, which this drawbar needs; use the drawbar that wrote it":
+        "ihren Schritten fehlt {0}, was dieses drawbar braucht; das drawbar verwenden, das sie geschrieben hat",
+    "a step has {} bytes instead of {}": "ein Schritt hat {0} Byte anstatt {1}",
+    "no step has {} bytes": "kein Schritt hat {0} Byte",
+    "a StepRecord of numbers and arrays is needed; {}.": "ein StepRecord aus Zahlen und Feldern ist nötig; {0}.",
+    "{} holds {} numbers instead of {}": "{0} enthält {1} Zahlen anstatt {2}",
     "it is not known where on Earth the path of this log lies: figure-eights and CSV files do not say. Export --csv "
     "instead, or drive a line that was recorded with its place":
         "Die Linie dieser Fahrt hat keinen Ort auf der Erde: Achten und CSV-Dateien haben keinen. Als CSV exportieren",

@@ -1,6 +1,7 @@
 """Controller: the control step between measurements and messages to the gate; time is given to it."""
 
 import math
+from contextlib import suppress
 
 from drawbar.config import Configuration
 from drawbar.driving.certainty import Certainty, certainty
@@ -10,7 +11,7 @@ from drawbar.driving.drift import Drift
 from drawbar.driving.driven_line import DrivenLine
 from drawbar.driving.hindsight import Hindsight
 from drawbar.driving.swapped import Swapped
-from drawbar.errors import PathError
+from drawbar.errors import DrawbarError, PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
@@ -43,7 +44,9 @@ class Controller:
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._fingerprint = configuration, fingerprint
-        self._line, self._wished, self._anew = DrivenLine.first(configuration, path), math.nan, False
+        self._line, self._anew = DrivenLine.first(configuration, path), False
+        self._wished: tuple[float, float] | None = None
+        """the line that was chosen and its nudge, m"""
         self.wiggled = False
         """the actuators have passed their wiggle test"""
         self._autopilot = build_autopilot(within_envelope(configuration))
@@ -79,8 +82,8 @@ class Controller:
         if self.engaged != before:
             self._autopilot.set_engaged(self.engaged)
             self._hindsight.forget()
-            self._wished = math.nan  # what was not possible may be now
-        self._choose_line(state.line * self._configuration.path.working_width + state.nudge)
+            self._wished = None  # what was not possible may be now
+        self._choose_line(state.line * self._configuration.path.working_width, state.nudge)
         wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
         self._autopilot.set_speed(max(0.0, min(wish, state.speed_limit, self._configuration.speed)))
 
@@ -154,8 +157,7 @@ class Controller:
         progress = record.reference.tractor.progress
         if self.engaged and self._drift.exists and not self._carried and math.isfinite(progress):
             self._drift.carry()
-            self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
-            self._hindsight.forget()
+            self._begin(progress)
         self._carried = self.engaged and (self._carried or self._drift.exists)
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
@@ -192,7 +194,7 @@ class Controller:
             hitch_angle=record.estimate.hitch_angle,
             wheel_speed=measurement.speed,
             receiver_speed=receiver_speed,
-            line_offset=self._line.offset,
+            line_offset=self._line.offset + self._line.nudge,
             against=int(self._line.against),
         )
 
@@ -204,25 +206,43 @@ class Controller:
             return Mode.STOP if self.engaged else Mode.IDLE
         return Mode.DRIVE if self.engaged and self._status < Status.POSITION else Mode.IDLE
 
-    def _choose_line(self, offset: float) -> None:
-        """Drive the line so far left of the configured one, m: at once if it is under the vehicle, else by a new run.
+    def _choose_line(self, offset: float, nudge: float) -> None:
+        """Drive the line so far left of the configured one, m, and nudged.
 
         Where that is not possible, the old one stays; `line_offset` of the controller's state says which is driven.
         """
-        if offset in (self._wished, self._line.offset):
+        if (offset, nudge) == self._wished:
             return
-        self._wished = offset
-        try:
-            chosen = self._line.beside(offset)
-        except PathError:
-            return
+        self._wished = offset, nudge
+        with suppress(DrawbarError):
+            if offset != self._line.offset:
+                self._go_over(self._line.beside(offset))
+            if nudge != self._line.nudge:
+                self._nudge(self._line.nudged(nudge))
+
+    def _go_over(self, chosen: DrivenLine) -> None:
+        """Drive another line: at once if it is under the vehicle, else by a new run.
+
+        Raises:
+            PathError: that cannot be while the vehicle is steered.
+        """
         try:
             self._autopilot.change_path(chosen.path, at=self._progress_on(chosen.path))
         except PathError:
             if self.engaged:
-                return
+                raise
             self._anew = True
         self._line = chosen
+        self._hindsight.forget()
+
+    def _nudge(self, nudged: DrivenLine) -> None:
+        """Drive beside the path; where the vehicle is steered, it is led there softly.
+
+        Raises:
+            DrawbarError: the autopilot refuses it.
+        """
+        self._autopilot.set_offset(nudged.left)
+        self._line = nudged
         self._hindsight.forget()
 
     def _progress_on(self, path: Path) -> float:
@@ -248,10 +268,15 @@ class Controller:
         if not math.isfinite(measurement.tractor_x + measurement.tractor_y):
             return
         self._line, progress = self._line.nearest(measurement)
-        self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
+        self._begin(progress)
         self._autopilot.set_engaged(False)
-        self._hindsight.forget()
         self._anew = False
+
+    def _begin(self, progress: float) -> None:
+        """Let the next sample begin a run at an arc length of the path, m."""
+        self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
+        self._autopilot.set_offset(self._line.left)
+        self._hindsight.forget()
 
 
 def _within(progress: float, path: Path) -> float:

@@ -1,4 +1,8 @@
-"""Driven line: the configured line or one beside it, in the direction in which the vehicle faces. Pure."""
+"""Driven line: the configured line or one beside it, in the direction in which the vehicle faces, and nudged. Pure.
+
+A line beside the configured one is a path of its own, however far it is. A nudge is an offset that the autopilot keeps
+from that path (line_offset.h).
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -23,9 +27,11 @@ class DrivenLine:
     base: Path
     """the configured line"""
     path: Path
-    """to drive along"""
+    """to drive along, or beside where it is nudged"""
     offset: float = 0.0
     """of the path, to the left of the configured line, m"""
+    nudge: float = 0.0
+    """from the path, to the left as the configured line leads, m"""
     against: bool = False
     """the path leads against the configured line's direction"""
 
@@ -40,11 +46,30 @@ class DrivenLine:
         return cls(configuration=configuration, base=path, path=path)
 
     def beside(self, offset: float) -> Self:
-        """Return the line so far to the left of the configured one, m.
+        """Return the line so far to the left of the configured one, m, without a nudge.
 
         Raises:
             PathError: the vehicle cannot drive it.
         """
+        path = self._drivable(offset)
+        return replace(self, path=path.reversed() if self.against else path, offset=offset, nudge=0.0)
+
+    def nudged(self, nudge: float) -> Self:
+        """Return the line nudged so far to the left, m.
+
+        Raises:
+            PathError: the vehicle cannot drive it.
+        """
+        self._drivable(self.offset + nudge)
+        return replace(self, nudge=nudge)
+
+    @property
+    def left(self) -> float:
+        """To which distance the path is nudged to the left as it is driven, m."""
+        return -self.nudge if self.against else self.nudge
+
+    def _drivable(self, offset: float) -> Path:
+        """Return the path so far to the left of the configured line, m. Raises PathError: it cannot be driven."""
         path = self.base.beside(offset)
         demand_slow_curves(path, self.configuration)
         demand_steering(
@@ -53,7 +78,7 @@ class DrivenLine:
             speed=self.configuration.speed,
             tolerance=self.configuration.guidance.path_tolerance,
         )
-        return replace(self, path=path.reversed() if self.against else path, offset=offset)
+        return path
 
     @property
     def both_ways(self) -> bool:

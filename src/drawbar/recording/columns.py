@@ -29,7 +29,8 @@ _REPORTED: tuple[str, ...] = (
     *(f"estimate.{body}.yaw" for body in _BODIES),
     *(f"estimate.{name}" for name in ("speed", "hitch_angle", "trailer_slip", *_SLIPS)),
     *(f"estimate.{body}_fix" for body in _BODIES),
-    *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error", "closest.2")),
+    *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error")),
+    *(f"reference.{body}.closest.{place}" for body in _BODIES for place in range(3)),
     *(f"{body}_steering.{name}" for body in _BODIES for name in ("command", "ancillary", "saturated", "margin")),
     "command.speed",
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
@@ -48,7 +49,7 @@ _REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
     "flags",
 )
 """in place of what nobody knows"""
-WIDE = (".x", ".y", "_x", "_y", ".time", ".progress")
+WIDE = (".x", ".y", "_x", "_y", ".time", ".progress", ".closest.0", ".closest.1")
 """how names of numbers end that single precision would spoil"""
 _MISSING = np.full(1, np.nan)
 

@@ -48,7 +48,8 @@ class Recorder:
             DrawbarError: an argument is none.
         """
         self._file, self._steps, self._kept = demand_path("file", file), 0, 0
-        self._time, self._zero, self._flushed = 0, math.nan, 0
+        self._time, self._flushed = 0, 0
+        self._zero: float | None = None
         self._channel: int | None = None
         demand("header", header, RunHeader, "give that of Simulation.header() or run_header()")
         try:
@@ -79,7 +80,8 @@ class Recorder:
                 self._channel = self._open_steps(len(record.plan.tractor.steerings))
             self._writer.add_message(
                 self._channel,
-                HEAD + data,
+                data,
+                before=HEAD,
                 sequence=record.step,
                 log_time=self._log_time(record.measurement.time),
                 publish_time=time.time_ns(),
@@ -99,9 +101,10 @@ class Recorder:
     def _log_time(self, seconds: float) -> int:
         """Return a time as MCAP holds it, ns from zero on; the last one again where a clock tells none."""
         if math.isfinite(seconds):
-            if math.isnan(self._zero):
+            if self._zero is None:
                 self._zero = min(seconds, 0.0)
-            self._time = min(max(round((seconds - self._zero) * 1e9), 0), _LATEST)
+            passed = round((seconds - self._zero) * 1e9)
+            self._time = passed if 0 <= passed <= _LATEST else min(max(passed, 0), _LATEST)
         return self._time
 
     def __enter__(self) -> Self:

@@ -1,6 +1,10 @@
-"""Path errors: how far both bodies were from the path; their tracked points on the ground, projected on it."""
+"""Path errors: how far both bodies were from the line that was followed; their tracked points on the ground.
 
-from dataclasses import dataclass
+The line is the path, or one beside it: a nudged one, or a neighbouring pass. How far beside, each step tells by the
+point of the line that it found closest.
+"""
+
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -15,6 +19,12 @@ T = TypeVar("T")
 
 _BEHIND, _AHEAD = 1.0, 3.0
 """m around the last closest point that are searched: the path crosses itself, a global search would jump"""
+_ROUNDS = 5
+"""of Newton's, after which a foot on the path is found"""
+_FOUND = 1e-3
+"""m along the path that it may lack"""
+_SAME = 1e-6
+"""m beside the path that are rounding"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,12 +37,12 @@ class Bodies(Generic[T]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PathErrors:
-    """Where one body's point on the ground truly was with respect to the path: n steps."""
+    """Where one body's point on the ground truly was with respect to the line: n steps."""
 
     progress: Floats
-    """(n,): arc length of the closest point, m; NaN where it is not known"""
+    """(n,): arc length of the path's closest point, m; NaN where it is not known"""
     error: Floats
-    """(n,): signed distance, left of the path positive, m; NaN where it is not known"""
+    """(n,): signed distance from the line, to the left as the path leads positive, m; NaN where it is not known"""
     classes: NDArray[np.int8]
     """(n,): class of the path at the closest point, index into label_names"""
     label_names: tuple[str, ...]
@@ -69,7 +79,9 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
         forward, left = getattr(log.header.vehicle.tracked, body).arm
         if forward or left:
             x, y = x + forward * np.cos(yaw) - left * np.sin(yaw), y + forward * np.sin(yaw) + left * np.cos(yaw)
-        return project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
+        errors = project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
+        line = (log.column(f"reference.{body}.closest.{place}") for place in (0, 1))
+        return replace(errors, error=errors.error - _offsets(path, errors.progress, *line))
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))
 
@@ -77,3 +89,25 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
 def _first_known(progress: Floats) -> float:
     known = progress[np.isfinite(progress)]
     return float(known[0]) if known.size else 0.0
+
+
+def _offsets(path: Path, near: Floats, x: Floats, y: Floats) -> Floats:
+    """Return how far to the left of the path points (n,) of the line are, m; where that is not known, as before it.
+
+    Args:
+        path: that the line is beside.
+        near: (n,): arc lengths next to the points, m.
+        x: (n,) of the points, m.
+        y: (n,) of the points, m.
+    """
+    place, along, left = near, np.full(len(near), np.nan), np.full(len(near), np.nan)
+    for _ in range(_ROUNDS):
+        foot_x, foot_y, yaw, curvature = path.sample(place).T
+        along = np.cos(yaw) * (x - foot_x) + np.sin(yaw) * (y - foot_y)
+        left = np.cos(yaw) * (y - foot_y) - np.sin(yaw) * (x - foot_x)
+        place = place + along / np.maximum(1.0 - curvature * left, 0.2)
+    known = np.flatnonzero(np.abs(along) < _FOUND)
+    if not known.size:
+        return np.zeros(len(near))
+    left = left[known[np.maximum(known.searchsorted(np.arange(len(near)), "right") - 1, 0)]]
+    return np.where(np.abs(left) > _SAME, left, 0.0)

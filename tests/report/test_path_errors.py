@@ -1,0 +1,86 @@
+"""Errors are those from the line that was followed, also where that leads beside the path."""
+
+import dataclasses
+import time
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drawbar.config import load_configuration
+from drawbar.geometry import Floats
+from drawbar.recording.columns import read_columns
+from drawbar.recording.log import Outcome, RunLog
+from drawbar.recording.recorder import Recorder
+from drawbar.report.path_errors import true_path_errors
+from drawbar.signals import StepRecord
+from drawbar.simulation import Simulation
+
+NUDGE = 0.3
+SHIFTED = 110
+"""steps after which both bodies have left the shift behind"""
+
+
+def driven(*changes: str, nudge: float = NUDGE) -> RunLog:
+    """Return the log of a run that is nudged after 40 steps, on a straight."""
+    changes = ("path.radii=[8.0]", *changes)
+    with Simulation(load_configuration("articulated", list(changes))) as simulation:
+        records = list[StepRecord]()
+        for record in islice(simulation.steps(), 240):
+            records.append(record)
+            if record.step == 40:
+                simulation.autopilot.set_offset(nudge)
+        return RunLog(
+            header=simulation.header(),
+            records=tuple(records),
+            wall_time=np.full(len(records), time.time()),
+            outcome=Outcome(finished=True, reason=""),
+        )
+
+
+def beside(log: RunLog, body: str) -> Floats:
+    """Return how far left of the path a body truly was, m."""
+    path, places = log.header.path.path(), [log.column(f"truth.{body}.{axis}") for axis in "xy"]
+    return path.project_track(*places, 0.0, behind=1.0, ahead=3.0)[1]
+
+
+@pytest.fixture(scope="module")
+def nudged() -> RunLog:
+    return driven("path.straight_length=25.0")
+
+
+@pytest.mark.parametrize("body", ["tractor", "trailer"])
+def test_a_nudged_run_is_judged_beside_the_path_also_in_its_curves(nudged: RunLog, body: str) -> None:
+    errors, places = getattr(true_path_errors(nudged), body), beside(nudged, body)
+    curved = errors.of_class("0.125")
+    np.testing.assert_array_equal(errors.error[:40], places[:40])
+    np.testing.assert_allclose((places - errors.error)[SHIFTED:], NUDGE, atol=1e-4)
+    assert curved[SHIFTED:].sum() > 50
+    assert np.abs(errors.error[20:]).max() < 0.12
+
+
+def test_a_report_of_the_logs_columns_says_the_same(nudged: RunLog, tmp_path: Path) -> None:
+    with Recorder(tmp_path / "log.mcap", nudged.header) as recorder:
+        for record in nudged.records:
+            recorder.write(record)
+    errors = true_path_errors(read_columns(tmp_path / "log.mcap")).trailer.error
+    np.testing.assert_allclose(errors, true_path_errors(nudged).trailer.error, atol=1e-9)
+
+
+def test_what_is_not_known_of_the_line_stays_as_it_was(nudged: RunLog) -> None:
+    def without(record: StepRecord) -> StepRecord:
+        body = dataclasses.replace(record.reference.tractor, closest=np.full(4, np.nan))
+        return dataclasses.replace(record, reference=dataclasses.replace(record.reference, tractor=body))
+
+    gap = [without(record) if 100 <= record.step < 105 else record for record in nudged.records]
+    log = dataclasses.replace(nudged, records=tuple(gap))
+    whole, found = (true_path_errors(each).tractor.error for each in (nudged, log))
+    np.testing.assert_allclose(found, whole, atol=1e-4)
+    log = dataclasses.replace(nudged, records=tuple(map(without, nudged.records)))
+    np.testing.assert_array_equal(true_path_errors(log).tractor.error, beside(nudged, "tractor"))
+
+
+def test_a_run_on_its_path_is_judged_by_the_path_bit_for_bit() -> None:
+    log = driven(nudge=0.0)
+    np.testing.assert_array_equal(true_path_errors(log).trailer.error, beside(log, "trailer"))
