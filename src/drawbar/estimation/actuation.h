@@ -10,7 +10,10 @@
 
 #include "lag_bank.h"
 #include "signals.h"
+#include "still.h"
 #include "unit.h"
+
+#define STUCK_SHARE 0.5                    /* of the error that nothing explains, by which a steering moves beside a stuck sensor */
 
 enum { FRONT_WHEELS, TRAILER_JOINT, STEERED };
 
@@ -24,9 +27,8 @@ struct component {
     double dead_time, lags[STEERED], rates[STEERED];   /* what is planned with, s, rad/s */
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
-    double still[STEERED];                 /* the measured angle as it has been for some samples, rad */
-    double least[STEERED], most[STEERED];  /* between which the likeliest member has been meanwhile, rad */
-    double stuck_for[STEERED];             /* for how long that has been too far apart, s */
+    struct still still[STEERED];           /* the measured angle, and the likeliest member's, rad */
+    double stuck_for[STEERED];             /* for how long that has moved too far, s */
     double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
     int32_t judged, unjudged;              /* how often a bank was judged; there are angles that none is judged by yet */
 };
@@ -64,19 +66,14 @@ static int does_not_follow(struct component *actuation, int i, double measured)
 }
 
 /* Whether a measured angle has stayed the very same for too long after commands should have moved it. */
-static int is_stuck(struct component *actuation, int i, double measured)
+static int is_stuck(struct component *actuation, int i, double measured, double speed)
 {
-    const double expected = bank_likeliest(&actuation->banks[i], &actuation->grid);
+    struct still *still = &actuation->still[i];
 
-    if (measured != actuation->still[i]) {
-        actuation->still[i] = measured;
-        actuation->least[i] = actuation->most[i] = expected;
-    }
-    actuation->least[i] = fmin(actuation->least[i], expected);
-    actuation->most[i] = fmax(actuation->most[i], expected);
-    const int odd = actuation->most[i] - actuation->least[i] > actuation->odd;
-    actuation->stuck_for[i] = odd ? actuation->stuck_for[i] + actuation->sample_time : 0.0;
-    return actuation->stuck_for[i] > actuation->patience;
+    still_take(still, measured, bank_likeliest(&actuation->banks[i], &actuation->grid), speed);
+    const int missed = still_missed(still, STUCK_SHARE * actuation->odd);
+    actuation->stuck_for[i] = missed ? actuation->stuck_for[i] + actuation->sample_time : 0.0;
+    return missed && (actuation->stuck_for[i] > actuation->patience || still_unusual(still));
 }
 
 /* Do what can be done before the next measurement. A bank is judged here, one after the other: what the last angles say
@@ -109,7 +106,7 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
     approach(actuation);
     int odd = 0;
     for (int i = 0; i < STEERED; ++i)
-        odd += does_not_follow(actuation, i, measured[i]) + is_stuck(actuation, i, measured[i]);
+        odd += does_not_follow(actuation, i, measured[i]) + is_stuck(actuation, i, measured[i], measurement->speed);
     return odd ? DRAWBAR_STEERING : 0;
 }
 

@@ -11,6 +11,7 @@
 #include "geometry.h"
 #include "signals.h"
 #include "status.h"
+#include "still.h"
 
 #define HITCH_MEAN 0.5                     /* time over which differences are averaged, s */
 #define HITCH_USUAL 7.0                    /* times the usual mean difference that is a contradiction */
@@ -20,7 +21,8 @@
 #define HITCH_SHARP 3.0                    /* times the limit of the mean that a difference counts in it at most */
 #define HITCH_SURGE 2.0                    /* times the usual one that counts at most: a fault is not to become usual */
 #define HITCH_MOVES 0.1                    /* speed below which nothing is learned, m/s */
-#define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not */
+#define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not, */
+#define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)    /* and an angle, where the sensor hardly ever repeats itself, rad */
 
 struct hitch_watch {
     /* settings: safety/sanity.py tells what they mean */
@@ -28,7 +30,7 @@ struct hitch_watch {
     /* state */
     double means[2];                       /* measured minus estimated angles of hitch and joint, rad */
     double usual, known;                   /* mean square of their length, rad2, over so long, s */
-    double still, first;                   /* the angle as it is reported, what was estimated when it first was, rad */
+    struct still still;                    /* the angle as it is reported, and as it is estimated, rad */
     double contradicts, stuck;             /* for how long, s */
     int32_t begun;
 };
@@ -66,15 +68,18 @@ static inline int hitch_contradicts(struct hitch_watch *watch, const struct draw
     return mean > limit;
 }
 
-/* Whether the sensor reports the very same angle although the estimate has turned away from it. */
-static inline int hitch_is_stuck(struct hitch_watch *watch, double reported, double estimated)
+/* For how long the sensor has reported the very same angle although the estimate has turned away from it, s; `patience` and
+ * more at once where it never repeats itself so often. */
+static inline double hitch_stuck(struct hitch_watch *watch, double reported, double estimated, double speed,
+                                 double elapsed)
 {
-    if (reported != watch->still) {        /* also when it is missing */
-        watch->still = reported;
-        watch->first = estimated;
-    }
-    const double turned = fabs(wrapped(estimated - watch->first)), away = fabs(wrapped(estimated - reported));
-    return turned > HITCH_TURNED * watch->most && away > 0.5 * HITCH_TURNED * watch->most;
+    const struct still *still = &watch->still;
+    const double away = fabs(wrapped(estimated - reported)), least = HITCH_TURNED * watch->most;
+
+    still_take(&watch->still, reported, estimated, speed);
+    if (still_unusual(still) && still_missed(still, HITCH_SHIFTED))
+        return INFINITY;
+    return still->most - still->least > least && away > 0.5 * least ? watch->stuck + elapsed : 0.0;
 }
 
 /* Look at a step: 0, or the status with which the run ends. reported: by the sensor; m: brought up to now. */
@@ -84,7 +89,7 @@ static inline int hitch_look(struct hitch_watch *watch, double reported, const s
     if (!watch->begun) {
         watch->usual = HITCH_FIRST * HITCH_FIRST;
         watch->known = HITCH_FIRST_TIME;
-        watch->still = NAN;
+        watch->still.value = NAN;
         watch->begun = 1;
     }
     const int differs = hitch_contradicts(watch, m, estimate, elapsed);
@@ -93,7 +98,7 @@ static inline int hitch_look(struct hitch_watch *watch, double reported, const s
         return 0;
     }
     watch->contradicts = differs ? watch->contradicts + elapsed : 0.0;
-    watch->stuck = hitch_is_stuck(watch, reported, estimate->hitch_angle) ? watch->stuck + elapsed : 0.0;
+    watch->stuck = hitch_stuck(watch, reported, estimate->hitch_angle, m->speed, elapsed);
     return fmax(watch->contradicts, watch->stuck) > watch->patience ? DRAWBAR_HITCH : 0;
 }
 
