@@ -24,6 +24,8 @@ STEP_NAME, DEFINITION, CDR = "drawbar/msg/StepRecord", "ros2msg", "cdr"
 """name of a step's schema, how that is written, and how a step is"""
 _HELD_BACK = 20_000_000
 """how long a step may wait before it reaches the operating system, ns"""
+_TOGETHER = 128
+"""most steps that wait: adding them in a go is quicker than one by one between other work"""
 
 
 class Recorder:
@@ -50,7 +52,10 @@ class Recorder:
         self._file, self._steps, self._kept = demand_path("file", file), 0, 0
         self._time, self._flushed = 0, 0
         self._zero: float | None = None
-        self._channel: int | None = None
+        self._channel = 0
+        """of the steps; 0: not opened yet"""
+        self._waiting: list[tuple[bytes, int, float, int]] = []
+        """steps that are not handed over: their bytes, numbers, times (s) and when they came (ns since 1970)"""
         demand("header", header, RunHeader, "give that of Simulation.header() or run_header()")
         try:
             self._stream = self._file.open("wb")
@@ -76,22 +81,31 @@ class Recorder:
         """
         data, now = packed(record), time.monotonic_ns()
         try:
-            if self._channel is None:
+            if not self._channel:
                 self._channel = self._open_steps(len(record.plan.tractor.steerings))
+            self._waiting.append((data, record.step, record.measurement.time, time.time_ns()))
+            is_due = now - self._flushed >= _HELD_BACK
+            if is_due or len(self._waiting) >= _TOGETHER:
+                self._hand_over()
+            if is_due:
+                self._writer.flush()
+                self._flushed, self._kept = now, self._steps
+        except OSError as error:
+            raise self._full(error) from error
+
+    def _hand_over(self) -> None:
+        """Give the writer the steps that wait."""
+        waiting, self._waiting = self._waiting, []
+        for data, step, seconds, wall in waiting:
             self._writer.add_message(
                 self._channel,
                 data,
                 before=HEAD,
-                sequence=record.step,
-                log_time=self._log_time(record.measurement.time),
-                publish_time=time.time_ns(),
+                sequence=step,
+                log_time=self._log_time(seconds),
+                publish_time=wall,
             )
-            if now - self._flushed >= _HELD_BACK:
-                self._writer.flush()
-                self._flushed, self._kept = now, self._steps + 1
-        except OSError as error:
-            raise self._full(error) from error
-        self._steps += 1
+        self._steps += len(waiting)
 
     def _open_steps(self, stages: int) -> int:
         """Open the channel of the steps, whose plans have so many stages; return its number."""
@@ -138,6 +152,7 @@ class Recorder:
 
     def _finish(self, outcome: Outcome) -> None:
         with self._stream:
+            self._hand_over()
             finished = "true" if outcome.finished else "false"
             self._writer.add_metadata(OUTCOME_NAME, {"finished": finished, "reason": outcome.reason})
             self._writer.finish()
