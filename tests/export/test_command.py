@@ -44,8 +44,9 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
     }
     tractor = manifest["bounds"][
         "tractor"
-    ]  # free; columns, two to publish, two to take back; the start; its iterations
-    assert tractor["sweeps"] == 1 + tractor["active_set_columns"] + 4 + 1 + 2 * CONTROL_ITERATIONS + 4
+    ]  # free; forward, passes of the held set, to take it back; the start; its iterations
+    assert tractor["active_set_columns"] == 0
+    assert tractor["sweeps"] == 1 + 1 + tractor["held_set_passes"] + 1 + 1 + 2 * CONTROL_ITERATIONS + 4
     assert manifest["state_bytes"] >= sum(manifest["components_bytes"].values())
     for name in ("notes.txt", "build/cache"):  # left alone
         (folder / name).parent.mkdir(exist_ok=True)

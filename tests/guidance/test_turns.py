@@ -41,7 +41,7 @@ int onto_line(const struct turn_limits *limits, double offset, double heading, d
     struct way way;
     int count = 0;
 
-    for (line_ways(&line, limits, offset, heading, room); line_take(&line, &way); ++count)
+    for (line_ways(&line, limits, offset, heading, room); line_take(&line, LINE_WAYS, &way); ++count)
         way_angles(&line, &way, angles[count]);
     return count;
 }
@@ -60,9 +60,9 @@ double shortest(const struct turn_limits *limits, const struct path *path, const
     struct way way;
     double angles[TURNS];
 
-    for (line_ways(&line, limits, beside.offset, beside.heading, room); line_take(&line, &way);) {
+    for (line_ways(&line, limits, beside.offset, beside.heading, room); line_take(&line, LINE_WAYS, &way);) {
         way_angles(&line, &way, angles);
-        approach_trace(approach, &beside, limits, angles, TURNS);
+        approach_trace(approach, &beside, limits, angles, TURNS, APPROACH_NODES);
         if (approach_widest(approach) <= room && approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature))
             return approach->nodes[approach->count - 1].arc_length;
     }

@@ -12,6 +12,8 @@ from drawbar.signals import SolverStatus
 
 SIZES = Sizes(stages=10, states=2, inputs=1, bounds=20, free_initial=False)
 PROBLEMS = 150
+FEW = 3
+"""passes of the held set that nearly all of these need at most"""
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +60,7 @@ def by_held_set(problem: StageProblem, program: QuadraticProgram) -> bool:
 @pytest.mark.parametrize(("linear", "quadratic"), [(1000.0, 0.0), (0.5, 0.0), (0.5, 20.0), (np.inf, 0.0)])
 def test_steering_at_its_limits(linear: float, quadratic: float, program: QuadraticProgram) -> None:
     rng = np.random.default_rng(13)
-    bounded, without_interior_point, held, given_way = 0, 0, 0, 0
+    bounded, without_interior_point, few_passes, held, given_way = 0, 0, 0, 0, 0
     for _ in range(PROBLEMS):
         problem = steering(rng, linear=linear, quadratic=quadratic)
         if linear == np.inf:
@@ -70,9 +72,11 @@ def test_steering_at_its_limits(linear: float, quadratic: float, program: Quadra
         if program.array("iterations")[0] > 0:
             bounded += 1
             without_interior_point += by_held_set(problem, program)
+            few_passes += int(program.array("iterations")[0] <= FEW)
             multiplier, violation = program.array("multiplier"), program.array("violation")
             held += int((multiplier[violation == 0.0] > 1e-6).sum())
             given_way += int((violation > 1e-6).sum())
-    assert without_interior_point >= 0.8 * bounded >= 0.2 * PROBLEMS
+    assert without_interior_point >= 0.98 * bounded >= 0.2 * PROBLEMS
+    assert few_passes >= 0.9 * bounded
     assert held > bounded
     assert (given_way > 0) == (linear < np.inf)

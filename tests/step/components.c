@@ -7,9 +7,11 @@
  */
 #include <string.h>
 #include "components.h"
+#include "lent.h"
 
 #define MISSING 5
 
+int32_t iterations;                        /* of interior points, that the newest step has lent its estimator */
 char calls[64];                            /* first letters of the components in the order of their calls */
 
 static struct drawbar_measurement seen;
@@ -105,7 +107,8 @@ int drawbar_estimator_update(struct component *component, const struct drawbar_m
                              struct drawbar_estimate *estimate, void *work)
 {
     (void)component;
-    memset(work, 0xFF, DRAWBAR_WORK_SIZE);
+    memset(((struct lent *)work)->memory, 0xFF, DRAWBAR_WORK_SIZE);
+    iterations = ((struct lent *)work)->iterations;
     called('e');
     seen = *measurement;
     memset(estimate, 0, sizeof *estimate);
@@ -203,7 +206,7 @@ int drawbar_tractor_feedback(struct component *component, const struct drawbar_e
     (void)component;
     (void)estimate;
     (void)reference;
-    memset(work, 0xFF, DRAWBAR_WORK_SIZE);
+    memset(((struct lent *)work)->memory, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour == NULL ? 't' : '?');
     return plan(seen.tractor_steering, made);
 }
@@ -215,7 +218,7 @@ int drawbar_trailer_feedback(struct component *component, const struct drawbar_e
     (void)component;
     (void)estimate;
     (void)reference;
-    memset(work, 0xFF, DRAWBAR_WORK_SIZE);
+    memset(((struct lent *)work)->memory, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour != NULL && neighbour->plan != NULL ? 'r' : '?');
     return plan(seen.trailer_steering, made);
 }
@@ -234,16 +237,18 @@ int drawbar_trailer_ready(struct component *component)
     return 0;
 }
 
-int drawbar_tractor_skip(struct component *component)
+int drawbar_tractor_skip(struct component *component, int left_out)
 {
     (void)component;
+    (void)left_out;
     called('y');
     return 0;
 }
 
-int drawbar_trailer_skip(struct component *component)
+int drawbar_trailer_skip(struct component *component, int left_out)
 {
     (void)component;
+    (void)left_out;
     called('z');
     return 0;
 }

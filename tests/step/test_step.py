@@ -9,6 +9,8 @@ from step_bench import ENDURANCE, ESTIMATE, LENGTH, MEASURED, SAMPLE, STATUS, st
 
 from drawbar.signals import Flag, Status
 
+STEP_ITERATIONS = 16
+
 
 def test_one_step_is_the_block_diagram(driver):
     ctypes.memset(driver.calls(), 0, 64)
@@ -151,7 +153,15 @@ def test_a_late_sample_lets_the_components_catch_up(driver):
     driver.step()
     ctypes.memset(driver.calls(), 0, 64)
     assert driver.step(elapsed=3 * SAMPLE)[0] == Flag.LATE
-    assert driver.calls().value == b"sxyzsxyzMeagwtrsETR"
+    assert driver.calls().value == b"sxsxyzMeagwtrsETR"
+
+
+def test_left_out_samples_take_iterations_from_the_solvers(driver):
+    iterations = ctypes.c_int32.in_dll(driver.library, "iterations")
+    driver.step()
+    in_time = iterations.value
+    driver.step(elapsed=3 * SAMPLE)
+    assert (in_time, iterations.value) == (STEP_ITERATIONS, STEP_ITERATIONS - 2)
 
 
 def test_flags_are_a_set(driver):

@@ -75,11 +75,14 @@ int UNIT(ready)(struct component *component)
     return SOLVED;
 }
 
-/* Let a sample pass that was left out: the plan goes on, but where the model gets is not known. */
-int UNIT(skip)(struct component *component)
+/* Let samples pass that were left out: the plan goes on, but where the model gets is not known. */
+int UNIT(skip)(struct component *component, int samples)
 {
     component->centralised.foretells = 0;
-    live_on(&component->centralised);
+    for (int i = 0; i < samples; ++i)
+        live_on(&component->centralised);
+    for (int i = 1; i < samples; ++i)
+        rti_shift(&component->rti);
     return UNIT(ready)(component);
 }
 

@@ -89,8 +89,9 @@ int UNIT(ready)(struct component *component)
 }
 
 /* Nor do they plan ahead. */
-int UNIT(skip)(struct component *component)
+int UNIT(skip)(struct component *component, int samples)
 {
+    (void)samples;
     return UNIT(ready)(component);
 }
 

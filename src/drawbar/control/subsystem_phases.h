@@ -116,11 +116,14 @@ int UNIT(ready)(struct component *component)
     return SOLVED;
 }
 
-/* Let a sample pass that was left out: the plan goes on, but where the nominal model gets is not known. */
-int UNIT(skip)(struct component *component)
+/* Let samples pass that were left out: the plan goes on, but where the nominal model gets is not known. */
+int UNIT(skip)(struct component *component, int samples)
 {
     component->subsystem.follows = 0;
-    live_on(&component->subsystem);
+    for (int i = 0; i < samples; ++i)
+        live_on(&component->subsystem);
+    for (int i = 1; i < samples; ++i)
+        rti_shift(&component->rti);
     return UNIT(ready)(component);
 }
 

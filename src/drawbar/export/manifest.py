@@ -48,6 +48,8 @@ _BOUNDS = {
 """a solver's size and what limits its work, and their names in C, which a unit or else the runtime defines"""
 _SWEEPS_OF_ITERATION = 2
 """of the interior point: predictor and corrector"""
+_COLUMNS = "COLUMNS"
+"""C's name of whether a solver has columns at all"""
 _CENTRED = "ASTRAY"
 """C's name of how many of its iterations have one more, which centres where the corrector led astray"""
 
@@ -116,17 +118,18 @@ def _calls(build: Built) -> Mapping[str, Any]:
 def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
-    One factorisation and one sweep without bounds. Then one of three: both for each pass of the held set and to take it
-    back; a sweep for each column of the active set, two to publish its answer and two to take both sets back; two
-    factorisations and a sweep, to damp a cost that leaves something undetermined. Then the interior point: a
-    factorisation and a sweep for its start, and its iterations.
+    One factorisation and one sweep without bounds. Then one of three: a sweep for the held set to begin with, both for
+    each of its passes and to take it back; a sweep for each column of the active set, two to publish its answer and two
+    to take both sets back; two factorisations and a sweep, to damp a cost that leaves something undetermined. Then the
+    interior point: a factorisation and a sweep for its start, and its iterations.
     """
     sources = [unit.source, *runtime_sources().values()]
     bounds = {name: _defined(macro, sources) for name, macro in _BOUNDS.items()}
-    bounds["active_set_columns"] = min(bounds["active_set_columns"], bounds["bounded_variables"])
+    columns = _defined(_COLUMNS, sources) * bounds["active_set_columns"]
+    bounds["active_set_columns"] = min(columns, bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
     held = bounds["held_set_passes"] + 1
-    sweeps = 1 + max(held, bounds["active_set_columns"] + 4) + 1
+    sweeps = 1 + max(1 + held, bounds["active_set_columns"] + 4) + 1
     sweeps += _SWEEPS_OF_ITERATION * iterations + min(_defined(_CENTRED, sources), iterations)
     return bounds | {"factorisations": 1 + max(held, 2) + 1 + iterations, "sweeps": sweeps}
 

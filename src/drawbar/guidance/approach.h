@@ -14,7 +14,8 @@
 #define APPROACH_TIGHTER 1.4               /* how much tighter than their limit turns may become beside a curve */
 #define APPROACH_LOOK (DRAWBAR_PI / 4.0)   /* between the directions in which an arc is looked at, rad */
 #define APPROACH_LOOKS 18                  /* of them in a turn, at most */
-#define APPROACH_LAID 5                    /* ways that are laid beside the path, at most */
+#define APPROACH_FOUND 64                  /* ways whose last turn is looked for, at most */
+#define APPROACH_PLACES 448                /* of all ways together, at which one is looked at or traced and laid, at most */
 
 /* Where a tractor stands, seen from the path. */
 struct beside_path {
@@ -50,10 +51,11 @@ static inline void approach_sample(const struct approach *approach, const struct
         path_sample(&track, arc_length, sample);
 }
 
-/* What a way may do. */
+/* What a way may do, and what may be spent on looking for one. */
 struct approach_limits {
     double widest;                         /* distance from the line, m */
     double tightest;                       /* curvature beside the path, 1/m */
+    int32_t places;                        /* left to look at, or to trace */
 };
 
 /* How far beside the line the way leads, m. */
@@ -132,14 +134,14 @@ static inline struct beside_path beside_path(const struct path *path, const stru
     return beside;
 }
 
-/* Trace turns by these angles (rad) beside a straight line: x is an arc length of the path, y a distance to its
- * left. */
+/* Trace turns by these angles (rad) beside a straight line, by `most` nodes: x is an arc length of the path, y a
+ * distance to its left. */
 static inline void approach_trace(struct approach *approach, const struct beside_path *from,
-                                  const struct turn_limits *limits, const double *angles, int turns)
+                                  const struct turn_limits *limits, const double *angles, int turns, int32_t most)
 {
     const struct curve curve = curve_of_turns(limits, angles, turns, from->curvature);
-    approach->count
-        = curve_trace(&curve, from->near, from->offset, from->heading, approach->nodes, APPROACH_NODES);
+    approach->count = curve_trace(&curve, from->near, from->offset, from->heading, approach->nodes,
+                                  most < APPROACH_NODES ? most : APPROACH_NODES);
 }
 
 /* The curvature (1/m) that a curve gets where it is laid beside a path, from its own (1/m) in a direction (rad) beside a
@@ -155,7 +157,7 @@ static inline double approach_bend(const double *sample, double left, double dir
 
 /* Is a turn within the limits on its arc? It is looked at where it leads furthest aside, along the line, and between. */
 static inline int approach_turn_fits(const struct onto_line *line, const struct path *path, const double *begin,
-                                     double angle, const struct approach_limits *most)
+                                     double angle, struct approach_limits *most)
 {
     const struct turn_circle *circle = &line->circle;
     const double side = copysign(1.0, angle), bend = side * line->limits.curvature, ramp = 0.5 * side * circle->least;
@@ -167,6 +169,8 @@ static inline int approach_turn_fits(const struct onto_line *line, const struct 
 
     for (int i = 0; i < APPROACH_LOOKS && fabs(angle) > circle->least && look <= fmax(first, last); ++i) {
         const double direction = APPROACH_LOOK * look, left = y - lane_cos(direction) / bend;
+        if (most->places-- <= 0)
+            return 0;
         path_sample(path, x + lane_sin(direction) / bend, sample);
         if (!(fabs(left) <= most->widest) || !(fabs(approach_bend(sample, left, direction, bend)) <= most->tightest))
             return 0;
@@ -178,7 +182,7 @@ static inline int approach_turn_fits(const struct onto_line *line, const struct 
 /* Are the turns by these angles (rad) within the limits where that is seen without tracing them? `pose` is where they
  * begin: arc length of the path (m), distance to its left (m), heading against it (rad). */
 static inline int approach_promises(const struct onto_line *line, const struct path *path, const double *angles,
-                                    const double *pose, const struct approach_limits *most)
+                                    const double *pose, struct approach_limits *most)
 {
     double now[3] = {pose[0], pose[1], pose[2]};
 
@@ -198,25 +202,25 @@ static inline int approach_promises(const struct onto_line *line, const struct p
 static inline int approach_find(struct approach *approach, const struct path *path, const struct beside_path *from,
                                 const struct turn_limits *limits, double room, struct onto_line *line)
 {
-    const struct approach_limits most = {fmax(room, fabs(from->offset)), APPROACH_TIGHTER * limits->curvature};
+    struct approach_limits most
+        = {fmax(room, fabs(from->offset)), APPROACH_TIGHTER * limits->curvature, APPROACH_PLACES};
     struct way way;
     double angles[TURNS];
-    int laid = 0;
 
-    approach_trace(approach, from, limits, NULL, 0);
+    approach_trace(approach, from, limits, NULL, 0, APPROACH_NODES);
     if (approach->count == 0)
         return 0;
     const struct drawbar_path_node *straight = &approach->nodes[approach->count - 1];
     const double pose[3] = {straight->x, straight->y, straight->yaw};
     line_ways(line, limits, pose[1], pose[2], most.widest);
-    while (laid < APPROACH_LAID && line_take(line, &way)) {
+    while (line_take(line, APPROACH_FOUND, &way)) {
         way_angles(line, &way, angles);
         if (!approach_promises(line, path, angles, pose, &most))
             continue;
-        ++laid;
-        approach_trace(approach, from, limits, angles, TURNS);
-        if (approach->count == 0)          /* and those that follow are longer still */
+        approach_trace(approach, from, limits, angles, TURNS, most.places);
+        if (approach->count == 0)          /* and those that follow are longer still, or nothing is left to spend */
             return 0;
+        most.places -= approach->count;
         if (approach_widest(approach) <= most.widest && approach_lay(approach, path, most.tightest))
             return 1;
     }

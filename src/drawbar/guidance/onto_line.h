@@ -37,6 +37,7 @@ struct onto_line {
     double sideways[4 * LINE_STEPS + 1];   /* sine of its direction, by the first turn less the last */
     struct way ways[LINE_WAYS];            /* still to be tried */
     int32_t count;
+    int32_t found;                         /* so far */
 };
 
 /* The angles (rad) of the three turns. */
@@ -166,7 +167,7 @@ static inline void line_ways(struct onto_line *line, const struct turn_limits *l
     line->offset = offset;
     line->heading = heading;
     line->room = room;
-    line->count = 0;
+    line->count = line->found = 0;
     for (int k = -LINE_STEPS; k <= LINE_STEPS; ++k)
         line->asides[k + LINE_STEPS] = line_aside(line, LINE_STEP * k);
     for (int k = -2 * LINE_STEPS; k <= 2 * LINE_STEPS; ++k)
@@ -180,8 +181,9 @@ static inline void line_ways(struct onto_line *line, const struct turn_limits *l
             line_bracket(line, first, rounds);
 }
 
-/* Take the shortest way out, of those that are equally long the one bracketed first. Returns 0 where none is left. */
-static inline int line_take(struct onto_line *line, struct way *taken)
+/* Take the shortest way out, of those that are equally long the one bracketed first. Returns 0 where none is
+ * left, or where the last turns of `most` have been looked for. */
+static inline int line_take(struct onto_line *line, int32_t most, struct way *taken)
 {
     while (line->count > 0) {
         int shortest = 0;
@@ -190,6 +192,8 @@ static inline int line_take(struct onto_line *line, struct way *taken)
                 shortest = i;
         *taken = line->ways[shortest];
         if (!taken->found) {
+            if (line->found++ >= most)
+                return 0;
             way_find(line, &line->ways[shortest]);
             continue;
         }

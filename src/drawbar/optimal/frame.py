@@ -16,6 +16,7 @@ UNIT = """
 #define FREE_INITIAL {free}
 #define LEAVING {leaving}
 #define LEAST_STEP {added}
+#define COLUMNS {columns}
 #define IP_ITERATIONS {iterations}
 #define LARGEST_INPUT {largest:g}
 {held}#include "{header}"
@@ -45,14 +46,19 @@ const struct drawbar_field drawbar_fields[] = {%s COMPONENT_FIELDS END_OF_FIELDS
 PHASES = """
 int lay_down(struct rti *work) { rti_constants(work); return SOLVED; }
 int prepare(struct rti *work) { return rti_prepare(work); }
-int feedback(struct workspace *s) { return rti_feedback(&s->component.rti, &s->work); }
+int feedback(struct workspace *s)
+{
+    struct lent lent = {&s->work, IP_ITERATIONS};
+    return rti_feedback(&s->component.rti, &lent);
+}
 int shift(struct rti *work) { rti_shift(work); return SOLVED; }
 int slope(struct rti *work) { rti_gradient(work); return SOLVED; }
 int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
 int optimise(struct workspace *s)
 {
+    struct lent lent = {&s->work, IP_ITERATIONS};
     s->component.rti.qp.factored = 0;
-    return qp_optimise(&s->component.rti.qp, &s->work);
+    return qp_optimise(&s->component.rti.qp, &lent);
 }
 """
 WINDOW_PHASES = """

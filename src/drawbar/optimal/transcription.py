@@ -1,6 +1,7 @@
 """Transcription by multiple shooting: from a problem declaration to the C source of its solver."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -17,9 +18,8 @@ from drawbar.vehicle.integrators import Attempt, Integrator, attempt, discretise
 from drawbar.vehicle.model import Constant, by_name, constant, with_values
 
 CONTROL_ITERATIONS, ESTIMATION_ITERATIONS, CONSTRAINED_ITERATIONS = 25, 8, 80
-"""Most iterations of the interior point in one feedback. In the robustness experiment's runs of the product (seeds 0 to
-2) an answer passed the check after 23 at most in a controller, and after 2 in the estimator. Bounds on outputs and
-changes of inputs have as many as a quadratic program by itself."""
+"""Most iterations of the interior point in one feedback; the solvers of a step share fewer (STEP_ITERATIONS of
+step/control_step.h). Bounds on outputs and changes of inputs have as many as a quadratic program by itself."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,6 +95,16 @@ class Transcription:
         return bool(ca.mtimes(inputs.T, states).nnz())
 
     @property
+    def answered(self) -> bool:
+        """Whether one input answers for each bound, its own or that which alone moves its state (solver/held_set.h)."""
+        if self.free_initial or self.attempt is not None:
+            return False
+        moved = Counter(ca.jacobian(self.next_state, self.u).sparsity().row())
+        nx = self.x.numel()
+        inputs = (self.intervals + 1) * nx
+        return all(index >= inputs or (index >= nx and moved[index % nx] == 1) for index, _ in self.bounds)
+
+    @property
     def still_states(self) -> int:
         """Trailing states that only inputs move, constant ones included: their rows of dF/dx are the identity's."""
         rest = ca.jacobian(self.next_state, self.x) - ca.SX.eye(self.x.numel())
@@ -129,6 +139,7 @@ class Transcription:
             free=int(self.free_initial),
             leaving=int(self.arrival),
             added=int(self.added),
+            columns=int(not self.answered),
             iterations=self.iterations,
             largest=LARGEST_INPUT,
             header="window.h" if self.arrival else "rti.h",

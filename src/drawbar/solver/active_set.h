@@ -13,6 +13,9 @@
 
 #define ACTIVE_ROUNDING 1e-10              /* a pivot this much smaller than what it was taken from is rounding */
 #define ACTIVE_PASSES 10
+#ifndef COLUMNS
+#define COLUMNS 1                          /* 0 where a single input answers for each bound: held_set.h has them all */
+#endif
 
 /* How the pulls move everything, and nothing else does. */
 static void active_sweep(const struct qp *s, struct active_set *a)

@@ -26,6 +26,8 @@ struct held_set {
     double g[NZ], curve[NZ];               /* the cost's gradient, and what prices add to its curvature */
     double nu[AT_LEAST_ONE(NB)];           /* multipliers: positive pulls up */
     int32_t side[AT_LEAST_ONE(NB)], by[N][NU];   /* by: the bound that says what an input does, or -1 */
+    int32_t first[N][NU], next[AT_LEAST_ONE(NB)], foreign;   /* bounds that speak of each input, and those of none; -1: end */
+    int32_t becomes[AT_LEAST_ONE(NB)];     /* side after the input's next move */
     int32_t last;                          /* stage with the last bound that was ever held */
 };
 

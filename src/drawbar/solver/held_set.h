@@ -1,8 +1,12 @@
-/* Held set: a primal-dual active set on factorisations in which held inputs have no choice left (held_sweep.h).
+/* Held set: projected Newton (Bertsekas 1982) along the stages (Tassa, Mansard and Todorov 2014), on factorisations in which
+ * held inputs have no choice left (held_sweep.h).
  *
- * One pass costs one factorisation and one sweep of the stages up to the last bound, however many bounds are active. A soft
- * bound whose multiplier would exceed its price gives way. Bounds of a kind that no single input answers for, and two that
- * claim the same input and may not give way, are left to active_set.h; what does not settle is left to interior_point.h.
+ * A pass goes backward, where the cost's slope lets bounds go that need not be held, and forward, where each input goes no
+ * further than its own bound and those of the states that it leads to allow: what comes later starts from where the bounds
+ * before it let it get, so that many change at once and most problems need one pass or two. A pass costs one
+ * factorisation and one sweep of the stages up to the last bound, however many bounds are active. A soft bound whose
+ * multiplier would exceed its price gives way, or where what goes before it leaves no choice. Bounds of a kind that no
+ * single input answers for are left to active_set.h, and what does not settle to interior_point.h.
  */
 #ifndef DRAWBAR_HELD_SET_H
 #define DRAWBAR_HELD_SET_H
@@ -11,71 +15,155 @@
 
 #define HELD_PASSES 8
 
-/* What becomes of a bound: one that lies outside is held, one that a multiplier of the wrong sign holds is let go, one that
- * costs more to hold than its price gives way. */
-static inline int held_next(const struct qp *s, const struct held_set *h, int i)
+/* Where an input may go: low to high, and which bounds say so, -1 for none. */
+struct held_room {
+    double low, high;
+    int by_low, by_high;
+};
+
+/* Chain the bounds that speak of each input, its own before those of states, and those that no single one answers for. Returns
+ * the stage of the first bound that is violated. */
+static int held_chain(const struct qp *restrict s, struct held_set *restrict h)
 {
-    const double value = s->z[s->bound[i]], nu = h->nu[i];
-    const int side = h->side[i], sign = side < 0 ? -1 : 1;
+    int violated = N;
 
-    if (side == 0)
-        return value < s->lower[i] ? -HELD : value > s->upper[i] ? HELD : 0;
-    if (side == sign * BEYOND)
-        return sign * (value - held_limit(s, h, i)) < 0.0 ? sign * HELD : side;
-    if (!(sign * nu <= 0.0) && s->lower[i] < s->upper[i])
-        return 0;
-    return fabs(nu) <= s->soft_linear[i] ? side : sign * BEYOND;
-}
-
-/* An input at its bound, and a state that it leads to at its own: only one of them can be held. Returns 0 where neither may
- * be let go. */
-static inline int held_choose(const struct qp *s, const struct held_set *h, int input, int state, int k, int a, int *next)
-{
-    const double lead = s->B[k][s->bound[state] % NX][a];
-    const int outward = (lead > 0.0 ? next[input] : -next[input]) == next[state];
-
-    if (h->side[state] == next[state])     /* to hold the state took more than the input has */
-        next[state] *= outward ? 0 : BEYOND;
-    else if (outward)                      /* less than what the input has brings the state to its bound */
-        next[input] = 0;
-    else
-        next[state] *= BEYOND;
-    return (next[state] != BEYOND && next[state] != -BEYOND) || s->soft_linear[state] < INFINITY;
-}
-
-/* Decide anew about all bounds; returns how many changed, or -1 where one cannot be held here. */
-static int held_update(const struct qp *restrict s, struct held_set *restrict h)
-{
-    int next[AT_LEAST_ONE(NB)], held[AT_LEAST_ONE(NB)], count = 0, changes = 0;
-
-    memset(h->by, -1, sizeof h->by);
+    memset(h->first, -1, sizeof h->first);
+    h->foreign = -1;
     for (int i = 0; i < NB; ++i) {
-        next[i] = held_next(s, h, i);
-        if (next[i] == HELD || next[i] == -HELD)
-            held[count++] = i;
+        const int a = held_input(s, i), k = held_stage(s, i), own = s->bound[i] >= (N + 1) * NX;
+        const double value = s->z[s->bound[i]];
+        int32_t *place = a < 0 ? &h->foreign : &h->first[k][a];
+        if (!own && *place >= 0 && s->bound[*place] >= (N + 1) * NX)
+            place = &h->next[*place];
+        h->next[i] = *place;
+        *place = i;
+        violated = k < violated && (value < s->lower[i] || value > s->upper[i]) ? k : violated;
     }
-    for (int states = 0; states < 2; ++states)
-        for (int r = 0; r < count; ++r) {
-            const int i = held[r], k = held_stage(s, i);
-            if ((s->bound[i] < (N + 1) * NX) != states)
-                continue;
-            const int a = held_input(s, i), other = a < 0 ? -1 : h->by[k][a];
-            if (a < 0 || (other >= 0 && (!states || s->bound[other] < (N + 1) * NX)))
-                return -1;
-            if (other >= 0 && !held_choose(s, h, other, i, k, a, next))
-                return -1;
-            if (next[i] == HELD || next[i] == -HELD)
-                h->by[k][a] = i;
-        }
-    for (int i = 0; i < NB; ++i) {
-        if (next[i] == h->side[i])
+    return violated > 0 ? violated : 0;
+}
+
+/* Take in what bound i leaves of an input's room, which moves the variable from `base` by `lead`. Returns what becomes of the
+ * bound if no input ends at it: 0, or BEYOND with the sign of its side; HELD where it is hard and leaves nothing. */
+static inline int held_narrow(const struct qp *s, int i, int side, double base, double lead, struct held_room *room)
+{
+    const double per = 1.0 / lead, lower = per * (s->lower[i] - base), upper = per * (s->upper[i] - base);
+    const int outward = lead > 0.0 ? 1 : -1, beyond = side == BEYOND ? outward : side == -BEYOND ? -outward : 0;
+    double low = outward > 0 ? lower : upper, high = outward > 0 ? upper : lower;
+
+    if (beyond > 0) {                      /* it may come back as far as to its limit */
+        low = high;
+        high = INFINITY;
+    } else if (beyond < 0) {
+        high = low;
+        low = -INFINITY;
+    }
+    if (low > room->high || high < room->low) {
+        const int past = low > room->high ? -outward : outward;
+        return beyond != 0 ? 0 : s->soft_linear[i] < INFINITY ? past * BEYOND : HELD;
+    }
+    if (low > room->low) {
+        room->low = low;
+        room->by_low = i;
+    }
+    if (high < room->high) {
+        room->high = high;
+        room->by_high = i;
+    }
+    return beyond * outward * BEYOND;
+}
+
+/* What the variable of a bound is before an input moves it: 0 for the input itself. */
+static inline double held_base(const struct qp *s, int i, int k, const pack *x)
+{
+    const int j = s->bound[i] % NX;
+
+    if (s->bound[i] >= (N + 1) * NX)
+        return 0.0;
+    return j < NA ? add_dot(s->c[k][j], s->A[k][j], x) : s->c[k][j] + STATE(s->z, k)[j];
+}
+
+/* Does an input respect all its bounds where its law leads, and are none beyond their limits? */
+static inline int held_stays(const struct qp *s, const struct held_set *h, int k, int a, const pack *x, double u)
+{
+    for (int i = h->first[k][a]; i >= 0; i = h->next[i]) {
+        if (i == h->by[k][a])
             continue;
-        if (next[i] != 0 && held_stage(s, i) > h->last)
-            h->last = held_stage(s, i);
-        h->side[i] = next[i];
-        ++changes;
+        const double value = held_base(s, i, k, x) + held_lead(s, i, k, a) * u;
+        if (h->side[i] != 0 || value < s->lower[i] || value > s->upper[i])
+            return 0;
+    }
+    return 1;
+}
+
+/* Bring an input to where it may be. Returns how many of its bounds have changed, or -1 where a hard one leaves no room. */
+static int held_clip(const struct qp *restrict s, struct held_set *restrict h, int k, int a, const pack *x, double *restrict u)
+{
+    struct held_room room = {-INFINITY, INFINITY, -1, -1};
+    int changes = 0, end = 0, by = h->by[k][a];
+
+    for (int i = h->first[k][a]; i >= 0; i = h->next[i]) {
+        h->becomes[i] = held_narrow(s, i, h->side[i], held_base(s, i, k, x), held_lead(s, i, k, a), &room);
+        if (h->becomes[i] == HELD)
+            return -1;
+    }
+    if (by >= 0)                           /* its law brings the input to the bound, but for rounding */
+        end = (h->side[by] > 0) == (held_lead(s, by, k, a) > 0.0) ? 1 : -1;
+    if (by < 0 || by != (end > 0 ? room.by_high : room.by_low))
+        end = *u > room.high ? 1 : *u < room.low ? -1 : 0;
+    h->by[k][a] = by = end > 0 ? room.by_high : end < 0 ? room.by_low : -1;
+    *u = end > 0 ? room.high : end < 0 ? room.low : *u;
+    if (by >= 0) {                         /* one that comes back from beyond keeps its side */
+        const int upper = h->becomes[by] != 0 ? h->becomes[by] > 0 : (end > 0) == (held_lead(s, by, k, a) > 0.0);
+        h->becomes[by] = upper ? HELD : -HELD;
+    }
+    for (int i = h->first[k][a]; i >= 0; i = h->next[i]) {
+        changes += h->becomes[i] != h->side[i];
+        h->side[i] = h->becomes[i];
+        h->last = h->side[i] != 0 && k > h->last ? k : h->last;
     }
     return changes;
+}
+
+/* Forward by the laws from a stage on, with every input within its room, and multipliers of the costs to go. Returns how many bounds have changed, or -1 where one is violated that
+ * cannot be held here. */
+static int held_forward(struct qp *restrict s, struct held_set *restrict h, int from)
+{
+    double now[NX];
+    int changes = 0;
+
+    memcpy(now, from > 0 ? STATE(s->z, from) : s->initial, sizeof now);
+    for (int k = from; k <= N; ++k) {
+        double *u = INPUT(s->z, k);
+        pack x[PACKS];
+        state_and_multiplier(s, k, now, h->p[k], x, s->z, s->pi);
+        for (int a = 0; a < NU && k < N; ++a) {
+            u[a] = add_dot(h->feedforward[k][a], s->K[k][a], x);
+            const int changed = held_stays(s, h, k, a, x, u[a]) ? 0 : held_clip(s, h, k, a, x, &u[a]);
+            if (changed < 0)
+                return -1;
+            changes += changed;
+        }
+        if (k < N)
+            state_after(s, k, s->c[k], x, u, now);
+    }
+    for (int i = h->foreign; i >= 0; i = h->next[i])
+        if (s->z[s->bound[i]] < s->lower[i] || s->z[s->bound[i]] > s->upper[i])
+            return -1;
+    return changes;
+}
+
+/* Is the multiplier of every bound that is held of the right sign, and below its price? The laws have moved what is before
+ * it since the slopes were looked at. */
+static int held_right(struct qp *restrict s, struct held_set *restrict h)
+{
+    int right = 1;
+
+    held_multipliers(s, h);
+    for (int i = 0; i < NB; ++i) {
+        const double pull = -h->side[i] * h->nu[i];
+        right &= (pull >= 0.0 || !(s->lower[i] < s->upper[i])) && pull <= s->soft_linear[i];
+    }
+    return right;
 }
 
 static void held_publish(struct qp *restrict s, const struct held_set *restrict h)
@@ -102,15 +190,17 @@ enum held_outcome { HELD_SETTLED, HELD_UNSETTLED, HELD_FOREIGN };
 static enum held_outcome qp_held_set(struct qp *s, struct held_set *h)
 {
     held_begin(s, h);
+    if (held_forward(s, h, held_chain(s, h)) < 0)
+        return HELD_FOREIGN;
     s->factored = 0;
     for (s->iterations = 1; s->iterations <= HELD_PASSES; ++s->iterations) {
-        const int changes = held_update(s, h);
-        if (changes == 0) {
+        const int released = held_backward(s, h), changes = released < 0 ? -1 : held_forward(s, h, 0);
+        if (changes < 0)
+            return HELD_UNSETTLED;
+        if (released + changes == 0 && held_right(s, h)) {
             held_publish(s, h);
             return HELD_SETTLED;
         }
-        if (changes < 0 || !held_solve(s, h))
-            return s->iterations == 1 ? HELD_FOREIGN : HELD_UNSETTLED;
     }
     return HELD_UNSETTLED;
 }

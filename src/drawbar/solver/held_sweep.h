@@ -1,4 +1,4 @@
-/* Held sweep: Riccati recursion and sweep in which held inputs have no choice left.
+/* Held sweep: Riccati recursion in which held inputs have no choice left.
  *
  * A bound that is held at stage k says what one input of that stage does: that of an input by itself, u_a = bound; that of
  * a state which this input alone moves, x_{k+1,j} = bound, by u_a = (bound - c_j - A_j x) / B_ja. The recursion goes on with
@@ -45,7 +45,7 @@ static inline int held_input(const struct qp *s, int i)
 static void held_begin(const struct qp *restrict s, struct held_set *restrict h)
 {
     memset(h->side, 0, sizeof h->side);
-    memset(h->nu, 0, sizeof h->nu);
+    memset(h->by, -1, sizeof h->by);
     h->last = -1;
     for (int k = 0; k <= N; ++k) {
         pack x[PACKS], p[PACKS];
@@ -240,11 +240,64 @@ static void held_multipliers(struct qp *restrict s, struct held_set *restrict h)
         }
 }
 
-/* The solution with these bounds held, and their multipliers; returns 0 on failure. */
-static int held_solve(struct qp *restrict s, struct held_set *restrict h)
+/* How fast the variable of a bound moves with the input that the bound speaks of. */
+static inline double held_lead(const struct qp *s, int i, int k, int a)
+{
+    return s->bound[i] < (N + 1) * NX ? s->B[k][s->bound[i] % NX][a] : 1.0;
+}
+
+/* The price of bound i, which gives way from now on: to the costs at stage k, from which the recursion has not gone on. */
+static void held_give_way(struct qp *restrict s, struct held_set *restrict h, int i, int k)
+{
+    const int at = s->bound[i], sign = h->side[i] < 0 ? -1 : 1;
+    const double slope = sign * s->soft_linear[i] - s->soft_quadratic[i] * held_limit(s, h, i);
+
+    h->side[i] = sign * BEYOND;
+    h->g[at] += slope;
+    h->curve[at] += s->soft_quadratic[i];
+    if (at < (N + 1) * NX) {
+        h->p[k + 1][at % NX] += slope;
+        s->P[k + 1][at % NX][at % NX] += s->soft_quadratic[i];
+    }
+}
+
+/* Let go of bounds that hold inputs of a stage back from where the cost falls, and let give way what costs more to hold than
+ * its price: the trajectory is where they hold it. Returns how many; *gave_way: the stage's Hessian is another one then. */
+static int held_release(struct qp *restrict s, struct held_set *restrict h, int k, const struct held_hessian *restrict H,
+                        int *restrict gave_way)
+{
+    int changes = 0;
+    pack x[PACKS];
+
+    read_vector(x, STATE(s->z, k));
+    *gave_way = 0;
+    for (int a = 0; a < NU && !*gave_way; ++a) {
+        const int i = h->by[k][a];
+        if (i < 0)
+            continue;
+        double slope = add_dot(H->hu[a], H->Hux[a], x);
+        for (int b = 0; b < NU; ++b)
+            slope += H->Huu[a][b] * INPUT(s->z, k)[b];
+        const double pull = -slope * h->side[i] / held_lead(s, i, k, a);
+        *gave_way = pull > s->soft_linear[i];
+        if (*gave_way)
+            held_give_way(s, h, i, k);
+        else if (pull < 0.0 && s->lower[i] < s->upper[i])
+            h->side[i] = 0;
+        else
+            continue;
+        h->by[k][a] = -1;
+        ++changes;
+    }
+    return changes;
+}
+
+/* Backward from the last bound that was ever held: releases, laws and costs to go. Returns how many bounds were released, or
+ * -1 on failure. */
+static int held_backward(struct qp *restrict s, struct held_set *restrict h)
 {
     struct held_hessian H ON_STACK;
-    double first[NX];
+    int changes = 0;
 
     held_price(s, h);
     if (h->last == N - 1) {
@@ -255,17 +308,15 @@ static int held_solve(struct qp *restrict s, struct held_set *restrict h)
         }
     }
     for (int k = h->last < N - 1 ? h->last + 1 : N - 1; k >= 0; --k) {
-        held_hessian(s, h, k, &H);
+        for (int a = 0, again = 1; a <= NU && again; ++a) {
+            held_hessian(s, h, k, &H);
+            changes += held_release(s, h, k, &H, &again);
+        }
         if (!held_inputs(s, h, k, &H))
-            return 0;
+            return -1;
         held_cost(s, h, k, &H);
     }
-    for (int k = 0; k <= N; ++k)
-        memcpy(STATE(s->pi, k), h->p[k], NX * sizeof(double));
-    memcpy(first, s->initial, sizeof first);
-    solve_forward(s, (const double (*)[NU])h->feedforward, (const double (*)[NX])s->c, first, s->z, s->pi);
-    held_multipliers(s, h);
-    return 1;
+    return changes;
 }
 
 #endif

@@ -12,6 +12,7 @@
 #include "farkas.h"
 #include "held_set.h"
 #include "ip_start.h"
+#include "lent.h"
 
 #ifndef IP_ITERATIONS
 #define IP_ITERATIONS 80                   /* a unit whose time is short says less */
@@ -268,13 +269,15 @@ static void ip_watch(const struct qp *restrict s, struct interior_point *restric
         ip->stalled = 0;
 }
 
-/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without bounds. */
-static int qp_interior_point(struct qp *s, struct interior_point *ip)
+/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without bounds. *left: iterations that it may take. */
+static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *left)
 {
     struct ip_answer *best = &ip->best;
     const int bounded = ip_stages(s);
     int stages = ip->damping.on ? N + 1 : bounded;
 
+    if (*left <= 0)
+        return MAXIMUM_ITERATIONS;
     const double near = ip_approach(s, ip);
     if (near == 0.0)
         return NOT_FINITE;
@@ -282,7 +285,8 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip)
     best->kkt = ip->before = INFINITY;
     if (kkt_check(s, 1, ip->gradient, ip->defect) == NOT_FINITE)
         return NOT_FINITE;
-    for (s->iterations = 1; s->iterations <= IP_ITERATIONS; ++s->iterations) {
+    for (s->iterations = 1; s->iterations <= IP_ITERATIONS && *left > 0; ++s->iterations) {
+        --*left;
         const double step = ip_iterate(s, ip, stages);
         if (step == 0.0 && best->kkt > CHECK_TOLERANCE && ip_loosen(ip))
             continue;
@@ -306,12 +310,12 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip)
 }
 
 /* Once more where the sweep without bounds was not the answer: damped, from its own start. */
-static int qp_damped(struct qp *s, struct interior_point *ip, int reason)
+static int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
 {
     s->factored = 0;
     if (!ip_damp(s, ip))
         return reason;
-    const int status = qp_interior_point(s, ip);
+    const int status = qp_interior_point(s, ip, left);
     return status == SOLVED || status == INFEASIBLE ? status : reason;
 }
 
@@ -337,7 +341,7 @@ static int qp_active(struct qp *s, union bounds_work *work)
             return 1;
         qp_afresh(s);
     }
-    if (held == HELD_FOREIGN && qp_active_set(s, &work->active)) {
+    if (COLUMNS && held == HELD_FOREIGN && qp_active_set(s, &work->active)) {
         if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return 1;
         qp_afresh(s);
@@ -363,8 +367,9 @@ static int qp_solve_free(struct qp *s, struct active_set *active)
 
 /* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that settles, the interior
  * point otherwise; the answer is judged by kkt_check. */
-static int qp_optimise(struct qp *s, union bounds_work *work)
+static int qp_optimise(struct qp *s, struct lent *lent)
 {
+    union bounds_work *work = lent->memory;
     double gradient[NZ], defect[N][NX];
     int invalid = !bounds_exist(s);
 
@@ -378,18 +383,18 @@ static int qp_optimise(struct qp *s, union bounds_work *work)
     if (invalid)
         return BAD_INPUT;
     if (!s->factored && !qp_factor(s, NULL, N + 1))
-        return qp_damped(s, &work->ip, NOT_FINITE);
+        return qp_damped(s, &work->ip, &lent->iterations, NOT_FINITE);
     s->factored = 1;
     if (qp_solve_free(s, &work->active)) {
         const int status = kkt_check(s, s->iterations > 0, gradient, defect);
         if (status == SOLVED || s->iterations == 0)
-            return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, status);
+            return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, &lent->iterations, status);
         qp_afresh(s);
     } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
     work->ip.damping.on = 0;
-    return qp_interior_point(s, &work->ip);
+    return qp_interior_point(s, &work->ip, &lent->iterations);
 }
 
 #endif

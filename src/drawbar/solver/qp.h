@@ -275,33 +275,51 @@ static inline void solve_backward(const struct qp *restrict s, const double *res
     }
 }
 
+/* Write the state `now` of a stage and its multiplier P x + p; x becomes the state as packs. */
+static inline void state_and_multiplier(const struct qp *restrict s, int k, const double *now, const double *p, pack *restrict x,
+                                        double *restrict z, double *pi)
+{
+    pack multiplier[PACKS];
+
+    read_vector(x, now);
+    write_vector(STATE(z, k), x);
+    read_vector(multiplier, p);
+    for (int j = 0; j < NX; ++j)
+        add_row(multiplier, now[j], s->P[k][j]);
+    write_vector(STATE(pi, k), multiplier);
+}
+
+/* Move a state, `now`, on by one stage; x holds it as well. */
+static inline void state_after(const struct qp *restrict s, int k, const double *restrict c, const pack *restrict x,
+                               const double *restrict u, double *restrict now)
+{
+    double next[NX];
+
+    for (int i = 0; i < ND; ++i) {
+        next[i] = i < NA ? add_dot(c[i], s->A[k][i], x) : c[i] + now[i];
+        for (int a = 0; a < NU; ++a)
+            next[i] += s->B[k][i][a] * u[a];
+    }
+    for (int i = ND; i < NX; ++i)
+        next[i] = c[i] + now[i];
+    memcpy(now, next, sizeof next);
+}
+
 /* Forward: states, inputs, and multipliers P x + p in the place of p. */
 static inline void solve_forward(const struct qp *restrict s, const double (*restrict feedforward)[NU],
                                  const double (*restrict c)[NX], double *restrict now, double *restrict z,
                                  double *restrict pi)
 {
     for (int k = 0; k <= N; ++k) {
-        double next[NX], u[NU];
-        pack x[PACKS], multiplier[PACKS];
+        double u[NU];
+        pack x[PACKS];
 
-        read_vector(x, now);
-        write_vector(STATE(z, k), x);
-        read_vector(multiplier, STATE(pi, k));
-        for (int j = 0; j < NX; ++j)
-            add_row(multiplier, now[j], s->P[k][j]);
-        write_vector(STATE(pi, k), multiplier);
+        state_and_multiplier(s, k, now, STATE(pi, k), x, z, pi);
         if (k == N)
             break;
         for (int a = 0; a < NU; ++a)
             INPUT(z, k)[a] = u[a] = add_dot(feedforward[k][a], s->K[k][a], x);
-        for (int i = 0; i < ND; ++i) {
-            next[i] = i < NA ? add_dot(c[k][i], s->A[k][i], x) : c[k][i] + now[i];
-            for (int a = 0; a < NU; ++a)
-                next[i] += s->B[k][i][a] * u[a];
-        }
-        for (int i = ND; i < NX; ++i)
-            next[i] = c[k][i] + now[i];
-        memcpy(now, next, sizeof next);
+        state_after(s, k, c[k], x, u, now);
     }
 }
 

@@ -176,7 +176,7 @@ static void rti_least_step(struct rti *s)
 
 /* The feedback phase: the newest state, references and measurements enter; the trajectory moves by a full step, or
  * stays as it is when the step does not pass the check. */
-static int rti_feedback(struct rti *s, union bounds_work *work)
+static int rti_feedback(struct rti *s, struct lent *lent)
 {
     const int changed = rti_note_missing(s);
 
@@ -190,16 +190,20 @@ static int rti_feedback(struct rti *s, union bounds_work *work)
         s->qp.lower[i] = s->lower[i] - s->z[s->qp.bound[i]];
         s->qp.upper[i] = s->upper[i] - s->z[s->qp.bound[i]];
     }
-    s->qp.status = qp_optimise(&s->qp, work);
+    s->qp.status = qp_optimise(&s->qp, lent);
     for (int i = 0; i < NZ && s->qp.status == SOLVED; ++i)
         s->z[i] += s->qp.z[i];
     return s->status = s->qp.status;
 }
 
 /* Move the trajectory and the data on by one sample; the last sample's stages are repeated, its states predicted, x_N by
- * prepare. The weights belong to the place in the window, not to the sample, and stay. */
+ * prepare or by the next shift. The weights belong to the place in the window, not to the sample, and stay. */
 static void rti_shift(struct rti *s)
 {
+    if (s->open_end) {
+        dynamics(s, N - 1, N);
+        memcpy(STATE(s->z, N), s->qp.c[N - 1], sizeof s->qp.c[N - 1]);
+    }
     memmove(STATE(s->z, 0), STATE(s->z, INTERVALS), (N + 1 - INTERVALS) * NX * sizeof(double));
     memmove(INPUT(s->z, 0), INPUT(s->z, INTERVALS), (N - INTERVALS) * NU * sizeof(double));
     memmove(s->p[0], s->p[INTERVALS], (N + 1 - INTERVALS) * sizeof s->p[0]);

@@ -1,7 +1,7 @@
 /* The components of an autopilot, each a translation unit of its own, and all that one autopilot remembers.
  *
  * A component's memory is given to it; its content is its own business. `work` is lent to it for the length of the call,
- * and to all others after it.
+ * and to all others after it; to those with a solver as struct lent.
  *
  * drawbar_components.h is generated. It tells which components there are (DRAWBAR_CENTRALISED, DRAWBAR_IDENTIFIED,
  * DRAWBAR_DEAD_TIME) and, in
@@ -86,20 +86,20 @@ int drawbar_controller_feedback(struct component *component, const struct drawba
                                 const struct drawbar_body_reference *trailer_reference,
                                 struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer, void *work);
 int drawbar_controller_ready(struct component *component);
-int drawbar_controller_skip(struct component *component);
+int drawbar_controller_skip(struct component *component, int samples);
 #else
 int drawbar_tractor_initialise(struct component *component);
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
                              struct drawbar_body_plan *plan, void *work);
 int drawbar_tractor_ready(struct component *component);
-int drawbar_tractor_skip(struct component *component);
+int drawbar_tractor_skip(struct component *component, int samples);
 int drawbar_trailer_initialise(struct component *component);
 int drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
                              struct drawbar_body_plan *plan, void *work);
 int drawbar_trailer_ready(struct component *component);
-int drawbar_trailer_skip(struct component *component);
+int drawbar_trailer_skip(struct component *component, int samples);
 #endif
 
 int drawbar_tractor_law_initialise(struct component *component);

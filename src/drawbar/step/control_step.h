@@ -7,8 +7,11 @@
 #include <string.h>
 #include "admission.h"
 #include "components.h"
+#include "lent.h"
 #include "pace.h"
 #include "status.h"
+
+#define STEP_ITERATIONS 16                 /* of interior points, of all solvers of a step together; left-out samples take some */
 
 /* The run is over: stop the vehicle, now and at every later sample. */
 static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *command)
@@ -138,7 +141,7 @@ static void send(struct autopilot *a, const struct drawbar_command *command)
 }
 
 /* Both bodies' nominal plans. */
-static void plan(struct autopilot *a, const struct drawbar_estimate *ahead)
+static void plan(struct autopilot *a, const struct drawbar_estimate *ahead, struct lent *lent)
 {
     const struct drawbar_body_reference *references = a->made.references;
     struct drawbar_body_plan *plans = a->made.plans;
@@ -146,14 +149,14 @@ static void plan(struct autopilot *a, const struct drawbar_estimate *ahead)
 #ifdef DRAWBAR_CENTRALISED
     TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_controller_feedback(
         COMPONENT(a->controller), ahead, &references[TRACTOR_BODY], &references[TRAILER_BODY], &plans[TRACTOR_BODY],
-        &plans[TRAILER_BODY], a->work));
+        &plans[TRAILER_BODY], lent));
 #else
     const struct drawbar_neighbour tractor = {&references[TRACTOR_BODY], &plans[TRACTOR_BODY]};
 
     TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_tractor_feedback(
-        COMPONENT(a->tractor), ahead, &references[TRACTOR_BODY], NULL, &plans[TRACTOR_BODY], a->work));
+        COMPONENT(a->tractor), ahead, &references[TRACTOR_BODY], NULL, &plans[TRACTOR_BODY], lent));
     TIMED(a, TIMED_TRAILER, FEEDBACK, drawbar_trailer_feedback(
-        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &tractor, &plans[TRAILER_BODY], a->work));
+        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &tractor, &plans[TRAILER_BODY], lent));
 #endif
 }
 
@@ -238,9 +241,11 @@ static int look_on(struct autopilot *a, struct drawbar_command *command)
     return a->diagnostics.flags;
 }
 
-/* Estimate, plan, command. */
-static int drive(struct autopilot *a, const struct drawbar_measurement *measurement, struct drawbar_command *command)
+/* Estimate, plan, command; so many samples were left out before. */
+static int drive(struct autopilot *a, int left_out, const struct drawbar_measurement *measurement,
+                 struct drawbar_command *command)
 {
+    struct lent lent = {a->work, STEP_ITERATIONS - left_out};
     struct decisions *made = &a->made;
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement aligned;
@@ -255,7 +260,7 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
         return end_run(a, leans, command);
     a->known.fix_latency = drawbar_alignment_latency(COMPONENT(a->alignment));
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
-          drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, a->work));
+          drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, &lent));
     d->estimator = made->estimate.status;
     a->reached = WITH_ESTIMATE;
     look_ahead(a, &ahead);
@@ -276,7 +281,7 @@ static int drive(struct autopilot *a, const struct drawbar_measurement *measurem
                                            &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], &a->sane);
     if (insane)
         return end_run(a, insane, command);
-    plan(a, &ahead);
+    plan(a, &ahead, &lent);
     a->reached = WITH_PLANS;
     const int too_long = pace_step(a, solved(a));
     if (too_long)
@@ -291,17 +296,19 @@ static void catch_up(struct autopilot *a, int samples)
 {
     struct drawbar_command last;
 
+    if (samples == 0)
+        return;
     for (int i = 0; i < samples; ++i) {
         drawbar_gate_skip(COMPONENT(a->gate), &last);
         send(a, &last);
         drawbar_estimator_skip(COMPONENT(a->estimator), &a->acting);
-#ifdef DRAWBAR_CENTRALISED
-        drawbar_controller_skip(COMPONENT(a->controller));
-#else
-        drawbar_tractor_skip(COMPONENT(a->tractor));
-        drawbar_trailer_skip(COMPONENT(a->trailer));
-#endif
     }
+#ifdef DRAWBAR_CENTRALISED
+    drawbar_controller_skip(COMPONENT(a->controller), samples);
+#else
+    drawbar_tractor_skip(COMPONENT(a->tractor), samples);
+    drawbar_trailer_skip(COMPONENT(a->trailer), samples);
+#endif
 }
 
 /* The feedback phase. */
@@ -309,6 +316,7 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
                      struct drawbar_command *command)
 {
     const double elapsed = measurement->time - a->time;
+    int left_out = 0;
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement seen;
 
@@ -331,11 +339,12 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
             return status;
         }
     } else {
-        catch_up(a, pace_left_out(a, elapsed));
+        left_out = pace_left_out(a, elapsed);
+        catch_up(a, left_out);
     }
     if (drawbar_guidance_finished(COMPONENT(a->guidance), &a->path))
         return end_run(a, DRAWBAR_FINISHED, command);
-    return drive(a, &seen, command);
+    return drive(a, left_out, &seen, command);
 }
 
 /* The preparation phase, after the command is out. */
