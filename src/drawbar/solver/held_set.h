@@ -124,8 +124,8 @@ static int held_clip(const struct qp *restrict s, struct held_set *restrict h, i
     return changes;
 }
 
-/* Forward by the laws from a stage on, with every input within its room, and multipliers of the costs to go. Returns how many bounds have changed, or -1 where one is violated that
- * cannot be held here. */
+/* Forward by the laws from a stage on, with every input within its room, and multipliers of the costs to go. Returns how many
+ * bounds have changed, or -1 where one is violated that cannot be held here. */
 static int held_forward(struct qp *restrict s, struct held_set *restrict h, int from)
 {
     double now[NX];

@@ -11,7 +11,7 @@
 #include "pace.h"
 #include "status.h"
 
-#define STEP_ITERATIONS 16                 /* of interior points, of all solvers of a step together; left-out samples take some */
+#define STEP_ITERATIONS 16                 /* of interior points, for all solvers of a step; each left-out sample takes one */
 
 /* The run is over: stop the vehicle, now and at every later sample. */
 static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *command)
