@@ -113,7 +113,7 @@ def weave(alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool =
     return found
 
 
-@pytest.mark.parametrize("age", [0.0, 0.1, 0.2])
+@pytest.mark.parametrize("age", [0.0, 0.1, 0.2, 0.3, 0.5, 0.95])
 def test_a_yaw_rate_of_any_age_is_brought_to_now(age: float) -> None:
     beyond = weave(Alignment(VehicleParameters()), 150, age)
     assert all(map(math.isnan, beyond[:10]))
@@ -286,6 +286,12 @@ def mean_errors(*changes: str) -> tuple[float, float]:
     with Simulation(load_configuration("articulated", [*FIELD, *changes])) as simulation:
         errors = true_path_errors(simulation.log())
     return tuple(100.0 * np.abs(each.error[each.progress > 5.0]).mean() for each in (errors.tractor, errors.trailer))
+
+
+def test_attitude_that_tells_that_it_is_late_costs_little() -> None:
+    both = ("speed=2.0", "machine.attitude={tractor={present=true},trailer={present=true}}")
+    fresh, late = mean_errors(*both), mean_errors(*both, "machine.delays.attitude.latency=0.3")
+    assert np.max(np.subtract(late, fresh)) < 1.2  # the newest fix has an older roll
 
 
 def test_attitude_holds_the_ground_point_in_the_field() -> None:

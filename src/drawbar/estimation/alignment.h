@@ -13,6 +13,7 @@
 #include "ground_record.h"
 #include "lean_watch.h"
 #include "lever_arm.h"
+#include "rate_history.h"
 #include "unit.h"
 #include "yaw_rate.h"
 #include "yaw_rate_sensor.h"
@@ -43,6 +44,7 @@ struct component {
     struct lean_watch leans;               /* what the roll sensors are worth */
     struct yaw_sensor yaw;                 /* the tractor's */
     struct yaw_rate_sensor yaw_rate;       /* the tractor's */
+    struct rate_history rates;             /* the tractor's, by the wheels */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -264,9 +266,12 @@ static inline void align_yaw(struct component *alignment, const struct since *si
 /* Bring the tractor's yaw rate up to now, without the sensor's bias, in place; NaN where it is not to be believed. */
 static inline void align_yaw_rate(struct component *alignment, const struct since *since, struct drawbar_measurement *m)
 {
-    const double last = wheels_yaw_rate(alignment, since->last), now = wheels_yaw_rate(alignment, since->expected);
+    const double now = wheels_yaw_rate(alignment, since->expected);
     const double age = m->tractor_attitude_age - fmin(alignment->yaw_rate.latency, 0.0);
-    const double told = brought_up(since, m->tractor_yaw_rate, age, last, now);
+
+    rate_history_take(&alignment->rates, wheels_yaw_rate(alignment, since->last));
+    const double told = age > OLDEST
+        ? NAN : rate_history_brought_up(&alignment->rates, m->tractor_yaw_rate, age, since->elapsed, now);
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
     const struct shown_yaw shown = {yaw_of_fixes(alignment, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 

@@ -1,0 +1,38 @@
+/* Rate history: the yaw rate of the last samples, by which an old measured one is brought up to now. Over several samples it
+ * does not change evenly. */
+#ifndef DRAWBAR_RATE_HISTORY_H
+#define DRAWBAR_RATE_HISTORY_H
+
+#include <math.h>
+#include <string.h>
+
+#define RATES 8                            /* samples that are kept */
+
+struct rate_history {
+    double rates[RATES];                   /* newest first, rad/s */
+};
+
+/* Take in the yaw rate of the sample before this one, rad/s. */
+static inline void rate_history_take(struct rate_history *history, double rate)
+{
+    memmove(history->rates + 1, history->rates, (RATES - 1) * sizeof(double));
+    history->rates[0] = rate;
+}
+
+/* What a sensor would report now that reported `told` (rad/s) at an age (s), while the yaw rate became `now`; elapsed: of a
+ * sample, s. NaN where the samples do not reach back. */
+static inline double rate_history_brought_up(const struct rate_history *history, double told, double age, double elapsed,
+                                             double now)
+{
+    const double samples = age > 0.0 && elapsed > 0.0 ? age / elapsed : 0.0;
+
+    if (age == 0.0 || isnan(age))
+        return told;
+    if (age < 0.0 || !(samples < RATES))
+        return NAN;
+    const int k = (int)samples;
+    const double newer = k > 0 ? history->rates[k - 1] : now;
+    return told + now - newer - (samples - k) * (history->rates[k] - newer);
+}
+
+#endif
