@@ -143,7 +143,8 @@ class Configuration(Settings):
         full_speed = self.machine.hydrostat.full_speed
         if not self.speed <= full_speed:
             raise ValueError(
-                f"speed = {self.speed} m/s is above machine.hydrostat.full_speed = {full_speed} m/s; lower it"
+                f"speed = {self.speed} m/s is above machine.hydrostat.full_speed = {full_speed} m/s; lower it, "
+                "or raise the other where the machine is faster"
             )
         for body in ("tractor", "trailer"):
             limit = getattr(self.vehicle, f"{body}_steering_limit")

@@ -260,8 +260,10 @@ ERRORS_DE: Mapping[str, str] = {
     "drawbar_length = {} m puts the free joint ahead of the front axle; it must be below hitch_length + wheelbase = "
     "{} m":
         "Kupplung bis Lenkgelenk, {0} m, legt die Kupplung vor die Vorderachse; es muss kürzer als {1} m sein",
-    "speed = {} m/s is above machine.hydrostat.full_speed = {} m/s; lower it":
-        "Fahrtempo {0} m/s ist schneller, als das simulierte Fahrzeug fahren kann, {1} m/s; senken",
+    "speed = {} m/s is above machine.hydrostat.full_speed = {} m/s; lower it, or raise the other where the machine is "
+    "faster":
+        "Fahrtempo {0} m/s ist schneller, als das simulierte Fahrzeug fahren kann, {1} m/s; senken, oder, wo die "
+        "Maschine schneller ist, machine.hydrostat.full_speed erhöhen",
     "vehicle.{}_steering_limit = {} rad is beyond the machine's mechanical stop, machine.actuators.{}_stop = {} rad; "
     "lower it":
         "der Lenkwinkel {1} rad liegt hinter dem Anschlag, {3} rad; senken",
