@@ -9,6 +9,7 @@ from arbitrary_logs import arbitrary_step, assert_identical, header, write
 
 from drawbar.errors import DrawbarError
 from drawbar.recording import chunks
+from drawbar.recording.chunks import CHUNK_HEAD, FRAME
 from drawbar.recording.columns import read_columns
 from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
@@ -49,6 +50,7 @@ def long_log(tmp_path, monkeypatch):
     """Return the file of a log of 40 steps in chunks of three, and its steps."""
     monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)
     monkeypatch.setattr("drawbar.recording.recorder._HELD_BACK", 2**64)  # no chunk ends before it is full
+    monkeypatch.setattr("time.time_ns", lambda: 1_800_000_000_000_000_000)  # the same bytes each time
     records = [dataclasses.replace(arbitrary_step(seed), step=seed) for seed in range(40)]
     with Recorder(tmp_path / "log.mcap", header()) as recorder:
         for record in records:
@@ -107,9 +109,53 @@ def test_bytes_that_are_missing_cost_the_chunks_that_they_are_in(long_log, lengt
         file.write_bytes(whole[:position] + whole[position + length :])
         log = read_log(file)
         assert len(log.records) >= len(steps) - (6 if length < 3000 else 9)
-        assert log.losses or len(log.records) == len(steps)
+        assert log.losses or (len(log.records) == len(steps) and log.outcome.finished)
         for record in log.records:
             assert_identical(record, steps[record.step])
+
+
+def marks(whole):
+    """Return where the 14 chunks of a long log begin, the outcome behind them, and where the file ends."""
+    names = [found.start() for found in re.finditer(b"zstd", whole)]
+    outcome = whole.index(b"\x07\0\0\0outcome") - FRAME.size
+    return [*(name - CHUNK_HEAD.size for name in names[:14]), outcome, len(whole)]
+
+
+BEHIND_38 = r"bytes \d+ to \d+ are damaged: what came after step 38 is lost"
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "lost", "said"),
+    [
+        pytest.param((4, 0), (5, 0), {12, 13, 14}, "steps 12 to 14 are lost", id="a chunk"),
+        pytest.param(
+            (13, 0), (14, 0), {39}, r"bytes may be missing before byte \d+: steps may be lost", id="the last chunk"
+        ),
+        pytest.param((13, 4), (15, -36), {39}, BEHIND_38, id="from its length to the footer's"),
+        pytest.param((13, -20), (15, -28), {39}, BEHIND_38, id="from an index to the footer"),
+        pytest.param((14, 20), (14, 30), set(), BEHIND_38.replace("38", "39"), id="some of the outcome"),
+    ],
+)
+def test_bytes_that_are_missing_between_what_looks_sound_are_told(long_log, begin, end, lost, said):
+    file, steps = long_log
+    whole = file.read_bytes()
+    places = marks(whole)
+    file.write_bytes(whole[: places[begin[0]] + begin[1]] + whole[places[end[0]] + end[1] :])
+    log = read_log(file)
+    assert {record.step for record in log.records} == set(range(len(steps))) - lost
+    assert len(log.losses) == 1
+    assert re.fullmatch(said, log.losses[0])
+
+
+def test_damage_behind_the_outcome_costs_no_step(long_log):
+    file, steps = long_log
+    data = bytearray(file.read_bytes())
+    data[data.rindex(b"its end", 0, data.rindex(b"zstd")) + len(b"its end") + 1] ^= 4  # the length of the data's end
+    file.write_bytes(data)
+    log = read_log(file)
+    assert len(log.records) == len(steps)
+    assert log.outcome.finished
+    assert re.fullmatch(r"bytes \d+ to \d+ are damaged: no step is lost", *log.losses)
 
 
 def test_what_damage_costs_is_told_with_its_bytes_and_steps(long_log):

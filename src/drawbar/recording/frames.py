@@ -1,7 +1,8 @@
 """Frames of an MCAP file: its records as they stand in it, also behind bytes that are damaged.
 
 A frame is believed where what it holds agrees with its length, or where another frame follows it. Behind one that is
-not believed the next sound chunk is looked for, or the outcome; what lies between is told as damage.
+not believed the next sound chunk is looked for, or the outcome; what lies between is told as damage. A crash cuts the
+last frame off and leaves no magic at the end; in a file that ends with it, a frame without an end is damage too.
 """
 
 import struct
@@ -55,7 +56,9 @@ class Damage(NamedTuple):
     end: int
 
     def __str__(self) -> str:
-        """Say where they are."""
+        """Say where they are; none: where some are missing."""
+        if self.begin == self.end:
+            return f"bytes may be missing before byte {self.begin}"
         return f"bytes {self.begin} to {self.end - 1} are damaged"
 
 
@@ -74,33 +77,50 @@ def frames(stream: BinaryIO) -> Iterator[Frame | Damage]:
 
     Raises DamagedLogError: the file is none of MCAP.
     """
-    end = _written(stream)
+    written = _written(stream)
     stream.seek(0)
     magic = stream.read(len(MAGIC))
     if sum(here != there for here, there in zip(magic, MAGIC, strict=False)) + len(MAGIC) - len(magic) > 1:
         raise DamagedLogError("it does not begin as an MCAP file does")
+    is_finished = _is_finished(stream, written)
+    end = written - len(MAGIC) if is_finished else written
     begin = len(MAGIC)
     while begin + FRAME.size <= end:
         opcode, length = _head(stream, begin)
-        if _is_sound(stream, begin, end):
-            if opcode in _LENGTHS:
-                return
-            behind = min(begin + FRAME.size + length, end)
-            if opcode == Opcode.CHUNK and not _may_follow(stream, behind, end):
-                found = _next_sound(stream, begin + 1, end)
-                if found is not None and found < behind:  # it lacks some of its bytes
-                    yield Damage(begin, found)
-                    begin = found
-                    continue
-            if opcode not in _ASIDE:
-                yield _frame(stream, begin, end)
-            begin = behind
-        elif (found := _next_sound(stream, begin + 1, end)) is not None:
+        behind = begin + FRAME.size + length
+        is_sound = _is_sound(stream, begin, end)
+        if is_sound and opcode in _LENGTHS:
+            if is_finished and not _is_in_place(stream, behind, end):
+                yield Damage(begin, begin)
+            return
+        found = None if is_sound and _is_all_there(stream, begin, end) else _next_sound(stream, begin + 1, end)
+        if found is not None and (not is_sound or found < behind):
             yield Damage(begin, found)
             begin = found
-        else:
-            yield _frame(stream, begin, end) if opcode in _CODES else Damage(begin, end)
+        elif is_sound:
+            if opcode not in _ASIDE:
+                yield _frame(stream, begin, end)
+            begin = min(behind, end)
+        elif opcode in _CODES and behind > end and not is_finished:  # a crash cut it off
+            yield _frame(stream, begin, end)
             return
+        else:
+            break
+    if is_finished or begin + FRAME.size <= end:
+        yield Damage(begin, written)
+
+
+def _is_finished(stream: BinaryIO, written: int) -> bool:
+    """Return whether a file ends as one does that was not cut off."""
+    stream.seek(max(written - len(MAGIC), len(MAGIC)))
+    return stream.read(len(MAGIC)) == MAGIC
+
+
+def _is_in_place(stream: BinaryIO, behind: int, end: int) -> bool:
+    """Return whether the summary, if there is one, begins where the footer says."""
+    stream.seek(max(end - _LENGTHS[Opcode.FOOTER], 0))
+    (start,) = _SIZE.unpack(stream.read(_SIZE.size))
+    return start in (0, behind)
 
 
 def _head(stream: BinaryIO, begin: int) -> tuple[int, int]:
@@ -130,6 +150,12 @@ def _is_sound(stream: BinaryIO, begin: int, end: int) -> bool:
     if opcode in _PARSED:
         return _is_whole(_PARSED[opcode], stream.read(length))
     return opcode in _LENGTHS or _may_follow(stream, begin + FRAME.size + length, end)
+
+
+def _is_all_there(stream: BinaryIO, begin: int, end: int) -> bool:
+    """Return whether a sound frame, if it is a chunk, lacks none of its bytes."""
+    opcode, length = _head(stream, begin)
+    return opcode != Opcode.CHUNK or _may_follow(stream, begin + FRAME.size + length, end)
 
 
 def _is_chunk(head: bytes, length: int) -> bool:

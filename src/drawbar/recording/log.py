@@ -338,6 +338,7 @@ def _parts(records: Iterator[Logged]) -> LogParts:
                     losses.see(record.sequence)
                     yield record
             elif isinstance(record, Metadata) and record.name == OUTCOME_NAME:
+                losses.end()
                 told = _outcome(record.metadata)
                 outcome = told or outcome
                 losses.texts += [] if told else ["how the run ended is damaged"]
