@@ -82,5 +82,5 @@ def test_where_callers_and_sensors_fail(
         assert answers(library.call) == answers(autopilot.library.call), f"sample {i}"
         reached.append(status)
     assert {0, Status.TIME, Flag.MEASUREMENT, Flag.LATE} <= set(reached)
-    assert any(status & Flag.SOLVER and status < Status.REFUSED for status in reached)
+    # nothing that sensors show makes a solver fail; tests/step/test_step.py shows what a step does then
     assert any(status & Flag.SLOWED and status < Status.REFUSED for status in reached)

@@ -208,35 +208,45 @@ static void bank_change_rate(struct lag_bank *bank)
     }
 }
 
+/* Mean and deviation of a value from its sums over members: probabilities, times the value, times its square. */
+static inline double bank_mean(const double *sums, double between, double *deviation)
+{
+    const double mean = sums[1] / sums[0], variance = sums[2] / sums[0] - mean * mean;
+
+    *deviation = sqrt((variance > 0.0 ? variance : 0.0) + between);
+    return mean;
+}
+
 /* Find what is known of dead time, lag and rate. */
 static void bank_judge(struct lag_bank *bank, const struct lag_grid *grid)
 {
-    double probability[MEMBERS], mean[3], deviation[3];
-    const double *const values[3] = {grid->dead_times, grid->log_lags, grid->slower};
+    double log_probability[MEMBERS], sums[3][3] = {{0.0}};   /* of dead times and lags, by the first rows, and of rates */
 
     if (!(bank->weight > 0.0))
         return;
-    bank_likelihoods(bank, grid, probability);
-    for (int j = 0; j < 3; ++j) {          /* dead time and logarithms of lag and rate, of which a member's place tells */
-        const int first = j < 2 ? 0 : DEAD_TIMES * LAGS, members = (j < 2 ? DEAD_TIMES : RATES) * LAGS;
-        double most = -INFINITY, sums[3] = {0.0, 0.0, 0.0};
+    bank_likelihoods(bank, grid, log_probability);
+    for (int j = 0; j < 3; j += 2) {
+        const double *values = j == 0 ? grid->dead_times : grid->slower;
+        const double *logs = log_probability + (j == 0 ? 0 : DEAD_TIMES * LAGS);
+        const int members = (j == 0 ? DEAD_TIMES : RATES) * LAGS;
+        double most = -INFINITY;
         for (int i = 0; i < members; ++i)
-            most = fmax(most, probability[first + i]);
+            most = logs[i] > most ? logs[i] : most;
         for (int i = 0; i < members; ++i) {
-            const double each = exp(probability[first + i] - most), value = values[j][j == 1 ? i % LAGS : i / LAGS];
-            sums[0] += each;
-            sums[1] += each * value;
-            sums[2] += each * value * value;
+            const double each = exp(logs[i] - most), value = values[i / LAGS], lag = grid->log_lags[i % LAGS];
+            sums[j][0] += each;
+            sums[j][1] += each * value;
+            sums[j][2] += each * value * value;
+            sums[1][0] += j == 0 ? each : 0.0;
+            sums[1][1] += j == 0 ? each * lag : 0.0;
+            sums[1][2] += j == 0 ? each * lag * lag : 0.0;
         }
-        mean[j] = sums[1] / sums[0];
-        deviation[j] = sqrt(fmax(sums[2] / sums[0] - mean[j] * mean[j], 0.0) + grid->between[j]);
     }
-    bank->dead_time = mean[0];
-    bank->dead_time_deviation = deviation[0];
-    bank->lag = exp(mean[1]);
-    bank->lag_deviation = bank->lag * deviation[1];
-    bank->rate = bank->prior_rate * exp(mean[2]);
-    bank->rate_deviation = bank->rate * deviation[2];
+    bank->dead_time = bank_mean(sums[0], grid->between[0], &bank->dead_time_deviation);
+    bank->lag = exp(bank_mean(sums[1], grid->between[1], &bank->lag_deviation));
+    bank->lag_deviation *= bank->lag;
+    bank->rate = bank->prior_rate * exp(bank_mean(sums[2], grid->between[2], &bank->rate_deviation));
+    bank->rate_deviation *= bank->rate;
     bank_change_rate(bank);
 }
 
