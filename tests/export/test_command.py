@@ -32,7 +32,7 @@ def test_leaves_everything_it_promises(drawbar: Drawbar, tmp_path) -> None:
         assert (folder / name).is_file()
     assert "speed = 0.8" in (folder / "config.toml").read_text("utf-8")
     header = (folder / "src" / "drawbar_components.h").read_text("utf-8")
-    assert "DRAWBAR_STEP_SETTINGS {0.2, 0.8, 0.8, 0.5, 1.0, 3.0, 0.3, 0.03, 0.03}" in header
+    assert "DRAWBAR_STEP_SETTINGS {0.2, 0.8, 0.8, 0.5, 1.0, 3.0, 0.3, 0.03, 0.03, 16.0}" in header
     manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
     assert manifest["configuration"]["name"] == "articulated"
     assert manifest["targets"] == {}

@@ -8,6 +8,15 @@ from drawbar.codegen.library import aligned, load
 from drawbar.geometry import Floats
 from drawbar.optimal import ControlProblem, EstimationProblem
 
+ITERATIONS = 58
+"""of interior points: what an estimator and two controllers may need together"""
+
+
+class Lent(ctypes.Structure):
+    """struct lent of solver/lent.h."""
+
+    _fields_ = (("memory", ctypes.c_void_p), ("iterations", ctypes.c_int32))
+
 
 class Alone:
     """A component with its settings, ready to begin."""
@@ -22,6 +31,8 @@ class Alone:
         self._library, self._borrowed = load(library), aligned(max(8, component.work_size))
         self.work = ctypes.c_void_p(self._borrowed.ctypes.data)
         """what the component borrows for the length of a call"""
+        self.lent = ctypes.byref(Lent(self.work, ITERATIONS))
+        """what a solver is lent"""
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call one of the component's functions on it; the arguments are those of ctypes."""

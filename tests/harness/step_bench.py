@@ -19,7 +19,7 @@ PARTS = "\n".join(f"#define DRAWBAR_{name}_SIZE 256" for name in (*NAMES, "WORK"
 UNITS = {
     "drawbar_size.h": f"#define DRAWBAR_STATE_DOUBLES 544\n#define DRAWBAR_SAMPLE_TIME {SAMPLE}\n",
     "drawbar_components.h": f"{PARTS}\n#define DRAWBAR_DEAD_TIME\n"
-    f"#define DRAWBAR_STEP_SETTINGS {{{SAMPLE}, 1.0, 1.0, 0.5, {PATIENCE}, {ENDURANCE}, 0.3, 0.03, 0.03}}\n"
+    f"#define DRAWBAR_STEP_SETTINGS {{{SAMPLE}, 1.0, 1.0, 0.5, {PATIENCE}, {ENDURANCE}, 0.3, 0.03, 0.03, 16.0}}\n"
     '#define DRAWBAR_VERSION "of this test"\n',
     "step.c": '#include "step.h"\n',
     "gate.c": """

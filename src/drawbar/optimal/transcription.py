@@ -18,8 +18,8 @@ from drawbar.vehicle.integrators import Attempt, Integrator, attempt, discretise
 from drawbar.vehicle.model import Constant, by_name, constant, with_values
 
 CONTROL_ITERATIONS, ESTIMATION_ITERATIONS, CONSTRAINED_ITERATIONS = 25, 8, 80
-"""Most iterations of the interior point in one feedback; the solvers of a step share fewer (STEP_ITERATIONS of
-step/control_step.h). Bounds on outputs and changes of inputs have as many as a quadratic program by itself."""
+"""Most iterations of the interior point in one feedback; the solvers of a step share fewer (ITERATIONS of
+step/build.py). Bounds on outputs and changes of inputs have as many as a quadratic program by itself."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

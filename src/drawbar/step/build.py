@@ -15,6 +15,7 @@ from drawbar.control.settings import (
     ArticulatedControllerSettings,
     ExternalControllerSettings,
     LqrSettings,
+    Nominal,
     PurePursuitSettings,
     TricycleControllerSettings,
 )
@@ -35,6 +36,7 @@ from drawbar.estimation.settings import (
 )
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.guidance.guidance import look_ahead_unit, preview_unit
+from drawbar.optimal.transcription import CONTROL_ITERATIONS, ESTIMATION_ITERATIONS
 from drawbar.safety.gate import PATIENCE, gate_unit
 from drawbar.safety.sanity import sanity_unit
 from drawbar.safety.supervisor import supervisor_unit
@@ -46,6 +48,8 @@ from drawbar.vehicle.tricycle import tricycle
 ENDURANCE = 3.0
 """For how long the vehicle may be driven on predictions alone, s; a plan that reaches less far shortens it"""
 
+ITERATIONS, OPTIMISED_ITERATIONS = 16, ESTIMATION_ITERATIONS + 2 * CONTROL_ITERATIONS
+"""of interior points in a step; where nominal states are optimised, their bounds need them in each step"""
 SHIFT = 0.1
 """Part of vehicle.curvature_limit and guidance.curvature_rate_limit that a shift to another line takes"""
 
@@ -77,6 +81,7 @@ def step_settings(configuration: Configuration) -> StepSettings:
         curvature=configuration.vehicle.curvature_limit,
         shift_curvature=SHIFT * configuration.vehicle.curvature_limit,
         shift_rate=SHIFT * configuration.guidance.curvature_rate_limit,
+        iterations=OPTIMISED_ITERATIONS if configuration.tube.nominal is Nominal.OPTIMISED else ITERATIONS,
     )
 
 

@@ -11,8 +11,6 @@
 #include "pace.h"
 #include "status.h"
 
-#define STEP_ITERATIONS 16                 /* of interior points, for all solvers of a step; each left-out sample takes one */
-
 /* The run is over: stop the vehicle, now and at every later sample. */
 static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *command)
 {
@@ -245,7 +243,7 @@ static int look_on(struct autopilot *a, struct drawbar_command *command)
 static int drive(struct autopilot *a, int left_out, const struct drawbar_measurement *measurement,
                  struct drawbar_command *command)
 {
-    struct lent lent = {a->work, STEP_ITERATIONS - left_out};
+    struct lent lent = {a->work, (int32_t)a->settings.iterations - left_out};
     struct decisions *made = &a->made;
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement aligned;

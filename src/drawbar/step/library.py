@@ -46,6 +46,8 @@ class StepSettings:
     """largest of a shift from one line to the next beside it, 1/m"""
     shift_rate: float
     """largest change of that along the way, 1/m²"""
+    iterations: float
+    """of interior points, for all solvers of a step; each sample left out before takes one"""
 
 
 class StepLibrary:
