@@ -48,7 +48,7 @@ from drawbar.vehicle.tricycle import tricycle
 ENDURANCE = 3.0
 """For how long the vehicle may be driven on predictions alone, s; a plan that reaches less far shortens it"""
 
-ITERATIONS, OPTIMISED_ITERATIONS = 16, ESTIMATION_ITERATIONS + 2 * CONTROL_ITERATIONS
+ITERATIONS, OPTIMISED_ITERATIONS = 16.0, ESTIMATION_ITERATIONS + 2.0 * CONTROL_ITERATIONS
 """of interior points in a step; where nominal states are optimised, their bounds need them in each step"""
 SHIFT = 0.1
 """Part of vehicle.curvature_limit and guidance.curvature_rate_limit that a shift to another line takes"""
