@@ -1,0 +1,63 @@
+"""Forced solvers: an exported library whose solvers go to their last iteration at each step, by changes of its text."""
+
+import shutil
+from pathlib import Path
+
+FORCED = (
+    ("kkt.h", "#define CHECK_TOLERANCE 1e-8", "#define CHECK_TOLERANCE (-1.0)"),
+    ("kkt.h", "if (worst <= CHECK_TOLERANCE && !(gap <= ", "if (1 || !(gap <= "),
+    ("ip_start.h", "if (!ip_far_out(s, out, span))", "if (ip_far_out(s, out, span) > 1)"),
+    ("interior_point.h", "if (s->kkt <= IP_TOLERANCE)", "if (0)"),
+    (
+        "interior_point.h",
+        "if (ip_measure(ip, step) < mu)",
+        "if (ip->astray == ASTRAY - 1 && s->iterations < IP_ITERATIONS)",
+    ),
+    ("interior_point.h", "ip->stalled >= STALLED && ip_outside(s) < LOOSEN_OUTSIDE", "ip_outside(s) >= 0.0"),
+    ("interior_point.h", "if (ip->infeasible > FARKAS_FORGIVEN)", "if (0)"),
+    ("interior_point.h", "ip_loosen(ip))\n            continue;", "ip_loosen(ip))\n            __builtin_trap();"),
+    ("interior_point.h", "return ip_end(s, ip, NOT_FINITE);", "__builtin_trap();"),
+    ("approach.h", "{fmax(room, fabs(from->offset)), APPROACH_TIGHTER * limits->curvature, ", "{1e9, 1e9, "),
+    ("approach.h", "pose[2], most.widest)", "pose[2], fmax(room, fabs(from->offset)))"),
+    ("approach.h", "if (!approach_promises(", "if (line->found < APPROACH_FOUND - 12 || !approach_promises("),
+    ("approach.h", "nothing is left to spend */\n            return 0;", "*/\n            continue;"),
+    ("approach.h", "approach_lay(approach, path, most.tightest))", "approach_lay(approach, path, most.tightest) > 1)"),
+)
+"""header, what it says, what it says instead: a trap where the path would be cut short"""
+ROUTES = {
+    "held": (
+        ("interior_point.h", "violated = 0;", "violated = 1;"),
+        ("held_sweep.h", "h->last = -1;", "h->last = N - 1;"),
+        ("held_sweep.h", "a <= NU && again", "a <= NU"),
+        ("held_set.h", "held_stays(s, h, k, a, x, u[a]) ? 0 :", "held_stays(s, h, k, a, x, u[a]) > 1 ? 0 :"),
+        ("held_sweep.h", "if (!held_inputs(s, h, k, &H))\n            return -1;", "held_inputs(s, h, k, &H);"),
+        ("held_set.h", "if (released + changes == 0 && held_right(s, h)) {", "if (held_right(s, h) > 1) {"),
+        ("held_set.h", "return HELD_UNSETTLED;\n        if", "__builtin_trap();\n        if"),
+        ("interior_point.h", "if (held == HELD_SETTLED && ", "if ("),
+    ),
+    "columns": (
+        ("interior_point.h", "violated = 0;", "violated = 1;"),
+        (
+            "interior_point.h",
+            "held = qp_held_set(s, &work->held);",
+            "held = (qp_held_set(s, &work->held), HELD_FOREIGN);",
+        ),
+        ("active_set.h", "if (changes == 0)", "if (s->iterations == ACTIVE_PASSES - 1)"),
+        ("active_set.h", "value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;", "i < ACTIVE_MOST;"),
+        ("active_set.h", "if (!(side * a->nu[a->slot[i]] <= 0.0) && s->lower[i] < s->upper[i])", "if (0)"),
+        ("active_set.h", "if (!(pivot > ACTIVE_ROUNDING * own))", "if (0)"),
+        ("active_set.h", "if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))", "if (0)"),
+    ),
+    "damped": (("interior_point.h", "violated |= (value < s->lower[i]) | (value > s->upper[i]);", "(void)value;"),),
+}
+"""the three ways into the interior point, likewise"""
+
+
+def forced(library: Path, folder: Path, route: str) -> Path:
+    """Return a copy of the library that takes the longest path at every step."""
+    shutil.copytree(library, folder)
+    for name, found, instead in (*FORCED, *ROUTES[route]):
+        text = (folder / "src" / name).read_text()
+        assert text.count(found) == 1, f"{name} no longer says {found}"
+        (folder / "src" / name).write_text(text.replace(found, instead))
+    return folder
