@@ -39,8 +39,8 @@ struct component {
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
     SETTING(component, settling, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                 \
     SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, rates, 0, STEERED, 0, 0)                             \
-    SETTING(component, odd, 0, 1, 0, 0) SETTING(component, patience, 0, 1, 0, 0) FIELD(component, odd_for, 0, STEERED, 0, 0)                               \
-    FIELD(component, stuck_for, 0, STEERED, 0, 0)
+    SETTING(component, odd, 0, 1, 0, 0) SETTING(component, patience, 0, 1, 0, 0)                                       \
+    FIELD(component, odd_for, 0, STEERED, 0, 0) FIELD(component, stuck_for, 0, STEERED, 0, 0)
 
 /* Let what is planned with approach what is known. */
 static void approach(struct component *actuation)

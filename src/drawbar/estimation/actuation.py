@@ -8,7 +8,7 @@ from drawbar.estimation.settings import ActuationSettings
 from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 
-_DEAD_TIMES, _LAGS, _RATES, _PAST = 17, 12, 10, 512
+_DEAD_TIMES, _LAGS, _RATES, _PAST = 17, 12, 10, 448
 """as in lag_bank.h"""
 _STEP = 0.05
 """s; between two dead times of the bank, or less"""

@@ -6,6 +6,7 @@
 #ifndef DRAWBAR_EXTENDED_KALMAN_H
 #define DRAWBAR_EXTENDED_KALMAN_H
 
+#include "lent.h"
 #include "screening.h"
 #include "square_root_filter.h"
 #include "unit.h"
@@ -72,12 +73,12 @@ int UNIT(expected)(struct component *component, struct drawbar_estimate *estimat
  * When the result is not finite the estimate is the prediction, and its status says so; a failure of the prediction
  * before it shows here too. A missing input keeps its last measured value. */
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
-                 void *work)
+                 struct lent *lent)
 {
     struct screened seen;
     double y[NY], shift[NX];
 
-    (void)work;
+    (void)lent;
     screen(component, measurement, &seen);
     model_outputs(&component->model, &seen.measurement, y);
     weigh(component, &seen.measurement);

@@ -23,7 +23,7 @@
 #define RATES 10
 #define ROWS (DEAD_TIMES + RATES)
 #define MEMBERS (ROWS * LAGS)
-#define PAST 512                           /* parts of samples that are kept: more than the longest dead time's */
+#define PAST 448                           /* parts of samples that are kept: more than the longest dead time's */
 #define NO_STEERING 0.15                   /* errors beyond are somebody else's steering, rad */
 #define KNOWN_ZERO 10.0                    /* samples after which the sensor's zero is known */
 #define ANOTHER_RATE 1.15                  /* ratio of two rates that are not the same */
@@ -50,7 +50,8 @@ struct lag_grid {
     SETTING(type, place.part, 0, 1, 0, 0) SETTING(type, place.dead_times, 0, DEAD_TIMES, 0, 0)               \
     SETTING(type, place.lags, 0, LAGS, 0, 0) SETTING(type, place.shares, 0, LAGS, 0, 0)                      \
     SETTING(type, place.memory, 0, 1, 0, 0) SETTING(type, place.repeats, 0, 1, 0, 0)                         \
-    SETTING(type, place.log_lags, 0, LAGS, 0, 0) SETTING(type, place.slower, 0, RATES, 0, 0) SETTING(type, place.between, 0, 3, 0, 0)                     \
+    SETTING(type, place.log_lags, 0, LAGS, 0, 0) SETTING(type, place.slower, 0, RATES, 0, 0)                 \
+    SETTING(type, place.between, 0, 3, 0, 0)                                                                 \
     SETTING(type, place.resolution, 0, 1, 0, 0) SETTING(type, place.prior_dead_time, 0, 1, 0, 0)             \
     SETTING(type, place.prior_dead_time_deviation, 0, 1, 0, 0)                                               \
     SETTING(type, place.prior_lag_deviation, 0, 1, 0, 0) SETTING(type, place.prior_slower, 0, 1, 0, 0)       \
@@ -208,10 +209,33 @@ static void bank_change_rate(struct lag_bank *bank)
     }
 }
 
-/* Mean and deviation of a value from its sums over members: probabilities, times the value, times its square. */
-static inline double bank_mean(const double *sums, double between, double *deviation)
+/* Sums over members: of probabilities, and of those times what a member's row and lag stand for and its square. */
+struct bank_sums {
+    double all, row[2], lag[2];
+};
+
+static struct bank_sums bank_sum(const double *log_probability, int rows, const double *values, const double *log_lags)
 {
-    const double mean = sums[1] / sums[0], variance = sums[2] / sums[0] - mean * mean;
+    struct bank_sums sums = {0.0, {0.0, 0.0}, {0.0, 0.0}};
+    double most = -INFINITY;
+
+    for (int i = 0; i < rows * LAGS; ++i)
+        most = log_probability[i] > most ? log_probability[i] : most;
+    for (int i = 0; i < rows * LAGS; ++i) {
+        const double each = exp(log_probability[i] - most), value = values[i / LAGS], lag = log_lags[i % LAGS];
+        sums.all += each;
+        sums.row[0] += each * value;
+        sums.row[1] += each * value * value;
+        sums.lag[0] += each * lag;
+        sums.lag[1] += each * lag * lag;
+    }
+    return sums;
+}
+
+/* Mean and deviation of a value from its sums; between: its variance between two members. */
+static inline double bank_mean(double all, const double *sums, double between, double *deviation)
+{
+    const double mean = sums[0] / all, variance = sums[1] / all - mean * mean;
 
     *deviation = sqrt((variance > 0.0 ? variance : 0.0) + between);
     return mean;
@@ -220,32 +244,17 @@ static inline double bank_mean(const double *sums, double between, double *devia
 /* Find what is known of dead time, lag and rate. */
 static void bank_judge(struct lag_bank *bank, const struct lag_grid *grid)
 {
-    double log_probability[MEMBERS], sums[3][3] = {{0.0}};   /* of dead times and lags, by the first rows, and of rates */
+    double log_probability[MEMBERS];
 
     if (!(bank->weight > 0.0))
         return;
     bank_likelihoods(bank, grid, log_probability);
-    for (int j = 0; j < 3; j += 2) {
-        const double *values = j == 0 ? grid->dead_times : grid->slower;
-        const double *logs = log_probability + (j == 0 ? 0 : DEAD_TIMES * LAGS);
-        const int members = (j == 0 ? DEAD_TIMES : RATES) * LAGS;
-        double most = -INFINITY;
-        for (int i = 0; i < members; ++i)
-            most = logs[i] > most ? logs[i] : most;
-        for (int i = 0; i < members; ++i) {
-            const double each = exp(logs[i] - most), value = values[i / LAGS], lag = grid->log_lags[i % LAGS];
-            sums[j][0] += each;
-            sums[j][1] += each * value;
-            sums[j][2] += each * value * value;
-            sums[1][0] += j == 0 ? each : 0.0;
-            sums[1][1] += j == 0 ? each * lag : 0.0;
-            sums[1][2] += j == 0 ? each * lag * lag : 0.0;
-        }
-    }
-    bank->dead_time = bank_mean(sums[0], grid->between[0], &bank->dead_time_deviation);
-    bank->lag = exp(bank_mean(sums[1], grid->between[1], &bank->lag_deviation));
+    const struct bank_sums first = bank_sum(log_probability, DEAD_TIMES, grid->dead_times, grid->log_lags);
+    const struct bank_sums second = bank_sum(log_probability + DEAD_TIMES * LAGS, RATES, grid->slower, grid->log_lags);
+    bank->dead_time = bank_mean(first.all, first.row, grid->between[0], &bank->dead_time_deviation);
+    bank->lag = exp(bank_mean(first.all, first.lag, grid->between[1], &bank->lag_deviation));
     bank->lag_deviation *= bank->lag;
-    bank->rate = bank->prior_rate * exp(bank_mean(sums[2], grid->between[2], &bank->rate_deviation));
+    bank->rate = bank->prior_rate * exp(bank_mean(second.all, second.row, grid->between[2], &bank->rate_deviation));
     bank->rate_deviation *= bank->rate;
     bank_change_rate(bank);
 }

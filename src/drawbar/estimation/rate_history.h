@@ -6,16 +6,16 @@
 #include <math.h>
 #include <string.h>
 
-#define RATES 8                            /* samples that are kept */
+#define RATES_KEPT 8                       /* samples */
 
 struct rate_history {
-    double rates[RATES];                   /* newest first, rad/s */
+    double rates[RATES_KEPT];                   /* newest first, rad/s */
 };
 
 /* Take in the yaw rate of the sample before this one, rad/s. */
 static inline void rate_history_take(struct rate_history *history, double rate)
 {
-    memmove(history->rates + 1, history->rates, (RATES - 1) * sizeof(double));
+    memmove(history->rates + 1, history->rates, (RATES_KEPT - 1) * sizeof(double));
     history->rates[0] = rate;
 }
 
@@ -28,7 +28,7 @@ static inline double rate_history_brought_up(const struct rate_history *history,
 
     if (age == 0.0 || isnan(age))
         return told;
-    if (age < 0.0 || !(samples < RATES))
+    if (age < 0.0 || !(samples < RATES_KEPT))
         return NAN;
     const int k = (int)samples;
     const double newer = k > 0 ? history->rates[k - 1] : now;

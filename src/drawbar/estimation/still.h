@@ -42,7 +42,8 @@ static inline void still_take(struct still *still, double reported, double expec
     still->most = fmax(still->most, expected);
 }
 
-/* Whether what is expected has moved by so much beyond the sensor's resolution, or by twice as much. */
+/* Whether what is expected has moved meanwhile by more than `least` and the sensor's resolution, which counts as `least` at
+ * most. */
 static inline int still_missed(const struct still *still, double least)
 {
     const double resolution = still->finest > 0.0 ? fmin(still->finest, least) : least;
