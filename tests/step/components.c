@@ -104,11 +104,11 @@ int drawbar_estimator_begin(struct component *component, const struct drawbar_me
 }
 
 int drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
-                             struct drawbar_estimate *estimate, void *work)
+                             struct drawbar_estimate *estimate, struct lent *lent)
 {
     (void)component;
-    memset(((struct lent *)work)->memory, 0xFF, DRAWBAR_WORK_SIZE);
-    iterations = ((struct lent *)work)->iterations;
+    memset(lent->memory, 0xFF, DRAWBAR_WORK_SIZE);
+    iterations = lent->iterations;
     called('e');
     seen = *measurement;
     memset(estimate, 0, sizeof *estimate);
@@ -201,24 +201,24 @@ static int plan(double steering, struct drawbar_body_plan *made)
 
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, void *work)
+                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, struct lent *lent)
 {
     (void)component;
     (void)estimate;
     (void)reference;
-    memset(((struct lent *)work)->memory, 0xFF, DRAWBAR_WORK_SIZE);
+    memset(lent->memory, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour == NULL ? 't' : '?');
     return plan(seen.tractor_steering, made);
 }
 
 int drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, void *work)
+                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, struct lent *lent)
 {
     (void)component;
     (void)estimate;
     (void)reference;
-    memset(((struct lent *)work)->memory, 0xFF, DRAWBAR_WORK_SIZE);
+    memset(lent->memory, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour != NULL && neighbour->plan != NULL ? 'r' : '?');
     return plan(seen.trailer_steering, made);
 }

@@ -78,14 +78,14 @@ static void make_plan(struct component *component, struct drawbar_body_plan *pla
  * is the last plan that was solved, as long as there has been one, and the distance from it is not known. */
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
-                   struct drawbar_body_plan *plan, void *work)
+                   struct drawbar_body_plan *plan, struct lent *lent)
 {
     struct subsystem *body = &component->subsystem;
     struct rti *solver = &component->rti;
     double *first = STATE(solver->z, 0);
 
     take_in(component, estimate, reference, neighbour);
-    WATCHED(WATCHED_FEEDBACK, rti_feedback(solver, work));
+    WATCHED(WATCHED_FEEDBACK, rti_feedback(solver, lent));
     plan->status = iteration_leave(&body->iteration, solver);
     body->follows = plan->status == SOLVED;
     body->solved |= body->follows;

@@ -7,7 +7,6 @@
 #include <string.h>
 #include "admission.h"
 #include "components.h"
-#include "lent.h"
 #include "pace.h"
 #include "status.h"
 

@@ -40,27 +40,27 @@ static int spoil(struct drawbar_body_plan *plan)
 }
 
 int __wrap_drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
-                                    struct drawbar_estimate *estimate, void *work)
+                                    struct drawbar_estimate *estimate, struct lent *lent)
 {
-    const int status = __real_drawbar_estimator_update(component, measurement, estimate, work);
+    const int status = __real_drawbar_estimator_update(component, measurement, estimate, lent);
 
     return fails(ESTIMATOR_FAILS) ? (estimate->status = solver_faults.status) : status;
 }
 
 int __wrap_drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                     const struct drawbar_body_reference *reference,
-                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, void *work)
+                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, struct lent *lent)
 {
-    const int status = __real_drawbar_tractor_feedback(component, estimate, reference, neighbour, plan, work);
+    const int status = __real_drawbar_tractor_feedback(component, estimate, reference, neighbour, plan, lent);
 
     return fails(TRACTOR_FAILS) ? spoil(plan) : status;
 }
 
 int __wrap_drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                     const struct drawbar_body_reference *reference,
-                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, void *work)
+                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, struct lent *lent)
 {
-    const int status = __real_drawbar_trailer_feedback(component, estimate, reference, neighbour, plan, work);
+    const int status = __real_drawbar_trailer_feedback(component, estimate, reference, neighbour, plan, lent);
 
     return fails(TRAILER_FAILS) ? spoil(plan) : status;
 }
