@@ -17,9 +17,9 @@ struct solver_faults {
 
 static struct solver_faults solver_faults;
 
-typedef int update(struct component *, const struct drawbar_measurement *, struct drawbar_estimate *, void *);
+typedef int update(struct component *, const struct drawbar_measurement *, struct drawbar_estimate *, struct lent *);
 typedef int feedback(struct component *, const struct drawbar_estimate *, const struct drawbar_body_reference *,
-                     const struct drawbar_neighbour *, struct drawbar_body_plan *, void *);
+                     const struct drawbar_neighbour *, struct drawbar_body_plan *, struct lent *);
 
 update __real_drawbar_estimator_update, __wrap_drawbar_estimator_update;
 feedback __real_drawbar_tractor_feedback, __wrap_drawbar_tractor_feedback;
