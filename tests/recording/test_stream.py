@@ -1,13 +1,21 @@
 """Records are read one after the other, chunks unpacked ahead of them."""
 
+import struct
+from collections.abc import Iterator
 from io import BytesIO
+from itertools import pairwise
 from threading import Event
 from typing import Any
 
 import pytest
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.records import Chunk, MessageIndex
 
 from drawbar.recording import chunks, stream
-from drawbar.recording.chunks import CHUNK_HEAD, ChunkedWriter
+from drawbar.recording.chunks import CHUNK_HEAD, FRAME, ChunkedWriter
 from drawbar.recording.stream import LoggedMessage, read_records
 
 
@@ -31,6 +39,44 @@ def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_messages_come_in_their_order_with_topic_and_time() -> None:
     found = list(read_records(written(3)))
     assert found == [LoggedMessage("/step", number, number, bytes([number]) * 100, "") for number in range(3)]
+
+
+def test_messages_of_a_channel_stand_together_and_the_index_finds_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chunks, "CHUNK_BYTES", 400)
+    file = BytesIO()
+    writer = ChunkedWriter(file, profile="drawbar")
+    channels = [writer.add_channel(topic, "json", 0) for topic in ("/a", "/b")]
+    sent = [(channels[i % 3 == 1], i, bytes([i]) * (i + 1)) for i in range(40)]
+    for channel, number, data in sent:
+        writer.add_message(channel, data, sequence=number, log_time=number, publish_time=number)
+    writer.finish()
+    file.seek(0)
+    found = list(read_records(file))
+    for topic, channel in zip(("/a", "/b"), channels, strict=True):
+        mine = [(each.publish_time, each.data) for each in found if each.topic == topic]
+        assert mine == [(number, data) for each, number, data in sent if each == channel]
+    assert sum(a.topic != b.topic for a, b in pairwise(found)) < sum(a[0] != b[0] for a, b in pairwise(sent)) / 2
+    assert sorted(indexed(file)) == [(number, channel) for channel, number, _ in sent]
+
+
+def indexed(file: BytesIO) -> Iterator[tuple[int, int]]:
+    """Yield time and channel of each message to which the indices of the file's chunks lead."""
+    file.seek(0)
+    summary = make_reader(file).get_summary()
+    assert summary is not None
+    for chunk in summary.chunk_indexes:
+        data = zstandard.decompress(record(file, chunk.chunk_start_offset, Chunk).data)
+        for channel, place in chunk.message_index_offsets.items():
+            for time, offset in record(file, place, MessageIndex).records:
+                code, _, of, _, stamp = struct.unpack_from("<BQHIQ", data, offset)
+                assert (code, of, stamp) == (Opcode.MESSAGE, channel, time)
+                yield time, channel
+
+
+def record(file: BytesIO, place: int, kind: Any) -> Any:
+    """Return a record that stands at a place."""
+    file.seek(place + FRAME.size)
+    return kind.read(ReadDataStream(file))
 
 
 def test_a_file_cut_at_any_byte_has_the_chunks_before_it() -> None:

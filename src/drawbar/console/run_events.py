@@ -68,16 +68,18 @@ def run_events(log: Path, words: Words, *, is_on: bool = False) -> list[RunEvent
     try:
         with log.open("rb") as stream:
             messages = (each for each in read_records(stream) if isinstance(each, LoggedMessage))
-            return list(_events(messages, words, is_on=is_on))
+            return sorted(_events(messages, words, is_on=is_on), key=lambda event: event.time)
     except (OSError, DamagedLogError, msgspec.MsgspecError) as error:
         raise DrawbarError(f"{log}: cannot be read ({error})") from error
 
 
 def _events(messages: Iterator[LoggedMessage], words: Words, *, is_on: bool) -> Iterator[RunEvent]:
-    time, last, heard = 0.0, None, set()
+    """Yield what happened; events of one topic in the order of their times."""
+    end, last, heard = 0.0, None, set()
     gate, asked = msgspec.json.Decoder(_Gate), msgspec.json.Decoder(_Asked)
     for message in messages:
         time = message.publish_time * 1e-9
+        end = max(end, time)
         if message.topic == "/gate":
             now = gate.decode(message.data)
             if last is None or now.state != last.state:
@@ -92,7 +94,7 @@ def _events(messages: Iterator[LoggedMessage], words: Words, *, is_on: bool) -> 
                 heard.add(wish.nonce)
                 yield RunEvent(time=time, text=_wished(action, wish.value, words))
     if last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, and that is recorded
-        yield RunEvent(time=time, text=words("record_ends"))
+        yield RunEvent(time=end, text=words("record_ends"))
 
 
 def _became(now: _Gate, words: Words) -> str:

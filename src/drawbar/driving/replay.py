@@ -62,17 +62,19 @@ def _fixes(records: Iterator[DriveRecord], configuration: Configuration, header:
     """Return what the receivers say, by sequence, from their bytes."""
     lines = {device.topic: MemoryTransport() for device in Device}
     navigation, found = _navigation(configuration, header, lines), dict[int, Fixes]()
-    pieces: deque[RawBytes] = deque()
+    pieces, looks = deque[RawBytes](), list[Happening]()
     for record in records:
+        if isinstance(record, Damage):
+            break
         if isinstance(record, RawBytes) and record.direction is Direction.IN:
             pieces.append(record)
-        elif isinstance(record, Damage):
-            break
         elif isinstance(record, Happening) and record.kind is Kind.LOOK:
-            for _ in range(min(record.sequence, len(pieces))):
-                piece = pieces.popleft()
-                lines[piece.device].arrive(seconds(piece.time), piece.data, piece.source)
-            found |= {fixes.sequence: fixes for fixes in navigation.poll(seconds(record.time))}
+            looks.append(record)
+    for look in looks:
+        for _ in range(min(look.sequence, len(pieces))):
+            piece = pieces.popleft()
+            lines[piece.device].arrive(seconds(piece.time), piece.data, piece.source)
+        found |= {fixes.sequence: fixes for fixes in navigation.poll(seconds(look.time))}
     return found
 
 

@@ -1,7 +1,8 @@
 """Chunks of an MCAP file (https://mcap.dev/spec) that is written: compressed, and yet readable while they grow.
 
 A chunk grows as it is, behind a header with an impossible length; what has come is flushed to the operating system when
-the caller asks. When the chunk is full one zstd frame takes its place, in steps after each of which the file is whole.
+the caller asks. When the chunk is full one zstd frame takes its place, in steps after each of which the file is whole;
+in the frame the messages of each channel stand together, as they came, which is a tenth shorter in a drive's log.
 A killed process leaves a last chunk that says it is endless: readers (stream.py) take from it what is there.
 """
 
@@ -254,7 +255,7 @@ class _Chunk:
         times = [entries[::2] for entries in self._messages.values()]
         span = min(map(min, times)), max(map(max, times))
         with self._records.getbuffer() as records:
-            content = self._compressor.compress(records[: self.size])
+            content = self._compressor.compress(self._by_channel(records[: self.size]))
         head = _chunk_head(_HEADED + len(COMPRESSION) + len(content), span, self.size, COMPRESSION, len(content))
         start = self._put(head + content)
         behind = start + len(head) + len(content)
@@ -275,6 +276,18 @@ class _Chunk:
             message_index_offsets=offsets,
             uncompressed_size=self.size,
         )
+
+    def _by_channel(self, records: memoryview) -> bytes | memoryview:
+        """Return the records with those of a channel together, and note where each lies now."""
+        if len(self._messages) == 1:
+            return records
+        together, place = list[memoryview](), 0
+        for entries in self._messages.values():
+            for i in range(1, len(entries), 2):
+                begin, (_, length) = entries[i], FRAME.unpack_from(records, entries[i])
+                together.append(records[begin : begin + FRAME.size + length])
+                entries[i], place = place, place + FRAME.size + length
+        return b"".join(together)
 
     def _put(self, record: bytes) -> int:
         """Write the complete chunk; return where it begins."""

@@ -128,7 +128,7 @@ def pack_message(message: Message) -> bytes:
 
 @contextmanager
 def open_drive(file: Path) -> Iterator[Iterator[DriveRecord]]:
-    """Read the records of a drive's log in the order in which they were written, as a context.
+    """Read the records of a drive's log as a context; those of a kind in the order in which they were written.
 
     Raises DrawbarError when the file cannot be read or is damaged; the iterator, when it is no log of a drive.
     """

@@ -45,7 +45,9 @@ Logged = LoggedMessage | Attachment | Metadata | Damage
 
 
 def read_records(stream: BinaryIO) -> Iterator[Logged]:
-    """Yield messages, attachments and metadata in the order in which they were written, and damage where it is.
+    """Yield messages, attachments and metadata as they stand in the file, and damage where it is.
+
+    Messages of a channel come in the order in which they were written, those of different channels may not.
 
     An attachment that does not match its checksum comes behind its damage.
 
