@@ -272,12 +272,13 @@ def test_a_sample_that_is_missing_altogether_is_the_prediction(recording):
 
 def test_what_overflows_leaves_the_prediction_and_says_so(model, recording):
     estimator = ExtendedKalmanFilter(model, recording[0])
-    for measurement in recording[:60]:
+    false = [replace(measurement, speed=1.7e308) for measurement in recording[60:62]]  # one alone is masked
+    for measurement in [*recording[:60], false[0]]:
         estimator.update(measurement)
         estimator.prepare()
     predicted = estimator.state.copy()
     estimator.state[10] = -1.7e308  # the speed, of both models
-    broken = estimator.update(replace(recording[60], speed=1.7e308))
+    broken = estimator.update(false[1])
     assert broken.status is SolverStatus.NOT_FINITE
     assert (estimator.state[:10] == predicted[:10]).all()
 

@@ -109,14 +109,14 @@ def test_a_sample_that_is_missing_altogether_is_predicted(model, travel, measure
 
 
 def test_a_failing_solver_leaves_the_prediction_and_says_so(model, recording, follow):
-    broken = [*recording[:60], replace(recording[60], speed=1e308)]  # finite, but not once it is weighed
-    estimates = follow(model, broken)
-    assert estimates[59].status is SolverStatus.SOLVED
-    assert estimates[60].status is not SolverStatus.SOLVED
-    step = math.hypot(
-        estimates[60].tractor.x - estimates[59].tractor.x, estimates[60].tractor.y - estimates[59].tractor.y
-    )
-    speed = estimates[59].longitudinal_slip * estimates[59].speed
+    false = [
+        replace(measurement, speed=1e308) for measurement in recording[60:62]
+    ]  # finite, but not once it is weighed
+    *_, masked, failed = follow(model, [*recording[:60], *false])
+    assert masked.status is SolverStatus.SOLVED
+    assert failed.status is not SolverStatus.SOLVED
+    step = math.hypot(failed.tractor.x - masked.tractor.x, failed.tractor.y - masked.tractor.y)
+    speed = masked.longitudinal_slip * masked.speed
     assert step == pytest.approx(0.2 * speed, rel=0.01)
 
 

@@ -26,11 +26,11 @@ from drawbar.guidance.path import Path as DrivenPath
 from drawbar.signals import Command, Diagnostics, Flag, Measurement, Status, Truth
 from drawbar.simulation import Simulation
 
-SOLVE = "WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, work));"
+SOLVE = "WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, lent));"
 SPOILT = """if (UNIT(fails))
         component->rti.status = CHECK_FAILED;
     else
-        rti_feedback(&component->rti, work);"""
+        rti_feedback(&component->rti, lent);"""
 EIGHT = ("path.radii=[8.0]",)
 _MEASUREMENT, _COMMAND, _DIAGNOSTICS = Layout(Measurement), Layout(Command), Layout(Diagnostics)
 
@@ -38,9 +38,7 @@ _MEASUREMENT, _COMMAND, _DIAGNOSTICS = Layout(Measurement), Layout(Command), Lay
 def spoilt_sources() -> dict[str, str]:
     """Return the headers with solvers that fail on command."""
     texts = dict(compiled_cache.runtime_sources())
-    texts["subsystem_phases.h"] = texts["subsystem_phases.h"].replace(
-        "WATCHED(WATCHED_FEEDBACK, rti_feedback(solver, work));", SOLVE
-    )
+    texts["subsystem_phases.h"] = texts["subsystem_phases.h"].replace(SOLVE.replace("&component->rti", "solver"), SOLVE)
     for name in ("subsystem_phases.h", "moving_horizon.h"):
         assert SOLVE in texts[name]
         text = texts[name].replace(SOLVE, SPOILT)

@@ -40,9 +40,9 @@ class Controller(Alone):
         """Do what can be done before the next estimate."""
         return self.call("ready")
 
-    def skip(self) -> int:
-        """Let a sample pass that was left out."""
-        return self.call("skip")
+    def skip(self, samples: int = 1) -> int:
+        """Let samples pass that were left out."""
+        return self.call("skip", samples)
 
 
 class SubsystemController(Controller):
