@@ -174,7 +174,7 @@ def corrections(
 def test_attitude_that_ends_fades_out_and_one_that_returns_fades_in() -> None:
     missing = math.nan
     rolls = [0.1] * 20 + [missing] * 30 + [-0.1] * 30
-    vehicle = VehicleParameters(masts=Masts(tractor=Mast(up=2.5)))
+    vehicle = VehicleParameters(masts=Masts(tractor=Mast(up=2.5, roll_deviation=0.0)))
     added = [tractor for tractor, _ in corrections(Alignment(vehicle), rolls)]
     full = 2.5 * math.sin(0.1)
     assert added[:22] == pytest.approx([full] * 22)  # up to half a second
@@ -185,7 +185,7 @@ def test_attitude_that_ends_fades_out_and_one_that_returns_fades_in() -> None:
 
 @pytest.mark.parametrize("age", [-1e9, -100.0, 1e9, math.inf, math.nan])
 def test_one_attitude_of_a_wrong_age_is_dropped_and_the_next_ones_count(age: float) -> None:
-    vehicle = VehicleParameters(masts=Masts(tractor=Mast(up=2.5)))
+    vehicle = VehicleParameters(masts=Masts(tractor=Mast(up=2.5, roll_deviation=0.0)))
     rolls = [0.1] * 10 + [-0.3] + [0.1] * 10 + [-0.1] * 40
     added = [tractor for tractor, _ in corrections(Alignment(vehicle), rolls, ages={10: age})]
     full = 2.5 * math.sin(0.1)

@@ -4,7 +4,7 @@ from alone import Alone
 from c_signals import given, room, taken
 
 from drawbar.estimation.alignment import alignment_unit
-from drawbar.signals import Estimate, Measurement
+from drawbar.signals import Actuation, Estimate, Measurement
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -29,3 +29,9 @@ class Alignment(Alone):
         aligned = room(Measurement)
         self.status = self.call("apply", given(measurement), given(last), given(expected), aligned)
         return taken(Measurement, aligned)
+
+    def told(self) -> Actuation:
+        """Return what is found of the sensors; zero where that is of the steerings."""
+        found = room(Actuation)
+        self.call("tell", found)
+        return taken(Actuation, found)

@@ -71,10 +71,10 @@ int drawbar_alignment_begin(struct component *component, const struct drawbar_me
     return 0;
 }
 
-double drawbar_alignment_latency(const struct component *component)
+void drawbar_alignment_tell(const struct component *component, struct drawbar_actuation *found)
 {
     (void)component;
-    return 0.0;
+    (void)found;
 }
 
 int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,

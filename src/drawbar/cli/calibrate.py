@@ -119,10 +119,11 @@ def _tell(found: "Found") -> None:
 
 
 def identify(log: RunLogFile) -> None:
-    """Find dead time, lag and rate of both steerings, and how late fixes were, in the log of a run or a drive."""
+    """Find dead time, lag and rate of both steerings, late fixes and askew roll sensors in a log."""
     from drawbar.config import recorded_configuration
     from drawbar.estimation.identification import identify as evaluate
     from drawbar.recording.log import read_log
+    from drawbar.report.masts import mounting_text
     from drawbar.signals import Flag
 
     content = read_log(log)
@@ -142,6 +143,9 @@ def identify(log: RunLogFile) -> None:
         f"vehicle.trailer_steering_rate = {recorded.vehicle.trailer_steering_rate:.3g} rad/s",
         soft_wrap=True,
     )
+    for body in ("tractor", "trailer"):
+        if text := mounting_text(content, body):
+            console.print(text, soft_wrap=True)
     latency = steered[-1].actuation.fix_latency
     if latency > _NOTED_LATENCY:
         console.print(

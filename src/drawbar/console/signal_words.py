@@ -35,6 +35,12 @@ QUANTITIES: Mapping[str, tuple[str, str, str]] = {
     "steering": ("Steering angle", "Lenkwinkel", "rad"),
     "roll": ("Roll, right side down", "Wanken, rechts tief", "rad"),
     "pitch": ("Pitch, nose up", "Nicken, vorn hoch", "rad"),
+    "roll_offset": (
+        "Roll shown while level, beyond what is stated",
+        "Wanken im Lot, über das Angegebene hinaus",
+        "rad",
+    ),
+    "roll_deviation": ("Uncertainty of that roll", "Unsicherheit dieses Wankens", "rad"),
     "yaw_rate": ("Yaw rate", "Drehrate", "rad/s"),
     "fix_deviation": ("Uncertainty of the fix", "Unsicherheit der Position", "m"),
     "fix_quality": ("Quality of the fix, 5 is RTK fixed", "Güte der Position, 5 ist RTK Fix", ""),

@@ -22,6 +22,8 @@ _OPPOSITE = math.radians(10.0)
 """by which the way back may differ from the opposite of the way there, rad"""
 _SAME_TRACK = 2.0
 """farthest of the way back from the way there, m"""
+_WHEEL_MARKS = 0.02
+"""standard deviation with which a driver meets the same wheel marks, m"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,7 +175,9 @@ def _roll(drive: HandDrive, *, up: float, left: float) -> Found:
         return np.asarray(north * math.cos(yaw) - east * math.sin(yaw), float)
 
     value = mounting_roll((there.times, across(there)), (back.times, across(back)), height=up)
-    sets = {"vehicle.masts.tractor.roll_offset": value.value} if value.accepted else {}
+    known = math.hypot(value.deviation, _WHEEL_MARKS / (2.0 * up))
+    mast = "vehicle.masts.tractor"
+    sets = {f"{mast}.roll_offset": value.value, f"{mast}.roll_deviation": round(known, 5)} if value.accepted else {}
     return Found(name="tractor: mounting roll", value=value, sets=sets)
 
 

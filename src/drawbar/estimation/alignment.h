@@ -83,7 +83,13 @@ static inline double age_of_fix(const struct component *alignment, double told)
     return age >= 0.0 && age <= OLDEST ? age : NAN;
 }
 
-/* Roll and pitch of a body's sensor, without its offsets. */
+/* What the roll sensor of a body shows while it stands level, beyond the stated offset, as far as it is found. */
+static inline struct roll_zero roll_zero(const struct component *alignment, int body)
+{
+    return lean_bank_zero(&alignment->leans.bank, body, alignment->masts[body].roll_deviation);
+}
+
+/* Roll and pitch of a body's sensor, without its offsets and what is found of the roll's beyond. */
 static inline void take_attitude(struct component *alignment, int body, const struct since *since, double age,
                                  double told_roll, double told_pitch)
 {
@@ -92,7 +98,8 @@ static inline void take_attitude(struct component *alignment, int body, const st
     const double last = body == ALIGNED_TRACTOR ? since->last->tractor.yaw : since->last->trailer.yaw;
     const double now = body == ALIGNED_TRACTOR ? since->expected->tractor.yaw : since->expected->trailer.yaw;
 
-    if (attitude_take(&alignment->tracks[body], since->now, age, roll, pitch))
+    const double zero = roll_zero_shown(roll_zero(alignment, body));
+    if (attitude_take(&alignment->tracks[body], since->now, age, roll - zero, pitch))
         lean_watch_attitude(&alignment->leans, body, at_age(since, age, last, now), roll, pitch, since->elapsed);
 }
 
@@ -345,10 +352,16 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
     return 0;
 }
 
-/* By how much fixes are later than was told, s. */
-double UNIT(latency)(const struct component *alignment)
+/* What is found of the sensors: by how much fixes are later than was told, and how the roll sensors are mounted. */
+void UNIT(tell)(const struct component *alignment, struct drawbar_actuation *found)
 {
-    return fmax(alignment->yaw_rate.latency, 0.0);
+    const struct roll_zero tractor = roll_zero(alignment, ALIGNED_TRACTOR), trailer = roll_zero(alignment, ALIGNED_TRAILER);
+
+    found->fix_latency = fmax(alignment->yaw_rate.latency, 0.0);
+    found->tractor_roll_offset = tractor.value;
+    found->tractor_roll_deviation = tractor.deviation;
+    found->trailer_roll_offset = trailer.value;
+    found->trailer_roll_deviation = trailer.deviation;
 }
 
 /* Align a measurement; returns 0 or the status with which the run ends. last: the newest estimate; expected: the one that

@@ -24,7 +24,7 @@ enum { ROLL, PITCH };
 #define LEAN_NOISE (1.0 * DRAWBAR_PI / 180.0)       /* deviation of a lean from the slope's, at least, rad */
 #define LEAN_ALIKE 3.0                     /* way on which leans are alike, m */
 #define LEAN_LATELY 30.0                   /* way over which their deviation is averaged, m */
-#define LEAN_SURGE 3.0                     /* times their deviation that one counts at most */
+#define LEAN_SURGE 3.0                     /* times its deviation that one counts at most */
 #define LEAN_CERTAIN 7.0                   /* logarithm of odds from which on a hypothesis holds, */
 #define LEAN_CLOSE 2.0                     /* and by which another is as good, */
 #define LEAN_MOST 16.0                     /* and from which on it stands for a sign that changes now */
@@ -89,8 +89,9 @@ static inline void lean_bank_angle(struct lean_bank *bank, int body, int angle, 
         const double error = lean_sign(h, body, angle) * told - lean_of(&row, bank->states[h]);
         bank->against[h] += 0.5 * error * error / variance;
         least = fmin(least, error * error);
+        const double counts = clamped(error, -LEAN_SURGE * sqrt(variance), LEAN_SURGE * sqrt(variance));
         for (int i = 0; i < LEANS; ++i)
-            bank->states[h][i] += gain[i] / variance * error;
+            bank->states[h][i] += gain[i] / variance * counts;
     }
     for (int i = 0; i < LEANS; ++i)
         for (int j = 0; j < LEANS; ++j)
@@ -150,6 +151,32 @@ static inline double lean_bank_roll(const struct lean_bank *bank, int body, doub
     const struct lean_row row = lean_row(body, ROLL, yaw);
 
     return lean_sign(likeliest, body, ROLL) * lean_of(&row, bank->states[likeliest]);
+}
+
+struct roll_zero {
+    double value, deviation;               /* rad */
+};
+
+/* What the roll sensor of a body shows while it stands level, where it was mounted level but for a deviation (rad): what the
+ * bank has found, with that in the place of its own first deviation (docs/theory/lever-arm.md). */
+static inline struct roll_zero lean_bank_zero(const struct lean_bank *bank, int body, double stated)
+{
+    const int place = ZEROS + 2 * body + ROLL, likeliest = lean_bank_likeliest(bank);
+    const double found = lean_sign(likeliest, body, ROLL) * bank->states[likeliest][place];
+    const double variance = bank->covariance[place][place], shown = 1.0 / variance - 1.0 / (ZERO_FIRST * ZERO_FIRST);
+
+    if (!bank->begun || !(stated > 0.0) || !(shown > 0.0))
+        return (struct roll_zero){0.0, stated};
+    const double known = 1.0 / (shown + 1.0 / (stated * stated));
+    return (struct roll_zero){found / variance * known, sqrt(known)};
+}
+
+/* What of it is taken off: nothing where it may as well be nothing, nearly all where it is some deviations, rad. */
+static inline double roll_zero_shown(struct roll_zero zero)
+{
+    const double doubt = zero.deviation / zero.value;
+
+    return zero.value * zero.value > zero.deviation * zero.deviation ? zero.value * (1.0 - doubt * doubt) : 0.0;
 }
 
 /* Whether the roll of a body is reversed: bodies whose signs do not show apart from each other are all named. */

@@ -7,12 +7,13 @@
 struct mast {
     double forward, left, up;              /* of the antenna from the point, along the body's axes, m */
     double roll_offset, pitch_offset;      /* what the attitude sensor shows while the body stands level, rad */
+    double roll_deviation;                 /* standard deviation of the roll offset, rad */
 };
 
 #define MAST_FIELDS(type, place)                                                                             \
     SETTING(type, place.forward, 0, 1, 0, 0) SETTING(type, place.left, 0, 1, 0, 0)                           \
     SETTING(type, place.up, 0, 1, 0, 0) SETTING(type, place.roll_offset, 0, 1, 0, 0)                         \
-    SETTING(type, place.pitch_offset, 0, 1, 0, 0)
+    SETTING(type, place.pitch_offset, 0, 1, 0, 0) SETTING(type, place.roll_deviation, 0, 1, 0, 0)
 
 /* How far east and north of its body's point an antenna stands, m, where the body is turned by R = Rz(yaw) Ry(-pitch)
  * Rx(roll): roll right side down positive, pitch nose up positive, rad. */

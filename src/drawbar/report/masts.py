@@ -11,6 +11,8 @@ from drawbar.vehicle.parameters import VehicleParameters
 SOFT = 0.36
 """Side-slip per angle of a slope on soft soil, which the estimated side-slips are taken for; on firm soil the slope is
 steeper than that suggests"""
+_NOTED = 2.0
+"""Standard deviations that an offset has to be away from what is stated to be told"""
 _TURNED = 0.3
 """Standard deviation of the headings' cosines and sines from which on the world's part of the side-slips shows"""
 _LEAST = 0.3
@@ -36,6 +38,21 @@ def doubt_text(tractor: float, trailer: float) -> str:
     doubts = {"tractor": tractor, "trailer": trailer}
     told = [f"{body} {100.0 * doubt:.0f} cm" for body, doubt in doubts.items() if doubt > 0.0]
     return f"without an attitude sensor the masts may mislead: {', '.join(told)}" if told else ""
+
+
+def mounting_text(log: Columns, body: str) -> str:
+    """Return what was found of how a roll sensor is mounted; empty where it may as well be as stated."""
+    steps = (log.column(f"actuation.{body}_roll_{name}")[-1:] for name in ("offset", "deviation"))
+    offset, deviation = (math.degrees(last[0]) if last.size else math.nan for last in steps)
+    if not abs(offset) > _NOTED * deviation:
+        return ""
+    mast = f"vehicle.masts.{body}"
+    stated = math.degrees(getattr(log.header.vehicle.masts, body).roll_offset)
+    return (
+        f"the {body}'s roll sensor shows {stated + offset:.1f}° ± {deviation:.1f}° while it stands level, which is "
+        f"corrected for; {mast}.roll_offset = {math.radians(stated + offset):.4f} and {mast}.roll_deviation = "
+        f"{math.radians(deviation):.4f} let the next run begin with it"
+    )
 
 
 def _measured(log: Columns, body: str) -> bool:

@@ -17,7 +17,7 @@ from drawbar.report.figures import (
     steering_figure,
 )
 from drawbar.report.map import map_figure
-from drawbar.report.masts import doubt_text, mast_doubt
+from drawbar.report.masts import doubt_text, mast_doubt, mounting_text
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.scene import scene_figure
 from drawbar.report.style import Figure
@@ -98,9 +98,10 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
 
 
 def _doubt(log: Columns) -> str:
-    """Say by how much masts may mislead where nothing tells how the bodies lean."""
-    found = doubt_text(mast_doubt(log, "tractor"), mast_doubt(log, "trailer"))
-    return f" {found[0].upper()}{found[1:]}." if found else ""
+    """Say by how much masts may mislead where nothing tells how the bodies lean, and which roll sensors are askew."""
+    doubt = doubt_text(mast_doubt(log, "tractor"), mast_doubt(log, "trailer"))
+    found = [doubt, *(mounting_text(log, body) for body in ("tractor", "trailer"))]
+    return "".join(f" {text[0].upper()}{text[1:]}." for text in found if text)
 
 
 def _steering(log: Columns) -> list[Section]:

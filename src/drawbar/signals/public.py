@@ -224,7 +224,7 @@ class BodyActuation:
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Actuation:
-    """What is known of both steerings and of late fixes, and what is planned with; zero where nobody looks."""
+    """What is found of steerings, late fixes and roll sensors, and what is planned with; zero where nobody looks."""
 
     tractor: BodyActuation = BodyActuation()
     """front wheels"""
@@ -242,3 +242,11 @@ class Actuation:
     """for which is planned"""
     fix_latency: Seconds = 0.0
     """by which fixes are later than their receivers or `sensors.fixes.age` tell, as the yaw-rate sensor shows"""
+    tractor_roll_offset: Radians = 0.0
+    """what the tractor's attitude sensor shows as roll while it stands level, beyond the stated offset"""
+    tractor_roll_deviation: Radians = 0.0
+    """standard deviation"""
+    trailer_roll_offset: Radians = 0.0
+    """what the trailer's attitude sensor shows as roll while it stands level, beyond the stated offset"""
+    trailer_roll_deviation: Radians = 0.0
+    """standard deviation"""

@@ -30,7 +30,7 @@ struct component;                          /* another one in each unit */
 int drawbar_alignment_initialise(struct component *component);
 int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
                             struct drawbar_measurement *aligned);
-double drawbar_alignment_latency(const struct component *component);
+void drawbar_alignment_tell(const struct component *component, struct drawbar_actuation *found);
 int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
                             const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                             struct drawbar_measurement *aligned);

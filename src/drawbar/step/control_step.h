@@ -255,7 +255,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     const int leans = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
     if (leans)
         return end_run(a, leans, command);
-    a->known.fix_latency = drawbar_alignment_latency(COMPONENT(a->alignment));
+    drawbar_alignment_tell(COMPONENT(a->alignment), &a->known);
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
           drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, &lent));
     d->estimator = made->estimate.status;

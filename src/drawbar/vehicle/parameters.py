@@ -24,6 +24,9 @@ class Mast(Settings):
     """what the body's attitude sensor shows as roll while the body stands level, rad"""
     pitch_offset: Angle = 0.0
     """what it shows as pitch, rad"""
+    roll_deviation: Annotated[float, Field(ge=0.0, le=math.radians(5.0), allow_inf_nan=False)] = math.radians(0.7)
+    """standard deviation of `roll_offset`, which is corrected while driving as far as turns on slopes show it; 0: it is
+    exact, rad"""
 
     @property
     def arm(self) -> tuple[float, float, float]:

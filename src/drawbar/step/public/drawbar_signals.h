@@ -251,7 +251,7 @@ struct drawbar_body_actuation {
     double rate_deviation;              /* standard deviation, rad/s */
 };
 
-/* What is known of both steerings and of late fixes, and what is planned with; zero where nobody looks. */
+/* What is found of steerings, late fixes and roll sensors, and what is planned with; zero where nobody looks. */
 struct drawbar_actuation {
     struct drawbar_body_actuation tractor; /* front wheels */
     struct drawbar_body_actuation trailer; /* actuated joint */
@@ -263,6 +263,12 @@ struct drawbar_actuation {
     double trailer_rate;                /* for which is planned, rad/s */
     double fix_latency;                 /* by which fixes are later than their receivers or `sensors.fixes.age`
                                          * tell, as the yaw-rate sensor shows, s */
+    double tractor_roll_offset;         /* what the tractor's attitude sensor shows as roll while it stands level,
+                                         * beyond the stated offset, rad */
+    double tractor_roll_deviation;      /* standard deviation, rad */
+    double trailer_roll_offset;         /* what the trailer's attitude sensor shows as roll while it stands level,
+                                         * beyond the stated offset, rad */
+    double trailer_roll_deviation;      /* standard deviation, rad */
 };
 
 #endif
