@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import count
 from types import SimpleNamespace
 
 import pytest
@@ -14,6 +15,8 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 DEGREE = math.pi / 180.0
 SEEN = measured(1.0, 2.0, 3.0, 4.0, hitch_angle=0.1, speed=1.0)
+FINE = count()
+"""a sensor that hardly ever repeats itself to the last bit"""
 
 
 def step(
@@ -24,13 +27,15 @@ def step(
     speed=1.0,
     tractor=(1.0, 2.0),
     trailer=(3.0, 4.0),
+    measured_hitch=None,
 ):
     estimate = SimpleNamespace(
         hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status,
         tractor=SimpleNamespace(x=tractor[0], y=tractor[1]), trailer=SimpleNamespace(x=trailer[0], y=trailer[1]),
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
     )  # fmt: skip
-    return SimpleNamespace(measurement=replace(SEEN, speed=speed), estimate=estimate)
+    angle = 0.1 + 1e-9 * (next(FINE) % 7) if measured_hitch is None else measured_hitch
+    return SimpleNamespace(measurement=replace(SEEN, speed=speed, hitch_angle=angle), estimate=estimate)
 
 
 def doubts(record, times=DOUBTED, *, engaged=True):
@@ -201,7 +206,20 @@ def test_what_is_near_missing_or_not_estimated_is_no_contradiction(record):
 def test_a_hitch_sensor_that_stands_still_while_the_estimate_turns_is_stuck():
     found = Doubts(SanitySettings(), VehicleParameters(), 0.2)
     for angle in (0.1, 0.12, 0.14, 0.16, 0.18, 0.18):
-        found.look(step(hitch=angle), engaged=True)
+        found.look(step(hitch=angle, measured_hitch=0.1), engaged=True)
         assert not found.trailer
-    found.look(step(hitch=0.18), engaged=True)
+    found.look(step(hitch=0.18, measured_hitch=0.1), engaged=True)
     assert found.trailer
+
+
+@pytest.mark.parametrize(("usual", "turn", "after"), [(1, 1.6, 4), (1, 1.3, math.inf), (3, 1.6, 6), (8, 1.6, math.inf)])
+def test_one_that_hardly_ever_repeats_itself_is_stuck_after_a_small_turn(usual, turn, after):
+    """`usual`: samples for which it usually shows the same angle, in steps of 1 degree."""
+    found = on_calm_ground(time=0.0)
+    for i in range(96):
+        found.look(step(measured_hitch=0.1 + DEGREE * (i // usual % 2)), engaged=True)
+        assert not found.exist
+    last = 0.1 + DEGREE * (95 // usual % 2)
+    for i in range(1, 13):
+        found.look(step(hitch=last - turn * DEGREE * (i > 1), measured_hitch=last), engaged=True)
+        assert found.exist is (i >= after)

@@ -136,7 +136,11 @@ def run(*changes: str) -> tuple[float, Actuation, str]:
     with Simulation(load_configuration("articulated", [*FIELD, ASKEW, *changes]), seed=2) as simulation:
         log = simulation.log()
     errors = np.abs(true_path_errors(log).tractor.error)
-    return float(np.nanmean(errors[len(errors) // 2 :])), log.records[-1].actuation, mounting_text(log, "tractor") + mounting_text(log, "trailer")
+    return (
+        float(np.nanmean(errors[len(errors) // 2 :])),
+        log.records[-1].actuation,
+        mounting_text(log, "tractor") + mounting_text(log, "trailer"),
+    )
 
 
 def test_a_run_with_a_roll_sensor_that_is_askew_finds_it() -> None:

@@ -36,6 +36,7 @@ ENDS = {
     "late": (lambda b: setattr(b, "late", 0.11), FAULT, Cause.GATE_LATE, 0.05),
     "late nan": (lambda b: setattr(b, "late", math.nan), FAULT, Cause.GATE_LATE, 0.05),
     "unsent": (lambda b: setattr(b.transport, "works", False), FAULT, Cause.NOT_SENT, 0.1),
+    "astray": (lambda b: b.controller.update(status=int(Status.STEERING)), FAULT, Cause.STEERING_STUCK, 0.05),
     "folded": (lambda b: b.controller.update(hitch_angle=-1.06), FAULT, Cause.HITCH_FOLDED, 0.05),
     "hitch unknown": (lambda b: b.controller.update(hitch_angle=math.nan), FAULT, Cause.HITCH_FOLDED, 0.05),
     "override": (lambda b: b.trailer.changes.update(overridden=True), OVERRIDE, Cause.OPERATOR_STEERS, 0.05),

@@ -45,6 +45,10 @@ _MOVES = 0.1
 """speed below which nothing is learned of the ground, m/s"""
 _TURNED = 0.5
 """share of the limit of a single hitch angle by which the estimate turns while a stuck sensor does not"""
+_SHIFTED = math.radians(0.7)
+"""by which it turns while a sensor stands still that hardly ever repeats itself, beside its resolution, rad"""
+_FINE, _MORE, _KNOWN = 4, 4, 50
+"""of such a one: repetitions in a row at most, how many more than twice that it never has, samples until it is known"""
 
 
 class _Antenna:
@@ -69,20 +73,37 @@ class _Antenna:
 
 
 class _Stuck:
-    """Whether the hitch sensor reports the very same angle although the estimate has turned away from it."""
+    """Whether the hitch sensor reports the very same angle although the estimate turns.
+
+    As estimation/still.h, which the control step goes by, a sample sooner.
+    """
 
     def __init__(self, limit: float) -> None:
         """Begin without a sample; `limit` of the estimate's turn in rad."""
-        self._limit, self._still, self._first = limit, math.nan, math.nan
-        self._samples = 0
+        self._limit, self._still, self._finest = limit, math.nan, math.inf
+        self._least = self._most = math.nan
+        self._repeated = self._longest = self._known = self._samples = 0
 
-    def look(self, measured: float, estimated: float) -> bool:
+    def look(self, measured: float, estimated: float, *, moves: bool) -> bool:
         """Take in both angles, rad; return whether it is stuck."""
-        if measured != self._still:  # also when it is missing
-            self._still, self._first = measured, estimated
-        turned, away = abs(wrap(estimated - self._first)), abs(wrap(estimated - measured))
+        self._known += moves
+        if measured == self._still:
+            self._repeated += moves
+        else:  # also when it is missing
+            if (change := abs(measured - self._still)) < self._finest:
+                self._finest = change
+            self._longest = max(self._longest, self._repeated)
+            self._still, self._least, self._most, self._repeated = measured, estimated, estimated, 0
+        self._least, self._most = min(self._least, estimated), max(self._most, estimated)
+        turned, away = self._most - self._least, abs(wrap(estimated - measured))
         self._samples = self._samples + 1 if turned > self._limit and away > 0.5 * self._limit else 0
-        return self._samples >= DOUBTED
+        return self._samples >= DOUBTED or (self._is_unusual and turned > _SHIFTED + min(self._finest, _SHIFTED))
+
+    @property
+    def _is_unusual(self) -> bool:
+        """Whether a fine sensor has repeated itself as it never does."""
+        fine = self._known >= _KNOWN and self._longest <= _FINE
+        return fine and self._repeated >= 2 * self._longest + _MORE
 
 
 class Doubts:
@@ -117,7 +138,7 @@ class Doubts:
         limit = _SHARE if self._aside(record, moves=moves) else 1.0
         differ = self._apart(moves=moves) > limit
         differ |= self._reversal.look(record)
-        differ |= self._stuck.look(record.measurement.hitch_angle, record.estimate.hitch_angle)
+        differ |= self._stuck.look(record.measurement.hitch_angle, record.estimate.hitch_angle, moves=moves)
         if not (engaged and self.trailer):
             self._trailer = DOUBTED if differ else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         if self.trailer:  # by them the estimator was led astray, and rejects right fixes

@@ -82,6 +82,8 @@ class Observation:
     """since the last word of the operator who engaged; before that, of any"""
     backwards: bool = False
     """the antennas move backwards, by what the controller says"""
+    astray: bool = False
+    """a steering angle contradicts its commands, by what the controller says, which has ended its run for it"""
     recording: bool = False
     """the recorder is alive and writes"""
     emergency_tried: bool = False
@@ -123,7 +125,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_OLD: lambda o, s: not (o.angle_age <= s.timing.angle),
     Cause.STEERING_LOST: lambda o, s: not (o.angle_age <= s.timing.angle_lost),
     Cause.STEERING_APART: lambda o, s: not (o.steering_error <= s.engage.steering_error),
-    Cause.STEERING_STUCK: lambda o, s: o.stuck,
+    Cause.STEERING_STUCK: lambda o, s: o.stuck or o.astray,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.LET_GO: lambda o, s: o.let_go,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,

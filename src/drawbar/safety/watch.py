@@ -129,6 +129,7 @@ class Watch:
             "heading_error": largest(state.tractor_heading_error, state.trailer_heading_error),
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
+            "astray": state.status == Status.STEERING,
             "wiggled": state.wiggled == 1,
         }
 
