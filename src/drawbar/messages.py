@@ -283,11 +283,12 @@ class Heartbeat(Message):
 class Fixes(Message):
     """What the receivers of both bodies say of one instant; receivers to controller, one for each epoch.
 
-    Positions are those of the antennas, in the frame of the path. A receiver that says nothing has quality 0, and NaN.
+    Positions are those of the antennas, in the frame of the path. A receiver that says nothing has no fix, and NaN.
+    Where none says anything, the sensor board's reports come by themselves.
     """
 
     epoch: Time
-    """instant of the measurement, ns"""
+    """instant of the measurement, ns; of the sensor board's report, where it comes by itself"""
     first_byte: Time
     """when the first byte of this epoch was there, ns"""
     hitch_angle: Known

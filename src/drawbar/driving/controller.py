@@ -22,6 +22,8 @@ VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
 _NEAR = 5.0
 """along the line, within which the place beside the vehicle is searched when the line is moved, m"""
+_LATER = 3.0
+"""times the standard deviation at which the gate stops the vehicle, at which the step itself gives up"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
 
 
@@ -49,7 +51,7 @@ class Controller:
         """the line that was chosen and its nudge, m"""
         self.wiggled = False
         """the actuators have passed their wiggle test"""
-        self._autopilot = build_autopilot(within_envelope(configuration))
+        self._autopilot = build_autopilot(_steering_on(within_envelope(configuration)))
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
         self._certainty = certainty(self._autopilot, configuration)
@@ -277,6 +279,16 @@ class Controller:
         self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
         self._autopilot.set_offset(self._line.left)
         self._hindsight.forget()
+
+
+def _steering_on(configuration: Configuration) -> Configuration:
+    """Return the configuration of a step that steers on without fixes while the gate stops the vehicle for that.
+
+    A step that ends its run holds the wheels where they are.
+    """
+    sanity, stops = configuration.sanity, configuration.safety.drive.lateral_deviation
+    later = {"blind_deviation": max(sanity.blind_deviation, _LATER * stops)}
+    return configuration.model_copy(update={"sanity": sanity.model_copy(update=later)})
 
 
 def _within(progress: float, path: Path) -> float:

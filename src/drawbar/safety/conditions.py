@@ -83,7 +83,7 @@ class Observation:
     backwards: bool = False
     """the antennas move backwards, by what the controller says"""
     astray: bool = False
-    """a steering angle contradicts its commands, by what the controller says, which has ended its run for it"""
+    """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
     recording: bool = False
     """the recorder is alive and writes"""
     emergency_tried: bool = False

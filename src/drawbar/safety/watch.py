@@ -87,7 +87,7 @@ class Watch:
         readiness: tuple[Readiness, ...],
     ) -> Observation:
         """Return what is so now, without what operators, envelope and followings know."""
-        troubles, heard = self.troubles, self._of_controller(time)
+        troubles, heard = self.troubles, self._of_controller(time, state)
         return Observation(
             controller_age=time - self._state_time,
             command_valid=self.command_valid(time),
@@ -111,7 +111,7 @@ class Watch:
             **heard,
         )
 
-    def _of_controller(self, time: float) -> dict[str, Any]:
+    def _of_controller(self, time: float, supervisor: SupervisorState) -> dict[str, Any]:
         """Return what the controller's last state says, in the observation's fields."""
         state = self._state
         if state is None:
@@ -129,7 +129,8 @@ class Watch:
             "heading_error": largest(state.tractor_heading_error, state.trailer_heading_error),
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
-            "astray": state.status == Status.STEERING,
+            # while it stops, the gate may have limited what the controller believes to have commanded
+            "astray": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,
         }
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -14,6 +15,7 @@ from drawbar.machine.base import MachineWithTruth
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
+from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.machine.stand_in import nmea, sbf
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES, StandInMachine
@@ -22,6 +24,7 @@ from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.world import TICK, World
 from drawbar.message_records import decode, encode
 from drawbar.messages import Fixes
+from drawbar.protocols.sensor_board import SensorReport
 from drawbar.signals import Command, Measurement, Pose, Truth
 from drawbar.simulation import build_path
 
@@ -74,18 +77,33 @@ def machine_of(*, senses: bool = True) -> StandInMachine:
     return machine
 
 
-def measured(machine: StandInMachine, transport: str, seconds: float) -> Iterator[Measurement]:
+class Board(SensorLine):
+    """A sensor board that reports every 20 ms what it is told to."""
+
+    def __init__(self) -> None:
+        self.now, self.last = 0.0, SensorReport(time=-math.inf)
+
+    def poll(self) -> None:
+        if self.now - self.last.time >= 0.02:
+            self.last = SensorReport(time=self.now, hitch_angle=0.1, wheel_speed=1.5)
+
+
+def measured(
+    machine: StandInMachine, transport: str, seconds: float, board: Board | None = None
+) -> Iterator[Measurement]:
     """Yield what is measured at each sample; one whose epoch does not come is taken without."""
     lines = {body: MemoryTransport() for body in BODIES}
     settings = ReceiverSettings(transport=transport)
     tractor, trailer = (Receiver(lines[body], settings) for body in BODIES)
-    navigation, sampler = Navigation((tractor, trailer), FRAME), Sampler(SAMPLE)
+    navigation, sampler = Navigation((tractor, trailer), FRAME, board), Sampler(SAMPLE)
     start = machine.time
     for step in range(round(seconds / 0.005)):
         now = start + 0.005 * step
         for line, data in machine.advance(now)[0]:
             if line in lines:
                 lines[line].arrive(now + 10.0, data)
+        if board is not None:
+            board.now = now + 10.0
         found = [sampler.take(fixes) for fixes in over_the_channel(navigation.poll(now + 10.0))]
         late = sampler.deadline is not None and (now + 10.0) * 1e9 > sampler.deadline
         yield from (each for each in found if each is not None)
@@ -152,6 +170,28 @@ def test_what_a_broken_receiver_says_is_no_yaw_rate_as_it_is_no_roll(name: str) 
     after = list(measured(machine, "file:memory", 2.0))
     assert all(math.isnan(each.tractor_yaw_rate) for each in after[1:])
     assert all(math.isnan(each.tractor_roll) for each in after[1:])
+
+
+def test_a_sensor_board_is_heard_by_itself_once_the_receivers_are_silent() -> None:
+    machine, samples = machine_of(), list[Measurement]()
+    for each in measured(machine, "file:memory", 4.0, Board()):
+        samples.append(each)
+        if len(samples) == 5:
+            FAULTS["receivers-silent"].begin(machine)
+    silent = [each for each in samples if math.isnan(each.tractor_x)]
+    assert len(silent) > 12
+    steps = [after.time - before.time for before, after in pairwise(silent)]
+    assert steps == pytest.approx([SAMPLE] * len(steps), abs=1e-9)
+    assert math.isnan(silent[0].speed)  # whether an epoch is only late is not known yet
+    assert {(each.hitch_angle, each.speed) for each in silent[1:]} == {(0.1, 1.5)}
+    assert all(each.hitch_angle_age <= 0.02 for each in silent[1:])
+    assert not any(math.isfinite(each.trailer_x) for each in silent)
+
+
+def test_a_sensor_board_alone_begins_nothing() -> None:
+    machine = machine_of()
+    FAULTS["receivers-silent"].begin(machine)
+    assert not list(measured(machine, "file:memory", 2.0, Board()))
 
 
 def test_satellites_are_told_as_far_as_a_receiver_tells_them() -> None:

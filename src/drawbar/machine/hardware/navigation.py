@@ -1,4 +1,7 @@
-"""Navigation: the receivers of both bodies together; what they say of one instant comes out as one record."""
+"""Navigation: the receivers of both bodies together; what they say of one instant comes out as one record.
+
+Each record tells what the sensor board said last. Where the receivers fall silent, its reports come out by themselves.
+"""
 
 import math
 from collections.abc import Sequence
@@ -14,6 +17,8 @@ from drawbar.signals import FixQuality
 
 _FRESH = 0.5
 """oldest report of the sensor board, s"""
+_SILENT, _APART = 0.35, 0.04
+"""after which receivers that have spoken are silent, and the least from a report that comes by itself to the next, s"""
 _VALID = 1.0
 """for how long fixes mean something, s"""
 _MOST_SATELLITES = 255
@@ -28,6 +33,8 @@ class Navigation:
         self._sensors = sensors
         self._receivers = dict(zip(Body, receivers, strict=False))
         self._pairing, self._frame, self._sequence = Pairing(), frame, 0
+        self._spoke, self._told = math.inf, -math.inf
+        """when the receivers were last heard, and the time of the last report that came out, s"""
 
     @property
     def due(self) -> float:
@@ -43,22 +50,31 @@ class Navigation:
             for epoch in receiver.poll(time):
                 pairs += [self._alone(epoch)] if len(self._receivers) == 1 else self._pairing.add(body, epoch, time)
         pairs += self._pairing.poll(time)
+        if pairs:
+            self._spoke = time
+        elif time - self._spoke > _SILENT and self._reported - self._told >= _APART:
+            pairs = [Pair(tractor=None, trailer=None)]
         return [self._fixes(pair, time) for pair in pairs]
+
+    @property
+    def _reported(self) -> float:
+        """When the sensor board made its last report, s."""
+        return self._sensors.last.time if self._sensors is not None else -math.inf
 
     @staticmethod
     def _alone(epoch: Epoch) -> Pair:
         return Pair(tractor=epoch, trailer=None)
 
     def _fixes(self, pair: Pair, time: float) -> Fixes:
-        self._sequence = (self._sequence + 1) % 2**32
+        self._sequence, self._told = (self._sequence + 1) % 2**32, self._reported
         epochs = [epoch for epoch in (pair.tractor, pair.trailer) if epoch is not None]
         values: dict[str, Any] = self._body("tractor", pair.tractor) | self._body("trailer", pair.trailer)
         return Fixes(
             sequence=self._sequence,
             time=nanoseconds(time),
             valid_until=nanoseconds(time + _VALID),
-            epoch=nanoseconds(min(epoch.time for epoch in epochs)),
-            first_byte=nanoseconds(min(epoch.received for epoch in epochs)),
+            epoch=nanoseconds(min((epoch.time for epoch in epochs), default=self._reported)),
+            first_byte=nanoseconds(min((epoch.received for epoch in epochs), default=self._reported)),
             tractor_yaw=pair.tractor.yaw if pair.tractor is not None else math.nan,
             **self._sensed(time),
             **values,

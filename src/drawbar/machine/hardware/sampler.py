@@ -57,6 +57,8 @@ class Sampler:
 
     def take(self, fixes: Fixes) -> Measurement | None:
         """Return the measurement of an epoch's sample, None if the epoch is of none."""
+        if fixes.epoch in (fixes.hitch_angle_time, fixes.wheel_speed_time):
+            return self._sensed(fixes)
         known = (math.isfinite(fixes.tractor_x), not self._has_trailer or math.isfinite(fixes.trailer_x))
         if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
             self._delays.append(fixes.time - fixes.epoch)
@@ -72,6 +74,14 @@ class Sampler:
         self._last = sample
         self._count(known)
         return self._measured(fixes)
+
+    def _sensed(self, sensors: Fixes) -> Measurement | None:
+        """Return the measurement of the sample that is due, of a report of the sensor board that came by itself."""
+        if self._start is None or sensors.time < self._last + self._period:
+            return None
+        self._last += self._period
+        self._count((False, False))
+        return self._measured(sensors)
 
     def miss(self) -> Measurement:
         """Return the measurement of the sample that is due, without a fix."""
