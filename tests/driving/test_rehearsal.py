@@ -13,6 +13,7 @@ from drawbar.driving.paced_drives import EXACT
 from drawbar.driving.rehearsal import Part, Rehearsal
 from drawbar.geometry import wrap
 from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, SupervisorState
@@ -229,6 +230,26 @@ def test_receivers_that_fall_silent_end_in_a_stop():
         pass
     assert rehearsal.gate_state.state is SupervisorState.STOPPED
     assert rehearsal.machine.world.truth.speed == pytest.approx(0.0, abs=0.02)
+
+
+@pytest.mark.parametrize("fault", ["fixes-float", "receivers-silent", "fixes-frozen"])
+def test_without_good_fixes_the_gate_stops_it_by_how_unsure_it_is_and_it_is_steered_until_then(fault):
+    rehearsal, path = rehearse("speed=2.0")
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    for _ in rehearsal.run(8.0):
+        pass
+    FAULTS[fault].begin(rehearsal.machine)
+    begin = rehearsal.time
+    steps = []
+    for step in rehearsal.run(15.0):
+        steps.append(step)
+        if rehearsal.gate_state.state is SupervisorState.STOPPING:
+            break
+    assert 2.0 < rehearsal.time - begin < 6.0
+    assert Cause(rehearsal.gate_state.cause) is Cause.POSITION_LOST
+    steps += list(rehearsal.run(10.0))
+    assert rehearsal.gate_state.state is SupervisorState.STOPPED
+    assert errors(steps, path)[5:].max() < 0.3  # from where the way along the path is found
 
 
 def test_an_operator_at_a_board_takes_over_at_once_and_for_good():

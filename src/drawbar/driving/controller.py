@@ -135,6 +135,8 @@ class Controller:
 
         late: the command left too late.
         """
+        # before it is prepared: the covariance then counts the next fix already, as one of the usual deviation
+        sureness = Certainty() if self._status.has_ended else self._certainty(self._autopilot.record().estimate)
         self._autopilot.prepare()
         record = self._autopilot.record()
         self._overruns += late
@@ -144,7 +146,7 @@ class Controller:
             self._judge(record)
             self._leave_drift(record)
             known = self._status.is_new_command and not self._doubts.exist
-            self.sureness = self._certainty(record.estimate) if known else Certainty()
+            self.sureness = sureness if known else Certainty()
         return record
 
     def _judge(self, record: StepRecord) -> None:
