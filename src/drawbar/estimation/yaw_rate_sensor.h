@@ -24,6 +24,7 @@
 #define FIRST_LEAD (2.0 * DEGREE)          /* deviation of the integral's first lead, rad */
 #define LEAD_WALK (0.2 * DEGREE)           /* by which the lead changes beside the bias, rad per square root of a second */
 #define MOST_LEAD (3.0 * DEGREE)           /* a root mean square of unexpected lead that contradicts, rad */
+#define LEAP_RATE (12.0 * DEGREE)          /* change from one sample to the next that no vehicle makes, rad/s */
 #define LEAP (6.0 * DEGREE)                /* an unexpected lead that does by itself, twice in a row, rad */
 #define OBSERVED 1.0                       /* time constant of that mean, s */
 #define ALIKE 30.0                         /* time over which the sensor is compared with the wheels, s */
@@ -178,7 +179,7 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
         return NAN;
     }
     const int sudden = yaw_rate_sudden(sensor, yaw_rate_right(sensor, told) - wheels, elapsed);
-    if (sudden && !sensor->sudden && sensor->follows)
+    if (sudden && !sensor->sudden && sensor->follows && fabs(told - sensor->before) > LEAP_RATE)
         told = sensor->before;             /* a single false one would spoil the integral */
     sensor->sudden = sudden;
     if (sensor->follows)
