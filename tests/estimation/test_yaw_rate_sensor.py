@@ -35,9 +35,12 @@ class Sensor(Alone):
     def __init__(self) -> None:
         super().__init__(Unit(name="yaw_rate", source=UNIT, configure=lambda workspace: None))
 
-    def believed(self, told: float, wheels: float, yaw: float, elapsed: float = SAMPLE) -> float:
-        """Return the yaw rate to be believed, rad/s; the line through both antennas turns as the wheels say."""
-        self.call("believed", Real(told), Real(wheels), Real(yaw), Real(wheels), Real(elapsed))
+    def believed(
+        self, told: float, wheels: float, yaw: float, elapsed: float = SAMPLE, turning: float | None = None
+    ) -> float:
+        """Return the yaw rate to be believed, rad/s; the line through both antennas turns as the wheels say, or so."""
+        line = wheels if turning is None else turning
+        self.call("believed", Real(told), Real(wheels), Real(yaw), Real(line), Real(elapsed))
         return float(self.live.array("believed").item())
 
     @property
@@ -212,6 +215,19 @@ def test_single_false_yaw_rates_and_shown_yaws_cost_their_own_samples_only() -> 
             assert math.isnan(seen) is (k % 40 == 20)
             found.append(seen - expected)
     assert np.nanmax(np.abs(found)) < 0.25 * DEGREE  # half of its deviation
+
+
+def test_a_vehicle_that_turns_sooner_than_its_wheels_say_is_followed() -> None:
+    """In and out of curves within a sample, a sample before the wheels show it: that is no latency of the fixes."""
+    sensor, rng, yaw, before = Sensor(), np.random.default_rng(3), 0.0, 0.0
+    for k in range(900):
+        rate = (0.0, 10.0, 0.0, -10.0)[k // 10 % 4] * DEGREE
+        yaw += 0.5 * (rate + before) * SAMPLE
+        shown = math.remainder(yaw + rng.normal(0.0, DEGREE), 2.0 * math.pi)
+        sensor.believed(rate, before, shown, turning=rate)
+        before = rate
+        if k >= 200:
+            assert abs(sensor.found[2]) < 0.05
 
 
 @pytest.mark.parametrize("wrong", [lambda rate: -rate, lambda rate: rate + 12.0 * DEGREE], ids=["reversed", "offset"])

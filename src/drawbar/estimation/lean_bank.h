@@ -174,9 +174,7 @@ static inline struct roll_zero lean_bank_zero(const struct lean_bank *bank, int 
 /* What of it is taken off: nothing where it may as well be nothing, nearly all where it is some deviations, rad. */
 static inline double roll_zero_shown(struct roll_zero zero)
 {
-    const double doubt = zero.deviation / zero.value;
-
-    return zero.value * zero.value > zero.deviation * zero.deviation ? zero.value * (1.0 - doubt * doubt) : 0.0;
+    return fabs(zero.value) > zero.deviation ? zero.value - zero.deviation * zero.deviation / zero.value : 0.0;
 }
 
 /* Whether the roll of a body is reversed: bodies whose signs do not show apart from each other are all named. */
