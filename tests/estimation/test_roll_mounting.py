@@ -123,6 +123,7 @@ def test_an_offset_that_is_exact_is_left_as_it_is() -> None:
 def test_laps_round_a_ridge_look_askew_by_what_the_deviation_allows(deviation: float, most: float) -> None:
     """Both sides of a ridge fall by 1 degree, and laps to the left have it always on the left."""
     off = driven(deviation * DEGREE, laps(200.0, 40.0), np.array([0.0, -1.0]) * DEGREE, 4000)[1]
+    print(f"\n{deviation} degrees stated: {-off / DEGREE:.2f} of 1 degree taken off after 2 km")
     assert 0.0 < -off < most * DEGREE
 
 
@@ -146,6 +147,8 @@ def run(*changes: str) -> tuple[float, Actuation, str]:
 def test_a_run_with_a_roll_sensor_that_is_askew_finds_it() -> None:
     error, told, text = run(MASTS % ("", ""))
     left, untold, silent = run(MASTS % (",roll_deviation=0", ",roll_deviation=0"))
+    found, doubt = told.tractor_roll_offset / DEGREE, told.tractor_roll_deviation / DEGREE
+    print(f"\nsecond loop {100.0 * left:.1f} -> {100.0 * error:.1f} cm; found {found:.2f} ± {doubt:.2f} degrees")
     assert error < 0.6 * left
     assert abs(told.tractor_roll_offset - DEGREE) < 2.0 * told.tractor_roll_deviation < 0.6 * DEGREE
     assert abs(told.trailer_roll_offset) < 2.0 * told.trailer_roll_deviation

@@ -135,8 +135,7 @@ class Controller:
 
         late: the command left too late.
         """
-        # before it is prepared: the covariance then counts the next fix already, as one of the usual deviation
-        sureness = Certainty() if self._status.has_ended else self._certainty(self._autopilot.record().estimate)
+        sureness = self._sureness()
         self._autopilot.prepare()
         record = self._autopilot.record()
         self._overruns += late
@@ -145,9 +144,14 @@ class Controller:
             self._record = record
             self._judge(record)
             self._leave_drift(record)
-            known = self._status.is_new_command and not self._doubts.exist
-            self.sureness = sureness if known else Certainty()
+            self.sureness = Certainty() if self._doubts.exist else sureness
         return record
+
+    def _sureness(self) -> Certainty:
+        """Return how sure the newest estimate is: before it is prepared, which counts the next fix as a usual one."""
+        if not self._status.is_new_command or self._doubts.exist:
+            return Certainty()
+        return self._certainty(self._autopilot.record().estimate)
 
     def _judge(self, record: StepRecord) -> None:
         """Look at what a step says of the sensors; once the trailer's are doubtful, undo what they have done."""

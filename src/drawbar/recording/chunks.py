@@ -2,7 +2,7 @@
 
 A chunk grows as it is, behind a header with an impossible length; what has come is flushed to the operating system when
 the caller asks. When the chunk is full one zstd frame takes its place, in steps after each of which the file is whole;
-in the frame the messages of each channel stand together, as they came, which is a tenth shorter in a drive's log.
+in the frame the messages of each channel stand together, as they came, which is 8 % shorter in a drive's log.
 A killed process leaves a last chunk that says it is endless: readers (stream.py) take from it what is there.
 """
 

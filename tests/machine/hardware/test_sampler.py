@@ -77,6 +77,22 @@ def test_a_sample_waits_no_longer_than_it_can(sample_time, wait):
     assert sampler.deadline == SECOND + DELAY + round(1e9 * (sample_time + wait))
 
 
+def test_a_report_of_the_sensor_board_takes_no_epochs_place_and_is_known_where_none_comes():
+    sampler, none = Sampler(0.2), {"tractor_x": math.nan, "trailer_x": math.nan}
+    sampler.take(fixes(SECOND))
+    assert math.isnan(sampler.miss().hitch_angle)
+    for k in range(3):  # the last one a millisecond before the epoch that is due
+        now = SECOND + DELAY + (320 + 39 * k + k // 2) * SECOND // 1000
+        report = {"hitch_angle": 0.1, "hitch_angle_time": now, "wheel_speed": 1.5, "wheel_speed_time": now}
+        assert sampler.take(fixes(now, delay=0, **none, **report)) is None
+    assert sampler.take(fixes(SECOND + 2 * SECOND // 5)).time == pytest.approx(0.4)
+    missed = sampler.miss()
+    assert (missed.time, missed.hitch_angle, missed.speed) == pytest.approx((0.6, 0.1, 1.5))
+    assert missed.hitch_angle_age == pytest.approx(0.201)
+    assert math.isnan(sampler.miss().hitch_angle)  # an old one says nothing
+    assert sampler.dropped == 0
+
+
 def test_quality_and_speed_come_with_the_fix():
     measured = Sampler(0.2).take(fixes(SECOND))
     assert measured.tractor_fix_quality is FixQuality.FIXED

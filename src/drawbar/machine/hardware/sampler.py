@@ -27,6 +27,8 @@ _STEP = 3 / 4
 """shortest from a sample to the next, of a sample time"""
 _MOVING_STEP = 1 / 4
 """the same where the samples move to an epoch with an antenna that the last ones lacked, of a sample time"""
+_KEPT = 300_000_000
+"""oldest report of the sensor board that came by itself, ns"""
 _LACKED = 2
 """samples in a row without an antenna, after which they move to an epoch with it"""
 
@@ -44,6 +46,7 @@ class Sampler:
         self._delays: deque[int] = deque(maxlen=_USUAL)
         self._without = [0, 0]  # samples in a row without tractor's and trailer's antenna
         self._gate: GateState | None = None
+        self._sensors: Fixes | None = None  # the newest report of the sensor board that came by itself
         self.dropped = 0
 
     @property
@@ -57,8 +60,9 @@ class Sampler:
 
     def take(self, fixes: Fixes) -> Measurement | None:
         """Return the measurement of an epoch's sample, None if the epoch is of none."""
-        if fixes.epoch in (fixes.hitch_angle_time, fixes.wheel_speed_time):
-            return self._sensed(fixes)
+        if _is_of_sensors(fixes):
+            self._sensors = fixes
+            return None
         known = (math.isfinite(fixes.tractor_x), not self._has_trailer or math.isfinite(fixes.trailer_x))
         if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
             self._delays.append(fixes.time - fixes.epoch)
@@ -75,19 +79,12 @@ class Sampler:
         self._count(known)
         return self._measured(fixes)
 
-    def _sensed(self, sensors: Fixes) -> Measurement | None:
-        """Return the measurement of the sample that is due, of a report of the sensor board that came by itself."""
-        if self._start is None or sensors.time < self._last + self._period:
-            return None
-        self._last += self._period
-        self._count((False, False))
-        return self._measured(sensors)
-
     def miss(self) -> Measurement:
         """Return the measurement of the sample that is due, without a fix."""
         self._last += self._period
         self._count((False, False))
-        return self._without_fix()
+        sensors = self._sensors
+        return self._measured(sensors) if sensors and self._last - sensors.time <= _KEPT else self._without_fix()
 
     def _count(self, known: tuple[bool, bool]) -> None:
         self._without = [0 if has else lacks + 1 for has, lacks in zip(known, self._without, strict=True)]
@@ -144,6 +141,12 @@ class Sampler:
     def _age(self, time: int) -> float:
         """Return how old a value of an instant is at the sample, s; what is newer is not old."""
         return max(self._last - time, 0) * 1e-9 if time else 0.0
+
+
+def _is_of_sensors(fixes: Fixes) -> bool:
+    """Return whether it is a report of the sensor board that came by itself, and no epoch."""
+    places = math.isfinite(fixes.tractor_x) or math.isfinite(fixes.trailer_x)
+    return not places and fixes.epoch in (fixes.hitch_angle_time, fixes.wheel_speed_time)
 
 
 def _speed(fixes: Fixes) -> float:
