@@ -100,6 +100,12 @@ STOPS = {
     "line unknown": (lambda b: b.controller.update(trailer_lateral_error=math.nan), Cause.LINE_LOST),
     "position": (lambda b: b.controller.update(lateral_deviation=0.31), Cause.POSITION_LOST),
     "swapped": (lambda b: b.controller.update(status=int(Status.BACKWARDS)), Cause.RECEIVERS_SWAPPED),
+    "sensors": (
+        lambda b: b.controller.update(
+            wheel_speed=math.nan, receiver_speed=math.nan, tractor_quality=0, trailer_quality=0
+        ),
+        Cause.SENSORS_LOST,
+    ),
     "controller": (lambda b: setattr(b, "command", {"mode": Mode.STOP}), Cause.CONTROLLER_STOPS),
     "operator": (lambda b: b.ask(Action.STOP), Cause.OPERATOR_STOPS),
     "console": (lambda b: setattr(b, "operator", False), Cause.NO_OPERATOR),

@@ -55,6 +55,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Traktor und Anhänger von Hand gerade ziehen"),
     Cause.RECEIVERS_SWAPPED: ("die Antenne des Anhängers fährt der des Traktors voraus",
         "vorwärts fahren; wenn das schon so ist, sind die beiden Empfänger vertauscht: in [devices] tauschen"),
+    Cause.SENSORS_LOST: ("weder eine RTK-Position noch ein Tempo ist da",
+        "Empfänger und Sensorplatine prüfen"),
     Cause.TOO_SLOW: ("das Fahrzeug steht oder ist zu langsam",
         "anfahren, dann einschalten"),
     Cause.TOO_FAST: ("das Fahrzeug ist zu schnell",

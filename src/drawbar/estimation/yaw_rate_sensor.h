@@ -30,8 +30,10 @@
 #define ALIKE 30.0                         /* time over which the sensor is compared with the wheels, s */
 #define TURNED 27.0                        /* what the vehicle has turned in that time before it says anything, deg^2 / s */
 #define UNLIKE 0.35                        /* by so much more or less than the wheels the sensor may say */
-#define SUDDEN 4.0                         /* times its usual difference from the wheels by which it may differ from them, */
-#define LEAST_SUDDEN (6.0 * DEGREE)        /* and by so much always, rad/s */
+#define LATELY 5.0                         /* time constant of its mean difference from the wheels, s */
+#define SUDDEN 3.0                         /* times its usual deviation from that mean by which it may deviate, */
+#define LEAST_SUDDEN (3.0 * DEGREE)        /* and by so much always, rad/s */
+#define TOO_OFTEN 0.9                      /* for so long it may have deviated LATELY, s */
 #define PATIENCE 60.0                      /* for how long nothing is believed afterwards, s */
 #define FIRST_SCALE 0.03                   /* deviation of the share of what it says that is too much */
 #define MOST_SCALE (3.0 * FIRST_SCALE)
@@ -57,7 +59,10 @@ struct yaw_rate_sensor {
     double before;                         /* last sample's yaw rate, rad/s */
     double unexpected;                     /* mean square of the lead beyond what was expected */
     double square, product;                /* of the wheels' yaw rate, and with the sensor's, rad^2 / s */
-    double apart;                          /* mean square of the difference from the wheels, rad^2 / s^2 */
+    double usual;                          /* mean difference from the wheels, rad/s */
+    double watched;                        /* over which the next is a mean, s */
+    double apart;                          /* mean square of the difference from that, rad^2 / s^2 */
+    double suddens;                        /* for how long it was sudden lately, s */
     double doubted;                        /* for how much longer nothing is believed, s */
     int32_t begun, follows;                /* is there anything; is there an integral? */
     int32_t sudden, leaps;                 /* was the newest yaw rate sudden; how many leads in a row were LEAPs? */
@@ -151,10 +156,15 @@ static inline int yaw_rate_alike(struct yaw_rate_sensor *sensor, double told, do
  * estimate before its integral shows it. */
 static inline int yaw_rate_sudden(struct yaw_rate_sensor *sensor, double difference, double elapsed)
 {
-    const double limit = fmax(LEAST_SUDDEN, SUDDEN * sqrt(sensor->apart)), counted = clipped(difference, limit);
+    const double limit = fmax(LEAST_SUDDEN, SUDDEN * sqrt(sensor->apart));
+    const double changed = difference - sensor->usual, counted = clipped(changed, limit);
+    const int sudden = fabs(changed) > limit;
 
-    sensor->apart -= expm1(-elapsed / ALIKE) * (counted * counted - sensor->apart);
-    return fabs(difference) > limit;
+    sensor->usual -= expm1(-elapsed / LATELY) * counted;
+    sensor->suddens = exp(-elapsed / LATELY) * sensor->suddens + sudden * elapsed;
+    sensor->watched = fmin(sensor->watched + elapsed, ALIKE);
+    sensor->apart += fmin(elapsed / sensor->watched, 1.0) * (counted * counted - sensor->apart);
+    return sudden;
 }
 
 /* What the sensor says without its errors, rad/s. */
@@ -189,7 +199,7 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
         yaw_rate_follow(sensor, shown);
     else if (isfinite(shown->yaw))
         yaw_rate_compare(sensor, shown, share);
-    if (sensor->unexpected > MOST_LEAD * MOST_LEAD || sensor->leaps > 1)
+    if (sensor->unexpected > MOST_LEAD * MOST_LEAD || sensor->leaps > 1 || sensor->suddens > TOO_OFTEN)
         yaw_rate_begin(sensor, PATIENCE);
     const double right = yaw_rate_right(sensor, told);
     const int known = sensor->covariance[BIAS][BIAS] < BIAS_KNOWN * BIAS_KNOWN;

@@ -93,6 +93,8 @@ class Cause(Enum):
         "pull tractor and trailer straight by hand")
     RECEIVERS_SWAPPED = (213, True, Response.STOP, "the trailer's antenna moves ahead of the tractor's",
         "drive forwards; if you do, the two receivers are swapped: exchange them in [devices]")
+    SENSORS_LOST = (214, True, Response.STOP, "neither an RTK fix nor any speed is heard",
+        "check the receivers and the sensor board")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

@@ -86,7 +86,7 @@ class DriveSettings(Settings):
     """for how long it must be below it, s"""
     correction_age: Positive = 20.0
     """oldest corrections with which to go on undegraded, s"""
-    lateral_deviation: Positive = 0.15
+    lateral_deviation: Positive = 0.12
     """standard deviation across the line at which to stop, m"""
     lateral_error: Positive = 1.5
     """distance of either body from the line at which to stop, m"""

@@ -96,6 +96,7 @@ class Watch:
             run_ended=self.mode is Mode.STOP,
             controller_gone=troubles.gone,
             speed=self.speeds.largest(time) if self.speeds.known(time) else math.nan,
+            speed_heard=bool(self.speeds.fresh(time)),
             speed_known=self.speeds.known(time),
             speeds_contradict=self.speeds.contradict(time),
             drives=self._drives,
