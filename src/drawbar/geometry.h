@@ -3,6 +3,7 @@
 #define DRAWBAR_GEOMETRY_H
 
 #include <math.h>
+#include "ieee.h"
 
 #define DRAWBAR_PI 3.14159265358979323846
 #define GRAVITY 9.81                       /* m/s^2 */

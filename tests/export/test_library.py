@@ -52,6 +52,22 @@ def test_one_state_does_not_know_of_another(library, simulation, records) -> Non
     assert together == alone
 
 
+def test_a_copy_of_the_state_goes_on_as_the_original_would(library, simulation, records) -> None:
+    """Beside the path: how far is remembered in the state, and the step knows where that is."""
+    measurements = [record.measurement for record in records]
+    commands = []
+    for copied in (False, True):
+        library.begin(simulation.path)
+        assert library.call("set_offset", ctypes.c_double(0.02)) == Status.OK
+        of_run = [library.step(each) for each in measurements[:20]]
+        if copied:
+            original, library.state = library.state, type(library.state).from_buffer_copy(library.state)
+            ctypes.memset(original, 0xFF, ctypes.sizeof(original))
+        commands.append(of_run + [library.step(each) for each in measurements[20:]])
+    assert commands[0] == commands[1]
+    assert len({status for _, status in commands[0]}) == 1
+
+
 def test_a_component_knows_every_setting_after_it_is_initialised(library, build) -> None:
     for component in build("articulated").autopilot.library.components.values():
         component.live.memory[:] = 0xFF

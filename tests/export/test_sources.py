@@ -85,6 +85,20 @@ def test_single_precision_compiles_too(exported) -> None:
     assert said((*find_compiler(), "-O0"), folder, "src/*.c", "example/*.c", warnings=plain) == ""
 
 
+@pytest.mark.parametrize("fast", ["-ffast-math", "-Ofast", "-ffinite-math-only"])
+def test_no_source_compiles_where_arithmetic_is_not_ieees(exported, fast: str) -> None:
+    """Such a library runs, and soon stops for a reason that is none: its checks of NaN are gone."""
+    sources = sorted((exported("articulated") / "src").glob("*.c"))
+    quiet = ("-std=c99", "-w", "-fsyntax-only", fast)
+    for file in sources:
+        assert "drawbar needs IEEE arithmetic" in said(
+            find_compiler(), file.parents[1], f"src/{file.name}", warnings=quiet
+        )
+    again = (*quiet, "-fno-fast-math", "-O3")  # as CMakeLists.txt takes it back, but for one that is asked for by name
+    allowed = said(find_compiler(), sources[0].parents[1], "src/*.c", warnings=again)
+    assert allowed == "" or fast == "-ffinite-math-only"
+
+
 @pytest.mark.parametrize("case", OTHERS)
 def test_other_configurations_compile_too(exported, case: str) -> None:
     assert said((*find_compiler(), "-O0"), exported(*OTHERS[case]), "src/*.c") == ""

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+#include "ieee.h"
 #include "position_loop.h"
 #include "speed_loop.h"
 

@@ -5,8 +5,9 @@
  *                       or drawbar_step, which is both, where a millisecond of latency does not matter
  *
  * drawbar_size.h has DRAWBAR_SAMPLE_TIME in seconds. Call at every sample, even when the sensors report nothing: a missing
- * value is NaN. Let each measurement begin as DRAWBAR_NOTHING_MEASURED: a zero is a measurement. The state holds everything that is remembered: one per vehicle, used by one thread at a time. No function
- * allocates memory, reads a clock or keeps anything outside the state.
+ * value is NaN. Let each measurement begin as DRAWBAR_NOTHING_MEASURED: a zero is a measurement. The state holds everything
+ * that is remembered: one per vehicle, used by one thread at a time; a copy of it goes on as the original would. No
+ * function allocates memory, reads a clock or keeps anything outside the state.
  *
  * Signals, statuses and their units: drawbar_signals.h.
  *
