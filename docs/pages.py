@@ -3,7 +3,6 @@
 What stands in them besides tables is docs/safety.in.md, in which a line such as `{causes}` is replaced.
 """
 
-import ast
 import inspect
 import math
 from enum import Enum
@@ -36,30 +35,9 @@ ANSWERS = {
 }
 
 
-def attribute_docs(cls: type) -> dict[str, str]:
-    """Return what stands below each field or member of a class and of its bases, on one line."""
-    found: dict[str, str] = {}
-    for base in reversed(cls.__mro__):
-        if base.__module__.startswith("drawbar"):
-            body = ast.parse(inspect.getsource(base)).body[0]
-            assert isinstance(body, ast.ClassDef)
-            found |= _docs_in(body)
-    return found
-
-
-def _docs_in(body: ast.ClassDef) -> dict[str, str]:
-    found = {}
-    for statement, following in zip(body.body, [*body.body[1:], None], strict=True):
-        targets = [statement.target] if isinstance(statement, ast.AnnAssign) else getattr(statement, "targets", [])
-        if targets and isinstance(targets[0], ast.Name):
-            said = isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
-            found[targets[0].id] = " ".join(str(following.value.value).split()) if said else ""  # type: ignore[union-attr]
-    return found
-
-
 def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
     """Return the table of one kind of record."""
-    layout, docs = LAYOUTS[kind], attribute_docs(cls)
+    layout, words = LAYOUTS[kind], declared_words(cls)
     lines = [
         f"## {kind.value}: {cls.__name__}",
         "",
@@ -72,7 +50,7 @@ def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
     offset = 4
     for name, cell, enumeration in layout.cells:
         kind_of, size = TYPES[cell.code]
-        meaning = docs[name] + (f" ({enumeration.__name__})" if enumeration else "")
+        meaning = words[name] + (f" ({enumeration.__name__})" if enumeration else "")
         lines.append(f"| {offset} | {kind_of} | {name} | {meaning}{'; may be NaN' if cell.may_miss else ''} |")
         offset += size
     return [*lines, f"| {offset} | u32 | crc | CRC-32 of all before |", "", f"{layout.size} bytes."]
@@ -80,7 +58,7 @@ def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
 
 def enumeration_table(cls: type[Enum]) -> list[str]:
     """Return the table of an enumeration."""
-    docs = attribute_docs(cls)
+    words = declared_words(cls)
     lines = [
         f"### {cls.__name__}",
         "",
@@ -89,7 +67,7 @@ def enumeration_table(cls: type[Enum]) -> list[str]:
         "| value | name | meaning |",
         "|---|---|---|",
     ]
-    return lines + [f"| {each.value} | {each.name} | {docs[each.name]} |" for each in cls]
+    return lines + [f"| {each.value} | {each.name} | {words[each.name]} |" for each in cls]
 
 
 def messages_page() -> str:

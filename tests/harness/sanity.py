@@ -13,9 +13,9 @@ from drawbar.vehicle.parameters import VehicleParameters
 class Sanity(Alone):
     """Slower, or the end of a run, for what its sensors show."""
 
-    def __init__(self, settings: SanitySettings | None = None) -> None:
-        """Take when to do what."""
-        super().__init__(sanity_unit(VehicleParameters(), settings or SanitySettings()))
+    def __init__(self, settings: SanitySettings | None = None, position: float = 0.03) -> None:
+        """Take when to do what, and the standard deviation of a fix, m."""
+        super().__init__(sanity_unit(VehicleParameters(), settings or SanitySettings(), position=position))
 
     def look(
         self, measurement: Measurement, estimate: Estimate, tractor: BodyReference, trailer: BodyReference

@@ -220,10 +220,11 @@ def test_a_single_false_angle_is_no_contradiction(name: str, false: float) -> No
         assert sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0] == 0
 
 
-def test_a_coarse_fix_that_scatters_is_no_motion() -> None:
-    rng, sanity = np.random.default_rng(2), Sanity()
+@pytest.mark.parametrize(("told", "position"), [(0.6, 0.03), (math.nan, 0.6)])
+def test_a_coarse_fix_that_scatters_is_no_motion(told: float, position: float) -> None:
+    rng, sanity = np.random.default_rng(2), Sanity(position=position)
     for k in range(2000):
-        seen = measurement(k, moved=SAMPLE * k + float(rng.normal(0.0, 0.6)), deviation=0.6)
+        seen = measurement(k, moved=SAMPLE * k + float(rng.normal(0.0, 0.6)), deviation=told)
         assert sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0] in (0, Status.COARSE)
 
 
@@ -277,6 +278,13 @@ def test_a_hitch_sensor_that_fails_in_a_curve_stops_the_run_near_the_line(speed:
 
 def swapped(m: Measurement) -> Measurement:
     return replace(m, tractor_x=m.trailer_x, tractor_y=m.trailer_y, trailer_x=m.tractor_x, trailer_y=m.tractor_y)
+
+
+def test_a_run_with_positions_of_30_cm_is_not_taken_for_one_backwards(simulate: Callable) -> None:
+    noise = ("sensors.position=0.3", "machine.sensors.position=0.3", "speed=0.5", "path.radii=[10.0]")
+    for seed in range(2):
+        run = simulate("articulated", *noise, seed=seed)
+        assert run.records[-1].reference.tractor.progress > run.path.length - 1.0
 
 
 def test_swapped_antennas_are_named_within_a_second() -> None:

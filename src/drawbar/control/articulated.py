@@ -4,13 +4,14 @@ import math
 
 from drawbar.codegen import Unit
 from drawbar.control.actuator import actuator_settings
-from drawbar.control.chain import chain_settings, steering_bounds
 from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import ArticulatedControllerSettings
+from drawbar.control.steering_bounds import steering_bounds
 from drawbar.control.subsystem import coupling_settings, subsystem_unit
 from drawbar.control.tube.tube import SubsystemTube
 from drawbar.optimal import ControlProblem
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
+from drawbar.vehicle.chain import chain_settings
 from drawbar.vehicle.model import Model
 from drawbar.vehicle.parameters import VehicleParameters
 

@@ -3,11 +3,12 @@
 from drawbar.codegen import Unit
 from drawbar.control.actuator import actuator_settings
 from drawbar.control.centralised import centralised_unit
-from drawbar.control.chain import chain_settings, steering_bounds
 from drawbar.control.settings import ArticulatedControllerSettings
+from drawbar.control.steering_bounds import steering_bounds
 from drawbar.control.tube.tube import Tubes
 from drawbar.optimal import Bound, ControlProblem
 from drawbar.vehicle.articulated import articulated_tracking
+from drawbar.vehicle.chain import chain_settings
 from drawbar.vehicle.parameters import VehicleParameters
 
 

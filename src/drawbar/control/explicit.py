@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from numpy.typing import ArrayLike
 
 from drawbar.codegen import Unit
-from drawbar.control.chain import chain_settings
 from drawbar.control.settings import LqrSettings, PurePursuitSettings
+from drawbar.vehicle.chain import chain_settings
 from drawbar.vehicle.parameters import VehicleParameters
 
 

@@ -5,6 +5,7 @@ It takes part in the whole control step: the estimator before it, the gate and t
 
 import ctypes
 import importlib
+import inspect
 import sys
 import traceback
 from abc import ABC, abstractmethod
@@ -68,9 +69,10 @@ class External:
         try:
             known = _ESTIMATE.unpack(ctypes.string_at(estimate, _ESTIMATE.size))
             reference = Reference(time=known.time, tractor=self._reference(tractor), trailer=self._reference(trailer))
-            angles[0], angles[1] = self._controller.command(known, reference)
+            _put(angles, self._controller.command(known, reference))
         except Exception as error:  # an exception cannot pass through C
-            self.error = _failure(f"{type(self._controller).__module__}:{type(self._controller).__name__}", error)
+            kind = type(self._controller)
+            self.error = _failure(f"{kind.__module__}:{kind.__name__}", error, kind.command)
         except BaseException as error:
             self.error = error
 
@@ -84,6 +86,14 @@ class External:
             closest=head[2:],
             samples=np.ctypeslib.as_array((ctypes.c_double * count).from_address(samples)).reshape(-1, 4).copy(),
         )
+
+
+def _put(angles: Any, returned: Any) -> None:
+    """Put what a command returned into two doubles; TypeError: it is no pair of numbers."""
+    try:
+        angles[0], angles[1] = returned
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"command() returned {returned!r:.100}, not two steering angles in rad") from error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,7 +113,7 @@ def external_unit(vehicle: VehicleParameters, settings: ExternalControllerSettin
     try:
         controller = kind(vehicle, sample_time, dict(settings.gains))
     except Exception as error:
-        raise _failure(settings.implementation, error) from error
+        raise _failure(settings.implementation, error, kind) from error
     external = External(controller, settings.horizon)
     address = ctypes.cast(external.callback, ctypes.c_void_p).value or 0
 
@@ -115,15 +125,32 @@ def external_unit(vehicle: VehicleParameters, settings: ExternalControllerSettin
     return ExternalUnit(name="controller", source=source, configure=configure, simulation_only=True, external=external)
 
 
-def _failure(place: str, error: Exception) -> ConfigurationError:
-    """Return what a failure of the controller at MODULE:CLASS is for its user: what failed, and at which line."""
-    frames = traceback.extract_tb(error.__traceback__)
-    file, line = (frames[-1].filename, frames[-1].lineno) if frames else ("", None)
+def _failure(place: str, error: Exception, failed: object = None) -> ConfigurationError:
+    """Return what a failure of the controller at MODULE:CLASS is for its user: what failed, and at which line.
+
+    Args:
+        place: MODULE:CLASS.
+        error: what came out.
+        failed: the user's class or function that was called; None: its module did not load.
+    """
+    frames = [(frame.filename, frame.lineno) for frame in traceback.extract_tb(error.__traceback__)]
     if isinstance(error, SyntaxError):
-        file, line = error.filename or file, error.lineno
+        frames.append((error.filename or "", error.lineno))
+    elif failed is not None:
+        declared = _declared(failed)
+        frames = [declared, *(frame for frame in frames if Path(declared[0]).parent in Path(frame[0]).parents)]
+    file, line = frames[-1]
     return ConfigurationError(
         f'controller.model = "{place}": {type(error).__name__}: {error} ({file}:{line}); mend the controller there.'
     )
+
+
+def _declared(of: Any) -> tuple[str, int | None]:
+    """Return the file and the line at which a class or function of the user's begins."""
+    try:
+        return inspect.getsourcefile(of) or "", inspect.getsourcelines(of)[1]
+    except (OSError, TypeError):
+        return sys.modules[of.__module__].__file__ or "", None
 
 
 def _class(place: str) -> Callable[..., Controller]:

@@ -39,7 +39,7 @@ class _Place:
     y: float
     velocity: tuple[float, float]
     way: tuple[float, float]
-    """integral of the velocity, m"""
+    """integral of the velocity, east and north, m"""
 
 
 class _Antenna:
@@ -83,11 +83,11 @@ class _Antenna:
 
     def _goes_aside(self) -> bool:
         first, last = self._places[0], self._places[-1]
-        ahead, left = last.way[0] - first.way[0], last.way[1] - first.way[1]
-        way = math.hypot(ahead, left)
+        east, north = last.way[0] - first.way[0], last.way[1] - first.way[1]
+        way = math.hypot(east, north)
         if way < _LEAST:
             return False
-        aside = (ahead * (last.y - first.y) - left * (last.x - first.x)) / way
+        aside = (east * (last.y - first.y) - north * (last.x - first.x)) / way
         turned = abs(wrap(math.atan2(*reversed(last.velocity)) - math.atan2(*reversed(first.velocity))))
         lags = _LAG * turned / (last.time - first.time)
         return abs(aside) > max(_ASIDE, (_SHARE + lags) * way)

@@ -3,7 +3,9 @@
 import time
 from collections.abc import Sequence
 
+from drawbar.driving.letters import Device
 from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sentences import RelayedSentences
 from drawbar.machine.hardware.shared_socket import share
 from drawbar.transports.base import Transport
@@ -13,6 +15,11 @@ from drawbar.transports.udp import UdpTransport
 
 _NOBODY = ("0.0.0.0", 0)
 """whom a socket that only listens sends to"""
+
+
+def receiver_settings(devices: DeviceSettings) -> dict[Device, ReceiverSettings]:
+    """Return the settings of the receivers by the names that logs give them, the tractor's first."""
+    return dict(zip((Device.TRACTOR_RECEIVER, Device.TRAILER_RECEIVER), devices.receivers, strict=False))
 
 
 def open_receivers(devices: DeviceSettings, sentences: str, clock: Clock = time.monotonic) -> Sequence[Transport]:

@@ -12,7 +12,7 @@ from drawbar.driving.letters import Device, pack
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.orders import CONSOLE, CONTROLLER, GATE, RECEIVERS, RECORDER, SENTENCES, Orders
 from drawbar.driving.place import local_frame
-from drawbar.driving.receiver_lines import open_receivers
+from drawbar.driving.receiver_lines import open_receivers, receiver_settings
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.corrections.receivers import correct
 from drawbar.machine.hardware.devices import DeviceSettings
@@ -34,7 +34,6 @@ _BUSY = 0.5
 """without waiting for more bytes: it is flooded with them, and scheduled as any other process from then on, s"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
-_DEVICES = (Device.TRACTOR_RECEIVER, Device.TRAILER_RECEIVER)
 _TOGETHER = 32
 """looks that are told at once, at most"""
 _ASK_AGAIN = 0.05
@@ -53,7 +52,7 @@ def main() -> int:
     lines = open_receivers(devices, orders.socket(SENTENCES), clock)
     receivers = [
         Receiver(witness.tap(line, device), settings)
-        for line, device, settings in zip(lines, _DEVICES, devices.receivers, strict=False)
+        for line, (device, settings) in zip(lines, receiver_settings(devices).items(), strict=True)
     ]
     sensors = _sensors(devices, witness)
     navigation = Navigation(receivers, local_frame(configuration), sensors)

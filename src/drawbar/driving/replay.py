@@ -15,6 +15,7 @@ from drawbar.driving.control_loop import ControlLoop
 from drawbar.driving.controller import Controller
 from drawbar.driving.letters import Device
 from drawbar.driving.memory import MemoryTransport
+from drawbar.driving.receiver_lines import receiver_settings
 from drawbar.errors import DrawbarError
 from drawbar.geometry import LocalFrame
 from drawbar.machine.base import EndOfMeasurements
@@ -85,12 +86,7 @@ def _navigation(configuration: Configuration, header: RunHeader, lines: dict[str
     latitude, longitude, height = header.origin
     line = lines[Device.SENSORS.topic]
     return Navigation(
-        [
-            Receiver(lines[device.topic], settings)
-            for device, settings in zip(
-                (Device.TRACTOR_RECEIVER, Device.TRAILER_RECEIVER), devices.receivers, strict=False
-            )
-        ],
+        [Receiver(lines[device.topic], settings) for device, settings in receiver_settings(devices).items()],
         LocalFrame(latitude=latitude, longitude=longitude, height=height),
         SensorLine(line, devices.sensors) if devices.sensors is not None else None,
     )

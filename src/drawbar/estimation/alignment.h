@@ -49,9 +49,7 @@ struct component {
 
 #define COMPONENT_FIELDS                                                                                          \
     MAST_FIELDS(component, masts[ALIGNED_TRACTOR]) MAST_FIELDS(component, masts[ALIGNED_TRAILER])                      \
-    FIX_DEVIATIONS_FIELDS(component, deviations) SETTING(component, chain.hitch, 0, 1, 0, 0)                           \
-    SETTING(component, chain.drawbar, 0, 1, 0, 0) SETTING(component, chain.back, 0, 1, 0, 0)                           \
-    SETTING(component, chain.wheelbase, 0, 1, 0, 0)                                                                    \
+    FIX_DEVIATIONS_FIELDS(component, deviations) CHAIN_FIELDS(component, chain)                                        \
     SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
     SETTING(component, ground.spacing, 0, 1, 0, 0) FIELD(component, leans.doubts, 1, LEANING, 0, 0)            \
     FIELD(component, leans.bank.states, 0, SIGNS, LEANS, 0) FIELD(component, leans.bank.covariance, 0, LEANS, LEANS, 0)

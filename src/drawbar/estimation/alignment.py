@@ -3,7 +3,7 @@
 from numpy.typing import ArrayLike
 
 from drawbar.codegen import Unit
-from drawbar.estimation.description import chain
+from drawbar.vehicle.chain import chain_settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
@@ -28,8 +28,7 @@ def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
             for name, value in mast.model_dump().items()
         },
         **{f"deviations.{name}": value for name, value in fixes.model_dump(exclude={"age"}).items()},
-        **chain(vehicle),
-        "chain.wheelbase": vehicle.wheelbase,
+        **chain_settings(vehicle),
         "to_axle": vehicle.trailer_antenna,
         "fix_age": fixes.age,
         "ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,

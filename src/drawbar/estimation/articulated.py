@@ -5,11 +5,12 @@ from typing import Any
 
 import casadi as ca
 
-from drawbar.estimation.description import EstimationModel, by_variable, chain, sensor_deviations
+from drawbar.estimation.description import EstimationModel, by_variable, sensor_deviations
 from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
 from drawbar.geometry import GRAVITY
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
+from drawbar.vehicle.chain import chain_settings
 from drawbar.vehicle.measured import MEASURED
 from drawbar.vehicle.model import Model, by_name, constant, variables
 from drawbar.vehicle.parameters import VehicleParameters
@@ -44,8 +45,7 @@ class ArticulatedEstimation(EstimationModel):
     ) -> None:
         """Declare the window problem for this vehicle and these sensors."""
         self.screening, self.position_deviation = settings.screening, noise.position
-        self.constants = chain(vehicle) | {
-            "chain.wheelbase": vehicle.wheelbase,
+        self.constants = chain_settings(vehicle) | {
             "trailer_length": vehicle.trailer_length,
             "first_slip": settings.first_slip,
             "first_yaw_error": settings.first_yaw_error,

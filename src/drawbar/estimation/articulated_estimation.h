@@ -23,13 +23,12 @@ struct estimation_model {
 };
 
 #define MODEL_FIELDS(type, prefix)                                                                           \
-    SETTING(type, prefix chain.hitch, 0, 1, 0, 0) SETTING(type, prefix chain.drawbar, 0, 1, 0, 0)            \
-    SETTING(type, prefix chain.back, 0, 1, 0, 0) SETTING(type, prefix chain.wheelbase, 0, 1, 0, 0)           \
+    CHAIN_FIELDS(type, prefix chain)                                                                         \
     SETTING(type, prefix trailer_length, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)            \
     SETTING(type, prefix first_yaw_error, 0, 1, 0, 0) SETTING(type, prefix sample_time, 0, 1, 0, 0)          \
     SETTING(type, prefix tractor_lag, 0, 1, 0, 0) SETTING(type, prefix trailer_lag, 0, 1, 0, 0)              \
-    SETTING(type, prefix tractor_rate, 0, 1, 0, 0)            \
-    SETTING(type, prefix trailer_rate, 0, 1, 0, 0) SETTING(type, prefix joint_sign, 0, 1, 0, 0)              \
+    SETTING(type, prefix tractor_rate, 0, 1, 0, 0) SETTING(type, prefix trailer_rate, 0, 1, 0, 0)            \
+    SETTING(type, prefix joint_sign, 0, 1, 0, 0)                                                             \
     SLIDE_FIELDS(type, prefix slide)
 
 /* The state at rest that explains one measurement; returns 0 when a position is missing. */

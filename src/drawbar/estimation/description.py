@@ -8,7 +8,6 @@ from drawbar.estimation.settings import ScreeningSettings
 from drawbar.optimal import EstimationProblem
 from drawbar.settings import Settings
 from drawbar.vehicle.measured import MEASURED
-from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
 _SENSORS = {variable.name: variable.name for variable in MEASURED} | dict.fromkeys(
@@ -39,15 +38,6 @@ class EstimationModel(ABC):
         for name, value in self.screening.model_dump().items():
             workspace.array(f"screening.{name}")[:] = value
         workspace.array("screening.deviation")[:] = self.position_deviation
-
-
-def chain(vehicle: VehicleParameters) -> dict[str, float]:
-    """Return the lengths that the trailer antenna's place depends on, as settings of the model's C, m."""
-    return {
-        "chain.hitch": vehicle.free_joint_offset,
-        "chain.drawbar": vehicle.drawbar_length,
-        "chain.back": vehicle.trailer_length - vehicle.trailer_antenna,
-    }
 
 
 def sensor_deviations(noise: SensorNoise) -> dict[str, float]:

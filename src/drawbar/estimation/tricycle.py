@@ -1,8 +1,9 @@
 """Estimation on the paper's model."""
 
-from drawbar.estimation.description import EstimationModel, by_variable, chain, sensor_deviations
+from drawbar.estimation.description import EstimationModel, by_variable, sensor_deviations
 from drawbar.estimation.settings import TricycleEstimatorSettings
 from drawbar.optimal import Bound, EstimationProblem
+from drawbar.vehicle.chain import chain_settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 from drawbar.vehicle.tricycle import tricycle
@@ -31,7 +32,7 @@ class TricycleEstimation(EstimationModel):
     ) -> None:
         """Declare the window problem for this vehicle and these sensors."""
         self.screening, self.position_deviation = settings.screening, noise.position
-        self.constants = chain(vehicle) | {
+        self.constants = chain_settings(vehicle) | {
             "first_slip": settings.first_slip,
             "first_yaw_error": settings.first_yaw_error,
         }

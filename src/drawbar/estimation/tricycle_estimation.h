@@ -15,8 +15,7 @@ struct estimation_model {
 };
 
 #define MODEL_FIELDS(type, prefix)                                                                           \
-    SETTING(type, prefix chain.hitch, 0, 1, 0, 0) SETTING(type, prefix chain.drawbar, 0, 1, 0, 0)            \
-    SETTING(type, prefix chain.back, 0, 1, 0, 0) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
+    CHAIN_FIELDS(type, prefix chain) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
     SETTING(type, prefix first_yaw_error, 0, 1, 0, 0)
 
 /* The state at rest that explains one measurement; returns 0 when a position is missing. */

@@ -26,6 +26,7 @@ _BODIES = ("tractor", "trailer")
 _REPORTED: tuple[str, ...] = (
     *(f"measurement.{name}" for name in ("time", "tractor_x", "tractor_y", "speed", "hitch_angle")),
     *(f"measurement.{body}_roll" for body in _BODIES),
+    "measurement.tractor_yaw",
     *(f"actuation.{body}_roll_{name}" for body in _BODIES for name in ("offset", "deviation")),
     *(f"estimate.{body}.yaw" for body in _BODIES),
     *(f"estimate.{name}" for name in ("speed", "hitch_angle", "trailer_slip", *_SLIPS)),

@@ -17,6 +17,7 @@ from drawbar.report.tables import (
     number,
     time_rows,
 )
+from drawbar.report.two_antennas import yaw_text
 from drawbar.terminal import FittedTable
 
 
@@ -31,14 +32,17 @@ def summary(metrics: Metrics) -> RenderableType:
     ending = Text("finished", "green") if metrics.finished else Text(f"stopped: {metrics.outcome}", "bold red")
     distance, duration = number(metrics.length_m, 1, " m"), number(metrics.duration_s, 1, " s")
     pace = number(metrics.real_time_factor, 0, "× real time")
-    doubt = doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer)
+    doubts = (
+        doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer),
+        yaw_text(metrics.yaw_difference_rad),
+    )
     return Group(
         "",
         Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
         f"{distance} in {duration}, {pace}",
         f"solver failures: {metrics.solver_failures}, commands limited: {metrics.limited_commands}, "
         f"refused: {metrics.refused_commands}",
-        *([Text(doubt, "bold yellow")] if doubt else []),
+        *(Text(doubt, "bold yellow") for doubt in doubts if doubt),
         *(Text(f"log: {loss}", "bold yellow") for loss in metrics.losses),
         "",
         _table(f"{error_name(metrics)}, cm", error_columns, error_rows(metrics)),

@@ -16,6 +16,7 @@ from drawbar.recording.log import Columns
 from drawbar.report.columns import actual_steering, along
 from drawbar.report.masts import mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.two_antennas import yaw_difference
 from drawbar.signals import FixStatus, GateVerdict
 
 ALL = "all"
@@ -92,6 +93,8 @@ class Metrics:
     """the errors are of estimated positions, as on every real machine: what the estimate is off by is not in them"""
     mast_doubt_m: Bodies[float]
     """by how much masts may mislead for want of an attitude sensor, see masts.py; 0: there is one, or no mast"""
+    yaw_difference_rad: float
+    """by how much the yaw of the tractor's two antennas is left of the estimated one; NaN: they are not there"""
     yaw_rmse_rad: Bodies[float]
     """estimate against truth"""
     steering_rate_mean_rad_s: Bodies[float]
@@ -234,6 +237,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         ),
         error_estimated=not log.has_truth,
         mast_doubt_m=_of_both(mast_doubt, log),
+        yaw_difference_rad=yaw_difference(log),
         yaw_rmse_rad=_of_both(_yaw_rmse, log),
         steering_rate_mean_rad_s=_of_both(_steering_rate, log),
         steering_rate_straight_rad_s=Bodies(

@@ -21,6 +21,7 @@ from drawbar.report.masts import doubt_text, mast_doubt, mounting_text
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.scene import scene_figure
 from drawbar.report.style import Figure
+from drawbar.report.two_antennas import yaw_difference, yaw_text
 
 _FACTORS = {
     "longitudinal_slip": ("μ", style.ESTIMATOR),
@@ -98,9 +99,10 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
 
 
 def _doubt(log: Columns) -> str:
-    """Say by how much masts may mislead where nothing tells how the bodies lean, and which roll sensors are askew."""
+    """Say by how much masts may mislead where nothing tells how the bodies lean, and which sensors are askew."""
     doubt = doubt_text(mast_doubt(log, "tractor"), mast_doubt(log, "trailer"))
-    found = [doubt, *(mounting_text(log, body) for body in ("tractor", "trailer"))]
+    askew = (mounting_text(log, body) for body in ("tractor", "trailer"))
+    found = [doubt, *askew, yaw_text(yaw_difference(log))]
     return "".join(f" {text[0].upper()}{text[1:]}." for text in found if text)
 
 

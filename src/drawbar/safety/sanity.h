@@ -23,6 +23,7 @@ struct component {
     double swing, steering_swing, swing_share;
     struct hitch_watch hitch;
     double wheelbase;                      /* m */
+    double position;                       /* deviation of a fix whose receiver tells none, m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
     time_stamp time, last_fine;            /* of the last sample, of the last fine fix */
@@ -40,6 +41,7 @@ struct component {
     SETTING(component, swing, 0, 1, 0, 0) SETTING(component, steering_swing, 0, 1, 0, 0)                               \
     HITCH_WATCH_FIELDS(component, hitch)                                                                               \
     SETTING(component, swing_share, 0, 1, 0, 0) SETTING(component, wheelbase, 0, 1, 0, 0)                              \
+    SETTING(component, position, 0, 1, 0, 0)                                                                           \
     SETTING(component, swings_slow, 1, 1, 0, 0) SETTING(component, swings_stop, 1, 1, 0, 0)
 
 /* For how long no fix has been fine, s: there are coarse ones, or none. */
@@ -78,7 +80,7 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
 
     sanity->way = kept * sanity->way + way;
     for (int i = 0; i < 2; ++i) {
-        if (told[i] > sanity->fine)        /* the noise of a coarse fix is no motion */
+        if ((isnan(told[i]) ? sanity->position : told[i]) > sanity->fine)   /* the noise of a coarse fix is no motion */
             fixes[2 * i] = NAN;
         const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
         const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(way);

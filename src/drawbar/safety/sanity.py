@@ -47,11 +47,19 @@ class SanitySettings(Settings):
     """half waves in a row after which the run ends"""
 
 
-def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, chain: bool = True) -> Unit:
-    """Return what watches a run from its first step on; `chain`: the estimator knows the exact chain."""
+def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, position: float, chain: bool = True) -> Unit:
+    """Return what watches a run from its first step on.
+
+    Args:
+        vehicle: whose wheelbase is known.
+        settings: when to do what.
+        position: standard deviation of one coordinate of a fix whose receiver tells none, m.
+        chain: the estimator knows the exact chain.
+    """
     values: dict[str, ArrayLike] = {
         **settings.model_dump(exclude={"lost", "blind", "blind_deviation"}),
         "wheelbase": vehicle.wheelbase,
+        "position": position,
     }
     for setting, key in (("least", "hitch_mean"), ("most", "hitch"), ("patience", "hitch_patience")):
         values[f"hitch.{setting}"] = values.pop(key)

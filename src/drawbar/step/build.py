@@ -100,7 +100,12 @@ def units_of(configuration: Configuration) -> list[Unit]:
         ancillary_unit("trailer_law", tubes.trailer if tubes else None, vehicle.trailer_steering_limit),
         gate_unit(vehicle, speed_limit=configuration.speed, sample_time=configuration.sample_time),
         supervisor_unit(configuration.sanity, vehicle),
-        sanity_unit(vehicle, configuration.sanity, chain=configuration.estimator.model != "tricycle"),
+        sanity_unit(
+            vehicle,
+            configuration.sanity,
+            position=configuration.sensors.position,
+            chain=configuration.estimator.model != "tricycle",
+        ),
     ]
 
 

@@ -12,9 +12,9 @@ struct chain {
     double back;                           /* actuated joint to the trailer's antenna, L_i - c, m */
 };
 
-#define CHAIN_FIELDS(place)                                                                       \
-    SETTING(component, place.wheelbase, 0, 1, 0, 0) SETTING(component, place.hitch, 0, 1, 0, 0)              \
-    SETTING(component, place.drawbar, 0, 1, 0, 0) SETTING(component, place.back, 0, 1, 0, 0)
+#define CHAIN_FIELDS(type, place)                                                                            \
+    SETTING(type, place.wheelbase, 0, 1, 0, 0) SETTING(type, place.hitch, 0, 1, 0, 0)                        \
+    SETTING(type, place.drawbar, 0, 1, 0, 0) SETTING(type, place.back, 0, 1, 0, 0)
 
 /* The steering (rad) that holds the tractor on a curvature (1/m), for the estimated slip. */
 static inline double curvature_steering(const struct chain *chain, const struct drawbar_estimate *estimate,

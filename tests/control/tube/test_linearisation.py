@@ -1,5 +1,7 @@
 """Error models against finite differences of the declared models, and of their motion through a whole sample."""
 
+import re
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from scipy.linalg import expm
 from drawbar.control.settings import TubeWorkRange
 from drawbar.control.tube import bodies
 from drawbar.control.tube.bodies import Work, steady_articulation
+from drawbar.errors import TubeError
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle_tractor, tricycle_trailer
@@ -137,3 +140,14 @@ def test_the_steady_articulation_does_not_change():
         p[names.index("tractor_yaw_rate")] = curvature
         gamma = steady_articulation(VEHICLE, curvature, joint)
         assert float(rate([gamma, joint], 0.0, p)) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_trailer_that_folds_up_is_told_the_tightest_curve_that_it_follows():
+    long = VEHICLE.model_copy(update={"hitch_length": 1.5, "trailer_length": 6.0})
+    with pytest.raises(TubeError, match=r"trailer_length = 6 m .*curvature_limit = 0\.3 1/m") as refused:
+        steady_articulation(long, 0.3, 0.0)
+    told = re.search(r"to (\S+) 1/m at most", str(refused.value))
+    tightest = float(told[1])
+    assert steady_articulation(long, tightest, 0.0) > 0.0
+    with pytest.raises(TubeError):
+        steady_articulation(long, tightest + 2e-4, 0.0)

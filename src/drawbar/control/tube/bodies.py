@@ -141,13 +141,14 @@ def steady_articulation(vehicle: VehicleParameters, curvature: float, joint: flo
     Raises:
         TubeError: the trailer is too long to follow this curve steadily.
     """
-    lever = curvature * vehicle.free_joint_offset
-    reach = curvature * (vehicle.trailer_length + vehicle.drawbar_length * math.cos(joint))
+    length = vehicle.trailer_length + vehicle.drawbar_length * math.cos(joint)
+    lever, reach = curvature * vehicle.free_joint_offset, curvature * length
     if not abs(reach) < math.hypot(1.0, lever):
+        limit = 1.0 / math.sqrt(length**2 - vehicle.free_joint_offset**2)
         raise TubeError(
             f"no trailer with vehicle.trailer_length = {vehicle.trailer_length:g} m follows curves of "
             f"vehicle.curvature_limit = {curvature:g} 1/m steadily, it folds up behind the tractor; lower "
-            f"curvature_limit"
+            f"curvature_limit to {math.floor(1e4 * limit) / 1e4:g} 1/m at most"
         )
     return math.atan(lever) + math.asin(reach / math.hypot(1.0, lever))
 

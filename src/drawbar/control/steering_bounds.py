@@ -1,7 +1,6 @@
-"""Chain: steering bounds and lengths that the controllers on the chain share (chain.h)."""
+"""Steering bounds that the controllers on the chain share."""
 
 from drawbar.optimal import Bound
-from drawbar.vehicle.parameters import VehicleParameters
 
 _OVERSTEER = 1e3
 """Penalty per radian on a planned steering angle beyond its limit: soft, since the estimate may lie beyond it."""
@@ -12,14 +11,4 @@ def steering_bounds(limit: float, rate: float, body: str = "") -> dict[str, Boun
     return {
         f"{body}steering": Bound(lower=-limit, upper=limit, linear_penalty=_OVERSTEER),
         f"{body}steering_rate": Bound(lower=-rate, upper=rate),
-    }
-
-
-def chain_settings(vehicle: VehicleParameters) -> dict[str, float]:
-    """Return the lengths that chain.h knows, m."""
-    return {
-        "chain.wheelbase": vehicle.wheelbase,
-        "chain.hitch": vehicle.free_joint_offset,
-        "chain.drawbar": vehicle.drawbar_length,
-        "chain.back": vehicle.trailer_length - vehicle.trailer_antenna,
     }

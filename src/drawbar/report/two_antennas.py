@@ -1,0 +1,33 @@
+"""Two antennas: whether the yaw that they tell on the tractor can be believed, or their line is stated wrongly."""
+
+import math
+
+import numpy as np
+
+from drawbar.geometry import wrap
+from drawbar.recording.log import Columns
+
+BELIEVED = 0.1
+"""Furthest that a yaw may be from the expected one, rad, as YAW_GATE of estimation/yaw_sensor.h"""
+
+
+def yaw_difference(log: Columns) -> float:
+    """Return by how much the told yaw is left of the estimated one, rad, median; NaN where none is told."""
+    told, estimated = log.column("measurement.tractor_yaw"), log.column("estimate.tractor.yaw")
+    turned = np.exp(1j * (told - estimated))
+    turned = turned[np.isfinite(turned)]
+    if not turned.size:
+        return math.nan
+    middle = turned.sum()
+    return wrap(float(np.angle(middle) + np.median(np.angle(turned * np.conj(middle)))))
+
+
+def yaw_text(difference: float) -> str:
+    """Return what there is to say of a difference, rad; empty where it is small enough to be corrected for."""
+    if not abs(difference) > BELIEVED:
+        return ""
+    return (
+        f"the yaw of the tractor's two antennas is {math.degrees(difference):+.1f}° from the "
+        f"estimated one, median; beyond {math.degrees(BELIEVED):.1f}° it is not believed: if the machine is real, add "
+        f"{difference:+.4f} to devices.tractor_receiver.antennas.line"
+    )
