@@ -32,6 +32,7 @@ _REPORTED: tuple[str, ...] = (
     *(f"estimate.{body}_fix" for body in _BODIES),
     *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error")),
     *(f"reference.{body}.closest.{place}" for body in _BODIES for place in range(3)),
+    *(f"reference.{body}.line_{axis}" for body in _BODIES for axis in "xy"),
     *(f"{body}_steering.{name}" for body in _BODIES for name in ("command", "ancillary", "saturated", "margin")),
     "command.speed",
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
