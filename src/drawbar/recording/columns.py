@@ -38,6 +38,7 @@ _REPORTED: tuple[str, ...] = (
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
     "solver_failures",
     "gate",
+    "flags",
 )
 _REPORTED_OF_TRUTH: tuple[str, ...] = (
     *(f"truth.{body}.{name}" for body in _BODIES for name in ("x", "y", "yaw")),
@@ -48,7 +49,6 @@ _REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
     *(f"estimate.{body}.{name}" for body in _BODIES for name in "xy"),
     "estimate.tractor_steering",
     *(f"measurement.{name}" for name in _STEERINGS),
-    "flags",
 )
 """in place of what nobody knows"""
 WIDE = (".x", ".y", "_x", "_y", ".time", ".progress", ".closest.0", ".closest.1")

@@ -1,14 +1,22 @@
 """Columns of a log, as arrays: what both bodies did, step by step; the truth, or the next best on a real machine."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
+from drawbar.signals import Flag
 
 
 def along(log: Columns, body: str) -> Floats:
     """Return where a body is along the path, as the controller saw it, (n,) in m."""
     return log.column(f"reference.{body}.progress")
+
+
+def engaged(log: Columns) -> NDArray[np.bool_]:
+    """Return at which steps the autopilot steered and did not look on, (n,)."""
+    steers: NDArray[np.bool_] = (log.column("flags").astype(int) & Flag.RELEASED) == 0
+    return steers
 
 
 def track(log: Columns, body: str) -> Floats:

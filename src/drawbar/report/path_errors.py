@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.recording.log import Columns
-from drawbar.signals import Flag
+from drawbar.report.columns import engaged
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ def true_path_errors(log: Columns) -> Bodies[PathErrors]:
 
 def estimated_path_errors(log: Columns) -> Bodies[PathErrors]:
     """Return the errors of both bodies as they were estimated while the autopilot was engaged; else they are NaN."""
-    return _errors(log, "estimate", (log.column("flags").astype(int) & Flag.RELEASED) != 0)
+    return _errors(log, "estimate", ~engaged(log))
 
 
 def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[PathErrors]:
