@@ -8,7 +8,7 @@ import pytest
 from drawbar.report.figures import error_figure
 from drawbar.report.metrics import compute_metrics, error_statistics
 from drawbar.report.path_errors import Bodies, PathErrors, project_track, true_path_errors
-from drawbar.signals import FixStatus, Flag, GateVerdict
+from drawbar.signals import FixStatus, Flag, GateVerdict, Status
 
 
 def paths_errors(error, labels):
@@ -126,6 +126,19 @@ def test_steering_and_commands_while_the_driver_steers_are_nobodys_figures(make_
     assert metrics.ancillary_share.tractor == pytest.approx(0.5, rel=1e-12)
     assert metrics.saturated_share.tractor == 0.5
     assert metrics.tube_margin_min.tractor == 0.5
+
+
+def test_waiting_far_from_the_line_is_no_failure_and_no_way(make_run):
+    log = small(make_run)
+    log = with_column(log, "status", [Status.START, Status.POSITION, Status.OK, Status.OK])
+    log = with_column(log, "gate", [GateVerdict.STOPPED, GateVerdict.STOPPED, GateVerdict.PASSED, GateVerdict.PASSED])
+    log = with_column(log, "solver_failures", [2, 2, 1, 0])
+    log = with_column(log, "reference.tractor.progress", [math.nan, math.nan, 3.0, 3.5])
+    metrics = compute_metrics(log, true_path_errors(log))
+    assert (metrics.solver_failures, metrics.refused_commands) == (1, 0)
+    assert metrics.length_m == 0.5
+    log = with_column(log, "reference.tractor.progress", [math.nan] * 4)
+    assert compute_metrics(log, true_path_errors(log)).length_m == 0.0
 
 
 def test_yaw_error_does_not_see_whole_turns(make_run):

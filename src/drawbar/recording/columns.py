@@ -38,6 +38,7 @@ _REPORTED: tuple[str, ...] = (
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
     "solver_failures",
     "gate",
+    "status",
     "flags",
 )
 _REPORTED_OF_TRUTH: tuple[str, ...] = (

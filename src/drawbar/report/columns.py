@@ -5,7 +5,10 @@ from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
-from drawbar.signals import Flag
+from drawbar.signals import Flag, Status
+
+_WAITS = (Status.POSITION, Status.START)
+"""what a step is that no run has begun with"""
 
 
 def along(log: Columns, body: str) -> Floats:
@@ -13,9 +16,15 @@ def along(log: Columns, body: str) -> Floats:
     return log.column(f"reference.{body}.progress")
 
 
+def begun(log: Columns) -> NDArray[np.bool_]:
+    """Return at which steps a run was on, (n,); before, nothing is estimated or solved."""
+    return ~np.isin(log.column("status"), _WAITS)
+
+
 def engaged(log: Columns) -> NDArray[np.bool_]:
     """Return at which steps the autopilot steered and did not look on, (n,)."""
-    steers: NDArray[np.bool_] = (log.column("flags").astype(int) & Flag.RELEASED) == 0
+    released = (log.column("flags").astype(int) & Flag.RELEASED) != 0
+    steers: NDArray[np.bool_] = begun(log) & ~released
     return steers
 
 

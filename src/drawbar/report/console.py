@@ -32,7 +32,7 @@ def summary(metrics: Metrics) -> RenderableType:
     distance, duration = number(metrics.length_m, 1, " m"), number(metrics.duration_s, 1, " s")
     pace = number(metrics.real_time_factor, 0, "× real time")
     doubt = doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer)
-    return Group(
+    told = [
         "",
         Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
         f"{distance} in {duration}, {pace}",
@@ -40,6 +40,11 @@ def summary(metrics: Metrics) -> RenderableType:
         f"refused: {metrics.refused_commands}",
         *([Text(doubt, "bold yellow")] if doubt else []),
         *(Text(f"log: {loss}", "bold yellow") for loss in metrics.losses),
+    ]
+    if not metrics.duration_s:  # no figure is known
+        return Group(*told)
+    return Group(
+        *told,
         "",
         _table(f"{error_name(metrics)}, cm", error_columns, error_rows(metrics)),
         "",

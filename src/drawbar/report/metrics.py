@@ -13,7 +13,7 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
-from drawbar.report.columns import actual_steering, along, engaged
+from drawbar.report.columns import actual_steering, along, begun, engaged
 from drawbar.report.masts import mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.signals import FixStatus, GateVerdict
@@ -225,6 +225,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
     """Compute the figures of a run from its log and the true errors of both bodies."""
     classes = log.header.path.label_names
     gate = log.column("gate")[engaged(log)]
+    progress = along(log, "tractor")
     duration, wall_time = _span(log.column("measurement.time")), _span(log.wall_time)
     return Metrics(
         config=log.header.configuration_name,
@@ -233,7 +234,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         outcome=log.outcome.reason,
         losses=log.losses,
         duration_s=duration,
-        length_m=_span(along(log, "tractor")),
+        length_m=_span(progress[~np.isnan(progress)]),
         real_time_factor=_share(duration, wall_time),
         error_m=Bodies(
             tractor=_errors_by_class(errors.tractor, classes),
@@ -253,7 +254,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         tube_margin_min=_of_both(_tube_margin, log),
         stale_fixes=_fixes(log, FixStatus.STALE),
         rejected_fixes=_fixes(log, FixStatus.REJECTED),
-        solver_failures=int(log.column("solver_failures").sum()),
+        solver_failures=int(log.column("solver_failures")[begun(log)].sum()),
         limited_commands=int((gate == GateVerdict.LIMITED).sum()),
         refused_commands=int((gate >= GateVerdict.REPEATED).sum()),
         solve_time_s=SolverTimes(
