@@ -32,7 +32,7 @@ def summary(metrics: Metrics) -> RenderableType:
     distance, duration = number(metrics.length_m, 1, " m"), number(metrics.duration_s, 1, " s")
     pace = number(metrics.real_time_factor, 0, "× real time")
     doubt = doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer)
-    told = [
+    told: list[RenderableType] = [
         "",
         Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
         f"{distance} in {duration}, {pace}",
