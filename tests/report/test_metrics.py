@@ -128,16 +128,18 @@ def test_steering_and_commands_while_the_driver_steers_are_nobodys_figures(make_
     assert metrics.tube_margin_min.tractor == 0.5
 
 
-def test_waiting_far_from_the_line_is_no_failure_and_no_way(make_run):
-    log = small(make_run)
-    log = with_column(log, "status", [Status.START, Status.POSITION, Status.OK, Status.OK])
-    log = with_column(log, "gate", [GateVerdict.STOPPED, GateVerdict.STOPPED, GateVerdict.PASSED, GateVerdict.PASSED])
-    log = with_column(log, "solver_failures", [2, 2, 1, 0])
-    log = with_column(log, "reference.tractor.progress", [math.nan, math.nan, 3.0, 3.5])
+def test_waiting_before_a_run_and_after_it_is_no_failure_and_no_way(make_run):
+    log = small(make_run, 5)
+    log = with_column(log, "status", [Status.START, Status.POSITION, Status.OK, Status.OK, Status.BLIND])
+    stopped, passed = GateVerdict.STOPPED, GateVerdict.PASSED
+    log = with_column(log, "gate", [stopped, stopped, passed, passed, stopped])
+    log = with_column(log, "solver_failures", [2, 2, 1, 0, 2])
+    log = with_column(log, "estimate.tractor.yaw", [math.nan, math.nan, 0.0, 0.0, math.nan])
+    log = with_column(log, "reference.tractor.progress", [math.nan, math.nan, 3.0, 3.5, math.nan])
     metrics = compute_metrics(log, true_path_errors(log))
     assert (metrics.solver_failures, metrics.refused_commands) == (1, 0)
     assert metrics.length_m == 0.5
-    log = with_column(log, "reference.tractor.progress", [math.nan] * 4)
+    log = with_column(log, "reference.tractor.progress", [math.nan] * 5)
     assert compute_metrics(log, true_path_errors(log)).length_m == 0.0
 
 

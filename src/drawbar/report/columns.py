@@ -7,8 +7,8 @@ from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
 from drawbar.signals import Flag, Status
 
-_WAITS = (Status.POSITION, Status.START)
-"""what a step is that no run has begun with"""
+_IDLE = [status for status in Status if status in (Status.POSITION, Status.START) or status.has_ended]
+"""what a step is before a run has begun, and once it has ended"""
 
 
 def along(log: Columns, body: str) -> Floats:
@@ -16,15 +16,15 @@ def along(log: Columns, body: str) -> Floats:
     return log.column(f"reference.{body}.progress")
 
 
-def begun(log: Columns) -> NDArray[np.bool_]:
-    """Return at which steps a run was on, (n,); before, nothing is estimated or solved."""
-    return ~np.isin(log.column("status"), _WAITS)
+def estimated(log: Columns) -> NDArray[np.bool_]:
+    """Return at which steps there was something to estimate and to solve, (n,)."""
+    return np.isfinite(log.column("estimate.tractor.yaw"))
 
 
 def engaged(log: Columns) -> NDArray[np.bool_]:
     """Return at which steps the autopilot steered and did not look on, (n,)."""
     released = (log.column("flags").astype(int) & Flag.RELEASED) != 0
-    steers: NDArray[np.bool_] = begun(log) & ~released
+    steers: NDArray[np.bool_] = ~released & ~np.isin(log.column("status"), _IDLE)
     return steers
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
-from drawbar.report.columns import actual_steering, along, begun, engaged
+from drawbar.report.columns import actual_steering, along, engaged, estimated
 from drawbar.report.masts import mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.signals import FixStatus, GateVerdict
@@ -254,7 +254,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         tube_margin_min=_of_both(_tube_margin, log),
         stale_fixes=_fixes(log, FixStatus.STALE),
         rejected_fixes=_fixes(log, FixStatus.REJECTED),
-        solver_failures=int(log.column("solver_failures")[begun(log)].sum()),
+        solver_failures=int(log.column("solver_failures")[estimated(log)].sum()),
         limited_commands=int((gate == GateVerdict.LIMITED).sum()),
         refused_commands=int((gate >= GateVerdict.REPEATED).sum()),
         solve_time_s=SolverTimes(
