@@ -183,6 +183,15 @@ def test_all_wrong_values_are_told_at_once() -> None:
         assert f"  {key} = " in message
 
 
+def test_a_reason_ends_with_one_full_stop() -> None:
+    sensors = '{transport="file:memory",hitch_counts=[0,1],hitch_angles=[0.0],pulses_per_metre=100.0}'
+    receiver = '{transport="file:memory"}'
+    table = f"devices={{tractor_receiver={receiver},sensors={sensors}}}"
+    (line,) = [line for line in refusal("articulated", table).splitlines() if "potentiometer" in line]
+    assert line.endswith("from lock to lock.")
+    assert not line.endswith("..")
+
+
 def test_missing_keys_are_named(write: Write) -> None:
     message = refusal(write(""))
     for key in ("name", "estimator", "controller"):

@@ -26,7 +26,7 @@ def explained(problem: Any, data: dict[str, Any]) -> str:
     # a whole section is not shown: its message says what is wrong in it
     whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")
     given = "" if whole else f" = {reprlib.repr(problem['input'])}"
-    return f"  {key or 'configuration'}{given}: {reason}."
+    return f"  {key or 'configuration'}{given}: {reason.removesuffix('.')}."
 
 
 def _key(problem: Any, data: Any) -> str:

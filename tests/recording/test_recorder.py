@@ -197,7 +197,7 @@ def test_logs_of_earlier_versions_are_read(tmp_path):
 def test_what_is_no_log_is_refused(tmp_path, content):
     file = tmp_path / "log.mcap"
     file.write_bytes(content)
-    with pytest.raises(DrawbarError, match=r"log\.mcap: .*give the log\.mcap that drawbar run wrote"):
+    with pytest.raises(DrawbarError, match=r"log\.mcap: .*give the log\.mcap that drawbar run or drawbar drive wrote"):
         read_log(file)
 
 

@@ -9,7 +9,6 @@ import pytest
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.recording.log import Outcome, PathTable, RunHeader, RunLog
 from drawbar.signals import (
-    BodyPlace,
     BodyPlan,
     BodySteering,
     Command,
@@ -20,6 +19,7 @@ from drawbar.signals import (
     Places,
     Plan,
     Pose,
+    RecordedPlace,
     SolverStatus,
     SolveTimes,
     Status,
@@ -111,7 +111,7 @@ class Body:
 
     def reference_at(self, k, noise):
         error = float(self.error[k] + 0.005 * noise)
-        return BodyPlace(progress=float(self.progress[k]), lateral_error=error, closest=NOTHING[0])
+        return RecordedPlace(progress=float(self.progress[k]), lateral_error=error, closest=NOTHING[0])
 
     def steering_at(self, k):
         nominal, ancillary, command = (float(each[k]) for each in (self.nominal, self.ancillary, self.command))

@@ -8,7 +8,7 @@ import pytest
 from drawbar.report.figures import error_figure
 from drawbar.report.metrics import compute_metrics, error_statistics
 from drawbar.report.path_errors import Bodies, PathErrors, project_track, true_path_errors
-from drawbar.signals import FixStatus, GateVerdict
+from drawbar.signals import FixStatus, Flag, GateVerdict, Status
 
 
 def paths_errors(error, labels):
@@ -106,6 +106,41 @@ def test_steps_with_the_steering_at_its_limit_are_counted_where_it_is_known(make
     share = compute_metrics(log, true_path_errors(log)).at_limit_share
     assert share.trailer == 0.5
     assert math.isnan(share.tractor)
+
+
+def test_steering_and_commands_while_the_driver_steers_are_nobodys_figures(make_run):
+    log = small(make_run)
+    limit = log.header.vehicle.tractor_steering_limit
+    log = with_column(log, "flags", [Flag.RELEASED, Flag.RELEASED, Flag(0), Flag(0)])
+    log = with_column(log, "gate", [GateVerdict.STOPPED, GateVerdict.LIMITED, GateVerdict.LIMITED, GateVerdict.PASSED])
+    log = with_column(log, "truth.tractor_steering", [limit, limit, 0.0, 0.02])
+    log = with_column(log, "tractor_steering.command", [0.5, 0.5, 0.1, 0.1])
+    log = with_column(log, "tractor_steering.ancillary", [0.5, 0.5, 0.05, 0.05])
+    log = with_column(log, "tractor_steering.saturated", [True, True, True, False])
+    log = with_column(log, "tractor_steering.margin", [-1.0, 0.1, 0.5, 0.6])
+    log = with_column(log, "measurement.time", [0.0, 0.2, 0.4, 0.6])
+    metrics = compute_metrics(log, true_path_errors(log))
+    assert (metrics.limited_commands, metrics.refused_commands) == (1, 0)
+    assert metrics.at_limit_share.tractor == 0.0
+    assert metrics.steering_rate_mean_rad_s.tractor == pytest.approx(0.1, rel=1e-12)
+    assert metrics.ancillary_share.tractor == pytest.approx(0.5, rel=1e-12)
+    assert metrics.saturated_share.tractor == 0.5
+    assert metrics.tube_margin_min.tractor == 0.5
+
+
+def test_waiting_before_a_run_and_after_it_is_no_failure_and_no_way(make_run):
+    log = small(make_run, 5)
+    log = with_column(log, "status", [Status.START, Status.POSITION, Status.OK, Status.OK, Status.BLIND])
+    stopped, passed = GateVerdict.STOPPED, GateVerdict.PASSED
+    log = with_column(log, "gate", [stopped, stopped, passed, passed, stopped])
+    log = with_column(log, "solver_failures", [2, 2, 1, 0, 2])
+    log = with_column(log, "estimate.tractor.yaw", [math.nan, math.nan, 0.0, 0.0, math.nan])
+    log = with_column(log, "reference.tractor.progress", [math.nan, math.nan, 3.0, 3.5, math.nan])
+    metrics = compute_metrics(log, true_path_errors(log))
+    assert (metrics.solver_failures, metrics.refused_commands) == (1, 0)
+    assert metrics.length_m == 0.5
+    log = with_column(log, "reference.tractor.progress", [math.nan] * 5)
+    assert compute_metrics(log, true_path_errors(log)).length_m == 0.0
 
 
 def test_yaw_error_does_not_see_whole_turns(make_run):

@@ -17,7 +17,7 @@ from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import true_path_errors
 from drawbar.report.scene import scene_figure
-from drawbar.report.solids import mast_solid, rotation, tractor_solid, trailer_solid
+from drawbar.report.solids import mast_solid, rotation, tool_solid, tractor_solid, trailer_solid
 from drawbar.simulation import simulate
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -43,6 +43,25 @@ def test_wheels_touch_the_ground_and_triangles_have_corners() -> None:
         assert solid.corners[:, 2].min() == pytest.approx(0.0, abs=1e-12)
         assert (solid.triangles.min(), solid.triangles.max()) == (0, len(solid.corners) - 1)
     assert mast_solid((0.1, 0.2, 2.5)).corners.max(axis=0)[2] == pytest.approx(2.54)
+
+
+def test_a_tool_reaches_from_the_ground_to_its_beam_from_its_bodys_point() -> None:
+    forward, left = -0.6, 0.2
+    corners = tool_solid((forward, left)).corners
+    assert (corners[:, 2].min(), corners[:, 2].max()) == pytest.approx((0.0, 0.35))
+    assert corners[8:].mean(axis=0) == pytest.approx((forward, left, 0.15))
+    assert corners[:8].mean(axis=0) == pytest.approx((0.5 * forward, 0.5 * left, 0.3))
+
+
+def test_a_tool_is_drawn_on_each_body_that_has_one(log: RunLog) -> None:
+    tracked = load_configuration("articulated", [*FIELD, *SLOPE, "vehicle.tracked.trailer.forward=-0.6"]).to_toml()
+    fitted = dataclasses.replace(log, header=dataclasses.replace(log.header, configuration=tracked))
+    bodies = [
+        {trace["name"]: len(trace["x"]) for trace in scene_figure(each)["data"] if trace["type"] == "mesh3d"}
+        for each in (log, fitted)
+    ]
+    assert bodies[1]["Tractor"] == bodies[0]["Tractor"]
+    assert bodies[1]["Trailer"] > bodies[0]["Trailer"]
 
 
 def test_scene_is_drawn_where_the_ground_is_not_flat(log: RunLog) -> None:

@@ -15,7 +15,7 @@ from drawbar.errors import ConfigurationError, DrawbarError
 if TYPE_CHECKING:
     from drawbar.config import Configuration
     from drawbar.driving.calibrating import Found
-    from drawbar.signals import BodyActuation
+    from drawbar.signals import BodyActuation, StepRecord
 
 _NOTED_LATENCY = 0.02
 """of fixes, from which on it is worth a setting, s"""
@@ -127,11 +127,12 @@ def identify(log: RunLogFile) -> None:
     from drawbar.signals import Flag
 
     content = read_log(log)
+    for loss in content.losses:
+        console.print(f"{log}: {loss}", style="bold yellow", soft_wrap=True)
     recorded = recorded_configuration(content.header.configuration, [], str(log))
-    stretches = groupby(content.records, key=lambda record: bool(record.flags & Flag.RELEASED))
-    steered = max((list(records) for released, records in stretches if not released), key=len, default=[])
+    steered = _longest([record for record in content.records if not record.flags & Flag.RELEASED])
     if len(steered) * recorded.sample_time < 10.0:
-        raise DrawbarError(f"{log}: steers for less than 10 s; give the log of a longer run")
+        raise DrawbarError(f"{log}: steers for less than 10 s without a gap; give the log of a longer run")
     steps = ((record.measurement, record.command) for record in steered)
     found = evaluate(steps, recorded.vehicle, recorded.actuation, recorded.sample_time)
     _tell_steering("front wheels", found.tractor)
@@ -153,6 +154,12 @@ def identify(log: RunLogFile) -> None:
             "[devices.trailer_receiver], elsewhere to sensors.fixes.age",
             soft_wrap=True,
         )
+
+
+def _longest(records: "Sequence[StepRecord]") -> "list[StepRecord]":
+    """Return the longest stretch in which no step is missing."""
+    stretches = groupby(enumerate(records), key=lambda each: each[1].step - each[0])
+    return max(([record for _, record in stretch] for _, stretch in stretches), key=len, default=[])
 
 
 def _tell_steering(name: str, found: "BodyActuation") -> None:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.options import RunLogFile, console
+from drawbar.errors import DrawbarError
 
 if TYPE_CHECKING:
     from drawbar.recompute import Replay
@@ -35,6 +36,8 @@ def replay(
         from drawbar.recording.log import read_log
 
         recomputed = recompute(read_log(log), changes or [])
+    if not recomputed.records:
+        raise DrawbarError(f"{log}: holds no step to recompute; give the log of a run that was longer")
     console.print(f"{log}: {len(recomputed.records)} steps recomputed")
     if recomputed.cut:
         console.print(f"what follows cannot be recomputed: {recomputed.cut}", style="bold yellow", soft_wrap=True)

@@ -194,7 +194,9 @@ ERRORS_DE: Mapping[str, str] = {
         "Das Fahrzeug wird gerade gelenkt; zuerst anhalten, dann speichern",
     "{}: cannot be read ({})": "{0}: nicht lesbar ({1})",
     "{}: cannot be read ({}); {}": "{0}: nicht lesbar ({1})",
-    "{}: holds no {}{}; {}": "{0}: enthält nicht {1}{2}",
+    "{}: holds no {}, which a log begins with{}; it was cut off in its beginning, or is no log of drawbar; {}":
+        "{0}: enthält nicht {1}, womit eine Aufzeichnung beginnt{2}; sie wurde am Anfang abgeschnitten, oder ist keine "
+        "von drawbar",
     "{}: is a pipe or a device, not a file; {}": "{0}: ist eine Pipe oder ein Gerät, keine Datei",
     "{}: is damaged, or no log of drawbar ({}); {}": "{0}: ist beschädigt oder keine Aufzeichnung von drawbar ({1})",
     "it does not begin as an MCAP file does": "sie beginnt nicht wie eine MCAP-Datei",

@@ -63,6 +63,8 @@ QUANTITIES: Mapping[str, tuple[str, str, str]] = {
     "closest.0": ("Nearest point of the line, east", "Nächster Punkt der Linie, Osten", "m"),
     "closest.1": ("Nearest point of the line, north", "Nächster Punkt der Linie, Norden", "m"),
     "closest.2": ("Direction of the line", "Richtung der Linie", "rad"),
+    "line_x": ("Nearest point of the tool's line, east", "Nächster Punkt der Linie des Werkzeugs, Osten", "m"),
+    "line_y": ("Nearest point of the tool's line, north", "Nächster Punkt der Linie des Werkzeugs, Norden", "m"),
     "closest.3": ("Curvature of the line", "Krümmung der Linie", "1/m"),
     "deviation.0": ("Off the plan, error 1", "Neben dem Plan, Fehler 1", ""),
     "deviation.1": ("Off the plan, error 2", "Neben dem Plan, Fehler 2", ""),

@@ -118,11 +118,11 @@ class Witness:
         return TappedTransport(transport, tap, self.clock)
 
     def note_look(self, time: int, *, was_due: bool, found: bool) -> None:
-        """Note a look at a time, ns, at which something came or was due; any other has done nothing.
+        """Note a look at a time, ns, at which something came, was due or was found; any other has done nothing.
 
         The recorder is told of all looks at the one that has found something, or soon.
         """
-        if self._pieces or was_due:
+        if self._pieces or was_due or found:
             self._looks.append(Happening(kind=Kind.LOOK, time=time, sequence=self._pieces))
         self._pieces = 0
         if self._looks and (found or len(self._looks) >= _TOGETHER):

@@ -33,11 +33,14 @@ _REPORTED: tuple[str, ...] = (
     *(f"estimate.{body}_fix" for body in _BODIES),
     *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error")),
     *(f"reference.{body}.closest.{place}" for body in _BODIES for place in range(3)),
+    *(f"reference.{body}.line_{axis}" for body in _BODIES for axis in "xy"),
     *(f"{body}_steering.{name}" for body in _BODIES for name in ("command", "ancillary", "saturated", "margin")),
     "command.speed",
     *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
     "solver_failures",
     "gate",
+    "status",
+    "flags",
 )
 _REPORTED_OF_TRUTH: tuple[str, ...] = (
     *(f"truth.{body}.{name}" for body in _BODIES for name in ("x", "y", "yaw")),
@@ -48,7 +51,6 @@ _REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
     *(f"estimate.{body}.{name}" for body in _BODIES for name in "xy"),
     "estimate.tractor_steering",
     *(f"measurement.{name}" for name in _STEERINGS),
-    "flags",
 )
 """in place of what nobody knows"""
 WIDE = (".x", ".y", "_x", "_y", ".time", ".progress", ".closest.0", ".closest.1")

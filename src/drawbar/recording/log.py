@@ -298,7 +298,7 @@ def reading(file: Path) -> Iterator[Iterator[Logged]]:
 
     Raises DrawbarError when the file cannot be read or is no log, or what is known before the first step is damaged.
     """
-    advice = "give the log.mcap that drawbar run wrote"
+    advice = "give the log.mcap that drawbar run or drawbar drive wrote"
     try:
         if not stat.S_ISREG(mode := file.stat().st_mode) and not stat.S_ISDIR(mode):
             raise DrawbarError(f"{file}: is a pipe or a device, not a file; {advice}")
@@ -307,7 +307,10 @@ def reading(file: Path) -> Iterator[Iterator[Logged]]:
     except OSError as error:
         raise DrawbarError(f"{file}: cannot be read ({error.strerror}); {advice}") from error
     except _NoHeaderError as error:
-        raise DrawbarError(f"{file}: holds no {HEADER_NAME}{error}; {advice}") from error
+        raise DrawbarError(
+            f"{file}: holds no {HEADER_NAME}, which a log begins with{error}; it was cut off in its beginning, or is "
+            f"no log of drawbar; {advice}"
+        ) from error
     except _DAMAGE as error:
         raise DrawbarError(f"{file}: is damaged, or no log of drawbar ({error}); {advice}") from error
 

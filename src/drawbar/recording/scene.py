@@ -38,6 +38,8 @@ FIELD, TRACTOR, TRAILER = "field", "tractor", "trailer"
 _PATH, _PLANS = Color(r=0.45, g=0.45, b=0.45, a=1.0), {TRACTOR: (0.12, 0.47, 0.71), TRAILER: (0.85, 0.37, 0.01)}
 _WIDTH, _HEIGHT = 1.2, 0.6
 """of the boxes that stand for the bodies, m"""
+_TOOL = 0.15
+"""of the line to a point of `vehicle.tracked`, m"""
 _GRID = 1024.0
 """places in a metre: what is drawn to a millimetre has short mantissas, and compresses"""
 _PLAN_GRID, _TURNS = 256.0, 2.0**20
@@ -110,7 +112,9 @@ class Scene:
         else:
             axle = -vehicle.trailer_antenna
             boxes = [_box(axle - 1.0, axle + 1.0, _WIDTH, shade), _box(axle, axle + vehicle.trailer_length, 0.1, shade)]
-        return SceneEntity(timestamp=_stamp(time), frame_id=body, id=body, frame_locked=True, cubes=boxes)
+        arm = getattr(vehicle.tracked, body).arm
+        tool = [_line(np.array([(0.0, 0.0), arm]), shade, _TOOL)] if any(arm) else []
+        return SceneEntity(timestamp=_stamp(time), frame_id=body, id=body, frame_locked=True, cubes=boxes, lines=tool)
 
 
 def _plan(time: int, body: str, plan: BodyPlan) -> SceneEntity:

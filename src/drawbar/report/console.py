@@ -36,7 +36,7 @@ def summary(metrics: Metrics) -> RenderableType:
         doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer),
         yaw_text(metrics.yaw_difference_rad),
     )
-    return Group(
+    told: list[RenderableType] = [
         "",
         Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
         f"{distance} in {duration}, {pace}",
@@ -44,6 +44,11 @@ def summary(metrics: Metrics) -> RenderableType:
         f"refused: {metrics.refused_commands}",
         *(Text(doubt, "bold yellow") for doubt in doubts if doubt),
         *(Text(f"log: {loss}", "bold yellow") for loss in metrics.losses),
+    ]
+    if not metrics.duration_s:  # no figure is known
+        return Group(*told)
+    return Group(
+        *told,
         "",
         _table(f"{error_name(metrics)}, cm", error_columns, error_rows(metrics)),
         "",

@@ -1,7 +1,7 @@
 """The figures of a run, computed from its log: the content of metrics.json.
 
 Without truth (a real machine) errors are those of estimated positions; every other figure that needs the truth is NaN,
-null in JSON.
+null in JSON. Steering and commands count while the autopilot is engaged; else they are the driver's.
 """
 
 import math
@@ -13,7 +13,7 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
-from drawbar.report.columns import actual_steering, along
+from drawbar.report.columns import actual_steering, along, engaged, estimated
 from drawbar.report.masts import mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.two_antennas import yaw_difference
@@ -104,10 +104,10 @@ class Metrics:
     ancillary_share: Bodies[float]
     """signed share of the steering: sum of the ancillary term in the command's direction over sum of |command|"""
     saturated_share: Bodies[float]
-    """steps whose command was clipped, of all steps"""
+    """steps whose command was clipped, of all engaged steps"""
     at_limit_share: Bodies[float]
-    """steps at which the steering stood within 0.5° of its limit, of all steps: what it cannot reach, nobody controls
-    away"""
+    """steps at which the steering stood within 0.5° of its limit, of all engaged steps: what it cannot reach, nobody
+    controls away"""
     tube_margin_min: Bodies[float]
     """how far inside its tube a body was at the worst: 1 at the centre, negative outside; NaN where none is declared"""
     stale_fixes: int
@@ -163,9 +163,14 @@ def _yaw_rmse(log: Columns, body: str) -> float:
     return error_statistics(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi).rms
 
 
+def _steering(log: Columns, body: str) -> Floats:
+    """Return a body's steering, (n,) in rad; NaN while the autopilot was not engaged."""
+    return np.where(engaged(log), actual_steering(log, body), np.nan)
+
+
 def _steering_rates(log: Columns, body: str) -> Floats:
-    """Return |steering rate|, (n - 1,), rad/s."""
-    rates: Floats = np.abs(np.diff(actual_steering(log, body))) / np.diff(log.column("measurement.time"))
+    """Return |steering rate|, (n - 1,), rad/s; NaN while the autopilot was not engaged."""
+    rates: Floats = np.abs(np.diff(_steering(log, body))) / np.diff(log.column("measurement.time"))
     return rates
 
 
@@ -178,23 +183,25 @@ def _straight_rate(log: Columns, errors: PathErrors, body: str) -> float:
 
 
 def _ancillary_share(log: Columns, body: str) -> float:
-    command = log.column(f"{body}_steering.command")
-    ancillary = log.column(f"{body}_steering.ancillary") * np.sign(command)
+    steered = engaged(log)
+    command = log.column(f"{body}_steering.command")[steered]
+    ancillary = log.column(f"{body}_steering.ancillary")[steered] * np.sign(command)
     return _share(float(ancillary.sum()), float(np.abs(command).sum()))
 
 
 def _saturated_share(log: Columns, body: str) -> float:
-    return _share(float(log.column(f"{body}_steering.saturated").sum()), log.steps)
+    steered = engaged(log)
+    return _share(float(log.column(f"{body}_steering.saturated")[steered].sum()), float(steered.sum()))
 
 
 def _at_limit_share(log: Columns, body: str) -> float:
     limit = getattr(log.header.vehicle, f"{body}_steering_limit")
-    angles = _present(np.abs(actual_steering(log, body)))
+    angles = _present(np.abs(_steering(log, body)))
     return math.nan if np.isnan(angles).any() else float(np.mean(angles >= limit - _AT_LIMIT))
 
 
 def _tube_margin(log: Columns, body: str) -> float:
-    return float(_present(log.column(f"{body}_steering.margin")).min())
+    return float(_present(log.column(f"{body}_steering.margin")[engaged(log)]).min())
 
 
 def _fixes(log: Columns, status: FixStatus) -> int:
@@ -220,7 +227,8 @@ def _of_both(figure: Callable[[Columns, str], float], log: Columns) -> Bodies[fl
 def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
     """Compute the figures of a run from its log and the true errors of both bodies."""
     classes = log.header.path.label_names
-    gate = log.column("gate")
+    gate = log.column("gate")[engaged(log)]
+    progress = along(log, "tractor")
     duration, wall_time = _span(log.column("measurement.time")), _span(log.wall_time)
     return Metrics(
         config=log.header.configuration_name,
@@ -229,7 +237,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         outcome=log.outcome.reason,
         losses=log.losses,
         duration_s=duration,
-        length_m=_span(along(log, "tractor")),
+        length_m=_span(progress[~np.isnan(progress)]),
         real_time_factor=_share(duration, wall_time),
         error_m=Bodies(
             tractor=_errors_by_class(errors.tractor, classes),
@@ -250,7 +258,7 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         tube_margin_min=_of_both(_tube_margin, log),
         stale_fixes=_fixes(log, FixStatus.STALE),
         rejected_fixes=_fixes(log, FixStatus.REJECTED),
-        solver_failures=int(log.column("solver_failures").sum()),
+        solver_failures=int(log.column("solver_failures")[estimated(log)].sum()),
         limited_commands=int((gate == GateVerdict.LIMITED).sum()),
         refused_commands=int((gate >= GateVerdict.REPEATED).sum()),
         solve_time_s=SolverTimes(

@@ -1,7 +1,7 @@
 """Path errors: how far both bodies were from the line that was followed; their tracked points on the ground.
 
 The line is the path, or one beside it: a nudged one, or a neighbouring pass. How far beside, each step tells by the
-point of the line that it found closest; with a tool as the tracked point it does not, and the path counts.
+point of the line that it found closest. Logs of drawbars that did not record it for a tool are judged by the path.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.recording.log import Columns
-from drawbar.signals import Flag
+from drawbar.report.columns import engaged
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ def true_path_errors(log: Columns) -> Bodies[PathErrors]:
 
 def estimated_path_errors(log: Columns) -> Bodies[PathErrors]:
     """Return the errors of both bodies as they were estimated while the autopilot was engaged; else they are NaN."""
-    return _errors(log, "estimate", (log.column("flags").astype(int) & Flag.RELEASED) != 0)
+    return _errors(log, "estimate", ~engaged(log))
 
 
 def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[PathErrors]:
@@ -80,9 +80,9 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
         if forward or left:
             x, y = x + forward * np.cos(yaw) - left * np.sin(yaw), y + forward * np.sin(yaw) + left * np.cos(yaw)
         errors = project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
-        if forward or left:  # the closest point is that of the body's own line, which leads the tool along the path
-            return errors
-        line = (log.column(f"reference.{body}.closest.{place}") for place in (0, 1))
+        # with a tool, `closest` is of the body's own line, which leads the tool; older logs have nothing else
+        names = ("line_x", "line_y") if forward or left else ("closest.0", "closest.1")
+        line = (log.column(f"reference.{body}.{name}") for name in names)
         return replace(errors, error=errors.error - _offsets(path, errors.progress, *line))
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))

@@ -15,7 +15,7 @@ from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.decimation import thinned
 from drawbar.report.map import outlined_steps, polyline
-from drawbar.report.solids import Solid, joined, mast_solid, rotation, tractor_solid, trailer_solid
+from drawbar.report.solids import Solid, joined, mast_solid, rotation, tool_solid, tractor_solid, trailer_solid
 from drawbar.report.style import Figure
 from drawbar.signals import Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
@@ -138,7 +138,9 @@ def _bodies(
     for truth in moments:
         place, axes = _stance(terrain, truth, body)
         own = tractor_solid(vehicle, truth.tractor_steering) if body == "tractor" else trailer_solid(vehicle)
-        own = joined([own, mast_solid(getattr(vehicle.masts, body).arm)])
+        tracked = getattr(vehicle.tracked, body).arm
+        tool = [tool_solid(tracked)] if any(tracked) else []
+        own = joined([own, mast_solid(getattr(vehicle.masts, body).arm), *tool])
         placed.append(Solid(place + own.corners @ axes.T, own.triangles))
     corners, triangles = joined(placed)
     x, y, z = corners.round(3).T

@@ -57,6 +57,14 @@ def mast_solid(arm: tuple[float, float, float]) -> Solid:
     return joined(shapes)
 
 
+def tool_solid(arm: tuple[float, float]) -> Solid:
+    """Return a tool at (forward, left) of the point on the ground, m, and the beam that carries it."""
+    forward, left = arm
+    beam = _box((0.5 * math.hypot(forward, left), 0.0, 0.3), (math.hypot(forward, left), 0.1, 0.1))
+    turned = beam.corners @ rotation(math.atan2(left, forward), 0.0, 0.0).T
+    return joined([Solid(turned, beam.triangles), _box((forward, left, 0.15), (0.2, 0.2, 0.3))])
+
+
 def joined(solids: list[Solid]) -> Solid:
     """Return several solids as one."""
     starts = np.cumsum([0, *(len(each.corners) for each in solids)])

@@ -5,7 +5,16 @@ enumerations and texts from these declarations (`drawbar_signals.h`, `signals.h`
 languages. All of them are imported from here.
 """
 
-from drawbar.signals.inner import BodyPlace, BodyPlan, BodyReference, BodySteering, Places, Plan, Reference
+from drawbar.signals.inner import (
+    BodyPlace,
+    BodyPlan,
+    BodyReference,
+    BodySteering,
+    Places,
+    Plan,
+    RecordedPlace,
+    Reference,
+)
 from drawbar.signals.public import (
     Actuation,
     BodyActuation,
@@ -58,6 +67,7 @@ __all__ = [
     "Radians",
     "RadiansPerSecond",
     "Ratio",
+    "RecordedPlace",
     "Reference",
     "Seconds",
     "SolveTimes",

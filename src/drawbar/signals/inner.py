@@ -42,6 +42,15 @@ class Reference:
     trailer: BodyReference
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedPlace(BodyPlace):
+    """Where one body is beside the path, and which point of the line its tracked point is beside."""
+
+    line_x: Metres = math.nan
+    """of the point of the line closest to the tracked point; that of `closest` unless `vehicle.tracked` is set"""
+    line_y: Metres = math.nan
+
+
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Places:
@@ -49,8 +58,8 @@ class Places:
 
     time: float
     """s"""
-    tractor: BodyPlace
-    trailer: BodyPlace
+    tractor: RecordedPlace
+    trailer: RecordedPlace
 
 
 @as_struct

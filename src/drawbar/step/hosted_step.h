@@ -10,7 +10,7 @@
 #define TIMES_RECORDED 0x1p30              /* places in a second that the solvers' times are */
 
 struct recorded_place {
-    double progress, lateral_error, closest[4];
+    double progress, lateral_error, closest[4], line[2];
 };
 
 /* Predictions are in single precision: they are half of a record. */
@@ -63,6 +63,7 @@ static void record_prediction(float *recorded, const double *made, size_t bytes)
 static void record_place(const struct autopilot *a, int i, struct recorded_place *place)
 {
     const struct drawbar_body_reference *made = &a->made.references[i];
+    double beside[4];
 
     if (a->reached < WITH_REFERENCES) {
         unknown((double *)place, sizeof *place);
@@ -71,6 +72,8 @@ static void record_place(const struct autopilot *a, int i, struct recorded_place
     place->progress = made->progress;
     place->lateral_error = made->lateral_error;
     memcpy(place->closest, made->closest, sizeof place->closest);
+    path_sample(&a->path, made->progress, beside);
+    memcpy(place->line, beside, sizeof place->line);
 }
 
 static void record_plan(const struct autopilot *a, int i, struct recorded_plan *plan)

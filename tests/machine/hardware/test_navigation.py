@@ -188,6 +188,28 @@ def test_a_sensor_board_is_heard_by_itself_once_the_receivers_are_silent() -> No
     assert not any(math.isfinite(each.trailer_x) for each in silent)
 
 
+def test_a_last_report_of_the_sensor_board_comes_out_when_it_is_due() -> None:
+    machine, lines, board = machine_of(), [MemoryTransport() for _ in BODIES], Board()
+    receivers = [Receiver(line, ReceiverSettings(transport="file:memory")) for line in lines]
+    navigation, now, start = Navigation(receivers, FRAME, board), 0.0, machine.time
+    for step in range(400):
+        now = 10.0 + 0.005 * step
+        board.now = now
+        for name, data in machine.advance(start + 0.005 * step)[0]:
+            if name in BODIES:
+                lines[list(BODIES).index(name)].arrive(now, data)
+        navigation.poll(now)
+    found = list[Fixes]()
+    while (due := navigation.due) < math.inf:  # nothing comes any more, neither bytes nor reports
+        assert due >= now
+        assert not navigation.poll(math.nextafter(due, 0.0))
+        found, now = navigation.poll(due), due
+    (last,) = found
+    assert math.isnan(last.tractor_x)
+    assert last.wheel_speed == 1.5
+    assert not navigation.poll(now + 5.0)
+
+
 def test_a_sensor_board_alone_begins_nothing() -> None:
     machine = machine_of()
     FAULTS["receivers-silent"].begin(machine)

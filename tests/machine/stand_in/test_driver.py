@@ -42,6 +42,14 @@ def test_after_a_drive_it_is_ready_for_the_next_one() -> None:
         assert rolling[-1] == 0.0
 
 
+def test_what_a_drive_told_it_holds_no_longer_than_that_drive() -> None:
+    driver = Driver(SPEED)
+    driver.told_to_stop = True  # until the emergency stop has been tried, which that drive never did
+    assert not any(driven(driver, 0.0, 10.0, attended=True))
+    driven(driver, 10.0, 1.0, attended=False)
+    assert driven(driver, 11.0, 10.0, attended=True)[-1] == Driver.CREEP
+
+
 def test_without_looking_for_anybody_it_creeps_as_rehearsals_want_it() -> None:
     driver = Driver(SPEED)
     for tick in range(round(8.0 / TICK)):

@@ -39,7 +39,12 @@ class Navigation:
     @property
     def due(self) -> float:
         """Monotonic time at which to poll even if nothing comes, s."""
-        return min(self._pairing.due, *(receiver.due for receiver in self._receivers.values()))
+        return min(self._pairing.due, self._alone_due, *(receiver.due for receiver in self._receivers.values()))
+
+    @property
+    def _alone_due(self) -> float:
+        """When the sensor board's newest report comes out by itself, infinite: it has, s."""
+        return self._spoke + _SILENT if self._reported - self._told >= _APART else math.inf
 
     def poll(self, time: float) -> list[Fixes]:
         """Read what has come until this monotonic time (s), and return what is complete."""
@@ -52,7 +57,7 @@ class Navigation:
         pairs += self._pairing.poll(time)
         if pairs:
             self._spoke = time
-        elif time - self._spoke > _SILENT and self._reported - self._told >= _APART:
+        elif time >= self._alone_due:
             pairs = [Pair(tractor=None, trailer=None)]
         return [self._fixes(pair, time) for pair in pairs]
 

@@ -97,6 +97,7 @@ class Driver:
             self._came = min(self._came, time)
         elif not self.steered or self.speed == 0.0:
             self._came = math.inf
+            self.told_to_stop = False  # by a drive that is over
             self.begin_again()
 
     def begin_again(self) -> None:

@@ -1,0 +1,60 @@
+"""Commands that read a log say what of it is damaged or cut off."""
+
+from pathlib import Path
+
+import pytest
+from short_run import SHORT, Drawbar
+
+from drawbar.recording.log import RunLog, read_log
+from drawbar.recording.recorder import Recorder
+
+
+@pytest.fixture
+def run(drawbar: Drawbar) -> RunLog:
+    """Return the log of a short run in ./run."""
+    assert drawbar("run", *SHORT, "--set", "path.straight_length=12.0", "--out", "run")[0] == 0
+    return read_log(Path("run/log.mcap"))
+
+
+def without(log: RunLog, *lost: int) -> Path:
+    """Write a log that lacks some steps; return its file."""
+    file = Path("damaged/log.mcap")
+    file.parent.mkdir()
+    with Recorder(file, log.header) as recorder:
+        for record in log.records:
+            if record.step not in lost:
+                recorder.write(record)
+    return file
+
+
+def test_a_steering_is_identified_of_steps_that_follow_each_other(drawbar: Drawbar, run: RunLog) -> None:
+    file = without(run, 20, 21)
+    code, told = drawbar("identify", str(file.parent))
+    assert code == 0, told
+    assert "steps 20 to 21 are lost" in told
+    with Recorder(Path("behind.mcap"), run.header) as recorder:
+        for record in run.records[22:]:
+            recorder.write(record)
+    assert drawbar("identify", "behind.mcap")[1].splitlines()[1:3] == told.splitlines()[1:3]
+
+
+def test_steps_with_gaps_are_no_stretch(drawbar: Drawbar, run: RunLog) -> None:
+    file = without(run, *range(0, len(run.records), 40))
+    code, told = drawbar("identify", str(file.parent))
+    assert code == 2
+    assert "steers for less than 10 s without a gap" in told
+
+
+def test_a_log_without_steps_is_not_called_recomputed(drawbar: Drawbar, run: RunLog) -> None:
+    code, told = drawbar("replay", str(without(run, *range(len(run.records)))))
+    assert code == 2
+    assert "holds no step to recompute" in told
+    assert "bit for bit" not in told
+
+
+def test_a_log_that_is_cut_off_in_its_beginning_says_so(drawbar: Drawbar, run: RunLog) -> None:
+    file = Path("run/log.mcap")
+    file.write_bytes(file.read_bytes()[:500])
+    code, told = drawbar("report", "run")
+    assert code == 2
+    assert "holds no run.json, which a log begins with; it was cut off in its beginning, or is no log of" in told
