@@ -97,7 +97,7 @@ WRONG_VALUES = {
     "estimator.window=0": ("estimator.window = 0", "greater than or equal to 2"),
     "estimator.window=1": ("estimator.window = 1", "greater than or equal to 2"),
     "controller.horizon=1": ("controller.horizon = 1", "greater than or equal to 2"),
-    "controller.horizon=1000000": ("controller.horizon = 1000000", "less than or equal to 1000"),
+    "controller.horizon=1000000": ("controller.horizon = 1000000", "less than or equal to 200"),
     "controller.horizon=2.5": ("controller.horizon = 2.5", "integer"),
     "estimator.tractor_slip_bounds={lower=1.0, upper=0.5}": ("estimator.tractor_slip_bounds", "lower = 1.0", "0.5"),
     "estimator.longitudinal_slip_bounds.upper=0.1": ("estimator.longitudinal_slip_bounds", "0.25", "0.1"),

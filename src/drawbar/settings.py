@@ -98,5 +98,5 @@ Angle = Annotated[float, AfterValidator(radians)]
 """An angle or angular rate in rad or rad/s; a magnitude above π is taken for degrees and refused."""
 PositiveAngle = Annotated[float, Field(gt=0.0), AfterValidator(radians)]
 NonNegativeAngle = Annotated[float, Field(ge=0.0), AfterValidator(radians)]
-Horizon = Annotated[int, Field(ge=2, le=1000)]
+Horizon = Annotated[int, Field(ge=2, le=200)]
 """Sampling intervals of a solver: from the fewest it can work with to more than one sample time can pay for."""
