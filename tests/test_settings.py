@@ -28,7 +28,7 @@ ALLOWED: dict[str, list[Any]] = {
     "yaw": [-math.pi, 0.0, math.pi],
     "limit": [1e-9, math.pi],
     "noise": [0.0, math.pi],
-    "horizon": [2, 1000],
+    "horizon": [2, 200],
     "count": [-1_000_000_000, 1_000_000_000],
     "pair": [(0.0, -1e9, 1e-12)],
     "table": [{"a": 0.0, "b": -1e-12}],

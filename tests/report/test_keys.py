@@ -42,7 +42,7 @@ def test_units_ranges_and_meanings_are_those_of_the_declarations() -> None:
     assert (limit.default, limit.unit, limit.allowed) == ("0.5236", "rad", "number > 0, ≤ 3.142, < 1.396")
     assert limit.meaning == "largest |delta_t| that may be commanded"
     horizon = keys["controller", 'model = "tricycle"', "controller.horizon"]
-    assert (horizon.default, horizon.allowed) == ("20", "integer ≥ 2, ≤ 1000")
+    assert (horizon.default, horizon.allowed) == ("20", "integer ≥ 2, ≤ 200")
     assert keys["", "", "acceleration"].unit == "m/s²"
     assert keys["start", "", "start.ahead"].unit == "m"
     assert keys["", "", "name"].default == ""
