@@ -5,7 +5,9 @@ import json
 import math
 import os
 from collections import Counter
+from io import StringIO
 from itertools import islice
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from drawbar.driving.front_end import Keyboard
 from drawbar.driving.letters import Step, Sureness, pack, unpack
 from drawbar.driving.mail import MOST_KEPT, Mailbox
 from drawbar.driving.operator import changed_speed
+from drawbar.driving.terminal import Terminal
 from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.geometry import LocalFrame
 from drawbar.message_records import encode
@@ -250,6 +253,33 @@ def test_the_display_fits_sixty_columns_without_a_machine():
 
 def test_the_display_says_why_a_key_was_refused():
     assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
+
+
+def test_where_there_is_no_terminal_each_reason_against_engaging_is_told_once():
+    causes = (Cause.FIX_LOST, Cause.NO_OPERATOR)
+    states = [
+        dataclasses.replace(
+            gate_state_of(sequence),
+            state=state,
+            refusals=tuple(cause.value for cause in found) + (0,) * (8 - len(found)),
+        )
+        for sequence, (state, found) in enumerate(
+            [
+                (SupervisorState.STANDBY, causes[:1]),
+                (SupervisorState.STANDBY, causes),
+                (SupervisorState.STANDBY, causes[1:]),
+                (SupervisorState.READY, ()),
+                (SupervisorState.STANDBY, causes[:1]),
+            ]
+        )
+    ]
+    console, front = Console(file=StringIO(), width=60), SimpleNamespace(state=None, controller=None, refusal=None)
+    terminal = Terminal(console, None, front)
+    for front.state in states:
+        terminal.show()
+    first, second = (f"- {cause.sentence}: {cause.advice}\n" for cause in causes)
+    waiting, ready = "STANDBY: not ready to engage\n", "READY: ready to engage\n"
+    assert console.file.getvalue() == waiting + first + second + ready + waiting + first
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")

@@ -32,7 +32,7 @@ KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - spe
 
 def picture(state: GateState | None, controller: ControllerState | None, refusal: Cause | None = None) -> Text:
     """Return the whole picture: state, errors, what stands against engaging, why the newest key was refused, keys."""
-    lines = [*_state(state), *_numbers(controller), *(_reasons(state) if state else ())]
+    lines = [*_state(state), *_numbers(controller), *map(reason, refusals(state) if state else ())]
     if refusal is not None:
         lines.append(Text(f"refused: {refusal.sentence}: {refusal.advice}", style="yellow"))
     lines.append(Text(KEYS, style="dim"))
@@ -49,6 +49,16 @@ def headline(state: GateState) -> Text:
     if math.isfinite(state.remaining):
         text.append(f", {state.remaining:.0f} s left")
     return text
+
+
+def refusals(state: GateState) -> list[Cause]:
+    """Return what stands against engaging."""
+    return [BY_CODE[code] for code in state.refusals if code]
+
+
+def reason(cause: Cause) -> Text:
+    """Return what stands against engaging, and what to do, in one line."""
+    return Text(f"- {cause.sentence}: {cause.advice}")
 
 
 def _state(state: GateState | None) -> Iterator[Text]:
@@ -78,10 +88,3 @@ def _side(error: float) -> str:
 
 def _speed(speed: float) -> str:
     return f"{speed * 3.6:.1f} km/h" if math.isfinite(speed) else "speed not known"
-
-
-def _reasons(state: GateState) -> Iterator[Text]:
-    for code in state.refusals:
-        if code:
-            cause = BY_CODE[code]
-            yield Text(f"- {cause.sentence}: {cause.advice}")

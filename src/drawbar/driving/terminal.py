@@ -1,4 +1,7 @@
-"""Terminal: what the operator is shown of a drive, line by line, and below these a picture of how it is now."""
+"""Terminal: what the operator is shown of a drive, line by line, and below these a picture of how it is now.
+
+Where the console is no terminal, as in a service's journal, the picture's reasons against engaging are lines as well.
+"""
 
 from contextlib import suppress
 from types import TracebackType
@@ -8,10 +11,11 @@ from rich.console import Console
 from rich.live import Live
 
 from drawbar.driving.crew import LOSSES, Crew
-from drawbar.driving.display import headline, picture
+from drawbar.driving.display import headline, picture, reason, refusals
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.orders import CONSOLE
-from drawbar.messages import SupervisorState
+from drawbar.messages import GateState, SupervisorState
+from drawbar.safety.causes import Cause
 
 
 class Terminal:
@@ -22,17 +26,28 @@ class Terminal:
         self._console, self._crew, self._front = console, crew, front
         self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
         self._told: SupervisorState | None = None
+        self._reasons = set[Cause]()
+        """that were told since the newest state"""
         self._lost: list[str] = []
 
     def show(self) -> None:
         """Show how the drive is; a state that is new gets a line."""
         front = self._front
-        if front.state is not None and front.state.state is not self._told:
-            self._told = front.state.state
+        if front.state is not None:
             with suppress(OSError):  # a full disk, say, does not end a drive
-                self._console.print(headline(front.state))
+                self._tell(front.state)
         if self._live is not None:
             self._live.update(picture(front.state, front.controller, front.refusal), refresh=True)
+
+    def _tell(self, state: GateState) -> None:
+        """Print a state that is new, and without a picture each reason against engaging once."""
+        if state.state is not self._told:
+            self._told, self._reasons = state.state, set()
+            self._console.print(headline(state))
+        for cause in refusals(state) if self._live is None and state.state is SupervisorState.STANDBY else ():
+            if cause not in self._reasons:
+                self._reasons.add(cause)
+                self._console.print(reason(cause), soft_wrap=True)
 
     def tell_losses(self) -> bool:
         """Say which processes have ended; return whether the drive goes on without them."""
