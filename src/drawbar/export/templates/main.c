@@ -89,8 +89,10 @@ static struct drawbar_measurement read_measurement(const char *line)
     line += *line == ',';
     memcpy(values, (char *)&measurement + FIRST, NUMBERS * sizeof *values);
     read_numbers(line, values, NUMBERS + INTEGERS);
-    for (size_t i = 0; i < INTEGERS; ++i)
-        integers[i] = isnan(values[NUMBERS + i]) ? 0 : (int32_t)values[NUMBERS + i];
+    for (size_t i = 0; i < INTEGERS; ++i) {
+        const double value = values[NUMBERS + i];
+        integers[i] = fabs(value) <= INT32_MAX ? (int32_t)value : 0;   /* what is no such number is not known */
+    }
     memcpy((char *)&measurement + FIRST, values, NUMBERS * sizeof *values);
     memcpy((char *)&measurement + BEHIND, integers, sizeof integers);
     return measurement;
