@@ -13,6 +13,7 @@ from drawbar.geometry import Floats
 from drawbar.recording.columns import read_columns
 from drawbar.recording.log import Outcome, RunLog
 from drawbar.recording.recorder import Recorder
+from drawbar.report.map import map_figure
 from drawbar.report.path_errors import true_path_errors
 from drawbar.signals import StepRecord
 from drawbar.simulation import Simulation
@@ -107,3 +108,22 @@ def test_what_is_not_known_of_the_line_stays_as_it_was(nudged: RunLog) -> None:
 def test_a_run_on_its_path_is_judged_by_the_path_bit_for_bit() -> None:
     log = driven(nudge=0.0)
     np.testing.assert_array_equal(true_path_errors(log).trailer.error, beside(log, "trailer"))
+
+
+@pytest.mark.parametrize("run", ["nudged", "tools"])
+def test_the_map_shows_the_line_beside_the_path(run: str, request: pytest.FixtureRequest) -> None:
+    log = request.getfixturevalue(run)
+    traces = map_figure(log)["data"]
+    line = next(trace for trace in traces if trace["name"] == "Line beside the path")
+    track = next(trace for trace in traces if trace["name"] == "Tractor" and trace.get("meta") == "steps")
+    line, tracked = (np.column_stack([trace["x"], trace["y"]]) for trace in (line, track))
+    apart = np.linalg.norm(line - tracked[: len(line)], axis=1)
+    assert apart[SHIFTED:].max() < 0.2, "the line and the tracked point follow each other"
+    left = log.header.path.path().project_track(*line.T, 0.0, behind=1.0, ahead=3.0)[1]
+    np.testing.assert_allclose(left[SHIFTED:], NUDGE, atol=2e-3)
+
+
+def test_the_map_of_a_run_on_its_path_shows_no_other_line() -> None:
+    names = {trace["name"] for trace in map_figure(driven(nudge=0.0))["data"]}
+    assert "Path" in names
+    assert "Line beside the path" not in names

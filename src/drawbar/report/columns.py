@@ -29,9 +29,27 @@ def engaged(log: Columns) -> NDArray[np.bool_]:
 
 
 def track(log: Columns, body: str) -> Floats:
-    """Return where a body's point on the ground was, (n, 2) in m: the truth, or the estimate."""
-    source = "truth" if log.has_truth else "estimate"
-    return np.column_stack([log.column(f"{source}.{body}.{coordinate}") for coordinate in "xy"])
+    """Return where a body's tracked point on the ground was, (n, 2) in m: the truth, or the estimate."""
+    return track_of(log, body, "truth" if log.has_truth else "estimate")
+
+
+def track_of(log: Columns, body: str, source: str) -> Floats:
+    """Return where a body's tracked point on the ground was, (n, 2) in m, by `truth` or `estimate`."""
+    x, y, yaw = (log.column(f"{source}.{body}.{name}") for name in ("x", "y", "yaw"))
+    forward, left = getattr(log.header.vehicle.tracked, body).arm
+    if forward or left:
+        x, y = x + forward * np.cos(yaw) - left * np.sin(yaw), y + forward * np.sin(yaw) + left * np.cos(yaw)
+    return np.column_stack([x, y])
+
+
+def line_points(log: Columns, body: str) -> Floats:
+    """Return the points of the line beside a body's tracked point, (n, 2) in m; NaN where they are not known.
+
+    Those of logs of drawbars that did not record them for a tool are of the body's own line.
+    """
+    # with a tool, `closest` is of the body's own line, which leads the tool
+    names = ("line_x", "line_y") if any(getattr(log.header.vehicle.tracked, body).arm) else ("closest.0", "closest.1")
+    return np.column_stack([log.column(f"reference.{body}.{name}") for name in names])
 
 
 def actual_steering(log: Columns, body: str) -> Floats:

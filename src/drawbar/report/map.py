@@ -7,7 +7,7 @@ import numpy as np
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns, PathTable, RecordedPoints
 from drawbar.report import style
-from drawbar.report.columns import track
+from drawbar.report.columns import along, line_points, track
 from drawbar.report.decimation import thinned
 from drawbar.report.outline import tractor_outline, trailer_outline
 from drawbar.report.shades import KINK, stretches
@@ -19,6 +19,8 @@ _OUTLINES = 12
 """at most so many of each body"""
 _SPACING = 2.0
 """between two outlines along the track, in lengths of the vehicle"""
+_BESIDE = 0.03
+"""of the path, from which on a line is drawn by itself, m"""
 _VERTICES = 4000
 """most vertices that draw a path: no screen shows more, and a page must stay light"""
 
@@ -107,6 +109,18 @@ def _nodes_between(path: PathTable, low: float, high: float) -> Floats:
     return np.vstack([np.column_stack([path.x[nodes], path.y[nodes]]), np.full((1, 2), np.nan)])
 
 
+def _beside_traces(log: Columns) -> list[dict[str, Any]]:
+    """Return the line that the tractor followed, if that lies beside the path: nudged, or a neighbouring pass."""
+    shown = thinned(log.steps)
+    (x, y), progress = line_points(log, "tractor")[shown].T, along(log, "tractor")[shown]
+    known = np.isfinite(x + y + progress)
+    path_x, path_y, yaw, _ = log.header.path.path().sample(progress[known]).T
+    left = np.cos(yaw) * (y[known] - path_y) - np.sin(yaw) * (x[known] - path_x)
+    if not (np.abs(left) > _BESIDE).any():
+        return []
+    return [line(x, y, "Line beside the path", style.REFERENCE, width=1.5, dash="dash", hoverinfo="skip")]
+
+
 def _recorded_traces(recorded: RecordedPoints) -> list[dict[str, Any]]:
     """Return the recorded points as dots, and a ring around the one furthest from the path."""
     dots = {"size": 3, "color": style.INK}
@@ -133,6 +147,7 @@ def map_figure(log: Columns) -> Figure:
     traces = [
         *_path_traces(log.header.path),
         *(_recorded_traces(recorded) if recorded else []),
+        *_beside_traces(log),
         _track_trace(log, "trailer", style.TRAILER, 4.0),  # wider: both drive on the same line
         _track_trace(log, "tractor", style.TRACTOR, 1.5),
         _outline_trace(trailer, "Trailer", style.TRAILER),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.recording.log import Columns
-from drawbar.report.columns import engaged
+from drawbar.report.columns import engaged, line_points, track_of
 
 T = TypeVar("T")
 
@@ -74,16 +74,10 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
     path = log.header.path.path()
 
     def of_body(body: str) -> PathErrors:
-        x, y, yaw = (log.column(f"{source}.{body}.{name}") for name in ("x", "y", "yaw"))
+        x, y = track_of(log, body, source).T
         x[left_out] = np.nan
-        forward, left = getattr(log.header.vehicle.tracked, body).arm
-        if forward or left:
-            x, y = x + forward * np.cos(yaw) - left * np.sin(yaw), y + forward * np.sin(yaw) + left * np.cos(yaw)
         errors = project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
-        # with a tool, `closest` is of the body's own line, which leads the tool; older logs have nothing else
-        names = ("line_x", "line_y") if forward or left else ("closest.0", "closest.1")
-        line = (log.column(f"reference.{body}.{name}") for name in names)
-        return replace(errors, error=errors.error - _offsets(path, errors.progress, *line))
+        return replace(errors, error=errors.error - _offsets(path, errors.progress, *line_points(log, body).T))
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))
 
