@@ -34,9 +34,9 @@ from drawbar.safety.causes import Cause
 PROCESSES, SIGNALS = ("controller", "receivers", "recorder"), (signal.SIGKILL, signal.SIGSTOP)
 QUICK = ["safety.engage.fixed=1.0", "safety.engage.hold=0.1", "safety.engage.quiet=0.1", "path.radii=[8.0]"]
 """an operator who need not wait; every time-out of the drive itself is as it comes"""
-PROMISED = {"controller": 0.2, "receivers": 20.0, "recorder": 1.5}
-"""s, by which the boards are let go of, or the loss is told. The controller's is that of docs/safety.md; the others are
-about what prediction with a stop, and the recorder's silence, took when this was written."""
+PROMISED = {"controller": 0.2, "receivers": 12.0, "recorder": 1.5}
+"""s, by which the boards are let go of, or the loss is told. The controller's is that of docs/safety.md; without
+receivers the vehicle, which nobody stops here, is steered for `drive.stopping` more; the recorder's is its silence."""
 STARTING, AFTER = 60.0, 2.0
 LOST = 0.5
 """s, by which the last step of a readable log may be older than the kill: a step, and what it takes"""

@@ -100,12 +100,6 @@ STOPS = {
     "line unknown": (lambda b: b.controller.update(trailer_lateral_error=math.nan), Cause.LINE_LOST),
     "position": (lambda b: b.controller.update(lateral_deviation=0.31), Cause.POSITION_LOST),
     "swapped": (lambda b: b.controller.update(status=int(Status.BACKWARDS)), Cause.RECEIVERS_SWAPPED),
-    "sensors": (
-        lambda b: b.controller.update(
-            wheel_speed=math.nan, receiver_speed=math.nan, tractor_quality=0, trailer_quality=0
-        ),
-        Cause.SENSORS_LOST,
-    ),
     "controller": (lambda b: setattr(b, "command", {"mode": Mode.STOP}), Cause.CONTROLLER_STOPS),
     "operator": (lambda b: b.ask(Action.STOP), Cause.OPERATOR_STOPS),
     "console": (lambda b: setattr(b, "operator", False), Cause.NO_OPERATOR),
@@ -165,6 +159,16 @@ def test_worries_degrade_for_a_while_and_then_stop(name):
         return  # they are forgotten before the budget is over
     bench.run(10.1)
     assert (bench.state, bench.cause) == (STOPPING, Cause.BUDGET)
+
+
+def test_without_fix_and_speed_it_is_driven_on_for_a_second():
+    bench = driving()
+    bench.controller = dict.fromkeys(("wheel_speed", "receiver_speed"), math.nan)
+    bench.controller |= {"tractor_quality": 0, "trailer_quality": 0}
+    bench.run(0.9)
+    assert bench.state is DEGRADED
+    bench.run(0.3)
+    assert (bench.state, bench.cause) == (STOPPING, Cause.SENSORS_LOST)
 
 
 def test_it_recovers_when_the_worry_is_gone():

@@ -120,7 +120,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.HITCH_ANGLE: lambda o, s: not (abs(o.hitch_angle) <= s.engage.hitch_angle),
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
     Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
-    Cause.SENSORS_LOST: lambda o, s: not (o.speed_heard or o.fix_age <= s.timing.fix),
+    Cause.SENSORS_LOST: lambda o, s: not (o.speed_heard or o.fix_age <= s.timing.fix + s.timing.speed),
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
     Cause.SPEED_UNKNOWN: lambda o, s: not o.speed_known,

@@ -91,7 +91,7 @@ static struct drawbar_measurement read_measurement(const char *line)
     read_numbers(line, values, NUMBERS + INTEGERS);
     for (size_t i = 0; i < INTEGERS; ++i) {
         const double value = values[NUMBERS + i];
-        integers[i] = fabs(value) <= INT32_MAX ? (int32_t)value : 0;   /* what is no such number is not known */
+        integers[i] = fabs(value) < 1e9 ? (int32_t)value : 0;   /* what is no such number is not known */
     }
     memcpy((char *)&measurement + FIRST, values, NUMBERS * sizeof *values);
     memcpy((char *)&measurement + BEHIND, integers, sizeof integers);
