@@ -23,7 +23,7 @@ struct component {
 };
 
 #define COMPONENT_FIELDS                                                                                         \
-    SUBSYSTEM_FIELDS CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)                   \
+    SUBSYSTEM_FIELDS CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)        \
     SETTING(component, calm, 0, 1, 0, 0)
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)

@@ -30,7 +30,7 @@ struct component {
 };
 
 #define COMPONENT_FIELDS                                                                                         \
-    SUBSYSTEM_FIELDS CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)                   \
+    SUBSYSTEM_FIELDS CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)        \
     SETTING(component, coupling, 1, 1, 0, 0)                                                                    \
     SETTING(component, interval, 0, 1, 0, 0) SETTING(component, smoothing, 0, 1, 0, 0) SETTING(component, return_length, 0, 1, 0, 0)
 

@@ -26,7 +26,7 @@ struct component {
 };
 
 #define COMPONENT_FIELDS                                                                                     \
-    CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(tractor_actuator) ACTUATOR_FIELDS(trailer_actuator)                  \
+    CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(tractor_actuator) ACTUATOR_FIELDS(trailer_actuator)       \
     SETTING(component, calm, 0, 1, 0, 0)
 
 static void vehicle_state(const struct drawbar_estimate *estimate, double *x)

@@ -32,7 +32,7 @@ struct component {
 };
 
 #define COMPONENT_FIELDS                                                                                          \
-    LAW_FIELDS CHAIN_FIELDS(component, chain) SETTING(component, interval, 0, 1, 0, 0)                                       \
+    LAW_FIELDS CHAIN_FIELDS(component, chain) SETTING(component, interval, 0, 1, 0, 0)                            \
     SETTING(component, limit, 0, 1, 0, 0) SETTING(component, joint_sign, 0, 1, 0, 0)                                   \
     SETTING(component, trailer.proportional, 0, 1, 0, 0) SETTING(component, trailer.integral, 0, 1, 0, 0)              \
     SETTING(component, trailer.interval, 0, 1, 0, 0) SETTING(component, trailer.limit, 0, 1, 0, 0)

@@ -15,7 +15,7 @@ struct estimation_model {
 };
 
 #define MODEL_FIELDS(type, prefix)                                                                           \
-    CHAIN_FIELDS(type, prefix chain) SETTING(type, prefix first_slip, 0, 1, 0, 0)                \
+    CHAIN_FIELDS(type, prefix chain) SETTING(type, prefix first_slip, 0, 1, 0, 0)                            \
     SETTING(type, prefix first_yaw_error, 0, 1, 0, 0)
 
 /* The state at rest that explains one measurement; returns 0 when a position is missing. */

@@ -152,8 +152,8 @@ static inline int yaw_rate_alike(struct yaw_rate_sensor *sensor, double told, do
     return sensor->square > TURNED * DEGREE * DEGREE && fabs(sensor->product / sensor->square - 1.0) < UNLIKE;
 }
 
-/* Does the sensor differ from the wheels as it never does? One that turns round in a curve does, and would bend the
- * estimate before its integral shows it. */
+/* Does the difference from the wheels deviate from its mean as it never does? That of a sensor that turns round in a curve,
+ * jumps or becomes noisy does, and would bend the estimate before the integral shows it. */
 static inline int yaw_rate_sudden(struct yaw_rate_sensor *sensor, double difference, double elapsed)
 {
     const double limit = fmax(LEAST_SUDDEN, SUDDEN * sqrt(sensor->apart));

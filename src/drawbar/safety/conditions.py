@@ -53,7 +53,7 @@ class Observation:
     speed_heard: bool = False
     """one of its sources is fresh"""
     speed_known: bool = False
-    """and the other, if it is fresh, agrees"""
+    """a source is fresh, and no other fresh one contradicts it"""
     speeds_contradict: bool = False
     """its sources differ by a factor"""
     drives: bool = False
