@@ -33,6 +33,7 @@ MET = (
     "recording/log.py",
     "recording/tracks.py",
     "recording/columns.py",
+    "recording/drive_events.py",
     "recording/frames.py",
     "recording/stream.py",
     "step/layout.py",
@@ -61,6 +62,7 @@ NOT_MET = {
     "console/catalogue.py",
     "console/catalogue_set_up.py",
     "console/causes_de.py",
+    "console/statuses_de.py",
 }
 ELSEWHERE = {
     "config.py",  # files and --set of the command line; the numbers that pages change are tried below
@@ -71,7 +73,7 @@ ELSEWHERE = {
     "driving/orders.py",
     "guidance/path.py",  # of paths that no file makes
     "machine/hardware/devices.py",  # the drive has them
-    "recording/drive_records.py",  # the console reads its events by itself
+    "recording/drive_records.py",  # its events are read by drive_events.py
     "simulation.py",  # of runs
 }
 """modules that the console imports, and whose errors end the command before it opens, or cannot come from its pages"""

@@ -13,6 +13,8 @@ from console_stage import Stage
 from drawbar.console.view import board, picture
 from drawbar.console.words import Words
 from drawbar.messages import SupervisorState
+from drawbar.safety.causes import Cause
+from drawbar.statuses import Status
 
 EN, DE = Words("en"), Words("de")
 
@@ -83,3 +85,15 @@ def test_the_driver_is_told_to_brake_until_the_vehicle_stands(stage):
     for speed, brakes in ((1.0, True), (math.nan, True), (0.0, False)):
         shown = board(stopping, EN, stale=False, mine=True, holder="1", drives=True, speed=speed)
         assert shown.brake is brakes
+
+
+@pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])
+def test_how_the_controllers_run_has_ended_is_said(stage, words):
+    stopped = replace(stage.link.gate, state=SupervisorState.STOPPED, cause=Cause.CONTROLLER_STOPS.value)
+    told = set()
+    for status in (each for each in Status if each.has_ended):
+        shown = board(stopped, words, stale=False, mine=True, holder="1", drives=True, status=status)
+        assert words.cause(Cause.CONTROLLER_STOPS)[0] in shown.detail
+        assert (status.text in shown.detail) == (words is EN)
+        told.add(shown.detail)
+    assert len(told) == 14

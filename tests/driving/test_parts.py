@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from drive_messages import controller_of, gate_of
 from mcap.reader import make_reader
 from ordinary import believed
 from rich.console import Console
@@ -249,6 +250,15 @@ def test_the_display_fits_sixty_columns_without_a_machine():
         console.print(picture(None, None))
     assert all(len(line) <= 60 for line in capture.get().splitlines())
     assert KEYS.splitlines()[0] in capture.get()
+
+
+def test_the_driver_is_told_to_stop_until_the_vehicle_stands():
+    stopping = dataclasses.replace(gate_of(SupervisorState.FAULT), stop=1)
+    for wheels, receiver, told in ((1.0, 0.0, True), (0.0, 1.0, False), (NAN, 0.0, False), (NAN, NAN, True)):
+        speeds = {"wheel_speed": wheels, "receiver_speed": receiver}
+        heard = dataclasses.replace(controller_of(Status.OK), correction_age=NAN, **speeds)
+        assert ("STOP THE VEHICLE" in picture(stopping, heard).plain) == told
+    assert "STOP THE VEHICLE" in picture(stopping, None).plain
 
 
 def test_the_display_says_why_a_key_was_refused():

@@ -70,9 +70,9 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     from drawbar.console.workshop import Workshop
     from drawbar.driving.demonstration import without_stand_ins
     from drawbar.driving.mail import Mailbox
-    from drawbar.driving.orders import CONSOLE, GATE, Orders
+    from drawbar.driving.operator import to_gate
+    from drawbar.driving.orders import CONSOLE, Orders
     from drawbar.driving.place import local_frame
-    from drawbar.message_records import encode
     from drawbar.simulation import build_path
 
     orders.check()
@@ -82,9 +82,8 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     path, _ = build_path(configuration)
     mailbox = Mailbox(drive.socket(CONSOLE))
     audit = Audit(Path(orders.audit) if orders.audit else None)
-    gate = drive.socket(GATE)
     mast = configuration.vehicle.masts.tractor
-    link = Link(lambda message: mailbox.send(gate, encode(message)), audit, time.monotonic_ns, mast)
+    link = Link(to_gate(mailbox, drive), audit, time.monotonic_ns, mast)
     kept = without_stand_ins(configuration) if orders.stand_ins else configuration
     frame, width = local_frame(configuration), configuration.path.working_width
     workshop = Workshop(kept, configuration, frame, fields=Path(orders.fields), setup=Path(orders.setup))

@@ -63,6 +63,7 @@ class DrivePage:
             holder=link.holder(),
             drives=self._visitor.may_drive,
             speed=link.speed,
+            status=link.status,
         )
         if shown != self._shown:
             self._show(shown)

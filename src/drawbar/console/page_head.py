@@ -28,7 +28,14 @@ class PageHead:
         """Show the state that is so now."""
         link = self._link
         shown = board(
-            link.gate, self._words, stale=link.is_stale, mine=False, holder=None, drives=False, speed=link.speed
+            link.gate,
+            self._words,
+            stale=link.is_stale,
+            mine=False,
+            holder=None,
+            drives=False,
+            speed=link.speed,
+            status=link.status,
         )
         self._state.set_text(f"{shown.symbol} {shown.word}")
         self._bar.classes(replace=f"bar page-bar tone-{shown.tone}")

@@ -6,18 +6,17 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
-from drawbar.driving.display import BAD, GOOD, WORRIED
+from drawbar.driving.display import BAD, GOOD, STANDS, WORRIED
 from drawbar.driving.operator import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.safety.engagement import LATCHED, STEERING
 from drawbar.signals import FixQuality
+from drawbar.statuses import Status
 
 Tone = Literal["good", "warn", "bad", "idle"]
 KMH = 3.6
 """of m/s"""
-_STANDS = 0.05
-"""slower is standing, m/s"""
 _SAME = 1e-6
 """lines that are nearer are the same, m"""
 _BAR = 0.3
@@ -75,6 +74,7 @@ def board(
     holder: str | None,
     drives: bool,
     speed: float = math.nan,
+    status: Status | None = None,
 ) -> Board:
     """Return the board of one visitor.
 
@@ -86,6 +86,7 @@ def board(
         holder: name of who does; empty: not known; None: nobody.
         drives: the visitor may do more than look and stop.
         speed: of the vehicle, m/s; NaN: not known.
+        status: of the controller's last step; None: not known.
     """
     if gate is None or stale:
         return _no_contact(words)
@@ -97,8 +98,8 @@ def board(
         word=words(state.name),
         symbol=_SYMBOLS[state],
         tone="good" if state in GOOD else "warn" if state in WORRIED else "bad" if state in BAD else "idle",
-        detail=_detail(gate, words),
-        brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= _STANDS,
+        detail=_detail(gate, words, status),
+        brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= STANDS,
         steers=driving,
         heading=words("next" if ready else "worries" if driving else "why_not") + _count(reasons),
         reasons=reasons,
@@ -132,11 +133,10 @@ def _no_contact(words: Words) -> Board:
     )
 
 
-def _detail(gate: GateState, words: Words) -> str:
+def _detail(gate: GateState, words: Words, status: Status | None) -> str:
     parts = []
     if gate.cause and gate.state is not SupervisorState.READY:
-        sentence, _ = words.cause(BY_CODE[gate.cause])
-        parts.append(words("because", cause=sentence))
+        parts.append(words("because", cause=words.led(BY_CODE[gate.cause], status)))
     if math.isfinite(gate.remaining):
         parts.append(words("seconds_left", seconds=math.ceil(gate.remaining)))
     return " · ".join(parts)

@@ -6,8 +6,10 @@ from drawbar.console.catalogue import TEXTS
 from drawbar.console.causes_de import CAUSES_DE
 from drawbar.console.errors_de import ERRORS_DE
 from drawbar.console.signal_words import signal_words
+from drawbar.console.statuses_de import STATUSES_DE
 from drawbar.console.translation import Translation
 from drawbar.safety.causes import Cause
+from drawbar.statuses import Status
 
 Language = Literal["en", "de"]
 _ERRORS = Translation(ERRORS_DE)
@@ -28,6 +30,13 @@ class Words:
         """Return what a cause says, and what to do about it, as sentences that begin with a capital letter."""
         sentence, advice = CAUSES_DE[cause] if self.language == "de" else (cause.sentence, cause.advice)
         return sentence[:1].upper() + sentence[1:], advice[:1].upper() + advice[1:]
+
+    def led(self, cause: Cause, status: Status | None) -> str:
+        """Return what a cause says; of the end of the controller's run also with which status, None: not known."""
+        sentence, _ = self.cause(cause)
+        if cause is not Cause.CONTROLLER_STOPS or status is None or not status.has_ended:
+            return sentence
+        return f"{sentence}: {STATUSES_DE[status] if self.language == 'de' else status.text}"
 
     def signal(self, name: str) -> str:
         """Return what a signal of a control step is called, with its unit."""

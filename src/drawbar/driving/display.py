@@ -8,11 +8,14 @@ from rich.text import Text
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.signals import FixQuality
+from drawbar.statuses import Status
 
 GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
 WORRIED = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
 BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
 """the states that have a colour, by how well it goes"""
+STANDS = 0.05
+"""slower is standing, m/s"""
 _MEANINGS = {
     SupervisorState.BOOT: "starting",
     SupervisorState.SELFTEST: "testing itself",
@@ -32,23 +35,30 @@ KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - spe
 
 def picture(state: GateState | None, controller: ControllerState | None, refusal: Cause | None = None) -> Text:
     """Return the whole picture: state, errors, what stands against engaging, why the newest key was refused, keys."""
-    lines = [*_state(state), *_numbers(controller), *map(reason, refusals(state) if state else ())]
+    lines = [*_state(state, controller), *_numbers(controller), *map(reason, refusals(state) if state else ())]
     if refusal is not None:
         lines.append(Text(f"refused: {refusal.sentence}: {refusal.advice}", style="yellow"))
     lines.append(Text(KEYS, style="dim"))
     return Text("\n").join(lines)
 
 
-def headline(state: GateState) -> Text:
-    """Return the state in one line, with its cause."""
+def headline(state: GateState, controller: ControllerState | None = None) -> Text:
+    """Return the state in one line, with its cause, and where that is the end of the controller's run, how it ended."""
     known = {GOOD: "green", WORRIED: "yellow", BAD: "bold red"}
     style = next((style for states, style in known.items() if state.state in states), "")
     text = Text(f"{state.state.name}: {_MEANINGS[state.state]}", style=style)
     if state.cause:
-        text.append(f" ({BY_CODE[state.cause].sentence})")
+        text.append(f" ({_led(BY_CODE[state.cause], controller)})")
     if math.isfinite(state.remaining):
         text.append(f", {state.remaining:.0f} s left")
     return text
+
+
+def _led(cause: Cause, controller: ControllerState | None) -> str:
+    """Return what led to a state."""
+    if cause is not Cause.CONTROLLER_STOPS or controller is None or not Status(controller.status).has_ended:
+        return cause.sentence
+    return f"{cause.sentence}: {Status(controller.status).text}"
 
 
 def refusals(state: GateState) -> list[Cause]:
@@ -61,10 +71,18 @@ def reason(cause: Cause) -> Text:
     return Text(f"- {cause.sentence}: {cause.advice}")
 
 
-def _state(state: GateState | None) -> Iterator[Text]:
-    yield headline(state) if state else Text("the gate has not been heard", style="bold red")
-    if state and state.stop:
+def _state(state: GateState | None, controller: ControllerState | None) -> Iterator[Text]:
+    yield headline(state, controller) if state else Text("the gate has not been heard", style="bold red")
+    if state and state.stop and not stands(controller):
         yield Text("STOP THE VEHICLE", style="bold reverse red")
+
+
+def stands(controller: ControllerState | None) -> bool:
+    """Return whether the vehicle is known to stand: wheels, without them the receiver, say so."""
+    if controller is None:
+        return False
+    wheels = controller.wheel_speed
+    return abs(wheels if math.isfinite(wheels) else controller.receiver_speed) <= STANDS
 
 
 def _numbers(controller: ControllerState | None) -> Iterator[Text]:

@@ -12,9 +12,9 @@ from typing import Self
 
 from drawbar.driving.crew import Crew
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.operator import DemonstrationOperator, Operator, changed_speed
-from drawbar.driving.orders import FRONT_END, GATE
-from drawbar.message_records import decode, encode
+from drawbar.driving.operator import DemonstrationOperator, Operator, changed_speed, to_gate
+from drawbar.driving.orders import FRONT_END
+from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 
@@ -64,8 +64,8 @@ class FrontEnd:
 
     def __init__(self, crew: Crew, *, demonstrates: bool) -> None:
         """Open its socket; demonstrates: engage by itself, as stand-ins want it."""
-        self._mailbox, gate = Mailbox(crew.orders.socket(FRONT_END)), crew.orders.socket(GATE)
-        self._operator = Operator(secrets.randbits(63) | 1, lambda message: self._mailbox.send(gate, encode(message)))
+        self._mailbox = Mailbox(crew.orders.socket(FRONT_END))
+        self._operator = Operator(secrets.randbits(63) | 1, to_gate(self._mailbox, crew.orders))
         self._demonstration = DemonstrationOperator(self._operator) if demonstrates else None
         self._configured_speed, self._clock = crew.configuration.speed, crew.orders.clock
         self._look = self._asked = 0

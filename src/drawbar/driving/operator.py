@@ -4,10 +4,25 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.orders import GATE, RECORDER, Orders
+from drawbar.message_records import encode
 from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
 
 _VALID = 500_000_000
 """for how long a message means something, ns"""
+
+
+def to_gate(mailbox: Mailbox, orders: Orders) -> Callable[[OperatorMessage], None]:
+    """Return what sends a front end's messages to the gate, and those that ask for something to the recorder too."""
+
+    def send(message: OperatorMessage) -> None:
+        record = encode(message)
+        mailbox.send(orders.socket(GATE), record)
+        if message.action is not Action.PRESENT:
+            mailbox.post(orders.socket(RECORDER), record)
+
+    return send
 
 
 class Operator:

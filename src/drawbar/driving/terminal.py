@@ -43,7 +43,7 @@ class Terminal:
         """Print a state that is new, and without a picture each reason against engaging once."""
         if state.state is not self._told:
             self._told, self._reasons = state.state, set()
-            self._console.print(headline(state))
+            self._console.print(headline(state, self._front.controller))
         for cause in refusals(state) if self._live is None and state.state is SupervisorState.STANDBY else ():
             if cause not in self._reasons:
                 self._reasons.add(cause)

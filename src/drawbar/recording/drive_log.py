@@ -18,7 +18,7 @@ from typing import Any
 from foxglove import Schema
 from foxglove.messages import Log, LogLevel, Timestamp
 
-from drawbar.messages import GateState, Message
+from drawbar.messages import ControllerState, GateState, Message
 from drawbar.recording.chunks import LEVEL
 from drawbar.recording.drive_records import (
     CLOCK,
@@ -37,6 +37,8 @@ from drawbar.recording.log import STEP_TOPIC, Outcome, RunHeader
 from drawbar.recording.recorder import CDR, DEFINITION, STEP_NAME, Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
+from drawbar.safety.causes import BY_CODE, Cause
+from drawbar.safety.engagement import LATCHED
 from drawbar.signals import Status, StepRecord
 from drawbar.step.layout import HEAD, packed, step_schema
 from drawbar.transports.clock import MachineClock
@@ -89,6 +91,8 @@ class DriveLog(Recorder):
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._steps_shown, self._reached_end = 0, False
+        self._state: GateState | None = None
+        self._status = Status.OK
         self._writer.add_metadata(CLOCK, {"offset": str(self._offset)})
         for topic, message in scene.standing(time.time_ns()):
             self._add_known(topic, message, time.time_ns())
@@ -108,8 +112,16 @@ class DriveLog(Recorder):
 
     def _outcome(self, error: BaseException | None) -> Outcome:
         if error is None and not self._reached_end:
-            return Outcome(finished=False, reason="the drive was ended before the end of the path")
+            return Outcome(finished=False, reason=f"the drive was ended before the end of the path{self._stopped_by()}")
         return super()._outcome(error)
+
+    def _stopped_by(self) -> str:
+        """Return what had stopped it, in words that follow others; nothing where it had not been stopped."""
+        if self._state is None or self._state.state not in LATCHED or self._state.cause not in BY_CODE:
+            return ""
+        cause = BY_CODE[self._state.cause]
+        ended = f": {self._status.text}" if cause is Cause.CONTROLLER_STOPS and self._status.has_ended else ""
+        return f"; {self._state.state.name}: {cause.sentence}{ended}"
 
     def flush(self) -> None:
         """Let all that was added reach the operating system; a step does so by itself."""
@@ -153,11 +165,15 @@ class DriveLog(Recorder):
 
         States of the gate come twice, from the gate and from the controller that heard them, and are added once.
         """
+        if isinstance(message, ControllerState):
+            self._status = Status(message.status)
         topic = TOPICS.get(type(message))
         if topic is None or (isinstance(message, GateState) and message.sequence in self._states):
             return
         if isinstance(message, GateState):
             self._states.append(message.sequence)
+            if message.cause != Cause.ENDED.value:  # the end itself hides what was before
+                self._state = message
         if topic not in self._channels:
             data = json_schema(type(message))
             self._open(topic, "json", Schema(name=f"drawbar.{type(message).__name__}", encoding=_JSON, data=data))

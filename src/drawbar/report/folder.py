@@ -5,6 +5,8 @@ from pathlib import Path
 
 from drawbar.errors import StorageError, demand_path
 from drawbar.recording.columns import read_columns
+from drawbar.recording.drive_events import drive_events
+from drawbar.recording.drive_records import is_drive
 from drawbar.recording.log import LOG_NAME
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
@@ -30,8 +32,9 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
     log = read_columns(file)
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
+    events = drive_events(file) if is_drive(file) else ()
     picture = render_picture(log, errors).encode()
-    contents = (metrics.to_json(), render_page(log, metrics, errors).encode(), picture)
+    contents = (metrics.to_json(), render_page(log, metrics, errors, events).encode(), picture)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in zip(REPORT_NAMES, contents, strict=True):

@@ -1,6 +1,6 @@
 """Page about a run, report.html: self-contained, drawn by plotly.js without any network."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from importlib import resources
 from string import Template
@@ -8,10 +8,12 @@ from string import Template
 import msgspec
 from plotly.offline import get_plotlyjs  # type: ignore[import-untyped]
 
+from drawbar.recording.drive_events import DriveEvent
 from drawbar.recording.log import Columns, encode_special
 from drawbar.report import style
 from drawbar.report.columns import along, track
 from drawbar.report.decimation import thinned
+from drawbar.report.events import event_rows
 from drawbar.report.metrics import Metrics
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.sections import Section, all_sections
@@ -78,8 +80,16 @@ def _page_data(log: Columns, sections: list[Section]) -> str:
     return text.replace(b"</", b"<\\/").decode()  # a closing tag inside a string would end the script
 
 
-def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors]) -> str:
-    """Return the whole page as HTML."""
+def _events(rows: list[Row]) -> str:
+    """Return the section of what happened in a drive; a run in simulation has none."""
+    if not rows:
+        return ""
+    table = _table("", _row("th", "Since the start", ["What", "What to do"]), rows, "events")
+    return f'<section id="events"><h2>What happened</h2>{table}</section>'
+
+
+def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors], events: Sequence[DriveEvent] = ()) -> str:
+    """Return the whole page as HTML; events: of a drive."""
     sections = all_sections(log, errors)
     started = f"{log.header.started:%d %B %Y, %H:%M %Z}"
     template = Template(resources.files(__package__).joinpath("page.html").read_text(encoding="utf-8"))
@@ -93,6 +103,7 @@ def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors]) -> s
         outcome=escape("; ".join([f"{ending}: {metrics.outcome}", *metrics.losses])),
         tiles="".join(tiles),
         tables=_tables(metrics),
+        events=_events(event_rows(events)),
         sections="\n".join(_section_html(section) for section in sections),
         configuration=escape(log.header.configuration),
         plotly=get_plotlyjs(),

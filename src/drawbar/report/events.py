@@ -1,0 +1,36 @@
+"""Events of a drive for its report: when, and what the supervisor did, why and what helps, what operators asked for."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+from drawbar.messages import Action
+from drawbar.recording.drive_events import Asked, Became, DriveEvent
+from drawbar.report.tables import Row
+
+
+def event_rows(events: Sequence[DriveEvent]) -> list[Row]:
+    """Return of each event the time since the first one (s), what happened, and what to do about it."""
+    return [(f"{event.time - events[0].time:.1f} s", list(_told(event))) for event in events]
+
+
+def _told(event: DriveEvent) -> Iterator[str]:
+    """Yield what happened, and what to do, which may be nothing."""
+    if isinstance(event, Became):
+        cause = event.cause
+        because = [] if cause is None else [cause.sentence]
+        yield ": ".join([event.state.name, *because, *([event.status.text] if event.status is not None else [])])
+        yield "" if cause is None else cause.advice
+    elif isinstance(event, Asked):
+        yield f"the operator asked for {event.action.name}{_value(event)}"
+        yield ""
+    else:
+        yield event.loss.value
+        yield ""
+
+
+def _value(event: Asked) -> str:
+    """Return what was asked for with an action, in its unit of measure."""
+    units = {Action.SET_SPEED: " m/s", Action.NUDGE: " m", Action.LINE: " working widths"}
+    if event.action not in units or math.isnan(event.value):
+        return ""
+    return f" {event.value:g}{units[event.action]}"

@@ -1,0 +1,23 @@
+"""Messages of a drive with nothing in them but what a test is about."""
+
+import dataclasses
+import math
+
+from drawbar.messages import ControllerState, GateState, OperatorMessage
+
+
+def gate_of(state, cause=None):
+    return _of(GateState, state=state, cause=0 if cause is None else cause.value, refusals=(0,) * 8)
+
+
+def controller_of(status):
+    return _of(ControllerState, status=int(status))
+
+
+def asked(action, value=math.nan):
+    return _of(OperatorMessage, action=action, value=value)
+
+
+def _of(kind, **values):
+    fields = [field.name for field in dataclasses.fields(kind)]
+    return kind(**(dict.fromkeys(fields, 0) | values))

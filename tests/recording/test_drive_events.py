@@ -1,0 +1,127 @@
+"""Events of a drive, from its log; in words of the report, of the terminal and of the log's outcome."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from drive_messages import asked, controller_of, gate_of
+
+from drawbar.config import load_configuration
+from drawbar.driving.display import headline
+from drawbar.driving.mail import Mailbox
+from drawbar.driving.operator import Operator, to_gate
+from drawbar.driving.orders import GATE, RECORDER
+from drawbar.errors import DrawbarError
+from drawbar.message_records import decode
+from drawbar.messages import Action, OperatorMessage, SupervisorState
+from drawbar.recording.drive_events import Became, drive_events
+from drawbar.recording.drive_log import DriveLog
+from drawbar.recording.header import run_header
+from drawbar.recording.log import read_log
+from drawbar.recording.scene import Scene
+from drawbar.report.events import event_rows
+from drawbar.report.folder import write_report
+from drawbar.safety.causes import Cause
+from drawbar.simulation import build_path
+from drawbar.statuses import Status
+
+ENDED = "the drive was ended before the end of the path"
+
+
+@pytest.fixture(scope="module")
+def header_and_scene():
+    configuration = load_configuration("articulated")
+    path, _ = build_path(configuration)
+    return run_header(configuration, path, None, seed=0), Scene(path=path, vehicle=configuration.vehicle, frame=None)
+
+
+@pytest.fixture
+def log_of(tmp_path, header_and_scene):
+    def write(*messages):
+        with DriveLog(tmp_path / "log.mcap", *header_and_scene) as log:
+            for second, message in enumerate(messages):
+                log.add_message(replace(message, time=second * 10**9, sequence=second))
+        return tmp_path / "log.mcap"
+
+    return write
+
+
+def test_an_end_of_the_controllers_run_is_told_with_its_status_and_another_cause_without(log_of):
+    log = log_of(
+        gate_of(SupervisorState.ACTIVE),
+        controller_of(Status.HITCH),
+        gate_of(SupervisorState.STOPPING, Cause.CONTROLLER_STOPS),
+        gate_of(SupervisorState.FAULT, Cause.STEERING_LOST),
+    )
+    active, stopping, fault = drive_events(log)
+    assert isinstance(active, Became)
+    assert active.cause is None
+    assert (stopping.status, fault.status) == (Status.HITCH, None)
+    assert list(event_rows([active, stopping, fault])) == [
+        ("0.0 s", ["ACTIVE", ""]),
+        ("2.0 s", [f"STOPPING: {Cause.CONTROLLER_STOPS.sentence}: {Status.HITCH.text}", Cause.CONTROLLER_STOPS.advice]),
+        ("3.0 s", [f"FAULT: {Cause.STEERING_LOST.sentence}", Cause.STEERING_LOST.advice]),
+    ]
+
+
+def test_what_was_asked_for_is_told_once_with_its_value(log_of):
+    wish = asked(Action.SET_SPEED, 0.8)
+    rows = event_rows(drive_events(log_of(gate_of(SupervisorState.READY), asked(Action.PRESENT), wish, wish)))
+    assert [cells[0] for _, cells in rows] == ["READY", "the operator asked for SET_SPEED 0.8 m/s"]
+
+
+def test_a_record_that_ends_while_it_steers_is_an_event_of_a_log_that_does_not_grow(log_of):
+    log = log_of(replace(gate_of(SupervisorState.ACTIVE), steers=1))
+    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["ACTIVE", "the record ends"]
+    assert len(drive_events(log, is_on=True)) == 1
+
+
+def test_a_log_with_a_state_that_there_is_not_is_refused(log_of):
+    with pytest.raises(DrawbarError, match=r"log\.mcap: cannot be read \(99 is not a valid"):
+        drive_events(log_of(gate_of(99)))
+
+
+@pytest.mark.parametrize(
+    ("messages", "reason"),
+    [
+        ((gate_of(SupervisorState.ACTIVE),), ENDED),
+        ((gate_of(SupervisorState.STOPPED, Cause.POSITION_LOST), gate_of(SupervisorState.STANDBY)), ENDED),
+        ((gate_of(SupervisorState.FAULT, Cause.ENDED),), ENDED),
+        (
+            (gate_of(SupervisorState.STOPPED, Cause.POSITION_LOST), gate_of(SupervisorState.FAULT, Cause.ENDED)),
+            f"{ENDED}; STOPPED: {Cause.POSITION_LOST.sentence}",
+        ),
+        (
+            (controller_of(Status.ROLL), gate_of(SupervisorState.STOPPED, Cause.CONTROLLER_STOPS)),
+            f"{ENDED}; STOPPED: {Cause.CONTROLLER_STOPS.sentence}: {Status.ROLL.text}",
+        ),
+    ],
+)
+def test_the_outcome_says_what_had_stopped_the_drive(log_of, messages, reason):
+    assert read_log(log_of(*messages)).outcome.reason == reason
+
+
+def test_the_report_of_a_drive_says_what_happened(log_of, tmp_path):
+    log_of(gate_of(SupervisorState.FAULT, Cause.STEERING_STUCK))
+    write_report(tmp_path)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert f"<td>FAULT: {Cause.STEERING_STUCK.sentence}</td><td>{Cause.STEERING_STUCK.advice}</td>" in page
+
+
+def test_the_terminal_says_how_the_controllers_run_has_ended():
+    state = gate_of(SupervisorState.STOPPED, Cause.CONTROLLER_STOPS)
+    assert Status.OSCILLATION.text in headline(state, controller_of(Status.OSCILLATION)).plain
+    assert Status.OK.text not in headline(state, controller_of(Status.OK)).plain
+    assert Cause.CONTROLLER_STOPS.sentence in headline(state).plain
+
+
+def test_what_an_operator_asks_for_is_recorded_and_that_one_is_there_is_not(tmp_path):
+    orders = SimpleNamespace(socket=lambda name: str(tmp_path / name))
+    ours, gate, recorder = (Mailbox(str(tmp_path / name)) for name in ("front", GATE, RECORDER))
+    operator = Operator(1, to_gate(ours, orders))
+    for action in (Action.PRESENT, Action.STOP):
+        operator.ask(action, 10**9)
+    heard = [[decode(data, OperatorMessage).action for data in each.receive()] for each in (gate, recorder)]
+    assert heard == [[Action.PRESENT, Action.STOP], [Action.STOP]]
+    for each in (ours, gate, recorder):
+        each.close()
