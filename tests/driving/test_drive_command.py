@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 from patience import ENGAGE, PATIENT
 
+from drawbar.driving.terminal import TAKE_OVER
 from drawbar.recording.log import read_log
+from drawbar.safety.causes import Cause
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 BY_HAND = ("--by-hand",)
@@ -124,3 +126,13 @@ def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_told(termin
     log = read_log(tmp_path / "run" / "log.mcap")
     assert log.records
     assert not log.outcome.finished
+
+
+@pytest.mark.parametrize("terminal", [[f"--set={change}" for change in PATIENT]], indirect=True)
+def test_a_controller_that_is_killed_ends_the_drive_and_the_driver_is_told_to_stop(terminal, tmp_path):
+    terminal.await_words("ACTIVE: steering")
+    os.kill(terminal.child("controller_main"), signal.SIGKILL)
+    assert terminal.drain() == 1, terminal.shown
+    assert "controller (killed by SIGKILL): it said nothing" in terminal.shown
+    assert TAKE_OVER in terminal.shown
+    assert Cause.CONTROLLER_GONE.sentence in read_log(tmp_path / "run" / "log.mcap").outcome.reason

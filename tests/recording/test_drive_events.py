@@ -14,7 +14,7 @@ from drawbar.driving.orders import GATE, RECORDER
 from drawbar.errors import DrawbarError
 from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage, SupervisorState
-from drawbar.recording.drive_events import Became, drive_events
+from drawbar.recording.drive_events import Became, Loss, drive_events
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.header import run_header
 from drawbar.recording.log import read_log
@@ -72,7 +72,7 @@ def test_what_was_asked_for_is_told_once_with_its_value(log_of):
 
 def test_a_record_that_ends_while_it_steers_is_an_event_of_a_log_that_does_not_grow(log_of):
     log = log_of(replace(gate_of(SupervisorState.ACTIVE), steers=1))
-    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["ACTIVE", "the record ends"]
+    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["ACTIVE", Loss.ENDS.value]
     assert len(drive_events(log, is_on=True)) == 1
 
 

@@ -98,6 +98,11 @@ class Crew:
         """Return the names of processes that are not there any more."""
         return [name for name, process in self.processes.items() if process.poll() is not None]
 
+    def how_ended(self, name: str) -> str:
+        """Return how a process that is not there any more has ended."""
+        code = self.processes[name].returncode
+        return f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+
     def _start_all(self) -> None:
         orders = self.orders.model_dump_json()
         self._start(RECORDER, "driving.recorder_main", orders)  # the first, so that nothing happens unrecorded

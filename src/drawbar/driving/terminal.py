@@ -11,11 +11,13 @@ from rich.console import Console
 from rich.live import Live
 
 from drawbar.driving.crew import LOSSES, Crew
-from drawbar.driving.display import headline, picture, reason, refusals
+from drawbar.driving.display import headline, picture, reason, refusals, stands
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.orders import CONSOLE
 from drawbar.messages import GateState, SupervisorState
 from drawbar.safety.causes import Cause
+
+TAKE_OVER = "the drive is over, and the steering is let go of: take the wheel, and STOP THE VEHICLE"
 
 
 class Terminal:
@@ -56,7 +58,10 @@ class Terminal:
         # nothing engages without a recorder
         spared = LOSSES if self._front.drove else {CONSOLE: LOSSES[CONSOLE]}
         if not spared.keys() >= set(lost):
-            self._console.print(f"ended: {', '.join(lost)}: {self._crew.words()}", style="bold red")
+            ended = ", ".join(f"{name} ({self._crew.how_ended(name)})" for name in lost)
+            self._console.print(f"ended: {ended}: {self._crew.words()}", style="bold red", soft_wrap=True)
+            if self._front.drove and not stands(self._front.controller):
+                self._console.print(TAKE_OVER, style="bold reverse red")
             return False
         for name in set(lost).difference(before):
             with suppress(OSError):

@@ -44,7 +44,7 @@ class Loss(Enum):
     """What became of the record while the vehicle was steered."""
 
     UNRECORDED = "nothing is recorded"
-    ENDS = "the record ends"
+    ENDS = "the record ends while drawbar steers: the disk was full, or recorder, gate or computer failed"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
