@@ -11,7 +11,11 @@ from pathlib import Path
 import pytest
 from patience import ENGAGE, PATIENT
 
+from drawbar.driving.crew import LOSSES
+from drawbar.driving.orders import RECEIVERS
 from drawbar.driving.terminal import TAKE_OVER
+from drawbar.messages import SupervisorState
+from drawbar.recording.drive_events import Became, drive_events
 from drawbar.recording.log import read_log
 from drawbar.safety.causes import Cause
 
@@ -136,3 +140,15 @@ def test_a_controller_that_is_killed_ends_the_drive_and_the_driver_is_told_to_st
     assert "controller (killed by SIGKILL): it said nothing" in terminal.shown
     assert TAKE_OVER in terminal.shown
     assert Cause.CONTROLLER_GONE.sentence in read_log(tmp_path / "run" / "log.mcap").outcome.reason
+
+
+@pytest.mark.parametrize("terminal", [[f"--set={change}" for change in PATIENT]], indirect=True)
+def test_receivers_that_are_killed_stop_the_vehicle_before_the_steering_is_let_go_of(terminal, tmp_path):
+    terminal.await_words("ACTIVE: steering")
+    os.kill(terminal.child("receivers_main"), signal.SIGKILL)
+    terminal.await_words(LOSSES[RECEIVERS])
+    assert terminal.drain() == 1, terminal.shown
+    assert "receivers (killed by SIGKILL)" in terminal.shown
+    assert TAKE_OVER in terminal.shown  # nobody tells any more whether it stands
+    states = [each.state for each in drive_events(tmp_path / "run" / "log.mcap") if isinstance(each, Became)]
+    assert states[-3:] == [SupervisorState.STOPPING, SupervisorState.STOPPED, SupervisorState.FAULT]

@@ -14,7 +14,17 @@ from typing import IO, Self
 from drawbar.config import Configuration
 from drawbar.driving.console_orders import ConsoleOrders
 from drawbar.driving.ending import undisturbed
-from drawbar.driving.orders import CONSOLE, GUARD, ORDERS_NAME, RECORDER, SENTENCES, SOCKETS, GateOrders, Orders
+from drawbar.driving.orders import (
+    CONSOLE,
+    GUARD,
+    ORDERS_NAME,
+    RECEIVERS,
+    RECORDER,
+    SENTENCES,
+    SOCKETS,
+    GateOrders,
+    Orders,
+)
 from drawbar.driving.pace import driver_socket, shown_pace
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
@@ -23,8 +33,9 @@ CONFIGURATION_NAME = "config.toml"
 LOSSES = {
     CONSOLE: "the console has ended, and the drive goes on",
     RECORDER: "the recorder has ended: nothing is recorded any more, what was recorded is kept, and the drive goes on",
+    RECEIVERS: "the receivers' process has ended: the vehicle is steered along its line until it stands; brake",
 }
-"""processes without which a drive goes on, and what is then said"""
+"""processes without which a drive goes on, the last one only while it steers, and what is then said"""
 _ENDING = 5.0
 """within which a process must end that was told to, s"""
 _STARTING = 30.0

@@ -13,7 +13,7 @@ from rich.live import Live
 from drawbar.driving.crew import LOSSES, Crew
 from drawbar.driving.display import headline, picture, reason, refusals, stands
 from drawbar.driving.front_end import FrontEnd
-from drawbar.driving.orders import CONSOLE
+from drawbar.driving.orders import CONSOLE, RECEIVERS, RECORDER
 from drawbar.messages import GateState, SupervisorState
 from drawbar.safety.causes import Cause
 
@@ -55,9 +55,7 @@ class Terminal:
         """Say which processes have ended; return whether the drive goes on without them."""
         lost, before = self._crew.ended(), self._lost
         self._lost = lost
-        # nothing engages without a recorder
-        spared = LOSSES if self._front.drove else {CONSOLE: LOSSES[CONSOLE]}
-        if not spared.keys() >= set(lost):
+        if not self._spared() >= set(lost):
             ended = ", ".join(f"{name} ({self._crew.how_ended(name)})" for name in lost)
             self._console.print(f"ended: {ended}: {self._crew.words()}", style="bold red", soft_wrap=True)
             if self._front.drove and not stands(self._front.controller):
@@ -67,6 +65,12 @@ class Terminal:
             with suppress(OSError):
                 self._console.print(f"{LOSSES[name]}: {self._crew.words()}", style="bold red", soft_wrap=True)
         return True
+
+    def _spared(self) -> set[str]:
+        """Return the processes without which it goes on now: nothing engages without recorder and receivers."""
+        state = self._front.state
+        steers = state is not None and bool(state.steers)
+        return {CONSOLE} | ({RECORDER} if self._front.drove else set()) | ({RECEIVERS} if steers else set())
 
     def __enter__(self) -> Self:
         if self._live is not None:
