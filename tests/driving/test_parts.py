@@ -265,12 +265,13 @@ def test_the_display_says_why_a_key_was_refused():
     assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
 
 
-def test_where_there_is_no_terminal_each_reason_against_engaging_is_told_once():
+def test_where_there_is_no_terminal_each_reason_against_engaging_or_to_worry_is_told_once():
     causes = (Cause.FIX_LOST, Cause.NO_OPERATOR)
     states = [
         dataclasses.replace(
             gate_state_of(sequence),
             state=state,
+            steers=int(state is SupervisorState.ACTIVE),
             refusals=tuple(cause.value for cause in found) + (0,) * (8 - len(found)),
         )
         for sequence, (state, found) in enumerate(
@@ -280,6 +281,10 @@ def test_where_there_is_no_terminal_each_reason_against_engaging_is_told_once():
                 (SupervisorState.STANDBY, causes[1:]),
                 (SupervisorState.READY, ()),
                 (SupervisorState.STANDBY, causes[:1]),
+                (SupervisorState.ACTIVE, ()),
+                (SupervisorState.ACTIVE, causes[:1]),
+                (SupervisorState.ACTIVE, causes[:1]),
+                (SupervisorState.FAULT, causes),
             ]
         )
     ]
@@ -289,7 +294,9 @@ def test_where_there_is_no_terminal_each_reason_against_engaging_is_told_once():
         terminal.show()
     first, second = (f"- {cause.sentence}: {cause.advice}\n" for cause in causes)
     waiting, ready = "STANDBY: not ready to engage\n", "READY: ready to engage\n"
-    assert console.file.getvalue() == waiting + first + second + ready + waiting + first
+    steering, ended = "ACTIVE: steering\n", "FAULT: let go of the steering; acknowledge to go on\n"
+    told = [waiting, first, second, ready, waiting, first, steering, first, ended]
+    assert console.file.getvalue() == "".join(told)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")

@@ -125,6 +125,19 @@ def test_the_command_asks_twice_and_writes_the_sensors_scale(tmp_path, monkeypat
         assert angles == pytest.approx([SCALE * angle for angle in SETTINGS.angles], rel=0.05)
 
 
+def test_how_far_it_is_is_told():
+    line, told = PushedValve(), []
+    done = Pushing(line.machine(), SETTINGS)
+    watch = done._watch
+    done._watch = lambda *sensed: (told.append(done.__rich__()), watch(*sensed))[1]
+    done.run()
+    steps = list(dict.fromkeys(told))
+    assert steps[0].startswith("waiting for the vehicle")
+    runs, pushes = ([f"run {i + 1} of {2 * RUNS}" for i in range(2 * RUNS)], range(1, 2 * PUSHES + 1))
+    assert [each.removeprefix("dead band: ") for each in steps[1 : 1 + 2 * RUNS]] == runs
+    assert steps[1 + 2 * RUNS :] == [f"rate and lag: push {i} of {2 * PUSHES}" for i in pushes]
+
+
 @pytest.mark.parametrize("arguments", [[], ["runs/a", "--push"]])
 def test_the_command_takes_a_log_or_pushes(tmp_path, arguments):
     file = tmp_path / "my.toml"

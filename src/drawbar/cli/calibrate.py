@@ -70,6 +70,7 @@ def _in_log(log: FilePath) -> "list[Found]":
 
 def _pushed(config: "Configuration") -> "list[Found]":
     """Push the bare valve if the operator wants it, twice; return what that shows."""
+    from drawbar.cli.interrupts import ended_by_signals
     from drawbar.driving.pushing import Pushing, ReceiverMotion, bare_valve, opened
     from drawbar.machine.hardware.calibration import CalibrationLimits
 
@@ -83,11 +84,12 @@ def _pushed(config: "Configuration") -> "list[Found]":
     if not agreed("Is the field ahead clear, and is somebody on the seat?", "Move the front wheels now?"):
         raise SystemExit(1)
     assert config.devices is not None
-    with closing(ReceiverMotion(config.devices.tractor_receiver)) as motion:
+    with ended_by_signals(), closing(ReceiverMotion(config.devices.tractor_receiver)) as motion:
         valve = opened(settings, config.vehicle.wheelbase, motion)
         with closing(valve):
             pushing = Pushing(valve, settings)
-            found = pushing.run()
+            with console.status(pushing):
+                found = pushing.run()
     if pushing.reason:
         raise DrawbarError(pushing.reason)
     return found

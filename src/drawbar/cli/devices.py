@@ -81,6 +81,7 @@ def _wiggle(config: "Configuration") -> bool:
     """Make the wiggle test if the operator wants it, twice; return whether it is passed."""
     from rich.text import Text
 
+    from drawbar.cli.interrupts import ended_by_signals
     from drawbar.driving.wiggle import FASTEST, ROLLS, SLOWEST, wiggle_both
     from drawbar.driving.wiggled import forget_passed, keep_passed
 
@@ -93,12 +94,13 @@ def _wiggle(config: "Configuration") -> bool:
         return False
     forget_passed()
     passed = True
-    for name, found in wiggle_both(config):
-        if found.passed:
-            console.print(Text(f"{name}: gain {found.gain:.2f}, delay {found.delay:.2f} s"))
-        for refusal in found.refusals:
-            console.print(Text(f"  - {name}: {refusal}", style="yellow"))
-        passed &= found.passed
+    with ended_by_signals():
+        for name, found in wiggle_both(config):
+            if found.passed:
+                console.print(Text(f"{name}: gain {found.gain:.2f}, delay {found.delay:.2f} s"))
+            for refusal in found.refusals:
+                console.print(Text(f"  - {name}: {refusal}", style="yellow"))
+            passed &= found.passed
     if passed:
         keep_passed(config)
         console.print("the wiggle test is passed: `drawbar drive` may engage", style="green")

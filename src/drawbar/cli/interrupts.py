@@ -10,6 +10,8 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Self
 
@@ -52,6 +54,29 @@ class Interrupts:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         for each, handler in self._before.items():
+            signal.signal(each, handler)
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP end what moves something as Ctrl-C does, in order; later ones are ignored."""
+    taken = [signal.SIGINT, signal.SIGTERM, *([_HANG_UP] if _HANG_UP is not None else [])]
+
+    def end(number: int, frame: FrameType | None) -> None:
+        for each in taken:
+            signal.signal(each, signal.SIG_IGN)
+        if number == _HANG_UP:
+            leave_a_terminal_that_is_gone()
+        raise KeyboardInterrupt
+
+    before = {each: signal.getsignal(each) for each in taken}
+    try:
+        for each in taken:
+            if before[each] is not signal.SIG_IGN:  # as nohup has it
+                signal.signal(each, end)
+        yield
+    finally:
+        for each, handler in before.items():
             signal.signal(each, handler)
 
 

@@ -17,7 +17,7 @@ from drawbar.driving.orders import CONSOLE, RECEIVERS, RECORDER
 from drawbar.messages import GateState, SupervisorState
 from drawbar.safety.causes import Cause
 
-TAKE_OVER = "the drive is over, and the steering is let go of: take the wheel, and STOP THE VEHICLE"
+TAKE_OVER = "the drive is over: take the wheel, and STOP THE VEHICLE"
 
 
 class Terminal:
@@ -42,11 +42,12 @@ class Terminal:
             self._live.update(picture(front.state, front.controller, front.refusal), refresh=True)
 
     def _tell(self, state: GateState) -> None:
-        """Print a state that is new, and without a picture each reason against engaging once."""
+        """Print a state that is new; without a picture also, once, each reason against engaging or to worry."""
         if state.state is not self._told:
             self._told, self._reasons = state.state, set()
             self._console.print(headline(state, self._front.controller))
-        for cause in refusals(state) if self._live is None and state.state is SupervisorState.STANDBY else ():
+        tells = self._live is None and (state.state is SupervisorState.STANDBY or bool(state.steers))
+        for cause in refusals(state) if tells else ():
             if cause not in self._reasons:
                 self._reasons.add(cause)
                 self._console.print(reason(cause), soft_wrap=True)
