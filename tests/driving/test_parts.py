@@ -282,7 +282,7 @@ def test_where_there_is_no_terminal_each_reason_against_engaging_or_to_worry_is_
                 (SupervisorState.READY, ()),
                 (SupervisorState.STANDBY, causes[:1]),
                 (SupervisorState.ACTIVE, ()),
-                (SupervisorState.ACTIVE, causes[:1]),
+                (SupervisorState.ACTIVE, (Cause.TOO_SLOW, causes[0])),  # too slow to engage is no worry then
                 (SupervisorState.ACTIVE, causes[:1]),
                 (SupervisorState.FAULT, causes),
             ]

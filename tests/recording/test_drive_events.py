@@ -70,6 +70,15 @@ def test_what_was_asked_for_is_told_once_with_its_value(log_of):
     assert [cells[0] for _, cells in rows] == ["READY", "the operator asked for SET_SPEED 0.8 m/s"]
 
 
+def test_a_state_that_is_recorded_late_is_no_event_of_its_own(tmp_path, header_and_scene):
+    states = [SupervisorState.READY, SupervisorState.READY, SupervisorState.ESTOP, SupervisorState.ESTOP]
+    messages = [replace(gate_of(state), time=each * 10**9, sequence=each) for each, state in enumerate(states)]
+    with DriveLog(tmp_path / "log.mcap", *header_and_scene) as log:
+        for each in (0, 2, 1, 3):
+            log.add_message(messages[each])
+    assert [event.state for event in drive_events(tmp_path / "log.mcap")] == [states[0], states[2]]
+
+
 def test_a_record_that_ends_while_it_steers_is_an_event_of_a_log_that_does_not_grow(log_of):
     log = log_of(replace(gate_of(SupervisorState.ACTIVE), steers=1))
     assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["ACTIVE", Loss.ENDS.value]

@@ -15,7 +15,7 @@ from drawbar.driving.display import headline, picture, reason, refusals, stands
 from drawbar.driving.front_end import FrontEnd
 from drawbar.driving.orders import CONSOLE, RECEIVERS, RECORDER
 from drawbar.messages import GateState, SupervisorState
-from drawbar.safety.causes import Cause
+from drawbar.safety.causes import Cause, Response
 
 TAKE_OVER = "the drive is over: take the wheel, and STOP THE VEHICLE"
 
@@ -46,11 +46,18 @@ class Terminal:
         if state.state is not self._told:
             self._told, self._reasons = state.state, set()
             self._console.print(headline(state, self._front.controller))
-        tells = self._live is None and (state.state is SupervisorState.STANDBY or bool(state.steers))
-        for cause in refusals(state) if tells else ():
+        for cause in self._told_as_lines(state):
             if cause not in self._reasons:
                 self._reasons.add(cause)
                 self._console.print(reason(cause), soft_wrap=True)
+
+    def _told_as_lines(self, state: GateState) -> list[Cause]:
+        """Return what is told without a picture: what stands against engaging; while it steers, what worries."""
+        if self._live is not None:
+            return []
+        if state.state is SupervisorState.STANDBY:
+            return refusals(state)
+        return [cause for cause in refusals(state) if state.steers and cause.response is not Response.NONE]
 
     def tell_losses(self) -> bool:
         """Say which processes have ended; return whether the drive goes on without them."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
@@ -59,14 +59,6 @@ class Lost:
 DriveEvent = Became | Asked | Lost
 
 
-@dataclass(frozen=True, slots=True)
-class _Stepped:
-    """The status of the controller's steps is another one."""
-
-    time: float
-    status: Status
-
-
 class _Gate(msgspec.Struct):
     state: int
     cause: int
@@ -89,6 +81,15 @@ class _Controller(msgspec.Struct):
     status: int
 
 
+_Message = _Gate | _Wish | _Controller | None
+"""None: the end of the log"""
+_KINDS: dict[str, type[_Gate] | type[_Wish] | type[_Controller]] = {
+    "/gate": _Gate,
+    "/operator": _Wish,
+    "/controller": _Controller,
+}
+
+
 def drive_events(log: Path, *, is_on: bool = False) -> list[DriveEvent]:
     """Return what happened, in order; empty for a run in simulation, which has no supervisor.
 
@@ -102,56 +103,49 @@ def drive_events(log: Path, *, is_on: bool = False) -> list[DriveEvent]:
     try:
         with log.open("rb") as stream:
             messages = (each for each in read_records(stream) if isinstance(each, LoggedMessage))
-            happened = sorted(_events(messages, is_on=is_on), key=lambda event: event.time)
+            # a state of the gate may have been recorded behind a newer one
+            told = sorted(_told(messages), key=lambda pair: pair[0])
+        return list(_events(told, is_on=is_on))
     except (OSError, DamagedLogError, ValueError) as error:  # what is no message of these, too
         raise DrawbarError(f"{log}: cannot be read ({error})") from error
-    return list(_with_statuses(happened))
 
 
-def _with_statuses(happened: Iterable["DriveEvent | _Stepped"]) -> Iterator[DriveEvent]:
-    """Yield the events, in order; those of the controller say with which status its run has ended."""
-    status = Status.OK
-    for event in happened:
-        if isinstance(event, _Stepped):
-            status = event.status
-        elif isinstance(event, Became) and event.cause is Cause.CONTROLLER_STOPS and status.has_ended:
-            yield replace(event, status=status)
-        else:
-            yield event
-
-
-def _events(messages: Iterator[LoggedMessage], *, is_on: bool) -> Iterator["DriveEvent | _Stepped"]:
-    """Yield what happened; events of one topic in the order of their times."""
-    end, last, heard, status = 0.0, None, set(), 0
-    gate, wishes, controller = (
-        msgspec.json.Decoder(_Gate),
-        msgspec.json.Decoder(_Wish),
-        msgspec.json.Decoder(_Controller),
-    )
+def _told(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Message]]:
+    """Yield the messages that events are made of, each with its time, and the time of the last message of any kind."""
+    decoders = {topic: msgspec.json.Decoder(kind) for topic, kind in _KINDS.items()}
+    end = 0.0
     for message in messages:
         time = message.publish_time * 1e-9
         end = max(end, time)
-        if message.topic == "/controller":
-            before, status = status, controller.decode(message.data).status
-            if status != before:
-                yield _Stepped(time, Status(status))
-        elif message.topic == "/gate":
-            now = gate.decode(message.data)
-            if last is None or now.state != last.state:
-                yield _became(time, now)
-            if now.is_unrecorded and not (last is not None and last.is_unrecorded):
+        if message.topic in decoders:
+            yield time, decoders[message.topic].decode(message.data)
+    yield end, None
+
+
+def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[DriveEvent]:
+    """Yield what happened, given messages in the order of their times."""
+    last, heard, status = None, set(), Status.OK
+    for time, message in told:
+        if isinstance(message, _Controller):
+            status = Status(message.status)
+        elif isinstance(message, _Gate):
+            if last is None or message.state != last.state:
+                yield _became(time, message, status)
+            if message.is_unrecorded and not (last is not None and last.is_unrecorded):
                 yield Lost(time=time, loss=Loss.UNRECORDED)
-            last = now
-        elif message.topic == "/operator":
-            wish = wishes.decode(message.data)
-            action = Action(wish.action)
-            if action is not Action.PRESENT and wish.nonce not in heard:
-                heard.add(wish.nonce)
-                yield Asked(time=time, action=action, value=math.nan if wish.value is None else wish.value)
-    if last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, and that is recorded
-        yield Lost(time=end, loss=Loss.ENDS)
+            last = message
+        elif isinstance(message, _Wish):
+            action = Action(message.action)
+            if action is not Action.PRESENT and message.nonce not in heard:
+                heard.add(message.nonce)
+                yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
+        elif last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, which is recorded
+            yield Lost(time=time, loss=Loss.ENDS)
 
 
-def _became(time: float, now: _Gate) -> Became:
-    state = SupervisorState(now.state)
-    return Became(time=time, state=state, cause=None if state is SupervisorState.READY else BY_CODE.get(now.cause))
+def _became(time: float, now: _Gate, status: Status) -> Became:
+    state, cause = SupervisorState(now.state), BY_CODE.get(now.cause)
+    if state is SupervisorState.READY:
+        cause = None
+    ended = cause is Cause.CONTROLLER_STOPS and status.has_ended
+    return Became(time=time, state=state, cause=cause, status=status if ended else None)
