@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from drawbar.cli.drive import _drive
+from drawbar.cli.drive import _drive, _run
 from drawbar.cli.interrupts import Interrupts
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
@@ -64,3 +64,29 @@ def test_output_that_fails_while_the_terminal_is_there_is_told(crew):
     with pytest.raises(OSError, match="cannot be written to"):
         _drive(crew, Interrupts(), demonstrates=False, seconds=1.0)
     assert crew.front.closed
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ([], ""),
+        (["gate: not scheduled"], "gate: not scheduled\n"),
+        (["gate: not scheduled", "receivers: not", "recorder: not"], "gate: not scheduled (2 more in messages.txt"),
+    ],
+)
+def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, capsys, said, told):
+    class Crew:
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *what):
+            pass
+
+        def said(self):
+            return said
+
+    monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
+    assert not _run(Crew(), None, Interrupts(), demonstrates=False, seconds=0.0)
+    shown = capsys.readouterr().out
+    assert shown.endswith(told) if len(said) < 2 else told in shown
+    assert bool(said) == bool(shown.strip())

@@ -100,9 +100,17 @@ def _run(
     with ExitStack() as started:
         with console.status("starting the processes …"):
             started.enter_context(crew)
+        _tell_said(crew.said())
         if orders is not None:
             console.print(f"the console is at {address(orders)}", soft_wrap=True)
         return _drive(crew, interrupts, demonstrates=demonstrates, seconds=seconds)
+
+
+def _tell_said(lines: list[str]) -> None:
+    """Tell what the processes could not have, such as real-time scheduling: the first of it, and where the rest is."""
+    if lines:
+        more = f" ({len(lines) - 1} more in messages.txt of the run's folder)" if len(lines) > 1 else ""
+        console.print(f"{lines[0]}{more}", style="yellow", soft_wrap=True)
 
 
 def _shown_at(port: int) -> int:

@@ -30,6 +30,8 @@ from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
 CONFIGURATION_NAME = "config.toml"
+MESSAGES_NAME = "messages.txt"
+"""in the folder of the run: what the processes have written"""
 LOSSES = {
     CONSOLE: "the console has ended, and the drive goes on",
     RECORDER: "the recorder has ended: nothing is recorded any more, what was recorded is kept, and the drive goes on",
@@ -77,7 +79,7 @@ class Crew:
         self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._folder = folder_of_sockets()
-        self._messages: IO[bytes] = (run / "messages.txt").open("wb")
+        self._messages: IO[bytes] = (run / MESSAGES_NAME).open("wb")
         self.orders = Orders(
             folder=self._folder.name,
             run=str(run),
@@ -164,11 +166,16 @@ class Crew:
                 raise HardwareError(f"the {name} process did not start: {self.words()}")
             time.sleep(0.01)
 
+    def said(self) -> list[str]:
+        """Return the lines that the processes have written; none where the run's folder is gone."""
+        try:
+            return (self._run / MESSAGES_NAME).read_text("utf-8", "replace").strip().splitlines()
+        except OSError:
+            return []
+
     def words(self) -> str:
         """Return the last lines that the processes have written."""
-        self._messages.flush()
-        lines = (self._run / "messages.txt").read_text("utf-8", "replace").strip().splitlines()
-        return " / ".join(lines[-4:]) or "it said nothing"
+        return " / ".join(self.said()[-4:]) or "it said nothing"
 
     def close(self) -> None:
         """End the gate first, so that the actuators let go; then all others, the recorder last."""

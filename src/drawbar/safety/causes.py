@@ -52,8 +52,8 @@ class Cause(Enum):
         "drive slower, or see whether limits of vehicle and envelope agree")
     MODE = (105, True, Response.RELEASE, "controller and gate disagree about whether a run is on",
         "wait until the controller has ended its run; else start it again")
-    CONFIGURATION = (106, True, Response.RELEASE, "controller and gate were started with different safety settings",
-        "start both again with the same configuration")
+    CONFIGURATION = (106, True, Response.RELEASE, "the controller has other safety settings, or they are not known",
+        "if the controller is heard, start both again with the same configuration")
     UNPROVED = (107, True, Response.NONE, "estimator and controllers have not solved enough steps in a row",
         "wait a few seconds; if it stays, see the log")
     UNSOLVED = (108, False, Response.DEGRADE, "the last step was not solved",
