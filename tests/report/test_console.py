@@ -31,6 +31,12 @@ def test_the_summary_fits_80_columns_and_is_not_cut(run):
     assert "\x1b" not in text
 
 
+def test_a_seed_is_of_a_simulation_only(run):
+    metrics = metrics_of(run)
+    assert f"articulated, seed {metrics.seed}: " in printed(summary(metrics))
+    assert "articulated: " in printed(summary(dataclasses.replace(metrics, error_estimated=True)))
+
+
 def test_the_summary_shows_the_figures_in_their_units(run):
     metrics = metrics_of(run)
     text = printed(summary(metrics))

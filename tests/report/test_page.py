@@ -125,7 +125,12 @@ def test_a_real_machine_shows_what_was_believed(make_run):
     assert "the truth is not known" in page
     assert "Estimated error, cm" in page
     assert "mean estimated error, tractor" in page
-    assert "stimated error" not in render(make_run(steps=50)), "a simulation knows the truth"
+    assert "seed 0" not in page
+    assert "drawbar drive" in page
+    simulated = render(make_run(steps=50))
+    assert "stimated error" not in simulated, "a simulation knows the truth"
+    assert "seed 0" in simulated
+    assert "drawbar run" in simulated
     shown = {t["name"]: t.get("visible", True) for t in data_of(page)["figures"]["errors"]["data"]}
     assert shown == {"Tractor, estimated": True, "Trailer, estimated": True}
 

@@ -15,6 +15,7 @@ from drawbar.report.tables import (
     error_name,
     error_rows,
     number,
+    origin,
     time_rows,
 )
 from drawbar.report.two_antennas import yaw_text
@@ -38,7 +39,7 @@ def summary(metrics: Metrics) -> RenderableType:
     )
     told: list[RenderableType] = [
         "",
-        Text.assemble(f"{metrics.config}, seed {metrics.seed}: ", ending),
+        Text.assemble(f"{origin(metrics, ', ')}: ", ending),
         f"{distance} in {duration}, {pace}",
         f"solver failures: {metrics.solver_failures}, commands limited: {metrics.limited_commands}, "
         f"refused: {metrics.refused_commands}",

@@ -25,6 +25,7 @@ from drawbar.report.tables import (
     error_name,
     error_rows,
     key_figures,
+    origin,
     time_rows,
 )
 
@@ -96,8 +97,9 @@ def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors], even
     tiles = [f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in key_figures(metrics)]
     ending = "Finished" if metrics.finished else "Stopped before the end"
     return template.substitute(
+        kind="drive" if metrics.error_estimated else "run",
         title=escape(f"{log.header.path_name}, {metrics.config}"),
-        facts=escape(f"{started} · configuration {metrics.config} · seed {metrics.seed} · {log.steps} steps"),
+        facts=escape(f"{started} · configuration {origin(metrics, ' · ')} · {log.steps} steps"),
         note=escape(log.header.path_note),
         state="" if metrics.finished else "stopped",
         outcome=escape("; ".join([f"{ending}: {metrics.outcome}", *metrics.losses])),

@@ -23,6 +23,11 @@ def class_title(label: str) -> str:
     return f"curve {label}/m" if label[:1].isdigit() else label
 
 
+def origin(metrics: Metrics, between: str) -> str:
+    """Return the configuration's name, and where a simulation drew errors from it, its seed; between: the two."""
+    return metrics.config if metrics.error_estimated else f"{metrics.config}{between}seed {metrics.seed}"
+
+
 def error_name(metrics: Metrics) -> str:
     """Return what the distances from the path are: errors, or estimated errors."""
     return "estimated error" if metrics.error_estimated else "error"
