@@ -151,6 +151,17 @@ def test_a_disk_that_fills_while_driving_costs_the_record_only_and_that_is_told(
     assert (tmp_path / "report.html").is_file()
 
 
+def test_a_runs_folder_that_is_removed_while_driving_costs_the_record_only_and_that_is_told(crew, tmp_path):
+    front = FrontEnd(crew, demonstrates=True)
+    watch(front, steers, ENGAGE)
+    (tmp_path / "log.mcap").unlink()
+    watch(front, lambda front: Cause.NOT_RECORDING.value in front.state.refusals, ENGAGE)
+    assert front.state.state is SupervisorState.ACTIVE
+    front.close()
+    crew.close()
+    assert "the log was removed while it was written" in (tmp_path / "messages.txt").read_text()
+
+
 def test_a_gate_that_is_killed_is_told_and_takes_the_controller_with_it(crew):
     front = FrontEnd(crew, demonstrates=True)
     watch(front, steers, ENGAGE)

@@ -1,5 +1,6 @@
 """Events of a drive, from its log; in words of the report, of the terminal and of the log's outcome."""
 
+import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,7 +12,7 @@ from drawbar.driving.display import headline
 from drawbar.driving.mail import Mailbox
 from drawbar.driving.operator import Operator, to_gate
 from drawbar.driving.orders import GATE, RECORDER
-from drawbar.errors import DrawbarError
+from drawbar.errors import DrawbarError, StorageError
 from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage, SupervisorState
 from drawbar.recording.drive_events import Became, Loss, drive_events
@@ -88,6 +89,17 @@ def test_a_record_that_ends_while_it_steers_is_an_event_of_a_log_that_does_not_g
 def test_a_log_with_a_state_that_there_is_not_is_refused(log_of):
     with pytest.raises(DrawbarError, match=r"log\.mcap: cannot be read \(99 is not a valid"):
         drive_events(log_of(gate_of(99)))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="an open file is not removed there")
+def test_a_log_that_is_removed_is_told_and_one_that_is_renamed_goes_on(tmp_path, header_and_scene):
+    log = DriveLog(tmp_path / "log.mcap", *header_and_scene)
+    (tmp_path / "log.mcap").rename(tmp_path / "renamed.mcap")
+    log.flush()
+    (tmp_path / "renamed.mcap").unlink()
+    with pytest.raises(StorageError, match=r"log\.mcap: the log was removed"):
+        log.flush()
+    log.give_up()
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@
 | `/tractor/fix`, `/trailer/fix`, `/tf`, `/path`, `/bodies`, `/plan` | map and scene (foxglove.*): `scene.py` |
 """
 
+import os
 import time
 from collections import deque
 from pathlib import Path
@@ -18,6 +19,7 @@ from typing import Any
 from foxglove import Schema
 from foxglove.messages import Log, LogLevel, Timestamp
 
+from drawbar.errors import StorageError
 from drawbar.messages import ControllerState, GateState, Message
 from drawbar.recording.chunks import LEVEL
 from drawbar.recording.drive_records import (
@@ -92,7 +94,7 @@ class DriveLog(Recorder):
         self._schemas: dict[str, int] = {}
         self._steps_shown, self._reached_end = 0, False
         self._state: GateState | None = None
-        self._status = Status.OK
+        self._status, self._names = Status.OK, self._count_names()
         self._writer.add_metadata(CLOCK, {"offset": str(self._offset)})
         for topic, message in scene.standing(time.time_ns()):
             self._add_known(topic, message, time.time_ns())
@@ -124,10 +126,20 @@ class DriveLog(Recorder):
         return f"; {self._state.state.name}: {cause.sentence}{ended}"
 
     def flush(self) -> None:
-        """Let all that was added reach the operating system; a step does so by itself."""
+        """Let all that was added reach the operating system; a step does so by itself.
+
+        Raises:
+            StorageError: the file was removed, and nobody could read it.
+        """
         self._add_waiting()
         self._writer.flush()
         self.flushed = self._clock.nanoseconds()
+        if self._names and not self._count_names():
+            raise StorageError(f"{self._file}: the log was removed while it was written; start drawbar again")
+
+    def _count_names(self) -> int:
+        """Return how many names the file has; 0: it was removed, or this file system does not count."""
+        return os.fstat(self._stream.fileno()).st_nlink
 
     def _finish(self, outcome: Outcome) -> None:
         self._add_waiting()
