@@ -166,7 +166,7 @@ class RunLog:
         return any(record.truth is not None for record in self.records)
 
     def column(self, name: str) -> Floats:
-        """Return one number of every step, (n,); NaN where the step has no truth.
+        """Return one number of every step, (n,); NaN where the step has no truth, or no plan whose deviation it is.
 
         The name is that of the field in StepRecord, as in `estimate.tractor.x`; of an array with the place in it, as in
         `plan.tractor.deviation.0`.
@@ -216,7 +216,12 @@ def _number(name: str) -> Callable[[StepRecord], Any]:
     if not place.isdigit():
         return attrgetter(name)
     array, index = attrgetter(head), int(place)
-    return lambda record: array(record)[index]
+
+    def number(record: StepRecord) -> Any:
+        numbers = array(record)
+        return numbers[index] if index < numbers.size else np.nan
+
+    return number
 
 
 def encode_special(value: Any) -> Any:

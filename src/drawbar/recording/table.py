@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drawbar.recording.log import RunLog
+from drawbar.signals import StepRecord
 
 _LONG = ("samples", "poses", "steerings")
 """what has the length of the horizon has no column"""
@@ -31,8 +32,12 @@ def write_csv(log: RunLog, file: Path) -> None:
 
 def column_names(log: RunLog) -> Iterator[str]:
     """Yield the names of all numbers of a step, in the order of their declaration."""
-    for record in log.records[:1]:
-        yield from number_names(record)
+    if log.records:  # a step that ends a run has no plan
+        yield from number_names(max(log.records, key=_deviations))
+
+
+def _deviations(record: StepRecord) -> int:
+    return record.plan.tractor.deviation.size + record.plan.trailer.deviation.size
 
 
 def number_names(value: Any, name: str = "") -> Iterator[str]:
