@@ -6,6 +6,7 @@ import pytest
 from pushed_valve import PERIOD, SETTINGS, SPEED, PushedValve
 from typer.testing import CliRunner
 
+from drawbar.cli.calibrate import Progress
 from drawbar.cli.main import app
 from drawbar.config import load_configuration
 from drawbar.driving import pushing
@@ -129,7 +130,7 @@ def test_how_far_it_is_is_told():
     line, told = PushedValve(), []
     done = Pushing(line.machine(), SETTINGS)
     watch = done._watch
-    done._watch = lambda *sensed: (told.append(done.__rich__()), watch(*sensed))[1]
+    done._watch = lambda *sensed: (told.append(Progress(done).__rich__()), watch(*sensed))[1]
     done.run()
     steps = list(dict.fromkeys(told))
     assert steps[0].startswith("waiting for the vehicle")

@@ -15,6 +15,7 @@ from drawbar.errors import ConfigurationError, DrawbarError
 if TYPE_CHECKING:
     from drawbar.config import Configuration
     from drawbar.driving.calibrating import Found
+    from drawbar.driving.pushing import Pushing
     from drawbar.signals import BodyActuation, StepRecord
 
 _NOTED_LATENCY = 0.02
@@ -88,11 +89,31 @@ def _pushed(config: "Configuration") -> "list[Found]":
         valve = opened(settings, config.vehicle.wheelbase, motion)
         with closing(valve):
             pushing = Pushing(valve, settings)
-            with console.status(pushing):
+            with console.status(Progress(pushing)):
                 found = pushing.run()
     if pushing.reason:
         raise DrawbarError(pushing.reason)
     return found
+
+
+class Progress:
+    """How far pushes are, for a terminal."""
+
+    def __init__(self, pushing: "Pushing") -> None:
+        """Take the pushes."""
+        self._pushing = pushing
+
+    def __rich__(self) -> str:
+        """Return it in words."""
+        from drawbar.driving.pushing import PUSHES
+        from drawbar.machine.hardware.valve_calibration import RUNS
+
+        rates = self._pushing.rates
+        if rates is not None:
+            return f"rate and lag: push {min(rates.done + 1, 2 * PUSHES)} of {2 * PUSHES}"
+        if self._pushing.begun:
+            return f"dead band: run {min(self._pushing.bands.done + 1, 2 * RUNS)} of {2 * RUNS}"
+        return "waiting for the vehicle to roll and for the switch to be held"
 
 
 def _write(configuration: FilePath, found: "Sequence[Found]", source: str) -> None:

@@ -48,15 +48,9 @@ class Pushing:
         self.reason = ""
         """why it was ended early, and what to do"""
         self._machine, self._settings, self._patience = machine, settings, patience
-        self._ending, self._attended, self._rolls = "", time.monotonic(), False
-
-    def __rich__(self) -> str:
-        """Return how far it is, for a terminal."""
-        if self.rates is not None:
-            return f"rate and lag: push {min(self.rates.done + 1, 2 * PUSHES)} of {2 * PUSHES}"
-        if self._rolls:
-            return f"dead band: run {min(self.bands.done + 1, 2 * RUNS)} of {2 * RUNS}"
-        return "waiting for the vehicle to roll and for the switch to be held"
+        self.begun = False
+        """the vehicle rolls, and the wheels are turned"""
+        self._ending, self._attended = "", time.monotonic()
 
     def end(self, reason: str) -> None:
         """End it now, for a reason."""
@@ -70,7 +64,7 @@ class Pushing:
         """Make all pushes, and return what they show; nothing where `reason` says why. Then it is off."""
         try:
             self._wait_until_it_rolls()
-            self._rolls = True
+            self.begun = True
             first = self._made(Calibration(self.bands))
             if self.reason:
                 return []
