@@ -251,7 +251,7 @@ class GateState(Message):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OperatorMessage(Message):
-    """What an operator wants; front end to gate, one per datagram to the gate's Unix socket."""
+    """What an operator wants; front end to gate, one per datagram to its socket, and to recorder but for presence."""
 
     action: Annotated[Action, Cell("B")]
     """what is asked for"""
