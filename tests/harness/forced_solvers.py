@@ -30,9 +30,19 @@ ROUTES = {
         ("held_sweep.h", "h->last = -1;", "h->last = N - 1;"),
         ("held_sweep.h", "a <= NU && again", "a <= NU"),
         ("held_set.h", "held_stays(s, h, k, a, x, u[a]) ? 0 :", "held_stays(s, h, k, a, x, u[a]) > 1 ? 0 :"),
-        ("held_sweep.h", "if (!held_inputs(s, h, k, &H))\n            return -1;", "held_inputs(s, h, k, &H);"),
-        ("held_set.h", "if (released + changes == 0 && held_right(s, h)) {", "if (held_right(s, h) > 1) {"),
-        ("held_set.h", "return HELD_UNSETTLED;\n        if", "__builtin_trap();\n        if"),
+        (
+            "held_sweep.h",
+            "if (!held_gains(s, k, at, limit, &H, asked))\n            return 0;",
+            "held_gains(s, k, at, limit, &H, asked);",
+        ),
+        ("held_set.h", "if (changes == 0 && held_settled(s, h))", "if (held_settled(s, h) > 1)"),
+        (
+            "held_set.h",
+            ": -1;\n        if",
+            ": -1;\n        if (changes < 0)\n            __builtin_trap();\n        if",
+        ),
+        ("held_again.h", "h->last = -1;", "h->last = N - 1;"),
+        ("held_again.h", "if (changes == 0) ", "if (0) "),
         ("interior_point.h", "if (held == HELD_SETTLED && ", "if ("),
     ),
     "columns": (

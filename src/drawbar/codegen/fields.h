@@ -32,7 +32,8 @@ struct drawbar_field {
     FIELD(type, prefix pi, 0, N + 1, NX, 0) FIELD(type, prefix multiplier, 0, NSIDES, 0, 0)                  \
     FIELD(type, prefix violation, 0, NSIDES, 0, 0) FIELD(type, prefix kkt, 0, 1, 0, 0)                       \
     FIELD(type, prefix status, 1, 1, 0, 0) FIELD(type, prefix iterations, 1, 1, 0, 0)                        \
-    FIELD(type, prefix factored, 1, 1, 0, 0) ROWS(type, prefix P, N + 1, NX)                             \
+    FIELD(type, prefix factored, 1, 1, 0, 0) FIELD(type, prefix kept, 1, N, NU, 0)                           \
+    ROWS(type, prefix P, N + 1, NX)                                                                          \
     ROWS(type, prefix K, N, NU)
 
 #endif

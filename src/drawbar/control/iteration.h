@@ -36,8 +36,10 @@ static inline void iteration_rest(struct rti *solver)
 /* Go on from the last plan or, where that is none, from the guess. */
 static inline void iteration_enter(const struct iteration *iteration, struct rti *solver)
 {
-    if (!iteration->usable)
+    if (!iteration->usable) {
+        memset(solver->qp.kept, 0, sizeof solver->qp.kept);
         guess(solver);
+    }
 }
 
 /* Return what has become of the new plan. */

@@ -163,6 +163,7 @@ class ControlSolver(RealTimeIteration):
         first_x = np.tile(initial, (len(self.x), 1)) if x is None else given_array("start(): x", x, self.x.shape)
         first_u = np.zeros_like(self.u) if u is None else given_array("start(): u", u, self.u.shape)
         self.x[:], self.u[:] = first_x, first_u
+        self.workspace.array("qp.kept")[:] = 0
         self._applied[:] = np.repeat(self.u[:, self._remembered], self.problem.intervals_per_sample, axis=0)
         self.prepare()
 

@@ -185,24 +185,39 @@ static void held_publish(struct qp *restrict s, const struct held_set *restrict 
 
 enum held_outcome { HELD_SETTLED, HELD_UNSETTLED, HELD_FOREIGN };
 
+/* Tell what is held, if that is the solution. */
+static int held_settled(struct qp *restrict s, struct held_set *restrict h)
+{
+    if (!held_right(s, h))
+        return 0;
+    held_publish(s, h);
+    return 1;
+}
+
+/* Pass after pass until nothing changes, from a sweep forward that has changed so many bounds (-1: it cannot go on). Counts
+ * them by s->iterations. */
+static enum held_outcome held_settle(struct qp *s, struct held_set *h, int changes, int passes)
+{
+    while (changes >= 0 && s->iterations++ < passes) {
+        changes = held_backward(s, h) ? held_forward(s, h, 0) : -1;
+        if (changes == 0 && held_settled(s, h))
+            return HELD_SETTLED;
+    }
+    return HELD_UNSETTLED;
+}
+
 /* Solve with bounds, starting from s->z and s->pi as qp_solve left them without. Where it does not settle, or where bounds
  * are of another kind (foreign), the factorisation and the point are others afterwards. */
 static enum held_outcome qp_held_set(struct qp *s, struct held_set *h)
 {
     held_begin(s, h);
-    if (held_forward(s, h, held_chain(s, h)) < 0)
+    const int changes = held_forward(s, h, held_chain(s, h));
+
+    if (changes < 0)
         return HELD_FOREIGN;
     s->factored = 0;
-    for (s->iterations = 1; s->iterations <= HELD_PASSES; ++s->iterations) {
-        const int released = held_backward(s, h), changes = released < 0 ? -1 : held_forward(s, h, 0);
-        if (changes < 0)
-            return HELD_UNSETTLED;
-        if (released + changes == 0 && held_right(s, h)) {
-            held_publish(s, h);
-            return HELD_SETTLED;
-        }
-    }
-    return HELD_UNSETTLED;
+    s->iterations = 0;
+    return held_settle(s, h, changes, HELD_PASSES);
 }
 
 #endif

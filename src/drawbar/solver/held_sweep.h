@@ -74,20 +74,15 @@ static void held_price(const struct qp *restrict s, struct held_set *restrict h)
 
 /* Hessian and gradient of a stage's inputs, as far as P_{k+1} and p_{k+1} are known. */
 struct held_hessian {
-    double PA[NX][WIDTH], Hux[NU][WIDTH], Huu[NU][NU], hu[NU];
+    double PA[NX][WIDTH], BP[NU][WIDTH], Hux[NU][WIDTH], Huu[NU][NU], hu[NU];
     double along[WIDTH];                   /* P_{k+1} c + p_{k+1} */
 };
 
-static void held_hessian(const struct qp *restrict s, const struct held_set *restrict h, int k,
-                         struct held_hessian *restrict H)
+/* The Hessian; curve: what prices add to its diagonal, or NULL. */
+static void held_hessian(const struct qp *restrict s, const double *restrict curve, int k, struct held_hessian *restrict H)
 {
     const double (*restrict after)[WIDTH] = (const double (*)[WIDTH])s->P[k + 1];
-    pack sum[PACKS];
 
-    read_row(sum, h->p[k + 1]);
-    for (int j = 0; j < NX; ++j)
-        add_row(sum, s->c[k][j], after[j]);
-    write_row(H->along, sum);
     UNROLLED for (int i = 0; i < NX; ++i) {
         pack row[PACKS];
         EACH_PACK(b)
@@ -97,108 +92,109 @@ static void held_hessian(const struct qp *restrict s, const struct held_set *res
         write_row(H->PA[i], row);
     }
     UNROLLED for (int a = 0; a < NU; ++a) {
-        double BP[WIDTH];
         pack row[PACKS], product[PACKS];
         EACH_PACK(b) {
             row[b] = s->B[k][0][a] * read_pack(H->PA[0], b);
             product[b] = s->B[k][0][a] * read_pack(after[0], b);
         }
-        H->hu[a] = INPUT(h->g, k)[a] + s->B[k][0][a] * H->along[0];
         UNROLLED for (int m = 1; m < ND; ++m) {
             add_row(row, s->B[k][m][a], H->PA[m]);
             add_row(product, s->B[k][m][a], after[m]);
-            H->hu[a] += s->B[k][m][a] * H->along[m];
         }
         if (CROSS)
             add_row(row, 1.0, s->S[k][a]);
         write_row(H->Hux[a], row);
-        write_row(BP, product);
+        write_row(H->BP[a], product);
         UNROLLED for (int b = 0; b < NU; ++b) {
             H->Huu[a][b] = s->R[k][a][b];
             UNROLLED for (int m = 0; m < ND; ++m)
-                H->Huu[a][b] += BP[m] * s->B[k][m][b];
+                H->Huu[a][b] += H->BP[a][m] * s->B[k][m][b];
         }
-        H->Huu[a][a] += INPUT(h->curve, k)[a];
+        if (curve)
+            H->Huu[a][a] += INPUT(curve, k)[a];
     }
 }
 
-/* The law of a held input: its row of K and its feedforward. */
-static void held_law(const struct qp *restrict s, const struct held_set *restrict h, int k, int a, double *restrict row,
-                     double *restrict feedforward)
+/* P_{k+1} times a defect, and p_{k+1}. */
+static inline void held_along(const struct qp *restrict s, const double *restrict after, int k, const double *restrict defect,
+                              double *restrict along)
 {
-    const int i = h->by[k][a], at = s->bound[i], j = at % NX;
-    const double limit = held_limit(s, h, i);
+    pack sum[PACKS];
 
-    for (int b = 0; b < WIDTH; ++b)
-        row[b] = 0.0;
-    *feedforward = limit;
-    if (at < (N + 1) * NX) {
-        const double per = 1.0 / s->B[k][j][a];
-        for (int b = 0; b < NX; ++b)
-            row[b] = -per * s->A[k][j][b];
-        *feedforward = per * (limit - s->c[k][j]);
-    }
+    read_row(sum, after);
+    for (int j = 0; j < NX; ++j)
+        add_row(sum, defect[j], s->P[k + 1][j]);
+    write_row(along, sum);
 }
 
-/* Inputs of a stage: the law of those that are held, the best of the others; returns 0 on failure. */
-static int held_inputs(struct qp *restrict s, struct held_set *restrict h, int k, const struct held_hessian *restrict H)
+/* The gradient, of which input a has this part where none moves. */
+static inline double held_slope(const struct qp *restrict s, const double *restrict g, int k, int a, const double *restrict along)
 {
-    double M[NU][NU], right[NU][WIDTH], u[NU];
+    double slope = INPUT(g, k)[a];
+
+    UNROLLED for (int m = 0; m < ND; ++m)
+        slope += s->B[k][m][a] * along[m];
+    return slope;
+}
+
+/* What the bound that holds an input asks of it before the law's part, which goes by `per`: 1 / B where it is a state's. */
+static inline double held_asks(const struct qp *restrict s, int at, int k, double per, double limit)
+{
+    return at < (N + 1) * NX ? per * (limit - s->c[k][at % NX]) : limit;
+}
+
+static inline double held_per(const struct qp *restrict s, int at, int k, int a)
+{
+    return at < (N + 1) * NX ? 1.0 / s->B[k][at % NX][a] : 0.0;
+}
+
+/* Gains of a stage's inputs, of which those with a place in z are held at a limit of what is there (-1: not): the law of
+ * these, the best of the others; returns 0 on failure. asked: as of held_asks. */
+static int held_gains(struct qp *restrict s, int k, const int *restrict at, const double *restrict limit,
+                      const struct held_hessian *restrict H, double *restrict asked)
+{
+    double M[NU][NU], right[NU][WIDTH];
 
     for (int a = 0; a < NU; ++a) {
-        if (h->by[k][a] < 0) {
+        if (at[a] < 0) {
             memcpy(right[a], H->Hux[a], sizeof right[a]);
-            u[a] = -H->hu[a];
+            asked[a] = 0.0;
             continue;
         }
-        held_law(s, h, k, a, right[a], &u[a]);
+        const double per = held_per(s, at[a], k, a);
+        asked[a] = held_asks(s, at[a], k, per, limit[a]);
         for (int b = 0; b < WIDTH; ++b)
-            right[a][b] = -right[a][b];
+            right[a][b] = 0.0;
+        for (int b = 0; b < NX && at[a] < (N + 1) * NX; ++b)
+            right[a][b] = per * s->A[k][at[a] % NX][b];   /* less the law's row of K */
     }
     for (int a = 0; a < NU; ++a)
         for (int b = 0; b < NU; ++b) {
-            const int apart = h->by[k][a] >= 0 || h->by[k][b] >= 0;
+            const int apart = at[a] >= 0 || at[b] >= 0;
             M[a][b] = apart ? a == b : H->Huu[a][b];
-            if (h->by[k][a] >= 0 || h->by[k][b] < 0)
+            if (at[a] >= 0 || at[b] < 0)
                 continue;
             for (int i = 0; i < WIDTH; ++i)
                 right[a][i] -= H->Huu[a][b] * right[b][i];
-            u[a] -= H->Huu[a][b] * u[b];
         }
     if (!ldl_input((const double (*)[NU])M, s->L[k], s->D[k]))
         return 0;
     feedback_rows((const double (*)[NU])s->L[k], s->D[k], (const double (*)[WIDTH])right, s->K[k]);
-    ldl_input_solve((const double (*)[NU])s->L[k], s->D[k], u);
-    memcpy(h->feedforward[k], u, sizeof u);
     return 1;
 }
 
-/* P_k and p_k under the law of the inputs, which need not be the best one. */
-static void held_cost(struct qp *restrict s, struct held_set *restrict h, int k, const struct held_hessian *restrict H)
+/* P_k under these gains, which need not be the best ones; curve as in held_hessian. */
+static void held_cost(struct qp *restrict s, const double *restrict curve, int k, const struct held_hessian *restrict H)
 {
-    double rest[NU][WIDTH], left[NU];      /* of the inputs' gradient: zero but where they are held */
-    pack sum[PACKS];
+    double rest[NU][WIDTH];                /* of the inputs' gradient: zero but where they are held */
 
     UNROLLED for (int a = 0; a < NU; ++a) {
         pack row[PACKS];
         read_row(row, H->Hux[a]);
-        left[a] = H->hu[a];
-        UNROLLED for (int b = 0; b < NU; ++b) {
+        UNROLLED for (int b = 0; b < NU; ++b)
             add_row(row, H->Huu[a][b], s->K[k][b]);
-            left[a] += H->Huu[a][b] * h->feedforward[k][b];
-        }
         write_row(rest[a], row);
     }
-    read_vector(sum, STATE(h->g, k));
-    EACH_PACK(b)
-        sum[b] += mask_from(NA, b) * read_pack(H->along, b);
-    UNROLLED for (int m = 0; m < NA; ++m)
-        add_row(sum, H->along[m], s->A[k][m]);
-    UNROLLED for (int a = 0; a < NU; ++a) {
-        add_row(sum, h->feedforward[k][a], H->Hux[a]);
-        add_row(sum, left[a], s->K[k][a]);
-    }
-    write_row(h->p[k], sum);
     EACH_UPPER_ROW(c, i) {
         pack row[PACKS];
         read_row_from(c, row, s->Q[k][i]);
@@ -211,9 +207,48 @@ static void held_cost(struct qp *restrict s, struct held_set *restrict h, int k,
             add_row_from(c, row, s->K[k][a][i], rest[a]);
         }
         write_row_from(c, s->P[k][i], row);
-        s->P[k][i][i] += STATE(h->curve, k)[i];
+        if (curve)
+            s->P[k][i][i] += STATE(curve, k)[i];
     }
     mirror(s->P[k]);
+}
+
+/* Feedforward of a stage's inputs, and p_k. Held inputs do what is asked of them, the others their best; along: the gradient
+ * of the cost to go where the held ones lead, slope: of the inputs there. */
+static inline void held_vectors(const struct qp *restrict s, struct held_set *restrict h, int k, const double *restrict along,
+                                const double *restrict slope, const double *restrict asked)
+{
+    pack sum[PACKS];
+
+    read_vector(sum, STATE(h->g, k));
+    EACH_PACK(b)
+        sum[b] += mask_from(NA, b) * read_pack(along, b);
+    UNROLLED for (int m = 0; m < NA; ++m)
+        add_row(sum, along[m], s->A[k][m]);
+    UNROLLED for (int a = 0; a < NU; ++a) {
+        h->feedforward[k][a] = h->by[k][a] < 0 ? -slope[a] : asked[a];
+        add_row(sum, slope[a], s->K[k][a]);
+        if (CROSS)
+            add_row(sum, asked[a], s->S[k][a]);
+    }
+    write_row(h->p[k], sum);
+    ldl_input_solve((const double (*)[NU])s->L[k], s->D[k], h->feedforward[k]);
+}
+
+/* The same by the Hessian of the stage, with what no input has moved yet in it. */
+static inline void held_anew(const struct qp *restrict s, struct held_set *restrict h, int k, const double *restrict asked,
+                             struct held_hessian *restrict H)
+{
+    pack sum[PACKS];
+
+    read_row(sum, H->along);
+    UNROLLED for (int b = 0; b < NU; ++b) {
+        add_row(sum, asked[b], H->BP[b]);
+        UNROLLED for (int a = 0; a < NU; ++a)
+            H->hu[a] += H->Huu[a][b] * asked[b];
+    }
+    write_row(H->along, sum);
+    held_vectors(s, h, k, H->along, H->hu, asked);
 }
 
 /* Multipliers of the held bounds: what is left of their inputs' gradients. */
@@ -262,16 +297,13 @@ static void held_give_way(struct qp *restrict s, struct held_set *restrict h, in
 }
 
 /* Let go of bounds that hold inputs of a stage back from where the cost falls, and let give way what costs more to hold than
- * its price: the trajectory is where they hold it. Returns how many; *gave_way: the stage's Hessian is another one then. */
-static int held_release(struct qp *restrict s, struct held_set *restrict h, int k, const struct held_hessian *restrict H,
-                        int *restrict gave_way)
+ * its price: the trajectory is where they hold it. Returns whether one gave way: the stage's Hessian is another one then. */
+static int held_release(struct qp *restrict s, struct held_set *restrict h, int k, const struct held_hessian *restrict H)
 {
-    int changes = 0;
     pack x[PACKS];
 
     read_vector(x, STATE(s->z, k));
-    *gave_way = 0;
-    for (int a = 0; a < NU && !*gave_way; ++a) {
+    for (int a = 0; a < NU; ++a) {
         const int i = h->by[k][a];
         if (i < 0)
             continue;
@@ -279,25 +311,23 @@ static int held_release(struct qp *restrict s, struct held_set *restrict h, int 
         for (int b = 0; b < NU; ++b)
             slope += H->Huu[a][b] * INPUT(s->z, k)[b];
         const double pull = -slope * h->side[i] / held_lead(s, i, k, a);
-        *gave_way = pull > s->soft_linear[i];
-        if (*gave_way)
+        if (pull > s->soft_linear[i]) {
             held_give_way(s, h, i, k);
-        else if (pull < 0.0 && s->lower[i] < s->upper[i])
+            h->by[k][a] = -1;
+            return 1;
+        }
+        if (pull < 0.0 && s->lower[i] < s->upper[i]) {
             h->side[i] = 0;
-        else
-            continue;
-        h->by[k][a] = -1;
-        ++changes;
+            h->by[k][a] = -1;
+        }
     }
-    return changes;
+    return 0;
 }
 
-/* Backward from the last bound that was ever held: releases, laws and costs to go. Returns how many bounds were released, or
- * -1 on failure. */
+/* Backward from the last bound that was ever held: releases, laws and costs to go; returns 0 on failure. */
 static int held_backward(struct qp *restrict s, struct held_set *restrict h)
 {
     struct held_hessian H ON_STACK;
-    int changes = 0;
 
     held_price(s, h);
     if (h->last == N - 1) {
@@ -308,15 +338,26 @@ static int held_backward(struct qp *restrict s, struct held_set *restrict h)
         }
     }
     for (int k = h->last < N - 1 ? h->last + 1 : N - 1; k >= 0; --k) {
+        double asked[NU], limit[NU];
+        int at[NU];
         for (int a = 0, again = 1; a <= NU && again; ++a) {
-            held_hessian(s, h, k, &H);
-            changes += held_release(s, h, k, &H, &again);
+            held_hessian(s, h->curve, k, &H);
+            held_along(s, h->p[k + 1], k, s->c[k], H.along);
+            for (int b = 0; b < NU; ++b)
+                H.hu[b] = held_slope(s, h->g, k, b, H.along);
+            again = held_release(s, h, k, &H);
         }
-        if (!held_inputs(s, h, k, &H))
-            return -1;
-        held_cost(s, h, k, &H);
+        for (int a = 0; a < NU; ++a) {
+            const int i = h->by[k][a];
+            at[a] = i < 0 ? -1 : s->bound[i];
+            limit[a] = i < 0 ? 0.0 : held_limit(s, h, i);
+        }
+        if (!held_gains(s, k, at, limit, &H, asked))
+            return 0;
+        held_cost(s, h->curve, k, &H);
+        held_anew(s, h, k, asked, &H);
     }
-    return changes;
+    return 1;
 }
 
 #endif

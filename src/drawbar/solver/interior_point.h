@@ -10,7 +10,7 @@
 
 #include "active_set.h"
 #include "farkas.h"
-#include "held_set.h"
+#include "held_again.h"
 #include "ip_start.h"
 #include "lent.h"
 
@@ -337,8 +337,10 @@ static int qp_active(struct qp *s, union bounds_work *work)
 
     if (!FREE_INITIAL) {
         held = qp_held_set(s, &work->held);
-        if (held == HELD_SETTLED && kkt_check(s, 1, gradient, defect) == SOLVED)
+        if (held == HELD_SETTLED && kkt_check(s, 1, gradient, defect) == SOLVED) {
+            held_keep(s, &work->held);
             return 1;
+        }
         qp_afresh(s);
     }
     if (COLUMNS && held == HELD_FOREIGN && qp_active_set(s, &work->active)) {
@@ -346,6 +348,28 @@ static int qp_active(struct qp *s, union bounds_work *work)
             return 1;
         qp_afresh(s);
     }
+    return 0;
+}
+
+/* The bounds of the problem before, held again; returns whether that is the solution, and keeps what it holds then. Else
+ * nothing is kept. */
+static int qp_again(struct qp *s, struct held_set *held)
+{
+    double gradient[NZ], defect[N][NX];
+    const int tried = s->factored == FACTORED_KEPT, settled = tried && qp_held_again(s, held) == HELD_SETTLED;
+
+    if (tried)
+        s->factored = NOT_FACTORED;
+    memset(s->kept, 0, sizeof s->kept);
+    if (settled && kkt_check(s, 1, gradient, defect) == SOLVED) {
+        held_keep(s, held);
+        return 1;
+    }
+    if (settled) {
+        memset(s->multiplier, 0, sizeof s->multiplier);
+        memset(s->violation, 0, sizeof s->violation);
+    }
+    s->iterations = 0;
     return 0;
 }
 
@@ -382,9 +406,11 @@ static int qp_optimise(struct qp *s, struct lent *lent)
             | !(s->soft_quadratic[i] < INFINITY);
     if (invalid)
         return BAD_INPUT;
+    if (!FREE_INITIAL && qp_again(s, &work->held))
+        return SOLVED;
     if (!s->factored && !qp_factor(s, NULL, N + 1))
         return qp_damped(s, &work->ip, &lent->iterations, NOT_FINITE);
-    s->factored = 1;
+    s->factored = FACTORED;
     if (qp_solve_free(s, &work->active)) {
         const int status = kkt_check(s, s->iterations > 0, gradient, defect);
         if (status == SOLVED || s->iterations == 0)

@@ -37,6 +37,8 @@
 #define LEAST_STEP 0
 #endif
 
+enum factorisation { NOT_FACTORED, FACTORED, FACTORED_KEPT };   /* kept: with the laws of the bounds that are kept */
+
 struct qp {
     /* problem */
     double Q[N + 1][NX][WIDTH], S[CROSS ? N : 1][NU][WIDTH], R[N][NU][NU];
@@ -54,7 +56,10 @@ struct qp {
     double z[NZ], pi[(N + 1) * NX];        /* pi_k multiplies x_k's equation */
     double multiplier[AT_LEAST_ONE(NSIDES)], violation[AT_LEAST_ONE(NSIDES)];
     double kkt;                            /* relative KKT residual, from kkt.h */
-    int32_t status, iterations, factored;  /* factored: P, K, L, D belong to Q, R, S, A, B without a barrier */
+    int32_t status, iterations;
+    int32_t factored;                      /* P, K, L, D belong to Q, R, S, A, B without a barrier: enum factorisation */
+    int32_t kept[N][NU];                   /* which bound held an input in the problem before, of held_set.h: one more than the
+                                            * place of its variable in z, negative at its lower side; 0: none */
     /* factorisation */
     double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
 };

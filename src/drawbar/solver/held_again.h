@@ -1,0 +1,130 @@
+/* Held again: a sequence of problems, each much like the one before, as a controller has them. The bounds that held inputs in
+ * the last one are kept, move on with the trajectory, and are taken into the factorisation that is made before the problem is
+ * complete. Where they are those of the new problem too, two sweeps solve it, as without any bound.
+ */
+#ifndef DRAWBAR_HELD_AGAIN_H
+#define DRAWBAR_HELD_AGAIN_H
+
+#include "held_set.h"
+
+#define KEPT_PASSES 3                      /* the first is those two sweeps; where more are needed held_set.h begins anew */
+
+/* The place in z of what the bound that is kept for an input speaks of; -1 where none is kept, or where the input does not
+ * move it by this linearisation. */
+static inline int held_place(const struct qp *s, int k, int a)
+{
+    const int kept = s->kept[k][a], at = (kept < 0 ? -kept : kept) - 1, j = at % NX;
+
+    return at >= 0 && at < (N + 1) * NX && !(j < ND && fabs(s->B[k][j][a]) > 0.0) ? -1 : at;
+}
+
+/* Factorise with the laws of the bounds that are kept. Returns 0 where there are none, or on failure. */
+static int held_factor(struct qp *restrict s)
+{
+    struct held_hessian H ON_STACK;
+    int any = 0;
+
+    for (int k = 0; k < N; ++k)
+        for (int a = 0; a < NU; ++a)
+            any |= s->kept[k][a];
+    if (!any)
+        return 0;
+    memcpy(s->P[N], s->Q[N], sizeof s->P[N]);
+    for (int k = N - 1; k >= 0; --k) {
+        double asked[NU], limit[NU] = {0.0};
+        int at[NU], held = 0;
+        for (int a = 0; a < NU; ++a) {
+            at[a] = held_place(s, k, a);
+            held |= at[a] >= 0;
+        }
+        if (!held && !riccati_stage(s, k, NULL))
+            return 0;
+        if (!held)
+            continue;
+        held_hessian(s, NULL, k, &H);
+        if (!held_gains(s, k, at, limit, &H, asked))
+            return 0;
+        held_cost(s, NULL, k, &H);
+    }
+    return 1;
+}
+
+/* Feedforward of a stage's inputs, and p_k, by the factorisation as it is. No bound has given way. */
+static void held_again(const struct qp *restrict s, struct held_set *restrict h, int k)
+{
+    double asked[NU], defect[NX], along[WIDTH], slope[NU];
+
+    UNROLLED for (int a = 0; a < NU; ++a) {
+        const int i = h->by[k][a], at = i < 0 ? 0 : s->bound[i];
+        asked[a] = i < 0 ? 0.0 : held_asks(s, at, k, held_per(s, at, k, a), held_limit(s, h, i));
+    }
+    memcpy(defect, s->c[k], sizeof defect);
+    UNROLLED for (int m = 0; m < ND; ++m)
+        UNROLLED for (int a = 0; a < NU; ++a)
+            defect[m] += s->B[k][m][a] * asked[a];
+    held_along(s, h->p[k + 1], k, defect, along);
+    UNROLLED for (int a = 0; a < NU; ++a) {
+        slope[a] = held_slope(s, h->g, k, a, along);
+        UNROLLED for (int b = 0; b < NU; ++b)
+            slope[a] += s->R[k][a][b] * asked[b];
+    }
+    held_vectors(s, h, k, along, slope, asked);
+}
+
+/* Let the next problem of a sequence begin with the bounds that are held; with none where some have given way. */
+static void held_keep(struct qp *restrict s, const struct held_set *restrict h)
+{
+    int gave_way = 0;
+
+    for (int i = 0; i < NB; ++i)
+        gave_way |= h->side[i] == BEYOND || h->side[i] == -BEYOND;
+    for (int k = 0; k < N; ++k)
+        for (int a = 0; a < NU; ++a) {
+            const int i = h->by[k][a];
+            s->kept[k][a] = gave_way || i < 0 ? 0 : h->side[i] * (s->bound[i] + 1);
+        }
+}
+
+/* Hold the bounds that are kept. Returns 0 where one of them is none of this problem. */
+static int held_recall(const struct qp *restrict s, struct held_set *restrict h)
+{
+    int found = 1;
+
+    memset(h->side, 0, sizeof h->side);
+    memset(h->by, -1, sizeof h->by);
+    memset(h->curve, 0, sizeof h->curve);
+    memcpy(h->g, s->g, sizeof h->g);
+    h->last = -1;
+    held_chain(s, h);
+    for (int k = 0; k < N; ++k)
+        for (int a = 0; a < NU; ++a) {
+            const int at = held_place(s, k, a);
+            int by = at < 0 ? -1 : h->first[k][a];
+            while (by >= 0 && s->bound[by] != at)
+                by = h->next[by];
+            if (by >= 0)
+                h->side[by] = s->kept[k][a] < 0 ? -HELD : HELD;
+            found &= at < 0 || (by >= 0 && isfinite(held_limit(s, h, by)));
+            h->by[k][a] = by;
+            h->last = by >= 0 ? k : h->last;
+        }
+    return found;
+}
+
+/* Solve with the bounds that are kept, for which held_factor has made the laws. */
+static enum held_outcome qp_held_again(struct qp *s, struct held_set *h)
+{
+    if (!held_recall(s, h))
+        return HELD_UNSETTLED;
+    for (int i = 0; i < NX; ++i)
+        h->p[N][i] = STATE(s->g, N)[i];
+    for (int k = N - 1; k >= 0; --k)
+        held_again(s, h, k);
+    const int changes = held_forward(s, h, 0);
+    s->iterations = 1;
+    if (changes == 0)                      /* bounds that hold the wrong way are let go of sooner from afresh */
+        return held_settled(s, h) ? HELD_SETTLED : HELD_UNSETTLED;
+    return held_settle(s, h, changes, KEPT_PASSES);
+}
+
+#endif
