@@ -34,8 +34,8 @@ def without(monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.parametrize(
     ("arguments", "package", "who"),
     [
-        ("drive", "foxglove-sdk", "drawbar drive"),
-        ("drive --console", "nicegui", "the console"),
+        ("drive --seconds 0.1", "foxglove-sdk", "drawbar drive"),
+        ("drive --console --seconds 0.1", "nicegui", "the console"),
         ("check my.toml", "pysbf2", "drawbar check"),
         ("stand-in my.toml", "pyserial", "drawbar stand-in"),
         ("experiment all", "distributed", "drawbar experiment"),
