@@ -333,7 +333,7 @@ _TEXTS = f"""\
 
 #include "drawbar.h"
 
-/* What a status means, in one line. */
+/* What a status means, in one line. No table: its pointers would be data that a shared library relocates. */
 """
 _SOLVER = f"""\
 /* Status of a solver's call.

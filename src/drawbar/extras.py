@@ -3,14 +3,50 @@
 import re
 import shlex
 import sys
-from importlib.metadata import requires
+from importlib.metadata import PackageNotFoundError, distribution, requires
+
+from drawbar.errors import DrawbarError
 
 _OF_EXTRA = re.compile(r"""(?P<requirement>[^;]+);.*\bextra\s*==\s*['"](?P<extra>[\w-]+)['"]""")
+_NAME = re.compile(r"[\w.-]+")
+
+
+def require_extra(extra: str, who: str) -> None:
+    """Raise DrawbarError, with the command that helps, where a package of an extra is not installed.
+
+    Args:
+        extra: of pyproject.toml, e.g. "machine".
+        who: needs it, as a sentence begins; e.g. "drawbar drive".
+    """
+    missing = [name for name in map(_package, _requirements(extra)) if not _is_installed(name)]
+    if missing:
+        raise DrawbarError(
+            f"{who} needs what is not installed here ({', '.join(missing)}); install it with: {install_command(extra)}"
+        )
 
 
 def install_command(extra: str) -> str:
     """Return the command that installs what an extra of drawbar brings, wherever drawbar itself came from."""
-    found = (_OF_EXTRA.fullmatch(line.strip()) for line in requires("drawbar") or [])
-    named = [each["requirement"].strip() for each in found if each and each["extra"] == extra]
     # the extra's own name would need drawbar from a registry, where it may not be
-    return f"{shlex.quote(sys.executable)} -m pip install {' '.join(shlex.quote(name) for name in named)}"
+    return f"{shlex.quote(sys.executable)} -m pip install {' '.join(map(shlex.quote, _requirements(extra)))}"
+
+
+def _requirements(extra: str) -> list[str]:
+    """Return what an extra asks for, each with its least version."""
+    found = (_OF_EXTRA.fullmatch(line.strip()) for line in requires("drawbar") or [])
+    return [each["requirement"].strip() for each in found if each and each["extra"] == extra]
+
+
+def _package(requirement: str) -> str:
+    """Return a requirement's package, without version and options."""
+    found = _NAME.match(requirement)
+    assert found is not None
+    return found[0]
+
+
+def _is_installed(package: str) -> bool:
+    try:
+        distribution(package)
+    except PackageNotFoundError:
+        return False
+    return True

@@ -8,7 +8,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, nullcontext
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -17,7 +16,7 @@ import pytest
 from distributed import Client
 from short_run import Drawbar
 
-from drawbar.experiment import command, extras
+from drawbar.experiment import command
 from drawbar.experiment.experiment import Experiment
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
@@ -123,14 +122,6 @@ except SystemExit:
     sys.exit("drawbar.step.build" not in sys.modules or bool(extras & set(sys.modules)))
 """
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
-
-
-def test_extras_that_are_missing_are_told(drawbar, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "distributed" else find_spec(name))
-    code, said = drawbar("all")
-    assert code == 2
-    assert "experiments need distributed, not installed here. Run: " in said
-    assert "-m pip install 'distributed>=2024.8'" in said
 
 
 def test_jobs_are_not_for_a_running_cluster(drawbar) -> None:

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -48,17 +49,18 @@ def said(command: tuple[str, ...], folder: Path, *names: str, warnings: tuple[st
     assert sources
 
     def compile_one(source: str) -> str:
-        arguments = [*command, *warnings, f"-I{folder / 'include'}", "-c", source, "-o", "/dev/null"]
+        built = f"{scratch}/{Path(source).stem}.o"  # zig takes /dev/null for the working directory
+        arguments = [*command, *warnings, f"-I{folder / 'include'}", "-c", source, "-o", built]
         return subprocess.run(arguments, capture_output=True, text=True, check=False).stderr
 
-    with ThreadPoolExecutor(2) as pool:
+    with TemporaryDirectory() as scratch, ThreadPoolExecutor(2) as pool:
         return "".join(pool.map(compile_one, sources))
 
 
 def said_of(text: str, file: Path, *arguments: str) -> str:
     """Return what this machine's own compiler says of a text, in a file that is written anew."""
     file.write_text(text, "utf-8")
-    command = [*find_compiler(), *arguments, "-O0", "-c", str(file), "-o", "/dev/null"]
+    command = [*find_compiler(), *arguments, "-O0", "-c", str(file), "-o", str(file.with_suffix(".o"))]
     return subprocess.run(command, capture_output=True, text=True, check=False).stderr
 
 

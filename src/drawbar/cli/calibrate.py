@@ -73,8 +73,10 @@ def _pushed(config: "Configuration") -> "list[Found]":
     """Push the bare valve if the operator wants it, twice; return what that shows."""
     from drawbar.cli.interrupts import ended_by_signals
     from drawbar.driving.pushing import Pushing, ReceiverMotion, bare_valve, opened
+    from drawbar.extras import require_extra
     from drawbar.machine.hardware.calibration import CalibrationLimits
 
+    require_extra("machine", "drawbar calibrate --push")
     settings = bare_valve(config)
     limits = CalibrationLimits()
     console.print(

@@ -37,7 +37,10 @@ def check(
     The wiggle test tries sign, range and delay of both steerings while the vehicle rolls straight ahead; without it
     `drawbar drive` does not engage. It holds until the computer restarts, for 12 hours at most.
     """
-    from drawbar.driving import check as checking
+    from drawbar.extras import require_extra
+
+    require_extra("machine", "drawbar check")
+    from drawbar.driving import check as checking  # imports the extra
     from drawbar.driving.place import local_frame
 
     config = _with_devices(configuration, changes)
@@ -142,8 +145,10 @@ def stand_in(
     from drawbar.driving.pace import refuse_elsewhere
     from drawbar.driving.stand_in_main import serve
     from drawbar.driving.stand_ins import Firmware
+    from drawbar.extras import require_extra
     from drawbar.machine.stand_in.faults import planned_fault
 
+    require_extra("machine", "drawbar stand-in")
     faults = [planned_fault(text) for text in fault or []]
     config = _with_devices(configuration, changes)
     assert config.devices is not None

@@ -55,7 +55,9 @@ def drive(
     from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.crew import Crew
     from drawbar.errors import ConfigurationError
+    from drawbar.extras import require_extra
 
+    require_extra("machine", "drawbar drive")
     if with_console and pace != 1:
         raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
     config, stand_ins = _configured(configuration, changes or [], pace)

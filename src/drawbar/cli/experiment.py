@@ -18,9 +18,9 @@ def experiment(
     cluster: Cluster = "",
 ) -> None:
     """Drive every case of an experiment with many seeds, and write its tables and figures into its folder."""
-    from drawbar.experiment.extras import require_extras
+    from drawbar.extras import require_extra
 
-    require_extras()
+    require_extra("experiments", "drawbar experiment")
     from drawbar.experiment.command import run_experiments  # imports the extras
 
     one_cluster(jobs, cluster)

@@ -66,6 +66,9 @@ def _writer(option: str) -> Callable[["RunLog", FilePath], None]:
         from drawbar.recording.tracks import write_geojson
 
         return write_geojson
-    from drawbar.recording.ros2 import write_ros2
+    from drawbar.extras import require_extra
+
+    require_extra("machine", "--ros2")
+    from drawbar.recording.ros2 import write_ros2  # imports the extra
 
     return write_ros2

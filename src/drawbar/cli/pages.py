@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from drawbar.errors import ConfigurationError, HardwareError
+from drawbar.errors import HardwareError
 
 if TYPE_CHECKING:
     from drawbar.driving.console_orders import ConsoleOrders
@@ -34,13 +34,15 @@ class Pages:
         """Return the orders of a console that serves the pages of a drive; the arguments are as in ConsoleOrders.
 
         Raises:
-            ConfigurationError: the console cannot or must not be started so.
+            ConfigurationError: the console must not be started so.
+            DrawbarError: what the console needs is not installed.
             HardwareError: the address is not one of this computer, or the port is taken.
         """
         from drawbar.console.passwords import load_users
         from drawbar.driving.console_orders import ConsoleOrders
+        from drawbar.extras import require_extra
 
-        _require_console()
+        require_extra("console", "the console")
         given = asdict(self)
         given |= {"names": tuple(given.pop("name") or ()), "port": free_port(self.host, self.port)}
         orders = ConsoleOrders(folder=folder, configuration=configuration, runs=runs, stand_ins=stand_ins, **given)
@@ -62,20 +64,6 @@ def takes_pages(command: Callable[..., None]) -> Callable[..., None]:
 
     flat.__signature__ = signature(command).replace(parameters=[*own, *options.values()])  # type: ignore[attr-defined]
     return flat
-
-
-def _require_console() -> None:
-    """Raise ConfigurationError where the console's packages are not installed."""
-    from importlib.util import find_spec
-
-    from drawbar.extras import install_command
-
-    missing = [name for name in ("nicegui", "pyproj", "shapefile", "shapely") if find_spec(name) is None]
-    if missing:
-        raise ConfigurationError(
-            f"the console needs what is not installed here ({', '.join(missing)}); install it with: "
-            f"{install_command('console')}"
-        )
 
 
 def address(orders: "ConsoleOrders") -> str:

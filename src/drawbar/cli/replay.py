@@ -28,7 +28,10 @@ def replay(
     from drawbar.recording.drive_records import is_drive
 
     if is_drive(log):
-        from drawbar.driving.replay import replay_drive
+        from drawbar.extras import require_extra
+
+        require_extra("machine", "drawbar replay of a drive")
+        from drawbar.driving.replay import replay_drive  # imports the extra
 
         recomputed = replay_drive(log, changes or [])
     else:

@@ -31,9 +31,9 @@ def tune(
     ] = None,
 ) -> None:
     """Search weights or look-ahead for the least error and the least steering; the same command goes on."""
-    from drawbar.experiment.extras import require_extras
+    from drawbar.extras import require_extra
 
-    require_extras()
+    require_extra("experiments", "drawbar tune")
     from drawbar.experiment.tuning import command  # imports the extras
     from drawbar.experiment.tuning.parameters import read_space
 

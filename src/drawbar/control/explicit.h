@@ -13,6 +13,7 @@
 
 #include "chain.h"
 #include "lent.h"
+#include "no_plan.h"
 #include "proportional_integral.h"
 #include "status.h"
 #include "tangent.h"
@@ -80,26 +81,6 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     *tractor = held(front, front, component->tractor_steerings, component->tractor_poses);
     *trailer = held(component->joint_sign * joint, joint, component->trailer_steerings, component->trailer_poses);
     return SOLVED;
-}
-
-/* The laws need no preparation. */
-int UNIT(ready)(struct component *component)
-{
-    (void)component;
-    return SOLVED;
-}
-
-/* Nor do they plan ahead. */
-int UNIT(skip)(struct component *component, int samples)
-{
-    (void)samples;
-    return UNIT(ready)(component);
-}
-
-int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
-{
-    (void)component, (void)known;
-    return 0;
 }
 
 #endif

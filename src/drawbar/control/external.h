@@ -8,6 +8,7 @@
 
 #include <string.h>
 #include "lent.h"
+#include "no_plan.h"
 #include "signals.h"
 #include "status.h"
 #include "unit.h"
@@ -51,24 +52,6 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     hold(component, EXTERNAL_TRACTOR, tractor_reference, angles[0], angles[0], tractor);
     hold(component, EXTERNAL_TRAILER, trailer_reference, angles[1], component->joint_sign * angles[1], trailer);
     return SOLVED;
-}
-
-int UNIT(ready)(struct component *component)
-{
-    (void)component;
-    return SOLVED;
-}
-
-int UNIT(skip)(struct component *component, int samples)
-{
-    (void)samples;
-    return UNIT(ready)(component);
-}
-
-int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
-{
-    (void)component, (void)known;
-    return 0;
 }
 
 #endif

@@ -45,8 +45,8 @@ class Attitude:
     def _on_ground(self, states: Floats) -> Floats:
         """Return the angles (n, 4) at which stiff bodies would stand."""
         vehicle, settings = self._vehicle, self._settings
-        rear, yaw, trailer_yaw = states[:, :2], states[:, 2], states[:, 3]
-        behind = vehicle.free_joint_offset * _along(yaw) + vehicle.drawbar_length * _along(trailer_yaw + states[:, 4])
+        rear, (yaw, trailer_yaw, joint) = states[:, :2], states[:, 2:5].T
+        behind = vehicle.free_joint_offset * _along(yaw) + vehicle.drawbar_length * _along(trailer_yaw + joint)
         axle = rear - behind - vehicle.trailer_length * _along(trailer_yaw)
         height = self._height(rear)
         pitch = np.arctan((self._height(rear + vehicle.wheelbase * _along(yaw)) - height) / vehicle.wheelbase)

@@ -16,10 +16,15 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 STATES = 11
 """x, y, theta, psi, joint (phi - psi), delta_t, wheel speed, and the four inner states of the drive"""
+_THETA, _PSI, _JOINT, _WHEELS, _SPEED = range(2, 7)
+_PEDAL, _WHEELS_RATE, _JOINT_RATE, _PEDAL_RATE = range(7, STATES)
+"""the inner states, where valves and a pedal are simulated"""
 COMMANDS = 3
 """delta_t, joint, wheel speed"""
 EFFECTS = 8
 """mu, kappa, b, alpha_r, alpha_i, and the kicks of a bump: to the left, of theta, of psi"""
+_KICKS = 5
+"""the first of them"""
 
 
 def plant_constants(vehicle: VehicleParameters, settings: SimulatedMachineSettings) -> Floats:
@@ -50,10 +55,10 @@ def plant_step(kind: Literal["lag", "valve"] = "lag") -> ca.Function:
     k4 = rates(start + step * k3, *held)
     end = start + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     # the step in which an angle reaches its stop ends on the stop
-    for index, stop in ((4, settings.actuators.trailer_stop), (5, settings.actuators.tractor_stop)):
+    for index, stop in ((_JOINT, settings.actuators.trailer_stop), (_WHEELS, settings.actuators.tractor_stop)):
         end[index] = ca.fmin(ca.fmax(end[index], -stop), stop)
     if kind == "valve":
-        end[7] = ca.fmin(ca.fmax(end[7], 0.0), 1.0)
+        end[_PEDAL] = ca.fmin(ca.fmax(end[_PEDAL], 0.0), 1.0)
     return ca.Function("plant", [state, inputs, constants], [ca.cse(end)])
 
 
@@ -65,11 +70,13 @@ def _lag_actuation(
     vehicle: VehicleParameters, settings: SimulatedMachineSettings, state: ca.SX, command: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return what closed loops amount to."""
-    actuators = settings.actuators
+    actuators, (front, joint, speed) = settings.actuators, ca.vertsplit(command)
     lag = actuators.lag_factor * vehicle.steering_lag
-    wheels_rate = steering_rate(state[5], command[0], lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop)
-    joint_rate = steering_rate(state[4], command[1], lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
-    return wheels_rate, joint_rate, hydrostat_rates(settings.hydrostat, state[6:], command[2])
+    wheels_rate = steering_rate(
+        state[_WHEELS], front, lag=lag, rate=actuators.tractor_rate, stop=actuators.tractor_stop
+    )
+    joint_rate = steering_rate(state[_JOINT], joint, lag=lag, rate=actuators.trailer_rate, stop=actuators.trailer_stop)
+    return wheels_rate, joint_rate, hydrostat_rates(settings.hydrostat, state[_SPEED:], speed)
 
 
 def _valve_actuation(
@@ -77,16 +84,31 @@ def _valve_actuation(
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return the motion of valves and of the pedal's motor under their drives."""
     actuators, low_level = settings.actuators, settings.low_level
-    motions = ca.vertcat(state[5], state[8]), ca.vertcat(state[4], state[9])
-    front, joint = (
-        valve_rates(valve, motion, drive, full_rate=rate, stop=stop)
-        for valve, motion, drive, rate, stop in (
-            (low_level.front, motions[0], command[0], actuators.tractor_rate, actuators.tractor_stop),
-            (low_level.joint, motions[1], command[1], actuators.trailer_rate, actuators.trailer_stop),
+    front_drive, joint_drive, pedal_drive = ca.vertsplit(command)
+    wheels_rate, wheels_acceleration = ca.vertsplit(
+        valve_rates(
+            low_level.front,
+            ca.vertcat(state[_WHEELS], state[_WHEELS_RATE]),
+            front_drive,
+            full_rate=actuators.tractor_rate,
+            stop=actuators.tractor_stop,
         )
     )
-    drive = pedal_rates(settings.hydrostat, ca.vertcat(state[6], state[7], state[10]), command[2], ca.SX(0.0))
-    return front[0], joint[0], ca.vertcat(drive[0], drive[1], front[1], joint[1], drive[2])
+    joint_rate, joint_acceleration = ca.vertsplit(
+        valve_rates(
+            low_level.joint,
+            ca.vertcat(state[_JOINT], state[_JOINT_RATE]),
+            joint_drive,
+            full_rate=actuators.trailer_rate,
+            stop=actuators.trailer_stop,
+        )
+    )
+    pedal = ca.vertcat(state[_SPEED], state[_PEDAL], state[_PEDAL_RATE])
+    acceleration, pedal_rate, pedal_acceleration = ca.vertsplit(
+        pedal_rates(settings.hydrostat, pedal, pedal_drive, ca.SX(0.0))
+    )
+    inner = ca.vertcat(acceleration, pedal_rate, wheels_acceleration, joint_acceleration, pedal_acceleration)
+    return wheels_rate, joint_rate, inner
 
 
 _ACTUATIONS: dict[str, _Actuation] = {"lag": _lag_actuation, "valve": _valve_actuation}
@@ -98,14 +120,15 @@ def _rates(
     """Return the right-hand side f(state (11,), command (3,), effect (8,), constants (c,)) -> d state/dt (11,)."""
     state, command, effect = ca.SX.sym("x", STATES), ca.SX.sym("u", COMMANDS), ca.SX.sym("w", EFFECTS)
     wheels_rate, joint_rate, drive = actuation(vehicle, settings, state, command)
-    speed, wheel_angle = effect[0] * state[6], effect[1] * state[5] + effect[2]
-    chain = chain_rates(vehicle, state[:5], joint_rate, speed, wheel_angle, effect[3:5])
+    mu, kappa, offset, *crabs = ca.vertsplit(effect[:_KICKS])
+    speed, wheel_angle = mu * state[_SPEED], kappa * state[_WHEELS] + offset
+    chain = chain_rates(vehicle, state[: _JOINT + 1], joint_rate, speed, wheel_angle, ca.vertcat(*crabs))
     return ca.Function("rates", [state, command, effect, constants], [ca.vertcat(chain, wheels_rate, drive)])
 
 
 def _kicked(state: ca.SX, effect: ca.SX) -> ca.SX:
     """Apply the displacement of a bump, which takes no time."""
-    theta = state[2]
+    theta, (leftwards, tractor_turn, trailer_turn) = state[_THETA], ca.vertsplit(effect[_KICKS:])
     left = ca.vertcat(-ca.sin(theta), ca.cos(theta))
-    pose = ca.vertcat(state[:2] + effect[5] * left, theta + effect[6], state[3] + effect[7])
-    return ca.vertcat(pose, state[4:])
+    pose = ca.vertcat(state[:_THETA] + leftwards * left, theta + tractor_turn, state[_PSI] + trailer_turn)
+    return ca.vertcat(pose, state[_JOINT:])

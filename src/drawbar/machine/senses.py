@@ -84,6 +84,7 @@ class Senses:
         """Look at the machine through the sensors, as it was when each of them looked."""
         delays, errors = self._delays, self._errors[sample % len(self._errors)]
         report = self._find(sample, errors, history)
+        hitch_error, speed_error, wheels_error, joint_error = errors[4:]
         hitch, speed, steering = map(history.seen, (delays.hitch_angle, delays.speed, delays.steering))
         told, resolution = delays.told, self._sensors.steering_resolution
         for body, sensor in self._attitude.items():
@@ -92,10 +93,10 @@ class Senses:
             report |= self._direction(history)
         return Measurement(
             time=sample * self._sample_time,
-            hitch_angle=hitch.hitch_angle + errors[4],
-            speed=speed.speed + errors[5],
-            tractor_steering=_rounded(steering.steering + errors[6], resolution),
-            trailer_steering=_rounded(steering.joint + errors[7], resolution),
+            hitch_angle=hitch.hitch_angle + hitch_error,
+            speed=speed.speed + speed_error,
+            tractor_steering=_rounded(steering.steering + wheels_error, resolution),
+            trailer_steering=_rounded(steering.joint + joint_error, resolution),
             hitch_angle_age=told * hitch.age,
             speed_age=told * speed.age,
             tractor_steering_age=told * steering.age,

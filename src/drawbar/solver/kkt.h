@@ -129,11 +129,15 @@ struct kkt_scale {
     double primal[NX + NU], dual[NX + NU], slope, terms, objective;
 };
 
-static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scale *restrict scale)
+/* What the scales are made of, for each state and input: the largest size of it (`primal`) and of what its row of the gradient
+ * is the sum of (`dual`), and its part of the cost's linear terms, their sizes (`terms`) and they themselves (`slope`). */
+struct kkt_sizes {
+    double primal[NX + NU], dual[NX + NU], terms[NX + NU], slope[NX + NU];
+};
+
+static inline void sizes_of_states(const struct qp *restrict s, struct kkt_sizes *restrict sizes)
 {
-    double primal[NX + NU] = {0.0}, dual[NX + NU] = {0.0}, size[NX + NU] = {0.0}, sloped[NX + NU] = {0.0};
     pack most[PACKS], steepest[PACKS], sum[PACKS], slope[PACKS];
-    double least_primal = 1e-12, least_dual = 1e-100, objective = 1e-12, terms = 0.0, left = 0.0;
 
     EACH_PACK(b)
         most[b] = steepest[b] = sum[b] = slope[b] = (pack){0};
@@ -156,39 +160,63 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
             slope[b] += q[b] * x[b];
         }
     }
-    write_vector(primal, most);
-    write_vector(dual, steepest);
-    write_vector(size, sum);
-    write_vector(sloped, slope);
+    write_vector(sizes->primal, most);
+    write_vector(sizes->dual, steepest);
+    write_vector(sizes->terms, sum);
+    write_vector(sizes->slope, slope);
+}
+
+static inline void sizes_of_inputs(const struct qp *restrict s, struct kkt_sizes *restrict sizes)
+{
+    double *primal = sizes->primal + NX, *dual = sizes->dual + NX;
+
     for (int k = 0; k < N; ++k)
         for (int a = 0; a < NU; ++a) {
             const double u = INPUT(s->z, k)[a], r = INPUT(s->g, k)[a];
             double pull = 0.0;
             for (int m = 0; m < ND; ++m)
                 pull += fabs(s->B[k][m][a] * STATE(s->pi, k + 1)[m]);
-            primal[NX + a] = largest(primal[NX + a], u);
-            dual[NX + a] = largest(largest(largest(dual[NX + a], r), s->R[k][a][a] * u), pull);
-            size[NX + a] += fabs(r * u);
-            sloped[NX + a] += r * u;
+            primal[a] = largest(primal[a], u);
+            dual[a] = largest(largest(largest(dual[a], r), s->R[k][a][a] * u), pull);
+            sizes->terms[NX + a] += fabs(r * u);
+            sizes->slope[NX + a] += r * u;
         }
-    for (int i = 0; bounded && i < NB; ++i) {   /* both sides of a bound at once: only their difference acts */
+}
+
+/* Lets the bounds' multipliers grow the gradient's sizes; returns `objective` with what they cost added. */
+static inline double sizes_of_multipliers(const struct qp *restrict s, struct kkt_sizes *restrict sizes, double objective)
+{
+    for (int i = 0; i < NB; ++i) {   /* both sides of a bound at once: only their difference acts */
         const double net = s->multiplier[2 * i] - s->multiplier[2 * i + 1];
+        double *dual = &sizes->dual[kind_of(s->bound[i])];
         if (net == 0.0)
             continue;
-        dual[kind_of(s->bound[i])] = largest(dual[kind_of(s->bound[i])], net);
+        *dual = largest(*dual, net);
         objective += fabs(net * s->z[s->bound[i]]);
     }
+    return objective;
+}
+
+static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scale *restrict scale)
+{
+    struct kkt_sizes sizes = {{0.0}, {0.0}, {0.0}, {0.0}};
+    double least_primal = 1e-12, least_dual = 1e-100, objective = 1e-12, terms = 0.0, slope = 0.0;
+
+    sizes_of_states(s, &sizes);
+    sizes_of_inputs(s, &sizes);
+    if (bounded)
+        objective = sizes_of_multipliers(s, &sizes, objective);
     for (int j = 0; j < NX + NU; ++j) {
-        least_primal = largest(least_primal, ROUNDING * primal[j]);
-        least_dual = largest(least_dual, ROUNDING * dual[j]);
-        terms += size[j];
-        left += sloped[j];
+        least_primal = largest(least_primal, ROUNDING * sizes.primal[j]);
+        least_dual = largest(least_dual, ROUNDING * sizes.dual[j]);
+        terms += sizes.terms[j];
+        slope += sizes.slope[j];
     }
     for (int j = 0; j < NX + NU; ++j) {    /* a variable that is zero throughout has no size of its own */
-        scale->primal[j] = largest(largest(least_primal, primal[j]), least_step(s, j));
-        scale->dual[j] = largest(least_dual, dual[j]);
+        scale->primal[j] = largest(largest(least_primal, sizes.primal[j]), least_step(s, j));
+        scale->dual[j] = largest(least_dual, sizes.dual[j]);
     }
-    scale->slope = left;
+    scale->slope = slope;
     scale->terms = terms;
     scale->objective = objective + terms + least_cost(s);
 }

@@ -6,7 +6,7 @@
 
 #include "drawbar.h"
 
-/* What a status means, in one line. */
+/* What a status means, in one line. No table: its pointers would be data that a shared library relocates. */
 const char *drawbar_status_text(int status)
 {
     if (status > DRAWBAR_OK && status < DRAWBAR_REFUSED && (status & (status - 1)) != 0)

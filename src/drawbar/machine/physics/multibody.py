@@ -6,6 +6,7 @@ from types import ModuleType
 import numpy as np
 
 from drawbar.errors import ConfigurationError
+from drawbar.extras import install_command
 from drawbar.geometry import Floats
 from drawbar.machine.physics.forces import Forces
 from drawbar.machine.physics.model import BODIES, JOINTS, WHEELS, mjcf
@@ -26,8 +27,8 @@ def engine() -> ModuleType:
         import mujoco
     except ImportError as error:
         raise ConfigurationError(
-            f'machine.kind = "physics" needs MuJoCo, which cannot be imported here ({error}). '
-            f'Run: pip install "drawbar[physics]"; or use machine.kind = "simulated"'
+            f'machine.kind = "physics" needs MuJoCo, which cannot be imported here ({error}); '
+            f'install it with: {install_command("physics")}; or use machine.kind = "simulated"'
         ) from error
     mujoco.set_mju_user_warning(_unheard)  # Multibody looks at the counts; by itself MuJoCo would write a file
     return mujoco  # type: ignore[no-any-return]
