@@ -119,6 +119,8 @@ class Role(IntEnum):
     """writes the log"""
     FRONT_END = 3
     """shows the drive to an operator"""
+    GUARD = 4
+    """lets the boards go where the gate falls silent"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

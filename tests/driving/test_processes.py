@@ -162,6 +162,18 @@ def test_a_runs_folder_that_is_removed_while_driving_costs_the_record_only_and_t
     assert "the log was removed while it was written" in (tmp_path / "messages.txt").read_text()
 
 
+def test_a_guard_that_is_frozen_is_told_and_steering_goes_on(crew):
+    front = FrontEnd(crew, demonstrates=True)
+    watch(front, steers, ENGAGE)
+    assert Cause.NOT_GUARDED.value not in front.state.refusals
+    os.kill(crew.processes["guard"].pid, signal.SIGSTOP)
+    watch(front, lambda front: Cause.NOT_GUARDED.value in front.state.refusals, ENGAGE)
+    assert front.state.state is SupervisorState.ACTIVE
+    os.kill(crew.processes["guard"].pid, signal.SIGCONT)
+    watch(front, lambda front: Cause.NOT_GUARDED.value not in front.state.refusals, ENGAGE)
+    front.close()
+
+
 def test_a_gate_that_is_killed_is_told_and_takes_the_controller_with_it(crew):
     front = FrontEnd(crew, demonstrates=True)
     watch(front, steers, ENGAGE)

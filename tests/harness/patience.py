@@ -12,6 +12,7 @@ PATIENT = [
     "safety.timing.angle_lost=6.0",
     "safety.timing.speed=5.0",
     "safety.timing.recorder=20.0",
+    "safety.timing.guard=5.0",
     "safety.timing.lease=30.0",
     "safety.timing.late=2.0",
     "safety.drive.operator=30.0",

@@ -261,12 +261,14 @@ def unknown_speed(settings):
     return bench.gate.watch.speeds.largest(bench.time)
 
 
-def recorder_silent(seconds):
+def silent(name, cause, seconds):
+    """Return whether it shows that a process has been silent for so long."""
+
     def look(settings):
         bench = Bench(settings).ready()
-        bench.recorder = None
+        setattr(bench, name, None)
         bench.run(seconds)
-        return Cause.NOT_RECORDING.value in bench.shown.refusals
+        return cause.value in bench.shown.refusals
 
     return look
 

@@ -24,7 +24,7 @@ from drawbar.driving.guard_main import OFF
 from drawbar.driving.orders import GateOrders
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.message_records import decode, encode
-from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
+from drawbar.messages import Action, GateState, Heartbeat, OperatorMessage, Role, SupervisorState
 from drawbar.safety.channels import controller_pair
 from drawbar.safety.gate_process import ENDED, FAILED, GONE
 from drawbar.safety.settings import SafetySettings
@@ -104,6 +104,13 @@ class Machine:
             time=now, valid_until=now + 10**9, action=action, lease=5, nonce=self.nonce,
             seen_sequence=self.state.sequence, seen_time=self.state.time,
         )  # fmt: skip
+        self.send(message)
+
+    def guards(self):
+        now = time.monotonic_ns()
+        self.send(Heartbeat(time=now, valid_until=now + 10**9, role=Role.GUARD, healthy=1, state=SupervisorState.BOOT))
+
+    def send(self, message):
         with contextlib.suppress(OSError):  # a gate that is ending does not listen
             self.front.sendto(encode(message), str(self.folder / "desk"))
 
@@ -115,6 +122,7 @@ class Machine:
                 raise NotDrivingError(self.state, (self.folder / "gate_runner.py").read_text())
             time.sleep(0.02)
             self.listen()
+            self.guards()
             if self.state is not None and state is SupervisorState.ACTIVE:
                 asked = {True: Action.ENGAGE, False: Action.ARM}[bool(self.state.armed)]
                 self.ask(asked if self.state.state is SupervisorState.READY else Action.PRESENT)

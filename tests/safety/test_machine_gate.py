@@ -225,6 +225,24 @@ def test_the_recorder_must_live_and_write():
     assert bench.shown.refusals[0] == Cause.NOT_RECORDING.value, "and the operator is told"
 
 
+def test_the_guard_must_live():
+    bench = Bench().ready()
+    assert Cause.NOT_GUARDED.value not in bench.shown.refusals
+    bench.guard = None
+    bench.run(0.9)
+    assert Cause.NOT_GUARDED.value not in bench.shown.refusals
+    bench.run(0.2)
+    assert Cause.NOT_GUARDED.value in bench.shown.refusals
+    bench.ask(Action.ARM)
+    bench.run(0.2)
+    assert bench.state is SupervisorState.STANDBY
+    bench = driving()
+    bench.guard = None
+    bench.run(5.0)
+    assert bench.state is ACTIVE, "control goes on without it"
+    assert bench.shown.refusals[0] == Cause.NOT_GUARDED.value, "and the operator is told"
+
+
 def test_the_emergency_stop_must_have_been_tried():
     bench = Bench().run(20.0)
     assert bench.state is STANDBY

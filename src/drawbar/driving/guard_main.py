@@ -2,7 +2,8 @@
 
 `python -m drawbar.driving.guard_main`, with the gate's orders on standard input. The gate tells its state at each tick;
 when it steers and is not heard for as long as it may be late, off frames go to the boards until it is heard again, for
-`timing.off` seconds at most. An ISOBUS valve watches itself, within 200 ms. It runs beside the gate, not within.
+`timing.off` seconds at most. An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate, not within,
+and tells it that it is there: without a guard the gate does not engage.
 """
 
 import math
@@ -10,11 +11,12 @@ import socket
 import sys
 from pathlib import Path
 
+from drawbar.driving.beat import Beat
 from drawbar.driving.ending import Ending, told
 from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import GUARD, GateOrders
+from drawbar.driving.orders import GATE, GUARD, GateOrders
 from drawbar.message_records import decode
-from drawbar.messages import GateState
+from drawbar.messages import GateState, Role
 from drawbar.protocols.agopengps.steering import SteerCommand
 from drawbar.realtime import prepare, say
 from drawbar.safety.settings import TimingSettings
@@ -22,8 +24,8 @@ from drawbar.safety.settings import TimingSettings
 OFF = SteerCommand(steer=False, angle=0.0, speed=0.0).encode()
 _AGAIN = 0.1
 """between two off frames, s"""
-_LOOK = 0.5
-"""longest time without looking whether to end, s"""
+_LOOK = 0.25
+"""longest time without looking whether to end, or to tell the gate that it is there, s"""
 
 
 class Guard:
@@ -61,16 +63,20 @@ def main() -> int:
     orders = GateOrders.model_validate_json(sys.stdin.read())
     boards = [each.destination for each in (orders.tractor_board, orders.trailer_board) if each is not None]
     guard, ending, clock = Guard(orders.safety.timing), Ending(), orders.clock
-    wire, mailbox = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), Mailbox(str(Path(orders.folder) / GUARD))
+    folder = Path(orders.folder)
+    wire, mailbox = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), Mailbox(str(folder / GUARD))
+    beat = Beat(Role.GUARD, mailbox, str(folder / GATE))
     for word in prepare(orders.safety.timing.priority):
         say(f"guard: {word}")
     while not (ending.asked and guard.rests(clock())):
         clock.wait([mailbox.fileno()], min(guard.due - clock(), _LOOK))
         now = clock()
+        beat.pass_time(clock.nanoseconds())
         for record in mailbox.receive():
             state = decode(record, GateState)
             if isinstance(state, GateState):
                 guard.hear(now, state)
+                beat.state = state.state
         if guard.says_off(now):
             for board in boards:
                 _send(wire, board)

@@ -49,10 +49,16 @@ class Part(Enum):
     CONTROLLER = auto()
     GATE = auto()
     RECORDER = auto()
+    GUARD = auto()
     OPERATOR = auto()
 
 
-_ROLES = {Part.RECEIVERS: Role.RECEIVERS, Part.CONTROLLER: Role.CONTROLLER, Part.RECORDER: Role.RECORDER}
+_ROLES = {
+    Part.RECEIVERS: Role.RECEIVERS,
+    Part.CONTROLLER: Role.CONTROLLER,
+    Part.RECORDER: Role.RECORDER,
+    Part.GUARD: Role.GUARD,
+}
 
 
 class Rehearsal:

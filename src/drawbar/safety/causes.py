@@ -175,6 +175,8 @@ class Cause(Enum):
         "engage again when ready")
     EMERGENCY = (609, False, Response.NONE, "the operator asked for an emergency stop",
         "acknowledge when standing")
+    NOT_GUARDED = (610, True, Response.TELL, "the guard is silent, which lets the boards go where the gate cannot",
+        "steering goes on; stop when it suits, end other programs, start drawbar again")
     LEASE_HELD = (621, False, Response.NONE, "another operator holds the lease",
         "let that one release it, or fall silent")
     NOT_ARMED = (622, False, Response.NONE, "the gate is not armed, or no longer",

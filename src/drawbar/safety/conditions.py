@@ -88,6 +88,8 @@ class Observation:
     """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
     recording: bool = False
     """the recorder is alive and writes"""
+    guarded: bool = False
+    """the guard is alive"""
     emergency_tried: bool = False
     wiggled: bool = False
 
@@ -138,6 +140,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.ENDED: lambda o, s: o.ended,
     Cause.NO_OPERATOR: lambda o, s: not (o.operator_age <= s.drive.operator),
     Cause.NOT_RECORDING: lambda o, s: s.engage.recorder and not o.recording,
+    Cause.NOT_GUARDED: lambda o, s: not o.guarded,
     Cause.EMERGENCY_UNTRIED: lambda o, s: s.engage.emergency_test and not o.emergency_tried,
     Cause.WIGGLE_UNTRIED: lambda o, s: s.engage.wiggle_test and not o.wiggled,
 }

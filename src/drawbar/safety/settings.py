@@ -156,6 +156,8 @@ class TimingSettings(Settings):
     """age of a measured steering angle at which to let go, s"""
     recorder: Timeout = 1.0
     """oldest heartbeat of the recorder, s"""
+    guard: Timeout = 1.0
+    """oldest heartbeat of the guard, which lets the boards go where the gate falls silent, s"""
     late: Timeout = 0.1
     """by which a tick of the gate may come late, s"""
     suspended: Timeout = 0.5

@@ -39,7 +39,7 @@ class Watch:
         self._settings, self._drives = settings, drives
         self._fingerprint = settings.fingerprint()
         self._state: ControllerState | None = None
-        self._state_time = self._recorded = -math.inf
+        self._state_time = self._recorded = self._guarded = -math.inf
         self._fixed_since, self._fixed = math.nan, [-math.inf, -math.inf]
         self._overruns: deque[tuple[float, int]] = deque(maxlen=1024)
         self.command: CommandMessage | None = None
@@ -69,6 +69,8 @@ class Watch:
         """Take in a process's word; a recorder that is not healthy is as good as none."""
         if beat.role is Role.RECORDER:
             self._recorded = time if beat.healthy == 1 else -math.inf
+        elif beat.role is Role.GUARD:
+            self._guarded = time
 
     def command_valid(self, time: float) -> bool:
         """Return whether the last command may still be obeyed."""
@@ -109,6 +111,7 @@ class Watch:
             device_failed=troubles.device,
             ended=troubles.ended,
             recording=time - self._recorded <= self._settings.timing.recorder,
+            guarded=time - self._guarded <= self._settings.timing.guard,
             **heard,
         )
 
