@@ -13,13 +13,15 @@
  * move it by this linearisation. */
 static inline int held_place(const struct qp *s, int k, int a)
 {
-    const int kept = s->kept[k][a], at = (kept < 0 ? -kept : kept) - 1, j = at % NX;
+    const int kept = s->kept[k][a], j = (kept < 0 ? -kept : kept) - 1;
 
-    return at >= 0 && at < (N + 1) * NX && !(j < ND && fabs(s->B[k][j][a]) > 0.0) ? -1 : at;
+    if (j == NX)
+        return (N + 1) * NX + k * NU + a;
+    return j >= 0 && j < ND && fabs(s->B[k][j][a]) > 0.0 ? (k + 1) * NX + j : -1;
 }
 
 /* Factorise with the laws of the bounds that are kept. Returns 0 where there are none, or on failure. */
-static int held_factor(struct qp *restrict s)
+static inline int held_factor(struct qp *restrict s)
 {
     struct held_hessian H ON_STACK;
     int any = 0;
@@ -32,15 +34,9 @@ static int held_factor(struct qp *restrict s)
     memcpy(s->P[N], s->Q[N], sizeof s->P[N]);
     for (int k = N - 1; k >= 0; --k) {
         double asked[NU], limit[NU] = {0.0};
-        int at[NU], held = 0;
-        for (int a = 0; a < NU; ++a) {
+        int at[NU];
+        for (int a = 0; a < NU; ++a)
             at[a] = held_place(s, k, a);
-            held |= at[a] >= 0;
-        }
-        if (!held && !riccati_stage(s, k, NULL))
-            return 0;
-        if (!held)
-            continue;
         held_hessian(s, NULL, k, &H);
         if (!held_gains(s, k, at, limit, &H, asked))
             return 0;
@@ -80,8 +76,8 @@ static void held_keep(struct qp *restrict s, const struct held_set *restrict h)
         gave_way |= h->side[i] == BEYOND || h->side[i] == -BEYOND;
     for (int k = 0; k < N; ++k)
         for (int a = 0; a < NU; ++a) {
-            const int i = h->by[k][a];
-            s->kept[k][a] = gave_way || i < 0 ? 0 : h->side[i] * (s->bound[i] + 1);
+            const int i = h->by[k][a], at = i < 0 ? 0 : s->bound[i], j = at < (N + 1) * NX ? at % NX : NX;
+            s->kept[k][a] = gave_way || i < 0 ? 0 : h->side[i] * (1 + j);
         }
 }
 
@@ -111,20 +107,32 @@ static int held_recall(const struct qp *restrict s, struct held_set *restrict h)
     return found;
 }
 
-/* Solve with the bounds that are kept, for which held_factor has made the laws. */
-static enum held_outcome qp_held_again(struct qp *s, struct held_set *h)
+/* The point to which the laws of the bounds that are kept lead. Returns how many bounds have changed on the way there, or -1
+ * where it cannot be begun so. */
+static int held_first(struct qp *restrict s, struct held_set *restrict h)
 {
     if (!held_recall(s, h))
-        return HELD_UNSETTLED;
+        return -1;
     for (int i = 0; i < NX; ++i)
         h->p[N][i] = STATE(s->g, N)[i];
     for (int k = N - 1; k >= 0; --k)
         held_again(s, h, k);
-    const int changes = held_forward(s, h, 0);
-    s->iterations = 1;
-    if (changes == 0)                      /* bounds that hold the wrong way are let go of sooner from afresh */
+    return held_forward(s, h);
+}
+
+/* Solve with bounds by a factorisation with the laws of those that are kept, maybe none. Where it does not settle, or where
+ * bounds are of another kind (foreign), the factorisation and the point are others afterwards. */
+static enum held_outcome qp_held(struct qp *s, struct held_set *h)
+{
+    const int kept = s->factored == FACTORED_KEPT, changes = held_first(s, h);
+
+    s->factored = NOT_FACTORED;
+    s->iterations = kept;
+    if (changes < 0)
+        return HELD_FOREIGN;
+    if (kept && changes == 0)              /* bounds that hold the wrong way are let go of sooner from afresh */
         return held_settled(s, h) ? HELD_SETTLED : HELD_UNSETTLED;
-    return held_settle(s, h, changes, KEPT_PASSES);
+    return held_settle(s, h, changes, kept ? KEPT_PASSES : HELD_PASSES);
 }
 
 #endif

@@ -21,25 +21,19 @@ struct held_room {
     int by_low, by_high;
 };
 
-/* Chain the bounds that speak of each input, its own before those of states, and those that no single one answers for. Returns
- * the stage of the first bound that is violated. */
-static int held_chain(const struct qp *restrict s, struct held_set *restrict h)
+/* Chain the bounds that speak of each input, its own before those of states, and those that no single one answers for. */
+static void held_chain(const struct qp *restrict s, struct held_set *restrict h)
 {
-    int violated = N;
-
     memset(h->first, -1, sizeof h->first);
     h->foreign = -1;
     for (int i = 0; i < NB; ++i) {
         const int a = held_input(s, i), k = held_stage(s, i), own = s->bound[i] >= (N + 1) * NX;
-        const double value = s->z[s->bound[i]];
         int32_t *place = a < 0 ? &h->foreign : &h->first[k][a];
         if (!own && *place >= 0 && s->bound[*place] >= (N + 1) * NX)
             place = &h->next[*place];
         h->next[i] = *place;
         *place = i;
-        violated = k < violated && (value < s->lower[i] || value > s->upper[i]) ? k : violated;
     }
-    return violated > 0 ? violated : 0;
 }
 
 /* Take in what bound i leaves of an input's room, which moves the variable from `base` by `lead`. Returns what becomes of the
@@ -124,15 +118,15 @@ static int held_clip(const struct qp *restrict s, struct held_set *restrict h, i
     return changes;
 }
 
-/* Forward by the laws from a stage on, with every input within its room, and multipliers of the costs to go. Returns how many
- * bounds have changed, or -1 where one is violated that cannot be held here. */
-static int held_forward(struct qp *restrict s, struct held_set *restrict h, int from)
+/* Forward by the laws, with every input within its room, and multipliers of the costs to go. Returns how many bounds have
+ * changed, or -1 where one is violated that cannot be held here. */
+static int held_forward(struct qp *restrict s, struct held_set *restrict h)
 {
     double now[NX];
     int changes = 0;
 
-    memcpy(now, from > 0 ? STATE(s->z, from) : s->initial, sizeof now);
-    for (int k = from; k <= N; ++k) {
+    memcpy(now, s->initial, sizeof now);
+    for (int k = 0; k <= N; ++k) {
         double *u = INPUT(s->z, k);
         pack x[PACKS];
         state_and_multiplier(s, k, now, h->p[k], x, s->z, s->pi);
@@ -199,25 +193,11 @@ static int held_settled(struct qp *restrict s, struct held_set *restrict h)
 static enum held_outcome held_settle(struct qp *s, struct held_set *h, int changes, int passes)
 {
     while (changes >= 0 && s->iterations++ < passes) {
-        changes = held_backward(s, h) ? held_forward(s, h, 0) : -1;
+        changes = held_backward(s, h) ? held_forward(s, h) : -1;
         if (changes == 0 && held_settled(s, h))
             return HELD_SETTLED;
     }
     return HELD_UNSETTLED;
-}
-
-/* Solve with bounds, starting from s->z and s->pi as qp_solve left them without. Where it does not settle, or where bounds
- * are of another kind (foreign), the factorisation and the point are others afterwards. */
-static enum held_outcome qp_held_set(struct qp *s, struct held_set *h)
-{
-    held_begin(s, h);
-    const int changes = held_forward(s, h, held_chain(s, h));
-
-    if (changes < 0)
-        return HELD_FOREIGN;
-    s->factored = 0;
-    s->iterations = 0;
-    return held_settle(s, h, changes, HELD_PASSES);
 }
 
 #endif

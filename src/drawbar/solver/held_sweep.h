@@ -41,24 +41,6 @@ static inline int held_input(const struct qp *s, int i)
     return input < NU ? input : -1;
 }
 
-/* Where the recursion begins: what qp_solve left without bounds. */
-static void held_begin(const struct qp *restrict s, struct held_set *restrict h)
-{
-    memset(h->side, 0, sizeof h->side);
-    memset(h->by, -1, sizeof h->by);
-    h->last = -1;
-    for (int k = 0; k <= N; ++k) {
-        pack x[PACKS], p[PACKS];
-        read_vector(x, STATE(s->z, k));
-        read_vector(p, STATE(s->pi, k));
-        for (int j = 0; j < NX; ++j)
-            add_row(p, -STATE(s->z, k)[j], s->P[k][j]);
-        write_row(h->p[k], p);
-        for (int a = 0; a < NU && k < N; ++a)
-            h->feedforward[k][a] = INPUT(s->z, k)[a] - add_dot(0.0, s->K[k][a], x);
-    }
-}
-
 /* What the price of those that give way adds to the cost. */
 static void held_price(const struct qp *restrict s, struct held_set *restrict h)
 {

@@ -329,6 +329,24 @@ static void qp_afresh(struct qp *s)
     qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
 }
 
+/* The held set, from the bounds that are kept or from none, and the judge. Nothing is kept but what solves the problem. */
+static enum held_outcome qp_judged(struct qp *s, struct held_set *held)
+{
+    double gradient[NZ], defect[N][NX];
+    enum held_outcome outcome = qp_held(s, held);
+
+    memset(s->kept, 0, sizeof s->kept);
+    if (outcome != HELD_SETTLED)
+        return outcome;
+    if (kkt_check(s, 1, gradient, defect) == SOLVED) {
+        held_keep(s, held);
+        return HELD_SETTLED;
+    }
+    memset(s->multiplier, 0, sizeof s->multiplier);
+    memset(s->violation, 0, sizeof s->violation);
+    return HELD_UNSETTLED;
+}
+
 /* Both active sets; returns whether one of them has the solution. Else s holds the one without bounds. */
 static int qp_active(struct qp *s, union bounds_work *work)
 {
@@ -336,11 +354,9 @@ static int qp_active(struct qp *s, union bounds_work *work)
     enum held_outcome held = HELD_FOREIGN;
 
     if (!FREE_INITIAL) {
-        held = qp_held_set(s, &work->held);
-        if (held == HELD_SETTLED && kkt_check(s, 1, gradient, defect) == SOLVED) {
-            held_keep(s, &work->held);
+        held = qp_judged(s, &work->held);
+        if (held == HELD_SETTLED)
             return 1;
-        }
         qp_afresh(s);
     }
     if (COLUMNS && held == HELD_FOREIGN && qp_active_set(s, &work->active)) {
@@ -348,28 +364,6 @@ static int qp_active(struct qp *s, union bounds_work *work)
             return 1;
         qp_afresh(s);
     }
-    return 0;
-}
-
-/* The bounds of the problem before, held again; returns whether that is the solution, and keeps what it holds then. Else
- * nothing is kept. */
-static int qp_again(struct qp *s, struct held_set *held)
-{
-    double gradient[NZ], defect[N][NX];
-    const int tried = s->factored == FACTORED_KEPT, settled = tried && qp_held_again(s, held) == HELD_SETTLED;
-
-    if (tried)
-        s->factored = NOT_FACTORED;
-    memset(s->kept, 0, sizeof s->kept);
-    if (settled && kkt_check(s, 1, gradient, defect) == SOLVED) {
-        held_keep(s, held);
-        return 1;
-    }
-    if (settled) {
-        memset(s->multiplier, 0, sizeof s->multiplier);
-        memset(s->violation, 0, sizeof s->violation);
-    }
-    s->iterations = 0;
     return 0;
 }
 
@@ -406,8 +400,10 @@ static int qp_optimise(struct qp *s, struct lent *lent)
             | !(s->soft_quadratic[i] < INFINITY);
     if (invalid)
         return BAD_INPUT;
-    if (!FREE_INITIAL && qp_again(s, &work->held))
+    if (!FREE_INITIAL && s->factored == FACTORED_KEPT && qp_judged(s, &work->held) == HELD_SETTLED)
         return SOLVED;
+    memset(s->kept, 0, sizeof s->kept);
+    s->iterations = 0;
     if (!s->factored && !qp_factor(s, NULL, N + 1))
         return qp_damped(s, &work->ip, &lent->iterations, NOT_FINITE);
     s->factored = FACTORED;

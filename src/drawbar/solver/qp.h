@@ -58,8 +58,8 @@ struct qp {
     double kkt;                            /* relative KKT residual, from kkt.h */
     int32_t status, iterations;
     int32_t factored;                      /* P, K, L, D belong to Q, R, S, A, B without a barrier: enum factorisation */
-    int32_t kept[N][NU];                   /* which bound held an input in the problem before, of held_set.h: one more than the
-                                            * place of its variable in z, negative at its lower side; 0: none */
+    int32_t kept[N][NU];                   /* what held an input in the problem before, of held_again.h: 1 + j, a bound of state j
+                                            * behind the stage; 1 + NX, its own; negative: a lower one; 0: nothing */
     /* factorisation */
     double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
 };

@@ -199,17 +199,6 @@ static int rti_feedback(struct rti *s, struct lent *lent)
     return s->status = s->qp.status;
 }
 
-/* Bounds that held inputs move on with them; those of the last sample hold its repetition too. */
-static void rti_shift_kept(struct qp *s)
-{
-    for (int k = 0; k < N - INTERVALS; ++k)
-        for (int a = 0; a < NU; ++a) {
-            const int later = s->kept[k + INTERVALS][a], place = later < 0 ? -later : later;
-            const int by = INTERVALS * (place > (N + 1) * NX ? NU : NX);
-            s->kept[k][a] = later < 0 ? later + by : later > 0 ? later - by : 0;
-        }
-}
-
 /* Move the trajectory and the data on by one sample; the last sample's stages are repeated, its states predicted, x_N by
  * prepare or by the next shift. The weights belong to the place in the window, not to the sample, and stay. */
 static void rti_shift(struct rti *s)
@@ -222,7 +211,7 @@ static void rti_shift(struct rti *s)
     memmove(INPUT(s->z, 0), INPUT(s->z, INTERVALS), (N - INTERVALS) * NU * sizeof(double));
     memmove(s->p[0], s->p[INTERVALS], (N + 1 - INTERVALS) * sizeof s->p[0]);
     memmove(s->y[0], s->y[INTERVALS], (N + 1 - INTERVALS) * sizeof s->y[0]);
-    rti_shift_kept(&s->qp);
+    memmove(s->qp.kept[0], s->qp.kept[INTERVALS], (N - INTERVALS) * sizeof s->qp.kept[0]);
     for (int k = N - INTERVALS; k < N - 1; ++k) {
         dynamics(s, k, k + 1);
         memcpy(STATE(s->z, k + 1), s->qp.c[k], sizeof s->qp.c[k]);
