@@ -27,7 +27,6 @@ FORCED = (
 ROUTES = {
     "held": (
         ("interior_point.h", "violated = 0;", "violated = 1;"),
-        ("held_sweep.h", "h->last = -1;", "h->last = N - 1;"),
         ("held_sweep.h", "a <= NU && again", "a <= NU"),
         ("held_set.h", "held_stays(s, h, k, a, x, u[a]) ? 0 :", "held_stays(s, h, k, a, x, u[a]) > 1 ? 0 :"),
         (
@@ -42,15 +41,15 @@ ROUTES = {
             ": -1;\n        if (changes < 0)\n            __builtin_trap();\n        if",
         ),
         ("held_again.h", "h->last = -1;", "h->last = N - 1;"),
-        ("held_again.h", "if (changes == 0) ", "if (0) "),
-        ("interior_point.h", "if (held == HELD_SETTLED && ", "if ("),
+        ("held_again.h", "if (kept && changes == 0) ", "if (0) "),
+        ("interior_point.h", "if (outcome != HELD_SETTLED)", "if (0)"),
     ),
     "columns": (
         ("interior_point.h", "violated = 0;", "violated = 1;"),
         (
             "interior_point.h",
-            "held = qp_held_set(s, &work->held);",
-            "held = (qp_held_set(s, &work->held), HELD_FOREIGN);",
+            "held = qp_judged(s, &work->held);",
+            "held = (qp_judged(s, &work->held), HELD_FOREIGN);",
         ),
         ("active_set.h", "if (changes == 0)", "if (s->iterations == ACTIVE_PASSES - 1)"),
         ("active_set.h", "value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;", "i < ACTIVE_MOST;"),
