@@ -253,7 +253,7 @@ class GateState(Message):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OperatorMessage(Message):
-    """What an operator wants; front end to gate, one per datagram to its socket, and to recorder but for presence."""
+    """What an operator wants; front end to gate, one per datagram. All but PRESENT go to the recorder too."""
 
     action: Annotated[Action, Cell("B")]
     """what is asked for"""

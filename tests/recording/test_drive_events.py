@@ -86,9 +86,13 @@ def test_a_record_that_ends_while_it_steers_is_an_event_of_a_log_that_does_not_g
     assert len(drive_events(log, is_on=True)) == 1
 
 
-def test_a_log_with_a_state_that_there_is_not_is_refused(log_of):
+def test_a_log_with_a_state_that_there_is_not_is_refused_and_its_report_says_so(log_of, tmp_path):
+    log = log_of(gate_of(99))
     with pytest.raises(DrawbarError, match=r"log\.mcap: cannot be read \(99 is not a valid"):
-        drive_events(log_of(gate_of(99)))
+        drive_events(log)
+    (said,) = write_report(tmp_path).losses
+    assert said.startswith(f"what happened cannot be told: {log}: cannot be read (99 is not a valid")
+    assert "what happened cannot be told" in (tmp_path / "report.html").read_text("utf-8")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="an open file is not removed there")

@@ -119,7 +119,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "diese Seite offen lassen, oder die Tastatur neu starten"),
     Cause.NOT_RECORDING: ("es wird nichts aufgezeichnet: der Datenträger ist voll, oder die Aufzeichnung läuft nicht",
         "drawbar lenkt weiter; bei Gelegenheit anhalten, Platz schaffen, drawbar neu starten"),
-    Cause.NOT_GUARDED: ("der zweite Wächter schweigt, der die Lenkungen löst, wenn der erste ausfällt",
+    Cause.NOT_GUARDED: ("der zweite Wächter, der die Lenkungen löst, wenn der erste ausfällt, schweigt",
         "drawbar lenkt weiter; bei Gelegenheit anhalten, andere Programme beenden, drawbar neu starten"),
     Cause.EMERGENCY_UNTRIED: ("der Not-Halt wurde seit dem Start nicht erprobt",
         "stehen, Not-Halt drücken, dann bestätigen"),

@@ -1,9 +1,10 @@
 """Folder of a run: what a run leaves in it besides the log, all of it made from the log alone."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
-from drawbar.errors import StorageError, demand_path
+from drawbar.errors import DrawbarError, StorageError, demand_path
 from drawbar.recording.columns import read_columns
 from drawbar.recording.drive_events import drive_events
 from drawbar.recording.drive_records import is_drive
@@ -32,7 +33,10 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
     log = read_columns(file)
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
-    events = drive_events(file) if is_drive(file) else ()
+    try:
+        events = drive_events(file) if is_drive(file) else []
+    except DrawbarError as error:  # the figures are worth a report by themselves
+        events, metrics = [], replace(metrics, losses=(*metrics.losses, f"what happened cannot be told: {error}"))
     picture = render_picture(log, errors).encode()
     contents = (metrics.to_json(), render_page(log, metrics, errors, events).encode(), picture)
     try:

@@ -175,7 +175,7 @@ class Cause(Enum):
         "engage again when ready")
     EMERGENCY = (609, False, Response.NONE, "the operator asked for an emergency stop",
         "acknowledge when standing")
-    NOT_GUARDED = (610, True, Response.TELL, "the guard is silent, which lets the boards go where the gate cannot",
+    NOT_GUARDED = (610, True, Response.TELL, "the guard, which lets the boards go where the gate cannot, is silent",
         "steering goes on; stop when it suits, end other programs, start drawbar again")
     LEASE_HELD = (621, False, Response.NONE, "another operator holds the lease",
         "let that one release it, or fall silent")

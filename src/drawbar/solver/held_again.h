@@ -1,13 +1,14 @@
-/* Held again: a sequence of problems, each much like the one before, as a controller has them. The bounds that held inputs in
- * the last one are kept, move on with the trajectory, and are taken into the factorisation that is made before the problem is
- * complete. Where they are those of the new problem too, two sweeps solve it, as without any bound.
+/* Held again: with which bounds the held set begins. A controller has a sequence of problems, each much like the one before.
+ * The bounds that held inputs in the last one are kept, move on with the trajectory, and are taken into the factorisation that
+ * is made before the problem is complete. Where they are those of the new problem too, two sweeps solve it, as without any
+ * bound. Else it begins a second time with none.
  */
 #ifndef DRAWBAR_HELD_AGAIN_H
 #define DRAWBAR_HELD_AGAIN_H
 
 #include "held_set.h"
 
-#define KEPT_PASSES 3                      /* the first is those two sweeps; where more are needed held_set.h begins anew */
+#define KEPT_PASSES 3                      /* with bounds that are kept; the first is those two sweeps */
 
 /* The place in z of what the bound that is kept for an input speaks of; -1 where none is kept, or where the input does not
  * move it by this linearisation. */
@@ -45,8 +46,8 @@ static inline int held_factor(struct qp *restrict s)
     return 1;
 }
 
-/* Feedforward of a stage's inputs, and p_k, by the factorisation as it is. No bound has given way. */
-static void held_again(const struct qp *restrict s, struct held_set *restrict h, int k)
+/* held_vectors by the factorisation as it is. No bound has given way. */
+static void held_vectors_by_factors(const struct qp *restrict s, struct held_set *restrict h, int k)
 {
     double asked[NU], defect[NX], along[WIDTH], slope[NU];
 
@@ -107,8 +108,8 @@ static int held_recall(const struct qp *restrict s, struct held_set *restrict h)
     return found;
 }
 
-/* The point to which the laws of the bounds that are kept lead. Returns how many bounds have changed on the way there, or -1
- * where it cannot be begun so. */
+/* Go by the laws of the bounds that are kept. Returns how many bounds have changed on the way, or -1 where it cannot be begun
+ * so. */
 static int held_first(struct qp *restrict s, struct held_set *restrict h)
 {
     if (!held_recall(s, h))
@@ -116,7 +117,7 @@ static int held_first(struct qp *restrict s, struct held_set *restrict h)
     for (int i = 0; i < NX; ++i)
         h->p[N][i] = STATE(s->g, N)[i];
     for (int k = N - 1; k >= 0; --k)
-        held_again(s, h, k);
+        held_vectors_by_factors(s, h, k);
     return held_forward(s, h);
 }
 
@@ -130,7 +131,7 @@ static enum held_outcome qp_held(struct qp *s, struct held_set *h)
     s->iterations = kept;
     if (changes < 0)
         return HELD_FOREIGN;
-    if (kept && changes == 0)              /* bounds that hold the wrong way are let go of sooner from afresh */
+    if (kept && changes == 0)              /* bounds that hold the wrong way are let go of sooner by beginning with none */
         return held_settled(s, h) ? HELD_SETTLED : HELD_UNSETTLED;
     return held_settle(s, h, changes, kept ? KEPT_PASSES : HELD_PASSES);
 }

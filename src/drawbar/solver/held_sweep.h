@@ -217,9 +217,9 @@ static inline void held_vectors(const struct qp *restrict s, struct held_set *re
     ldl_input_solve((const double (*)[NU])s->L[k], s->D[k], h->feedforward[k]);
 }
 
-/* The same by the Hessian of the stage, with what no input has moved yet in it. */
-static inline void held_anew(const struct qp *restrict s, struct held_set *restrict h, int k, const double *restrict asked,
-                             struct held_hessian *restrict H)
+/* held_vectors by the stage's Hessian and gradients, which are those where no input moves, and are moved on. */
+static inline void held_vectors_by_hessian(const struct qp *restrict s, struct held_set *restrict h, int k,
+                                           const double *restrict asked, struct held_hessian *restrict H)
 {
     pack sum[PACKS];
 
@@ -337,7 +337,7 @@ static int held_backward(struct qp *restrict s, struct held_set *restrict h)
         if (!held_gains(s, k, at, limit, &H, asked))
             return 0;
         held_cost(s, h->curve, k, &H);
-        held_anew(s, h, k, asked, &H);
+        held_vectors_by_hessian(s, h, k, asked, &H);
     }
     return 1;
 }
