@@ -71,6 +71,16 @@ def test_what_was_asked_for_is_told_once_with_its_value(log_of):
     assert [cells[0] for _, cells in rows] == ["READY", "the operator asked for SET_SPEED 0.8 m/s"]
 
 
+def test_what_is_asked_for_again_before_anything_else_happens_is_told_once_but_for_shifts(log_of):
+    stop, state = asked(Action.STOP), gate_of(SupervisorState.STOPPING)
+    asks = [asked(Action.NUDGE, 0.05)] * 2 + [asked(Action.SET_SPEED, each) for each in (1.0, 1.0, 1.1)]
+    messages = [stop, stop, state, stop, stop, *asks]
+    log = log_of(*(each if each is state else replace(each, nonce=i) for i, each in enumerate(messages)))
+    told = [cells[0].removeprefix("the operator asked for ") for _, cells in event_rows(drive_events(log))]
+    shifts, speeds = ["NUDGE 0.05 m"] * 2, ["SET_SPEED 1 m/s", "SET_SPEED 1.1 m/s"]
+    assert told == ["STOP", "STOPPING", "STOP", *shifts, *speeds]
+
+
 def test_a_state_that_is_recorded_late_is_no_event_of_its_own(tmp_path, header_and_scene):
     states = [SupervisorState.READY, SupervisorState.READY, SupervisorState.ESTOP, SupervisorState.ESTOP]
     messages = [replace(gate_of(state), time=each * 10**9, sequence=each) for each, state in enumerate(states)]

@@ -105,7 +105,7 @@ def drive_events(log: Path, *, is_on: bool = False) -> list[DriveEvent]:
             messages = (each for each in read_records(stream) if isinstance(each, LoggedMessage))
             # a state of the gate may have been recorded behind a newer one
             told = sorted(_told(messages), key=lambda pair: pair[0])
-        return list(_events(told, is_on=is_on))
+        return list(_without_repetitions(_events(told, is_on=is_on)))
     except (OSError, DamagedLogError, ValueError) as error:  # what is no message of these, too
         raise DrawbarError(f"{log}: cannot be read ({error})") from error
 
@@ -141,6 +141,16 @@ def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[
                 yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
         elif last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, which is recorded
             yield Lost(time=time, loss=Loss.ENDS)
+
+
+def _without_repetitions(events: Iterable[DriveEvent]) -> Iterator[DriveEvent]:
+    """Leave out what was asked for again before anything else happened, as by a key that is held; shifts add up."""
+    last: tuple[Action, str] | None = None
+    for event in events:
+        now = (event.action, str(event.value)) if isinstance(event, Asked) else None  # as text NaN is NaN
+        if now is None or now != last or now[0] is Action.NUDGE:
+            yield event
+        last = now
 
 
 def _became(time: float, now: _Gate, status: Status) -> Became:
