@@ -12,14 +12,12 @@ from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
-from forced_solvers import forced
 from single_layout import SingleLayout
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.exchange import Layout
 from drawbar.experiment.alteration import InterceptedMachine
-from drawbar.export.targets import FLAGS as EXPORT_FLAGS
-from drawbar.export.targets import Precision, find_target
+from drawbar.export.targets import Precision
 from drawbar.geometry import Floats
 from drawbar.signals import Measurement, StepRecord
 from drawbar.simulation import Simulation
@@ -209,17 +207,17 @@ def native(exported: Callable[..., FilePath]) -> Callable[..., Player]:
 
 
 @pytest.fixture(scope="session")
-def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Player]:
-    """Return a function that builds a program that plays the product's library for a target."""
+def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Player]:
+    """Return a function that builds a program that plays a library for a target: the product's, or one in a folder."""
 
     @cache
-    def player(target: str) -> Player:
+    def player(target: str, folder: FilePath = for_targets) -> Player:
         host = HOSTS[target]
         if host.runner and shutil.which(host.runner[0]) is None:
             pytest.skip(f"{host.runner[0]} is not installed")
-        library = for_targets / "lib" / target
+        library = folder / "lib" / target
         zig = [sys.executable, "-m", "ziglang", "cc", "-target", host.triple, "-std=gnu99", "-O2", *host.flags]
-        zig.append(f"-I{for_targets / 'include'}")
+        zig.append(f"-I{folder / 'include'}")
         sources = [REPLAY, *(str(HERE / name) for name in host.sources)]
         if host.link:
             objects = tmp_path_factory.mktemp("objects")
@@ -237,20 +235,6 @@ def player(for_targets: FilePath, tmp_path_factory: pytest.TempPathFactory) -> C
         return Player(command=(*host.runner, str(program)), environment=environment)
 
     return player
-
-
-@pytest.fixture
-def forced_player(exported: Callable[..., FilePath], tmp_path: FilePath) -> Player:
-    """Return a player for the Cortex-M7 in which no solver ever finds that it has finished."""
-    host, target = HOSTS["cortex-m7"], find_target("cortex-m7")
-    if shutil.which(host.runner[0]) is None:
-        pytest.skip(f"{host.runner[0]} is not installed")
-    library = forced(exported("articulated"), tmp_path / "forced", "damped")
-    zig = [sys.executable, "-m", "ziglang", "cc", "-target", host.triple, *EXPORT_FLAGS, "-std=gnu99", "-w"]
-    sources = [*map(str, sorted((library / "src").glob("*.c"))), REPLAY, *(str(HERE / name) for name in host.sources)]
-    flags = [*target.flags, *host.flags, f"-I{library / 'include'}", f"-I{HERE}"]
-    program = linked([*zig, *flags, *sources, host.system], tmp_path / "replay")
-    return Player(command=(*host.runner, str(program)), environment={})
 
 
 @pytest.fixture(scope="session")
