@@ -29,6 +29,8 @@ CHANGES = {field: rate * 0.8 for field, rate in RATES.items()}
 LIMITS = {"tractor_steering": 0.5, "trailer_steering": 0.3, "speed": 2.0}
 GOOD = Command(time=1.0, tractor_steering=0.1, trailer_steering=-0.2, speed=1.5)
 PASSED, LIMITED, REPEATED, STOPPED = GateVerdict
+SETTLING = 0.5
+"""time constant of the average that a stop holds, s"""
 
 
 def standing(tractor, trailer, vehicle=VEHICLE):
@@ -40,6 +42,16 @@ def standing(tractor, trailer, vehicle=VEHICLE):
 @pytest.fixture
 def gate():
     return standing(0.05, -0.15)
+
+
+def stopped(times, acted):
+    """Return the stops at these times after commands that each acted for a sample since the fixture began."""
+    held = {}
+    for field, average in (("tractor_steering", 0.05), ("trailer_steering", -0.15)):
+        for command in acted:
+            average += (1.0 - math.exp(-SAMPLE / SETTLING)) * (getattr(command, field) - average)
+        held[field] = pytest.approx(average, abs=1e-15)
+    return [(Command(time=time, speed=0.0, **held), STOPPED) for time in times]
 
 
 def test_what_is_within_the_limits_passes_as_it_is(gate):
@@ -83,21 +95,27 @@ def test_a_command_is_repeated_for_a_while_then_the_vehicle_stops_with_its_steer
     gate.check(GOOD)
     bad = replace(GOOD, tractor_steering=math.nan)
     assert (REPEATS + 1) * SAMPLE == PATIENCE
+    acted = []
     for _ in range(2):  # a command that passes between starts the count anew
         assert [gate.check(bad)[1] for _ in range(REPEATS)] == [REPEATED] * REPEATS
-        assert gate.check(replace(bad, time=9.0)) == (replace(GOOD, time=9.0, speed=0.0), STOPPED)
+        acted += [GOOD] * (1 + REPEATS)
+        assert [gate.check(replace(bad, time=9.0))] == stopped([9.0], acted)
         assert gate.check(replace(bad, time=math.nan))[0].speed == 0.0
+        acted += [gate.stop(9.2)[0]] * 2
         assert gate.check(GOOD) == (GOOD, PASSED)
 
 
 @pytest.mark.parametrize(("step", "repeats"), [(0.21, 4), (0.29, 3), (0.32, 2), (0.6, 1), (0.95, 0)])
 def test_repeats_end_by_the_clock_as_well_as_by_their_number(gate, step, repeats):
+    acted = []
     for _ in range(2):  # a command that passes between starts the clock anew
         gate.check(GOOD)
         later = [GOOD.time + step * k for k in range(1, 7)]
         answers = [gate.check(replace(GOOD, time=time, speed=math.nan)) for time in later]
         assert answers[:repeats] == [(replace(GOOD, time=time), REPEATED) for time in later[:repeats]]
-        assert answers[repeats:] == [(replace(GOOD, time=time, speed=0.0), STOPPED) for time in later[repeats:]]
+        acted += [GOOD] * (1 + repeats)
+        assert answers[repeats:] == stopped(later[repeats:], acted)
+        acted += [command for command, _ in answers[repeats:]]
 
 
 def test_a_sample_without_any_command_is_one_with_a_bad_one(gate):
@@ -105,7 +123,7 @@ def test_a_sample_without_any_command_is_one_with_a_bad_one(gate):
     assert [gate.hold(1.0 + SAMPLE * k)[1] for k in range(1, REPEATS + 2)] == [REPEATED] * REPEATS + [STOPPED]
     gate.check(GOOD)
     assert gate.hold(1.6) == (replace(GOOD, time=1.6), REPEATED)
-    assert gate.hold(2.2) == (replace(GOOD, time=2.2, speed=0.0), STOPPED)
+    assert gate.hold(2.2)[1] is STOPPED
 
 
 @pytest.mark.parametrize("time", [math.nan, math.inf])
@@ -116,9 +134,27 @@ def test_a_time_that_is_none_repeats_nothing(gate, time):
 
 def test_a_stop_lasts_until_a_command_passes(gate):
     gate.check(GOOD)
-    assert gate.stop(1.2) == (replace(GOOD, time=1.2, speed=0.0), STOPPED)
-    assert gate.hold(1.4)[1] is STOPPED
-    assert gate.check(replace(GOOD, time=1.6)) == (replace(GOOD, time=1.6), PASSED)
+    assert [gate.stop(time) for time in (1.2, 1.4)] == stopped([1.2, 1.4], [GOOD])
+    assert gate.hold(1.6)[1] is STOPPED
+    assert gate.check(replace(GOOD, time=1.8)) == (replace(GOOD, time=1.8), PASSED)
+
+
+def test_a_stop_holds_what_the_commands_were_on_average_not_the_noise_of_the_last(gate):
+    noise = np.random.default_rng(3).normal(0.0, 0.02, 200).tolist()
+    wanted = [replace(GOOD, time=0.2 * i, tractor_steering=0.1 + each) for i, each in enumerate(noise)]
+    assert [gate.check(each) for each in wanted] == [(each, PASSED) for each in wanted]
+    assert [gate.stop(40.0)] == stopped([40.0], wanted)
+
+
+def test_a_stop_moves_the_steering_no_further_than_an_actuator_can_tell():
+    quick = VEHICLE.model_copy(update={"steering_lag": 0.05})
+    gate = standing(0.4, 0.0, quick)
+    for i in range(10):  # the wheels turn as fast as they can, and the average comes after
+        given, _ = gate.check(Command(time=0.2 * i, tractor_steering=-0.5, trailer_steering=0.0, speed=1.0))
+    held, _ = gate.stop(2.0)
+    most = RATES["tractor_steering"] * (2.0 * quick.steering_lag + SAMPLE)
+    assert 0.5 * most < held.tractor_steering - given.tractor_steering <= most
+    assert gate.stop(2.2)[0].tractor_steering == held.tractor_steering
 
 
 def test_a_wrong_call_is_told_to_stand_and_changes_nothing(gate):

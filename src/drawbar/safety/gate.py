@@ -14,7 +14,7 @@ def gate_unit(vehicle: VehicleParameters, *, speed_limit: float, sample_time: fl
 
     Their steering passes no further from the wheels than where the actuator's valve is fully open. In place of any
     other command the gate repeats the last one that passed; when that has acted for PATIENCE, it stops the vehicle
-    with its steering held.
+    with its steering held where it was on average.
 
     Args:
         vehicle: limits, rates, lag and sign of the steering.

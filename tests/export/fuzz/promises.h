@@ -30,6 +30,7 @@
 struct run {
     int begun;
     int ended;                             /* enum drawbar_status with which it did, or 0 */
+    int stopped;                           /* its newest command was a stop of the gate */
     int given;                             /* there is a last command, be it of the run before */
     struct drawbar_command last;           /* the newest command */
     int repeats;                           /* samples since a new command */
@@ -68,8 +69,15 @@ static void promise_rates(const struct run *run, const struct drawbar_command *c
     PROMISED(tractor <= TRACTOR_CHANGE + LEEWAY && trailer <= TRAILER_CHANGE + LEEWAY);
 }
 
-static void promise_held(const struct run *run, const struct drawbar_command *command)
+/* The steering of the last command, but for the sample at which the vehicle is first stopped: near it. */
+static void promise_held(const struct run *run, const struct answer *answer)
 {
+    const struct drawbar_command *command = &answer->command;
+
+    if (answer->status < DRAWBAR_NULL && answer->diagnostics.gate == DRAWBAR_GATE_STOPPED && !run->stopped) {
+        promise_rates(run, command);
+        return;
+    }
     PROMISED(command->tractor_steering == run->last.tractor_steering);
     PROMISED(command->trailer_steering == run->last.trailer_steering);
 }
@@ -182,6 +190,7 @@ static void note_answer(struct run *run, const struct answer *answer)
     }
     if (goes_on && !(answer->diagnostics.flags & DRAWBAR_SOLVER))
         run->unsolved = 0.0;
+    run->stopped = answer->diagnostics.gate == DRAWBAR_GATE_STOPPED;
     run->last = answer->command;
     run->given = 1;
 }
@@ -204,7 +213,7 @@ static void promise(struct run *run, const struct answer *answer)
     if (status >= DRAWBAR_FINISHED)
         PROMISED(command->speed == 0.0);
     if (status >= DRAWBAR_REFUSED && (run->begun || (run->given && !is_of_run(status))))
-        promise_held(run, command);
+        promise_held(run, answer);
     else if (run->begun && !(status < DRAWBAR_REFUSED && status & DRAWBAR_RELEASED))
         promise_rates(run, command);
     if (status >= DRAWBAR_NULL)
