@@ -79,9 +79,16 @@ def test_a_velocity_whose_direction_lags_by_far_is_a_contradiction():
 def test_a_jump_is_seen_only_if_it_stays():
     drift = Drift()
     assert heard(drift, times(5.0)) is None
-    drift.hear(epoch(5.0, aside=(1.0, 1.0)))
+    drift.hear(epoch(5.0, aside=(0.4, 0.4)))
     assert heard(drift, times(12.0, 5.2)) is None
-    assert heard(drift, times(14.0, 12.0), aside=(1.0, 1.0)) == pytest.approx(12.2)
+    assert heard(drift, times(14.0, 12.0), aside=(0.4, 0.4)) == pytest.approx(12.2)
+
+
+def test_one_that_the_estimator_rejects_is_no_drift():
+    """Both receivers change places in a curve, which looks as if they went aside."""
+    drift = Drift()
+    assert heard(drift, times(5.0), radius=8.0) is None
+    assert heard(drift, times(10.0, 5.0), radius=8.0, aside=(1.0, 1.0)) is None
 
 
 def test_a_speed_in_a_wrong_unit_is_no_drift():

@@ -143,7 +143,6 @@ class Controller:
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
             self._judge(record)
-            self._leave_drift(record)
             self.sureness = Certainty() if self._doubts.exist else sureness
         return record
 
@@ -154,19 +153,21 @@ class Controller:
         return self._certainty(self._autopilot.record().estimate)
 
     def _judge(self, record: StepRecord) -> None:
-        """Look at what a step says of the sensors; once the trailer's are doubtful, undo what they have done."""
+        """Look at what a step says of the sensors; undo what those have done that have become doubtful.
+
+        An estimate that has followed both antennas has turned; from then on the velocities lead.
+        """
         before = self._doubts.trailer
         self._doubts.look(record, engaged=self.engaged, drifts=self._drift.exists)
-        if self.engaged and self._doubts.trailer and not before:
-            self._hindsight.again(self._doubts.without)
-
-    def _leave_drift(self, record: StepRecord) -> None:
-        """Begin anew where the velocities have led, once both antennas drift: the estimate has followed, and turned."""
-        progress = record.reference.tractor.progress
-        if self.engaged and self._drift.exists and not self._carried and math.isfinite(progress):
+        if not self.engaged:
+            self._carried = False
+            return
+        followed = self._drift.exists and not self._carried
+        if followed:
             self._drift.carry()
-            self._begin(progress)
-        self._carried = self.engaged and (self._carried or self._drift.exists)
+            self._carried = True
+        if followed or (self._doubts.trailer and not before):
+            self._hindsight.again(self._doubts.without)
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
         """Return how the controller is after its newest step.
@@ -290,7 +291,7 @@ class Controller:
 def _steering_on(configuration: Configuration) -> Configuration:
     """Return the configuration of a step that steers on without fixes while the gate stops the vehicle for that.
 
-    A step that ends its run holds the wheels where they are.
+    A step that ends its run holds the wheels where they were on average.
     """
     sanity, stops = configuration.sanity, configuration.safety.drive.lateral_deviation
     later = {"blind_deviation": max(sanity.blind_deviation, _LATER * stops)}

@@ -18,8 +18,10 @@ from drawbar.signals import FixQuality, Measurement
 
 _WINDOW = 2.0
 """over which both ways are compared, s"""
+_JUMP = 0.5
+"""m beside where the velocity leads from one epoch to the next: farther is no drift, and the estimator rejects it"""
 _GAP = 0.5
-"""between two epochs, after which it begins anew, s"""
+"""between two epochs, after which it begins anew, s; as after a jump"""
 _LEAST = 0.5
 """way that has a direction, m"""
 _ASIDE, _SHARE = 0.2, 0.03
@@ -63,7 +65,7 @@ class _Antenna:
     def add(self, time: float, x: float, y: float, velocity: tuple[float, float]) -> bool:
         """Take in an epoch with a fixed solution, or NaN; return whether it contradicts."""
         known = math.isfinite(x + y + sum(velocity))
-        if not known or (self._places and not 0.0 < time - self._places[-1].time <= _GAP):
+        if not known or (self._places and not self._goes_on(time, x, y)):
             self._places.clear()
             self._right = None
         if not known:
@@ -80,6 +82,13 @@ class _Antenna:
         while len(self._places) > 1 and time - self._places[1].time >= _WINDOW - _SAME:
             self._places.popleft()
         return time - self._places[0].time >= _WINDOW - _SAME and self._goes_aside()
+
+    def _goes_on(self, time: float, x: float, y: float) -> bool:
+        """Return whether a place can be the next one, without a gap or a jump."""
+        last = self._places[-1]
+        step = time - last.time
+        led = (last.x + step * last.velocity[0], last.y + step * last.velocity[1])
+        return 0.0 < step <= _GAP and math.dist((x, y), led) <= _JUMP
 
     def _goes_aside(self) -> bool:
         first, last = self._places[0], self._places[-1]
