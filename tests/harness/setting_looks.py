@@ -159,6 +159,20 @@ def stuck(gap, speed, seconds, *, ahead=True):
     return look
 
 
+def leaps(step):
+    """See whether a steering is let go of whose measured angle leaps by a step, rad, and stays there."""
+
+    def look(settings):
+        bench = Bench(settings).drive()
+        bench.tractor.takes = False
+        bench.tractor.changes["engaged"] = True
+        bench.tractor.angle += step
+        bench.run(0.2)
+        return bench.state, bench.cause
+
+    return look
+
+
 def clipped(times):
     def look(settings):
         bench = Bench(settings).drive()

@@ -14,7 +14,7 @@ def followed(angle_at, set_point_at, seconds=2.0, **settings):
     following = Following(DriveSettings(**settings))
     for tick in range(round(seconds / 0.05) + 1):
         time = 0.05 * tick
-        following.add(time, set_point_at(time) * DEGREE, angle_at(time) * DEGREE)
+        following.add(time, set_point_at(time) * DEGREE, angle_at(time) * DEGREE, time)
     return following
 
 
@@ -70,13 +70,47 @@ def test_a_steering_that_moves_away_is_reversed(sign):
 
 def test_what_was_seen_stays_until_it_is_forgotten():
     following = followed(lambda t: 0.0, lambda t: 5.0)
-    following.add(2.05, 0.0, 0.0)
+    following.add(2.05, 0.0, 0.0, 2.05)
     assert following.stuck
     following.reset()
     assert not following.stuck
-    following.add(3.0, 5.0 * DEGREE, 0.0)
+    following.add(3.0, 5.0 * DEGREE, 0.0, 3.0)
     assert not following.stuck
     turned = followed(lambda t: -12.0 * t, lambda t: 1.5, 0.6)
     assert turned.reversed
     turned.reset()
     assert not turned.reversed
+
+
+def readings(*angles, every=0.05):
+    """Return what a following says of these readings, degrees, each seen at two ticks."""
+    following = Following(DriveSettings())
+    for i, angle in enumerate(angles):
+        for tick in (0.0, 0.02):
+            following.add(every * i + tick, 0.0, angle * DEGREE, every * i)
+    return following
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_angle_that_leaps_and_stays_has_jumped(sign):
+    assert readings(0.0, 0.0, sign * 2.8, sign * 2.7).jumped
+    assert readings(0.0, sign * 2.8, sign * 2.8, 0.0, 0.0).jumped
+    assert not readings(0.0, 0.0, sign * 2.8).jumped, "it may be a flaw of one reading"
+    assert not readings(0.0, sign * 30.0, 0.0, 0.0).jumped, "it was one"
+    assert not readings(0.0, sign * 2.7, sign * 2.7).jumped, "so far it may turn"
+    assert not readings(0.0, sign * 3.9, sign * 3.9, every=0.1).jumped
+    assert readings(0.0, sign * 4.1, sign * 4.1, every=0.1).jumped
+    assert not readings(*(sign * 2.7 * i for i in range(20))).jumped, "it turns as fast as that"
+    assert not readings(sign * 20.0, sign * 20.0).jumped, "where it begins is no jump"
+
+
+def test_how_far_an_angle_may_leap_is_set():
+    for changes in ({"jump_angle": 2.0 * DEGREE}, {"jump_rate": 35.0 * DEGREE}):
+        leap = followed(lambda t: 3.1 if t > 0.975 else 0.0, lambda t: 0.0, 1.1, **changes)
+        assert not leap.jumped
+    jumped = followed(lambda t: 3.1 if t > 0.975 else 0.0, lambda t: 0.0, 1.1)
+    assert jumped.jumped
+    jumped.reset()
+    jumped.add(2.0, 0.0, 0.0, 2.0)
+    jumped.add(2.05, 0.0, 0.0, 2.05)
+    assert not jumped.jumped

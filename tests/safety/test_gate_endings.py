@@ -207,6 +207,15 @@ def test_a_steering_that_turns_the_wrong_way_is_let_go():
     assert (bench.state, bench.cause) == (FAULT, Cause.STEERING_REVERSED)
 
 
+def test_a_steering_whose_measured_angle_jumps_is_let_go():
+    bench = driving()
+    bench.tractor.takes = False
+    bench.tractor.changes["engaged"] = True
+    bench.tractor.angle += 0.09
+    bench.run(0.15)
+    assert (bench.state, bench.cause) == (FAULT, Cause.STEERING_JUMPED)
+
+
 def test_a_steering_need_not_move_while_the_vehicle_stands():
     bench = driving(speed_actuator=True)
     bench.tractor.takes = False

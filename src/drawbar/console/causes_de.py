@@ -83,6 +83,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "die Anzeige der Maschine nennt den Grund"),
     Cause.NOT_TAKEN: ("Lenkungen oder Regler haben nicht rechtzeitig übernommen",
         "Anzeige der Maschine ansehen; wieder einschalten"),
+    Cause.STEERING_JUMPED: ("ein gemessener Lenkwinkel ist gesprungen",
+        "Gestänge und Kabel des Sensors prüfen, dann neu kalibrieren"),
     Cause.SILENT: ("eine Lenkung meldet sich nicht",
         "Strom, Kabel und Adresse prüfen"),
     Cause.TOO_NEW: ("eine Lenkung meldet sich erst seit weniger als einer Sekunde",

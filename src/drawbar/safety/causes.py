@@ -123,6 +123,8 @@ class Cause(Enum):
         "see the machine's own display for its reason")
     NOT_TAKEN = (408, False, Response.RELEASE, "actuators or controller did not take over in time",
         "see the machine's own display; engage again")
+    STEERING_JUMPED = (409, False, Response.RELEASE, "a measured steering angle has jumped",
+        "check the sensor's linkage and cable, then calibrate it again")
     SILENT = (411, True, Response.RELEASE, "an actuator has not been heard",
         "check its power, its cable and its address")
     TOO_NEW = (412, True, Response.RELEASE, "an actuator has been heard for less than a second",

@@ -66,6 +66,8 @@ class Observation:
     """a steering does not follow its set point"""
     reversed: bool = False
     """a steering moves away from its set point"""
+    jumped: bool = False
+    """a measured steering angle has jumped"""
     let_go: bool = False
     """an actuator was engaged and is not any more, and the operator did not take over"""
     readiness: tuple[Readiness, ...] = ()
@@ -132,6 +134,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_APART: lambda o, s: not (o.steering_error <= s.engage.steering_error),
     Cause.STEERING_STUCK: lambda o, s: o.stuck or o.astray,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
+    Cause.STEERING_JUMPED: lambda o, s: o.jumped,
     Cause.LET_GO: lambda o, s: o.let_go,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,
     Cause.SUSPENDED: lambda o, s: o.suspended,

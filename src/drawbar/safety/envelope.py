@@ -110,12 +110,8 @@ class Envelope:
         if not self.repeats(command):  # also of one that is refused, so that those that follow it may be obeyed
             self._sequence = command.sequence
         modest = command.valid_until - command.time <= nanoseconds(self._timeout)
-        return (
-            0 < ahead <= LOST
-            and modest
-            and seconds(command.time) <= now + AHEAD
-            and now <= seconds(command.valid_until)
-        )
+        in_time = seconds(command.time) <= now + AHEAD and now <= seconds(command.valid_until)
+        return 0 < ahead <= LOST and modest and in_time
 
     def begin(self, time: float, measured: tuple[float, float]) -> None:
         """Begin without a jump: the set points before the first command are where the steering is, rad."""

@@ -1,10 +1,13 @@
-"""Following: whether a steering goes where it is told. Pure, without numpy.
+"""Following: whether a steering goes where it is told, and its angle as a steering can. Pure, without numpy.
 
 Judged on a window of the last ticks. A steering that hardly moves while its set point is far from it is stuck, on
 whichever side the set point is: it may change sides meanwhile. So is one that is less far off, but for longer, and
 rests: a steering that always stands off moves as its set point does, one within its dead band is nearer. One whose set
 point is on the same side all the time, and which goes away from it, and still does, is reversed; the last because a
 steering with dead time goes on for a moment after its set point has changed sides.
+
+An angle that goes further from one reading to the next than any steering turns, and stays there, is that of a sensor
+that has slipped: the board's own loop has followed it.
 """
 
 import math
@@ -29,16 +32,18 @@ class Following:
         self._settings = settings
         self._samples: deque[tuple[float, float, float]] = deque()
         self._longest = max(_LONGER * settings.stuck_time, settings.reversed_time, _LATEST)
-        self.stuck = self.reversed = False
+        self.reset()
 
     def reset(self) -> None:
         """Forget: the steering is not asked for anything."""
         self._samples.clear()
-        self.stuck = self.reversed = False
+        self._read, self._leapt = (math.nan, math.nan), False  # the newest reading: s, rad
+        self.stuck = self.reversed = self.jumped = False
 
-    def add(self, time: float, set_point: float, measured: float) -> None:
-        """Take in what was asked for and what was measured at a time; s, rad."""
+    def add(self, time: float, set_point: float, measured: float, read: float) -> None:
+        """Take in what is asked for at a time, and what was measured when it was read; s, rad."""
         settings = self._settings
+        self._look_at(read, measured)
         self._samples.append((time, set_point - measured, measured))
         while len(self._samples) > 1 and time - self._samples[1][0] > self._longest:
             self._samples.popleft()
@@ -47,6 +52,15 @@ class Following:
         moved, apart = self._moved(settings.reversed_time, _ASIDE)
         # what stays apart by the same moves away only because its set point does
         self.reversed |= max(moved, -apart) < -settings.reversed_angle and self._moved(_LATEST, _ASIDE)[0] < 0.0
+
+    def _look_at(self, time: float, angle: float) -> None:
+        """Take in a reading, again or for the first time; one that leaps there and back is a flaw of itself."""
+        (before, last), self._read = self._read, (time, angle)
+        if time == before:
+            return
+        leaps = abs(angle - last) > self._settings.jump_angle + self._settings.jump_rate * (time - before)
+        self.jumped |= self._leapt and not leaps
+        self._leapt = leaps and not self._leapt
 
     def _rests(self) -> bool:
         """Return whether it hardly moved while it was far from its set point, or rested while it was less far."""
@@ -76,6 +90,5 @@ class Following:
 
     def _window(self, span: float) -> list[tuple[float, float, float]]:
         """Return the samples of the last span, s; none where it has not yet been observed for that long."""
-        now = self._samples[-1][0]
-        window = [sample for sample in self._samples if now - sample[0] <= span]
+        window = [sample for sample in self._samples if self._samples[-1][0] - sample[0] <= span]
         return window if len(window) < len(self._samples) else []

@@ -152,6 +152,7 @@ class Gate:
             clips=self._clips_in_a_row,
             stuck=any(each.stuck for each in self._followings),
             reversed=any(each.reversed for each in self._followings),
+            jumped=any(each.jumped for each in self._followings),
             let_go=lost and not any(report.overridden for report in reports),
             operator_age=self._desk.age(now),
             emergency_tried=self.engagement.emergency_tried,
@@ -194,12 +195,11 @@ class Gate:
         trailer = SteeringRequest(steer=steers, angle=angles[1], speed=speed)
         if not self.wires.send(now, (tractor, trailer), self._speed_request(now)):
             self.watch.troubles.unsent = now
-        for following, report, angle in zip(
-            self._followings, (actuation.tractor, actuation.trailer), angles, strict=True
-        ):
+        reports = actuation.tractor, actuation.trailer
+        for following, report, angle in zip(self._followings, reports, angles, strict=True):
             # some actuators do not move while the vehicle stands
             if steers and report is not None and report.engaged and abs(speed) >= self._settings.engage.speed:
-                following.add(now, angle, report.angle)
+                following.add(now, angle, report.angle, report.angle_time)
             else:
                 following.reset()
 

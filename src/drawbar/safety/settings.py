@@ -106,6 +106,10 @@ class DriveSettings(Settings):
     """by which a steering may move away from its set point, rad"""
     reversed_time: Timeout = 0.3
     """within this time, s"""
+    jump_rate: PositiveAngle = math.radians(25.0)
+    """fastest that a measured angle can turn, rad/s"""
+    jump_angle: PositiveAngle = math.radians(1.5)
+    """by which it may be further from one reading to the next, rad; more is a sensor that has slipped"""
 
 
 class EnvelopeSettings(Settings):

@@ -76,10 +76,8 @@ class Wires:
 
     def steering(self, time: float) -> tuple[SteeringReport | None, SteeringReport | None]:
         """Return what is known of the steering of tractor and trailer; None: there is no such actuator."""
-        return (
-            self._report(time, [wire.tractor for wire in self._wires]),
-            self._report(time, [wire.trailer for wire in self._wires]),
-        )
+        tractor, trailer = ([getattr(wire, body) for wire in self._wires] for body in ("tractor", "trailer"))
+        return self._report(time, tractor), self._report(time, trailer)
 
     def speed(self, time: float) -> SpeedReport | None:
         """Return what is known of the speed actuator; None: there is none."""
