@@ -186,25 +186,25 @@ def _errors(steps: Iterable[StepRecord], line: Line, *, two_receivers: bool) -> 
 
 def _read(log: Path) -> tuple[list[StepRecord], list[tuple[float, float]], int]:
     """Return what a log holds of steps, of the delays (s) that `Driven` has, and of late steps."""
-    steps, late = list[StepRecord](), 0
-    epochs, commands, begin = list[tuple[int, int]](), list[int](), math.inf
-    with open_drive(log) as records:
-        for record in records:
-            if isinstance(record, Fixes):
-                epochs.append((record.time, record.first_byte))
-            elif isinstance(record, CommandMessage):
-                commands.append(record.time)
-                begin = min(begin, record.time) if record.mode is Mode.DRIVE else begin
-            elif isinstance(record, ControllerState):
-                late = max(late, record.overruns)
-            elif isinstance(record, StepRecord):
-                steps.append(record)
-    left = np.sort(np.array(commands, dtype=float))
-    complete, first = np.array(sorted(each for each in epochs if each[0] >= begin), dtype=float).reshape(-1, 2).T
+    with open_drive(log) as opened:
+        records = list(opened)
+    steps = [each for each in records if isinstance(each, StepRecord)]
+    late = max((each.overruns for each in records if isinstance(each, ControllerState)), default=0)
+    fixes = [each for each in records if isinstance(each, Fixes)]
+    commands = [each for each in records if isinstance(each, CommandMessage)]
+    return steps, _delays(fixes, commands), late
+
+
+def _delays(fixes: Sequence[Fixes], commands: Sequence[CommandMessage]) -> list[tuple[float, float]]:
+    """Return of each epoch since the first command to drive how long it took to come, and its command after it, s."""
+    begin = min((each.time for each in commands if each.mode is Mode.DRIVE), default=math.inf)
+    epochs = sorted((each.time, each.first_byte) for each in fixes if each.time >= begin)
+    complete, first = np.array(epochs, dtype=float).reshape(-1, 2).T
+    left = np.sort(np.array([each.time for each in commands], dtype=float))
     found = left.searchsorted(complete)
     answered = found < len(left)
     answers = left[found[answered]] - complete[answered]
-    return steps, [(1e-9 * a, 1e-9 * b) for a, b in zip((complete - first)[answered], answers, strict=True)], late
+    return [(1e-9 * a, 1e-9 * b) for a, b in zip((complete - first)[answered], answers, strict=True)]
 
 
 def _processor_time(processes: DriveProcesses) -> float:

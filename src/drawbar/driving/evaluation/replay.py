@@ -7,6 +7,7 @@ when the receivers were looked at, and what the controller took in before each s
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from itertools import takewhile
 from pathlib import Path
 from typing import TypeVar
 
@@ -63,14 +64,10 @@ def _fixes(records: Iterator[DriveRecord], configuration: Configuration, header:
     """Return what the receivers say, by sequence, from their bytes."""
     lines = {device.topic: MemoryTransport() for device in Device}
     navigation, found = _navigation(configuration, header, lines), dict[int, Fixes]()
-    pieces, looks = deque[RawBytes](), list[Happening]()
-    for record in records:
-        if isinstance(record, Damage):
-            break
-        if isinstance(record, RawBytes) and record.direction is Direction.IN:
-            pieces.append(record)
-        elif isinstance(record, Happening) and record.kind is Kind.LOOK:
-            looks.append(record)
+    sound = takewhile(lambda record: not isinstance(record, Damage), records)
+    inputs = [each for each in sound if isinstance(each, RawBytes | Happening)]
+    pieces = deque(each for each in inputs if isinstance(each, RawBytes) and each.direction is Direction.IN)
+    looks = [each for each in inputs if isinstance(each, Happening) and each.kind is Kind.LOOK]
     for look in looks:
         for _ in range(min(look.sequence, len(pieces))):
             piece = pieces.popleft()
@@ -108,16 +105,19 @@ class _Recorded:
             if isinstance(record, Damage):
                 self.damage = record
                 break
-            if isinstance(record, GateState):
-                self._states[record.sequence] = record
-            elif isinstance(record, Fixes):
-                self.fixes[record.sequence] = record
-            elif isinstance(record, CommandMessage):
-                self.commands[record.sequence] = record
-            elif isinstance(record, StepRecord):
-                self.steps.append(record)
-            elif isinstance(record, Happening) and record.kind is not Kind.LOOK:
-                self.order.append(record)
+            self._add(record)
+
+    def _add(self, record: DriveRecord) -> None:
+        if isinstance(record, GateState):
+            self._states[record.sequence] = record
+        elif isinstance(record, Fixes):
+            self.fixes[record.sequence] = record
+        elif isinstance(record, CommandMessage):
+            self.commands[record.sequence] = record
+        elif isinstance(record, StepRecord):
+            self.steps.append(record)
+        elif isinstance(record, Happening) and record.kind is not Kind.LOOK:
+            self.order.append(record)
 
     def state(self, sequence: int) -> GateState:
         """Return a state of the gate."""
@@ -156,19 +156,20 @@ class _Controller:
         return self._comparison.replay(self._steps, cut="" if damage is None else str(damage))
 
     def _do(self, again: dict[int, Fixes]) -> None:
-        recorded, loop = self._recorded, self._loop
-        for each in recorded.order:
+        for each in self._recorded.order:
             self._now = each.time
             if each.kind is Kind.GATE:
-                loop.hear_gate(recorded.state(each.sequence))
+                self._loop.hear_gate(self._recorded.state(each.sequence))
             elif each.kind is Kind.FIXES:
-                fixes = recorded.known(again, each.sequence, "raw bytes of the fixes")
-                self._compare(recorded.fixes.get(each.sequence), fixes, "fixes.")
-                loop.hear_fixes(fixes)
+                self._hear_fixes(self._recorded.known(again, each.sequence, "raw bytes of the fixes"))
             elif each.kind is Kind.MISS:
-                loop.miss()
+                self._loop.miss()
             else:
-                loop.repeat(each.time)
+                self._loop.repeat(each.time)
+
+    def _hear_fixes(self, fixes: Fixes) -> None:
+        self._compare(self._recorded.fixes.get(fixes.sequence), fixes, "fixes.")
+        self._loop.hear_fixes(fixes)
 
     def _compare(self, recorded: Message | None, again: Message, prefix: str, names: Sequence[str] = ()) -> None:
         if recorded is not None:
