@@ -57,7 +57,7 @@ class _AntennaResidual:
     def __init__(self, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
         self._distances = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # m
-        self._usual = RunningRms(sample_time)
+        self._rms = RunningRms(sample_time)
 
     def contradicts(self, x: float, y: float, place: Pose, *, moves: bool) -> bool:
         """Take in where it is (m), NaN where that is not known; return whether it is farther than it usually is."""
@@ -67,9 +67,9 @@ class _AntennaResidual:
         self._distances.append(distance)
         mean = fmean(self._distances)
         if moves:
-            self._usual.add(mean)
+            self._rms.add(mean)
         full = len(self._distances) == self._distances.maxlen
-        return full and mean > _ASIDE * max(self._usual.value, _LEAST)
+        return full and mean > _ASIDE * max(self._rms.value, _LEAST)
 
 
 class _StuckHitchSensor:
@@ -116,7 +116,7 @@ class FaultExclusion:
         self._stuck = _StuckHitchSensor(_TURNED * settings.hitch)
         count = max(round(_MEMORY / sample_time), CONFIRMED)
         self._differences = deque[tuple[float, float]](maxlen=count)
-        self._usual = RunningRms(sample_time, first=_FIRST, first_time=_FIRST_TIME)  # mean of them, rad
+        self._rms = RunningRms(sample_time, first=_FIRST, first_time=_FIRST_TIME)  # mean of them, rad
         self._tractor_antenna, self._trailer_antenna = _AntennaResidual(sample_time), _AntennaResidual(sample_time)
         self._positions = self._trailer = 0
 
@@ -159,13 +159,13 @@ class FaultExclusion:
         """Return by how much both angles together have differed for long, as a share of what is a contradiction."""
         if len(self._differences) < (self._differences.maxlen or 0):
             return 0.0
-        limit = max(_DIFFERENCE, _USUAL * self._usual.value)
+        limit = max(_DIFFERENCE, _USUAL * self._rms.value)
         counted = (
             (_clipped(hitch, _SHARP * limit), _clipped(joint, _SHARP * limit)) for hitch, joint in self._differences
         )
         apart = math.hypot(*map(fmean, zip(*counted, strict=True)))
         if moves:
-            self._usual.add(min(apart, limit))
+            self._rms.add(min(apart, limit))
         return apart / limit
 
     def _aside(self, record: StepRecord, *, moves: bool) -> bool:

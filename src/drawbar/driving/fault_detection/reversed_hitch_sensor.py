@@ -42,7 +42,7 @@ class ReversedHitchSensor:
         self._last: Measurement | None = None
         self._gamma = 0.0  # tractor yaw minus trailer yaw, by the motion, rad
         self._products = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # measured times computed, rad²
-        self._usual = RunningRms(sample_time)  # residual, rad
+        self._rms = RunningRms(sample_time)  # residual, rad
 
     def update(self, record: StepRecord) -> bool:
         """Take in a step; return whether the sensor is reversed."""
@@ -56,9 +56,9 @@ class ReversedHitchSensor:
         if math.isfinite(measured.hitch_angle):
             self._products.append(measured.hitch_angle * computed)
             residuals = (abs(wrap(measured.hitch_angle - sign * computed)) for sign in (1.0, -1.0))
-            self._usual.add(min(*residuals, _MOST))
+            self._rms.add(min(*residuals, _MOST))
         full = len(self._products) == self._products.maxlen
-        limit = max(_OPPOSITE, _USUAL * self._usual.value)
+        limit = max(_OPPOSITE, _USUAL * self._rms.value)
         least = -_SINGLE * len(self._products) * limit**2
         return full and fmean(max(each, least) for each in self._products) < -(limit**2)
 

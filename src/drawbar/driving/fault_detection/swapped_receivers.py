@@ -12,7 +12,7 @@ from drawbar.messages import Fixes
 _AGAINST = -0.5
 """cosine between the way of each antenna and the line from the trailer's to the tractor's, below which it is against"""
 _EPOCHS = 2
-"""in a row: before the estimator doubts both positions, where they have changed places while driving"""
+"""in a row: before the estimator rejects both positions, where they have changed places while driving"""
 
 
 class SwappedReceivers:

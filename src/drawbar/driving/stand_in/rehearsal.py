@@ -250,5 +250,5 @@ class Rehearsal:
         state = self.gate_state.state if self.gate_state else SupervisorState.BOOT
         for part, role in _ROLES.items():
             if part not in self.stopped:
-                beat = Heartbeat(sequence=0, time=now, valid_until=now + 10**9, role=role, healthy=1, state=state)
-                self._tell_desk(beat)
+                heartbeat = Heartbeat(sequence=0, time=now, valid_until=now + 10**9, role=role, healthy=1, state=state)
+                self._tell_desk(heartbeat)
