@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drawbar.cli.main import app
-from drawbar.driving.orders import ORDERS_NAME, Orders
+from drawbar.driving.messaging.process_options import OPTIONS_NAME, ProcessOptions
 from drawbar.errors import HardwareError
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
@@ -20,8 +20,8 @@ def stale(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     folder = tmp_path / "drawbar-killed"
     folder.mkdir()
-    orders = Orders(folder=str(folder), run="runs/a", configuration="config.toml")
-    (folder / ORDERS_NAME).write_text(orders.model_dump_json(), "utf-8")
+    options = ProcessOptions(folder=str(folder), run="runs/a", configuration="config.toml")
+    (folder / OPTIONS_NAME).write_text(options.model_dump_json(), "utf-8")
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as gate:
         gate.bind(str(folder / "gate"))
     return folder

@@ -16,9 +16,9 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines a
 class FrontEnd:
     """Nobody at the keys, and nothing heard."""
 
-    def __init__(self, crew, *, demonstrates):
+    def __init__(self, processes, *, demonstrates):
         self.state, self.is_over, self.closed = None, False, False
-        crew.front = self
+        processes.front = self
 
     def wait(self, seconds):
         pass
@@ -30,7 +30,7 @@ class FrontEnd:
 class Terminal:
     """A terminal that cannot be written to."""
 
-    def __init__(self, console, crew, front):
+    def __init__(self, console, processes, front):
         pass
 
     def __enter__(self):
@@ -44,26 +44,26 @@ class Terminal:
 
 
 @pytest.fixture
-def crew(monkeypatch):
-    monkeypatch.setattr("drawbar.driving.front_end.FrontEnd", FrontEnd)
-    monkeypatch.setattr("drawbar.driving.terminal.Terminal", Terminal)
-    return SimpleNamespace(orders=SimpleNamespace(clock=lambda: 0.0))
+def processes(monkeypatch):
+    monkeypatch.setattr("drawbar.driving.operator.front_end.FrontEnd", FrontEnd)
+    monkeypatch.setattr("drawbar.driving.operator.terminal.Terminal", Terminal)
+    return SimpleNamespace(options=SimpleNamespace(clock=lambda: 0.0))
 
 
-def test_a_terminal_that_is_gone_before_its_signal_is_heard_ends_a_drive_in_order(crew, monkeypatch):
+def test_a_terminal_that_is_gone_before_its_signal_is_heard_ends_a_drive_in_order(processes, monkeypatch):
     ours, theirs = os.openpty()
     with open(theirs, "w", encoding="utf-8") as gone:
         monkeypatch.setattr("sys.stdout", gone)
         os.close(ours)
-        assert not _drive(crew, Interrupts(), demonstrates=False, seconds=1.0)
+        assert not _drive(processes, Interrupts(), demonstrates=False, seconds=1.0)
         print("what follows goes nowhere", flush=True)
-    assert crew.front.closed
+    assert processes.front.closed
 
 
-def test_output_that_fails_while_the_terminal_is_there_is_told(crew):
+def test_output_that_fails_while_the_terminal_is_there_is_told(processes):
     with pytest.raises(OSError, match="cannot be written to"):
-        _drive(crew, Interrupts(), demonstrates=False, seconds=1.0)
-    assert crew.front.closed
+        _drive(processes, Interrupts(), demonstrates=False, seconds=1.0)
+    assert processes.front.closed
 
 
 @pytest.mark.parametrize(
@@ -75,18 +75,18 @@ def test_output_that_fails_while_the_terminal_is_there_is_told(crew):
     ],
 )
 def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, capsys, said, told):
-    class Crew:
+    class Processes:
         def __enter__(self):
             return self
 
         def __exit__(self, *what):
             pass
 
-        def said(self):
+        def output(self):
             return said
 
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
-    assert not _run(Crew(), None, Interrupts(), demonstrates=False, seconds=0.0)
+    assert not _run(Processes(), None, Interrupts(), demonstrates=False, seconds=0.0)
     shown = capsys.readouterr().out
     assert shown.endswith(told) if len(said) < 2 else told in shown
     assert bool(said) == bool(shown.strip())

@@ -8,7 +8,7 @@ import pytest
 
 from drawbar.cli import interrupts
 from drawbar.cli.interrupts import ended_by_signals
-from drawbar.driving import pushing, wiggle
+from drawbar.driving.preparation import check, push_calibration, wiggle
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP] if sys.platform != "win32" else []
@@ -53,8 +53,8 @@ def test_what_is_moved_is_ended_in_order_where_the_terminal_hangs_up(command, tm
 
     from drawbar.cli.main import app
     from drawbar.config import load_configuration
-    from drawbar.driving.demonstration import with_stand_ins
-    from drawbar.driving.finding import Finding
+    from drawbar.driving.preparation.finding import Finding
+    from drawbar.driving.stand_in.demonstration import with_stand_ins
 
     machine, ended = with_stand_ins(load_configuration("articulated", ["machine.attitude.tractor.present=true"])), []
     (tmp_path / "my.toml").write_text(machine.to_toml(), "utf-8")
@@ -75,11 +75,11 @@ def test_what_is_moved_is_ended_in_order_where_the_terminal_hangs_up(command, tm
             pass
 
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    monkeypatch.setattr("drawbar.driving.check.check", lambda *arguments: [Finding(device="all", heard=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", heard=True)])
     monkeypatch.setattr(wiggle, "wiggle_both", moved)
-    monkeypatch.setattr(pushing, "ReceiverMotion", Closing)
-    monkeypatch.setattr(pushing, "opened", Closing)
-    monkeypatch.setattr(pushing.Pushing, "run", moved)
+    monkeypatch.setattr(push_calibration, "ReceiverMotion", Closing)
+    monkeypatch.setattr(push_calibration, "open_bare_valve", Closing)
+    monkeypatch.setattr(push_calibration.PushCalibration, "run", moved)
     file = str(tmp_path / "my.toml")
     result = CliRunner().invoke(app, [each.format(file) for each in command], input="y\ny\n")
     assert (ended, result.exit_code) == ([True], 130), result.output

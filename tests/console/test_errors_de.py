@@ -42,9 +42,9 @@ MET = (
 )
 """where what is raised may reach an operator"""
 CALIBRATION = (
-    "driving/calibrating.py",
-    "driving/loop_drive.py",
-    "driving/pushing.py",
+    "driving/preparation/hand_calibration.py",
+    "driving/preparation/dead_bands.py",
+    "driving/preparation/push_calibration.py",
     "machine/hardware/calibration.py",
     "machine/hardware/calibration_plans.py",
     "machine/hardware/valve_calibration.py",
@@ -67,10 +67,10 @@ NOT_MET = {
 ELSEWHERE = {
     "config.py",  # files and --set of the command line; the numbers that pages change are tried below
     "control/tube/tube.py",  # of the tubes that the step of this very drive has
-    "driving/console_orders.py",  # the same
-    "driving/crew.py",
-    "driving/demonstration.py",
-    "driving/orders.py",
+    "driving/messaging/console_options.py",  # the same
+    "driving/processes/drive_processes.py",
+    "driving/stand_in/demonstration.py",
+    "driving/messaging/process_options.py",
     "guidance/path.py",  # of paths that no file makes
     "machine/hardware/devices.py",  # the drive has them
     "recording/drive_records.py",  # its events are read by drive_events.py

@@ -19,8 +19,8 @@ from drawbar.config import load_configuration
 from drawbar.console.run_events import run_events
 from drawbar.console.view import board, picture
 from drawbar.console.words import Words
-from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import SupervisorState
 from drawbar.recording.log import read_log
 from drawbar.safety.causes import Cause
@@ -35,15 +35,15 @@ def announces(gate):
 def test_steering_goes_on_while_the_disk_is_full_and_what_was_written_is_kept(tmp_path):
     configuration = with_stand_ins(load_configuration("articulated", ["path.radii=[8.0]", *PATIENT]))
     (tmp_path / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
-    with Crew(configuration, tmp_path, stand_ins=True) as crew:
-        hand = Hand(crew, configuration)
+    with DriveProcesses(configuration, tmp_path, stand_ins=True) as processes:
+        hand = Hand(processes, configuration)
         hand.tries_emergency()
         hand.engages()
         hand.drive_on(1.0)
         gate = hand.link.gate
         assert not announces(gate)
         assert not picture(gate, None, None, WORDS["en"], stale=False)["unrecorded"]
-        recorder = crew.processes["recorder"].pid
+        recorder = processes.by_name["recorder"].pid
         hard = resource.prlimit(recorder, resource.RLIMIT_FSIZE)[1]
         resource.prlimit(recorder, resource.RLIMIT_FSIZE, (0, hard))  # neither its log nor its messages grow any more
         hand.until(announces)
@@ -51,14 +51,14 @@ def test_steering_goes_on_while_the_disk_is_full_and_what_was_written_is_kept(tm
         gate = hand.link.gate
         assert gate.state is SupervisorState.ACTIVE
         assert announces(gate)
-        assert crew.ended() == []
+        assert processes.ended() == []
         for words in WORDS.values():
             shown = board(gate, words, stale=False, mine=True, holder="1", drives=True)
             assert words("worries") in shown.heading
             assert words.cause(Cause.NOT_RECORDING) in shown.reasons
             assert picture(gate, None, None, words, stale=False)["unrecorded"]
         hand.close()
-    assert crew.processes["recorder"].returncode == 0
+    assert processes.by_name["recorder"].returncode == 0
     assert len(read_log(tmp_path / "log.mcap").records) > 5
     told = [event.text for event in run_events(tmp_path / "log.mcap", WORDS["en"])]
     assert "Steering" in told

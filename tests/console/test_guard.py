@@ -15,7 +15,7 @@ from nicegui import core, ui
 from drawbar.console.guard import LARGEST
 from drawbar.console.passwords import load_users, save_user, verify
 from drawbar.console.visitors import COOKIE, LIFE, Rank, Visitors
-from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.messaging.console_options import ConsoleOptions
 from drawbar.errors import ConfigurationError
 from drawbar.messages import Action, SupervisorState
 
@@ -274,11 +274,11 @@ def test_others_reach_it_only_with_tls_and_passwords(tmp_path, host):
     given = {}
     for name in ("certificate", "key", "passwords"):
         with pytest.raises(ConfigurationError, match=name):
-            ConsoleOrders(folder="", configuration="", host=host, **given).check()
+            ConsoleOptions(folder="", configuration="", host=host, **given).check()
         (tmp_path / name).touch()
         given[name] = str(tmp_path / name)
-    ConsoleOrders(folder="", configuration="", host=host, **given).check()
-    assert ConsoleOrders(folder="", configuration="").host == "127.0.0.1"
+    ConsoleOptions(folder="", configuration="", host=host, **given).check()
+    assert ConsoleOptions(folder="", configuration="").host == "127.0.0.1"
 
 
 def test_each_page_belongs_to_the_browser_that_opened_it():

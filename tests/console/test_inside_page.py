@@ -13,7 +13,7 @@ from drawbar.console import live_plot
 from drawbar.console.catalogue import TEXTS
 from drawbar.console.signal_history import PRESETS, Column, ShownStep, all_names, columns, row
 from drawbar.console.signal_words import QUANTITIES, SECTIONS, signal_words
-from drawbar.driving.letters import Step, Sureness, pack
+from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, pack
 from drawbar.step.layout import packed
 
 
@@ -90,7 +90,7 @@ def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(run_log, mo
         def step(record):
             stage.run(0.2)
             stage.hear_controller(lateral_deviation=0.02)
-            stage.link.hear(pack(Step(time=1, data=packed(record))))
+            stage.link.hear(pack(PackedStep(time=1, data=packed(record))))
             one.refresh()
 
         one.refresh()
@@ -114,7 +114,7 @@ def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(run_log, mo
         )
         one.page._names.set_value(["measurement.tractor_x"])
         assert plot.values("East · tractor · measured (m)") == [pytest.approx(records[9].measurement.tractor_x, 1e-5)]
-        stage.link.hear(pack(Sureness({"tractor_slip": 0.25})))
+        stage.link.hear(pack(EstimateDeviations({"tractor_slip": 0.25})))
         one.page._preset.set_value("plot_slips")
         step(records[10])
         value = records[10].estimate.tractor_slip

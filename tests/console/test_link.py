@@ -18,8 +18,8 @@ from console_stage import Stage
 from drawbar.config import load_configuration
 from drawbar.console.drawing import Lines, moving, standing, tube_widths
 from drawbar.console.thinning import kept_points
-from drawbar.driving.letters import Step, pack
-from drawbar.driving.orders import CONSOLE
+from drawbar.driving.messaging.datagrams import PackedStep, pack
+from drawbar.driving.messaging.process_options import CONSOLE
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage
@@ -44,7 +44,7 @@ def test_a_step_is_drawn_where_its_record_says(record):
     step, _configuration = record
     data = packed(step)
     stage = Stage()
-    stage.link.hear(pack(Step(time=1, data=data)))
+    stage.link.hear(pack(PackedStep(time=1, data=data)))
     place = stage.link.moving
     assert place.tractor == (step.estimate.tractor.x, step.estimate.tractor.y, step.estimate.tractor.yaw)
     assert place.plans[0][-1] == pytest.approx(step.plan.tractor.poses[-1, :2], abs=1e-3)
@@ -57,7 +57,7 @@ def test_a_vehicle_that_stands_leaves_no_trail(record):
     step, _configuration = record
     data, stage = packed(step), Stage()
     for _ in range(50):
-        stage.link.hear(pack(Step(time=1, data=data)))
+        stage.link.hear(pack(PackedStep(time=1, data=data)))
     assert len(stage.link.trail) == 1
 
 

@@ -7,9 +7,9 @@ from console_hand import Hand, in_state
 from patience import PATIENT
 
 from drawbar.config import load_configuration
-from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_stand_ins
-from drawbar.driving.replay import replay_drive
+from drawbar.driving.evaluation.replay import replay_drive
+from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import Action, ControllerState, GateState, SupervisorState
 from drawbar.recording.drive_records import open_drive
 
@@ -22,8 +22,8 @@ def test_a_drive_with_nudges_other_speed_and_other_line_replays_bit_for_bit(tmp_
     changes = ["path.radii=[8.0]", f"path.working_width={WIDTH}", *PATIENT]
     configuration = with_stand_ins(load_configuration("articulated", changes))
     (tmp_path / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
-    with Crew(configuration, tmp_path, stand_ins=True) as crew:
-        hand = Hand(crew, configuration)
+    with DriveProcesses(configuration, tmp_path, stand_ins=True) as processes:
+        hand = Hand(processes, configuration)
         hand.tries_emergency()
         hand.until(lambda gate: gate.line == 1, lambda _: (Action.LINE, 1.0))
         hand.drives(WIDTH)

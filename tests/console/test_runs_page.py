@@ -51,8 +51,8 @@ def on_page(runs, test, current="elsewhere", rank=Rank.MAINTAINER):
 
     async def whole():
         stage = Stage(runs.parent / "audit")
-        orders = {"runs": str(runs), "configuration": str(runs / current / "config.toml")}
-        async with console(stage, **orders) as browser:
+        options = {"runs": str(runs), "configuration": str(runs / current / "config.toml")}
+        async with console(stage, **options) as browser:
             one = browser()
             visitors = one.pages._visitors
             admit = visitors.admit

@@ -15,7 +15,7 @@ from console_process import PROGRAM, console_process, free_port, reaches, until
 
 from drawbar.console.passwords import save_user
 from drawbar.console.visitors import Rank
-from drawbar.driving.console_orders import ConsoleOrders
+from drawbar.driving.messaging.console_options import ConsoleOptions
 
 PASSWORD = "correct horse battery"
 
@@ -62,8 +62,8 @@ def test_it_logs_in_over_tls_and_says_nothing_without(tmp_path):
 
 def test_the_process_refuses_to_be_reached_by_others_without_tls_and_passwords(tmp_path):
     port = free_port()
-    orders = ConsoleOrders(folder=str(tmp_path), configuration="articulated", host="0.0.0.0", port=port)
-    ended = subprocess.run(PROGRAM, input=orders.model_dump_json().encode(), capture_output=True, check=False)
+    options = ConsoleOptions(folder=str(tmp_path), configuration="articulated", host="0.0.0.0", port=port)
+    ended = subprocess.run(PROGRAM, input=options.model_dump_json().encode(), capture_output=True, check=False)
     assert ended.returncode != 0
     assert "without certificate and key and passwords" in ended.stderr.decode()
     assert not reaches("127.0.0.1", port)

@@ -16,7 +16,7 @@ from pushed_valve import SETTINGS, PushedValve
 
 from drawbar.config import load_configuration
 from drawbar.console import valve_card
-from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import Action
 
 
@@ -26,7 +26,7 @@ class Bench:
     def __init__(self, monkeypatch):
         self.goes, self.lines = threading.Event(), []
         self.goes.set()
-        monkeypatch.setattr(valve_card, "opened", self._opened)
+        monkeypatch.setattr(valve_card, "open_bare_valve", self._opened)
 
     def _opened(self, settings, wheelbase, motion):
         assert settings.counts == SETTINGS.counts

@@ -23,9 +23,9 @@ from pathlib import Path
 from wire_delay import SetPoint, Wire
 
 from drawbar.config import load_configuration
-from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_stand_ins
-from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.operator.front_end import FrontEnd
+from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.errors import DrawbarError
 from drawbar.messages import SupervisorState
 from drawbar.recording.log import LOG_NAME, read_log
@@ -72,7 +72,7 @@ class NotSteeredError(Exception):
 class Drive:
     """A drive, its operator and the wire to its boards."""
 
-    crew: Crew
+    processes: DriveProcesses
     front: FrontEnd
     wire: Wire
 
@@ -119,9 +119,9 @@ def broken(outcome: Outcome, run: Path, chance: random.Random) -> None:
     assert devices.tractor_board is not None
     assert devices.trailer_board is not None
     (run / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
-    with Crew(configuration, run, stand_ins=True) as crew:
+    with DriveProcesses(configuration, run, stand_ins=True) as processes:
         wire = Wire((devices.tractor_board.destination[1], devices.trailer_board.destination[1]))
-        drive = Drive(crew, FrontEnd(crew, demonstrates=True), wire)
+        drive = Drive(processes, FrontEnd(processes, demonstrates=True), wire)
         try:
             start = _signalled(drive, outcome, chance)
         finally:
@@ -138,7 +138,7 @@ def _signalled(drive: Drive, outcome: Outcome, chance: random.Random) -> float:
     drive.watch(lambda: False, chance.uniform(0.2, 1.2))
     if not steering or drive.state() is not SupervisorState.ACTIVE:
         raise NotSteeredError(drive.state())
-    process = drive.crew.processes[outcome.process]
+    process = drive.processes.by_name[outcome.process]
     wall, start = time.time(), time.monotonic_ns()
     process.send_signal(outcome.number)
     if outcome.process == "recorder":
@@ -161,7 +161,7 @@ def _signalled(drive: Drive, outcome: Outcome, chance: random.Random) -> float:
 def _resumed(drive: Drive, outcome: Outcome, wall: float) -> float:
     """Let what was frozen go on, and watch what it does; return the time that was given."""
     if outcome.number is signal.SIGSTOP:
-        drive.crew.processes[outcome.process].send_signal(signal.SIGCONT)
+        drive.processes.by_name[outcome.process].send_signal(signal.SIGCONT)
     drive.watch(lambda: False, AFTER)
     return wall
 

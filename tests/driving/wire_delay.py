@@ -23,9 +23,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drawbar.config import load_configuration
-from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_stand_ins
-from drawbar.driving.front_end import FrontEnd
+from drawbar.driving.operator.front_end import FrontEnd
+from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import CommandMessage, ControllerState, Fixes, Mode
 from drawbar.protocols.agopengps.steer_board import SET_POINT
 from drawbar.recording.drive_records import Happening, Kind, open_drive
@@ -95,18 +95,18 @@ class Wire:
         self._socket.close()
 
 
-def processor_time(crew: Crew) -> float:
+def processor_time(processes: DriveProcesses) -> float:
     """Return what the processes of a drive have used of the processor, s; the stand-in is the machine's."""
     used = 0
-    for name, process in crew.processes.items():
+    for name, process in processes.by_name.items():
         fields = Path(f"/proc/{process.pid}/stat").read_text("utf-8").rpartition(")")[2].split()
         used += (int(fields[11]) + int(fields[12])) * (name != "stand_in")
     return used / os.sysconf("SC_CLK_TCK")
 
 
-def memory(crew: Crew) -> float:
+def memory(processes: DriveProcesses) -> float:
     """Return the resident memory of the processes of a drive, MB."""
-    pages = (int(Path(f"/proc/{each.pid}/statm").read_text("utf-8").split()[1]) for each in crew.processes.values())
+    pages = (int(Path(f"/proc/{each.pid}/statm").read_text("utf-8").split()[1]) for each in processes.by_name.values())
     return sum(pages) * os.sysconf("SC_PAGE_SIZE") * 1e-6
 
 
@@ -119,12 +119,12 @@ def drive(rate: float, seconds: float) -> None:
     with tempfile.TemporaryDirectory(prefix="drawbar-wire-") as folder:
         run = Path(folder)
         (run / CONFIGURATION_NAME).write_text(configuration.to_toml(), "utf-8")
-        with Crew(configuration, run, stand_ins=True) as crew:
-            front, end = FrontEnd(crew, demonstrates=True), time.monotonic() + seconds
+        with DriveProcesses(configuration, run, stand_ins=True) as processes:
+            front, end = FrontEnd(processes, demonstrates=True), time.monotonic() + seconds
             begun = (run / LOG_NAME).stat().st_size  # what is written once
-            while time.monotonic() < end and not front.is_over and not crew.ended():
+            while time.monotonic() < end and not front.is_over and not processes.ended():
                 front.wait(1.0)
-                looks.append((time.monotonic(), processor_time(crew), memory(crew)))
+                looks.append((time.monotonic(), processor_time(processes), memory(processes)))
             state = front.state
             front.close()
         wire.close()

@@ -68,7 +68,7 @@ def test_solvers_do_not_depend_on_path_start_and_machine() -> None:
 
 def test_a_worker_of_plain_runs_loads_nothing_of_rehearsals_or_peers() -> None:
     # every worker imports this before its first run
-    others = {"drawbar.driving.rehearsal", "drawbar.benchmark.peers.race", "scipy", "matplotlib"}
+    others = {"drawbar.driving.stand_in.rehearsal", "drawbar.benchmark.peers.race", "scipy", "matplotlib"}
     program = f"import sys, drawbar.experiment.task; print(*({others} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []

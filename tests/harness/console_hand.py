@@ -6,8 +6,8 @@ import time
 from drawbar.console.audit import Audit
 from drawbar.console.link import Link
 from drawbar.console.visitors import Rank, Visitor
-from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import CONSOLE, GATE
+from drawbar.driving.messaging.endpoint import Endpoint
+from drawbar.driving.messaging.process_options import CONSOLE, GATE
 from drawbar.message_records import encode
 from drawbar.messages import Action, SupervisorState
 
@@ -22,11 +22,11 @@ def in_state(*states):
 class Hand:
     """The console's end of a drive, with a browser that draws at once and somebody at it."""
 
-    def __init__(self, crew, configuration):
-        self._mailbox, gate = Mailbox(crew.orders.socket(CONSOLE)), crew.orders.socket(GATE)
+    def __init__(self, processes, configuration):
+        self._endpoint, gate = Endpoint(processes.options.socket(CONSOLE)), processes.options.socket(GATE)
         mast = configuration.vehicle.masts.tractor
         self.link = Link(
-            lambda message: self._mailbox.send(gate, encode(message)), Audit(None), time.monotonic_ns, mast
+            lambda message: self._endpoint.send(gate, encode(message)), Audit(None), time.monotonic_ns, mast
         )
         self._visitor = Visitor(token="one", number=1, name="one", rank=Rank.MAINTAINER)
 
@@ -35,8 +35,8 @@ class Hand:
         end, again = time.monotonic() + LONGEST, 0.0
         while not (self.link.gate is not None and condition(self.link.gate)):
             assert time.monotonic() < end, self.link.gate
-            select.select([self._mailbox], [], [], 0.05)
-            for data in self._mailbox.receive():
+            select.select([self._endpoint], [], [], 0.05)
+            for data in self._endpoint.receive():
                 self.link.hear(data)
             self.link.pass_time()
             if self.link.gate is not None:
@@ -64,4 +64,4 @@ class Hand:
         self.until(lambda _: time.monotonic() > end)
 
     def close(self):
-        self._mailbox.close()
+        self._endpoint.close()

@@ -9,9 +9,9 @@ import time
 from contextlib import contextmanager
 
 from drawbar.config import load_configuration
-from drawbar.driving.console_orders import ConsoleOrders
-from drawbar.driving.mail import Mailbox
-from drawbar.driving.orders import GATE
+from drawbar.driving.messaging.console_options import ConsoleOptions
+from drawbar.driving.messaging.endpoint import Endpoint
+from drawbar.driving.messaging.process_options import GATE
 
 WAIT = 120.0
 """s; a loaded machine takes its time"""
@@ -25,15 +25,15 @@ def free_port():
 
 
 @contextmanager
-def console_process(folder, **orders):
-    """Start a console; yields its process, the gate's mailbox and the port."""
+def console_process(folder, **options):
+    """Start a console; yields its process, the gate's endpoint and the port."""
     configuration = folder / "config.toml"
     configuration.write_text(load_configuration("articulated").to_toml(), "utf-8")
     port = free_port()
-    text = ConsoleOrders(
-        folder=str(folder), configuration=str(configuration), port=port, runs=str(folder), **orders
+    text = ConsoleOptions(
+        folder=str(folder), configuration=str(configuration), port=port, runs=str(folder), **options
     ).model_dump_json()
-    gate = Mailbox(str(folder / GATE))
+    gate = Endpoint(str(folder / GATE))
     surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
     (folder / "tmp").mkdir(exist_ok=True)
     surroundings["TMPDIR"] = str(folder / "tmp")

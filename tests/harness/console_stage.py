@@ -25,8 +25,8 @@ from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.pages import Pages
 from drawbar.console.workshop import Workshop
-from drawbar.driving.console_orders import ConsoleOrders
-from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.messaging.console_options import ConsoleOptions
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.message_records import encode
@@ -207,9 +207,9 @@ def _modules_kept():
 
 
 @asynccontextmanager
-async def console(stage, users=None, **orders):
+async def console(stage, users=None, **options):
     """Serve the pages to simulated browsers; yields what opens a new one."""
-    settings = ConsoleOrders(**{"folder": "", "configuration": "", "names": (HOST,), **orders})
+    settings = ConsoleOptions(**{"folder": "", "configuration": "", "names": (HOST,), **options})
     with _modules_kept(), nicegui_reset_globals():
         os.environ["NICEGUI_USER_SIMULATION"] = "true"
         try:

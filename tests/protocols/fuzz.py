@@ -16,8 +16,8 @@ import zlib
 from collections.abc import Callable
 
 from drawbar.config import load_configuration
-from drawbar.driving.demonstration import with_isobus, with_stand_ins
-from drawbar.driving.letters import unpack
+from drawbar.driving.messaging.datagrams import unpack
+from drawbar.driving.stand_in.demonstration import with_isobus, with_stand_ins
 from drawbar.errors import ConfigurationError
 from drawbar.message_records import LAYOUTS, MARK, VERSION, Flaw, decode
 from drawbar.messages import KINDS
@@ -157,7 +157,7 @@ class Sentences:
 
 
 def records(chance: random.Random) -> None:
-    """Records between the processes, those of the operator's socket among them, and letters to the recorder."""
+    """Records between the processes, those of the operator's socket among them, and datagrams to the recorder."""
     kind = chance.choice(list(KINDS))
     record = struct.pack("<HBB", MARK, VERSION, kind) + chance.randbytes(LAYOUTS[kind].size - 8)
     if chance.random() < 0.3:

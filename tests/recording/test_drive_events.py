@@ -8,10 +8,10 @@ import pytest
 from drive_messages import asked, controller_of, gate_of
 
 from drawbar.config import load_configuration
-from drawbar.driving.display import headline
-from drawbar.driving.mail import Mailbox
-from drawbar.driving.operator import Operator, to_gate
-from drawbar.driving.orders import GATE, RECORDER
+from drawbar.driving.messaging.endpoint import Endpoint
+from drawbar.driving.messaging.process_options import GATE, RECORDER
+from drawbar.driving.operator.display import headline
+from drawbar.driving.operator.requests import Operator, gate_sender
 from drawbar.errors import DrawbarError, StorageError
 from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage, SupervisorState
@@ -151,9 +151,9 @@ def test_the_terminal_says_how_the_controllers_run_has_ended():
 
 
 def test_what_an_operator_asks_for_is_recorded_and_that_one_is_there_is_not(tmp_path):
-    orders = SimpleNamespace(socket=lambda name: str(tmp_path / name))
-    ours, gate, recorder = (Mailbox(str(tmp_path / name)) for name in ("front", GATE, RECORDER))
-    operator = Operator(1, to_gate(ours, orders))
+    options = SimpleNamespace(socket=lambda name: str(tmp_path / name))
+    ours, gate, recorder = (Endpoint(str(tmp_path / name)) for name in ("front", GATE, RECORDER))
+    operator = Operator(1, gate_sender(ours, options))
     for action in (Action.PRESENT, Action.STOP):
         operator.ask(action, 10**9)
     heard = [[decode(data, OperatorMessage).action for data in each.receive()] for each in (gate, recorder)]

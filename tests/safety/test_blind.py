@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.driving.certainty import certainty
+from drawbar.driving.loop.estimate_uncertainty import uncertainty_of
 from drawbar.simulation import RunAborted
 
 EIGHT = "path.radii=[8.0]"
@@ -25,7 +25,7 @@ def astray(live):
 @pytest.mark.parametrize(("speed", "start"), [(0.5, 25.0), (1.0, 5.0), (1.0, 25.0), (2.0, 12.0), (3.0, 8.0)])
 def test_what_is_reckoned_is_what_the_estimators_covariance_says(build, speed, start):
     run = build("articulated", EIGHT, f"speed={speed}", lost(start), *ON)
-    tell = certainty(run.autopilot, load_configuration("articulated"))
+    tell = uncertainty_of(run.autopilot, load_configuration("articulated"))
     live = run.autopilot.library.components["supervisor"].live
     ratios = []
     for record in run.steps():
@@ -33,7 +33,7 @@ def test_what_is_reckoned_is_what_the_estimators_covariance_says(build, speed, s
         if record.measurement.time > start + 20.0 or way > 10.0:
             break
         if way > 4.0:
-            ratios.append(astray(live) / tell(record.estimate).across[0])
+            ratios.append(astray(live) / tell(record.estimate).lateral)
     assert len(ratios) > 5
     assert min(ratios) > 0.55
     assert max(ratios) < 1.6

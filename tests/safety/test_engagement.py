@@ -109,6 +109,12 @@ def test_states_with_a_budget_end_by_it(state):
     }[state]
 
 
+def test_a_stop_at_the_end_of_the_budget_keeps_a_cause_of_its_own():
+    engagement = brought_to(DEGRADED)
+    engagement.update(100.0 + engagement.remaining(100.0) + 0.001, Situation(causes=(Cause.NO_OPERATOR,)))
+    assert (engagement.state, engagement.cause) == (STOPPING, Cause.NO_OPERATOR)
+
+
 def test_a_vehicle_that_does_not_stop_is_steered_on_while_nothing_else_is_wrong():
     engagement = brought_to(STOPPING)
     for time in (110.1, 120.0):

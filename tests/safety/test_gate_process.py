@@ -20,8 +20,8 @@ from pathlib import Path
 
 import pytest
 
-from drawbar.driving.guard_main import OFF
-from drawbar.driving.orders import GateOrders
+from drawbar.driving.messaging.process_options import GateOptions
+from drawbar.driving.processes.guard_main import OFF
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.message_records import decode, encode
 from drawbar.messages import Action, GateState, Heartbeat, OperatorMessage, Role, SupervisorState
@@ -164,13 +164,13 @@ def guarded(machine):
     def start():
         driving = machine()
         board = SteerBoardSettings(address=f"127.0.0.1:{driving.wire.getsockname()[1]}", max_angle=0.5)
-        orders = GateOrders(
+        options = GateOptions(
             folder=str(driving.folder), safety=SafetySettings(), controller=0, wheelbase=1.4, tractor_limit=0.5,
             trailer_limit=0.3, tractor_board=board, trailer_board=None, isobus=None,
         )  # fmt: skip
-        command = [sys.executable, "-m", "drawbar.driving.guard_main"]
+        command = [sys.executable, "-m", "drawbar.driving.processes.guard_main"]
         guards.append(subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL))
-        guards[-1].stdin.write(orders.model_dump_json().encode())
+        guards[-1].stdin.write(options.model_dump_json().encode())
         guards[-1].stdin.close()
         end = time.monotonic() + 20.0
         while not (driving.folder / "guard").exists():

@@ -58,14 +58,14 @@ def other_master(trial):
     """Let another program steer the front wheels' board straight, ten times a second."""
 
     def begin():
-        rehearsal, inner = trial.rehearsal, trial.rehearsal.post.taps.get("tractor set point")
+        rehearsal, inner = trial.rehearsal, trial.rehearsal.links.faults.get("tractor set point")
         foreign = SteerCommand(steer=True, angle=0.0, speed=1.0).encode()
         wire = rehearsal.wires["tractor"]
 
-        def tap(now, data):
+        def fault(now, data):
             wire.arrive(now, foreign, "192.168.5.10:9999")
             return [*(inner(now, data) if inner else [(0.0, data)]), (0.01, foreign)]
 
-        rehearsal.post.taps["tractor set point"] = tap
+        rehearsal.links.faults["tractor set point"] = fault
 
     trial.begin = begin

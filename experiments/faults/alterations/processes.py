@@ -2,7 +2,7 @@
 
 import math
 
-from drawbar.driving.rehearsal import Part
+from drawbar.driving.stand_in.rehearsal import Part
 from drawbar.messages import Action
 
 
@@ -67,7 +67,7 @@ def controller_late_often(trial):
 
         return hear
 
-    trial.tap(["tractor receiver"], make)
+    trial.alter_links(["tractor receiver"], make)
 
 
 def receivers_freeze(trial):

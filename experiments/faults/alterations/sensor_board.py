@@ -7,13 +7,13 @@ def sensed(trial, change):
     """Change what the sensor board says: change(counts of the hitch, pulses, seconds since the fault)."""
 
     def make(chance, start):
-        def tap(now, data):
+        def fault(now, data):
             milliseconds, counts, pulses = data[1:].partition(b"*")[0].split(b",")[1:]
             return [(0.0, sentence(int(milliseconds), *change(int(counts), int(pulses), now - start)))]
 
-        return tap
+        return fault
 
-    trial.tap(["sensors"], make)
+    trial.alter_links(["sensors"], make)
 
 
 def hitch_stuck(trial):

@@ -46,7 +46,7 @@ def silent_for(seconds):
 
 
 def nan_positions(trial):
-    trial.tap(RECEIVERS, lambda chance, start: lambda now, data: [(0.0, without_latitude(data))])
+    trial.alter_links(RECEIVERS, lambda chance, start: lambda now, data: [(0.0, without_latitude(data))])
 
 
 def without_latitude(data):
@@ -73,12 +73,12 @@ def one_receiver_silent(trial):
 
 
 def receivers_silent_for_1_s(trial):
-    trial.tap(RECEIVERS, silent_for(1.0))
+    trial.alter_links(RECEIVERS, silent_for(1.0))
 
 
 def receivers_silent_for_10_s(trial):
     trial.watched = 25.0
-    trial.tap(RECEIVERS, silent_for(10.0))
+    trial.alter_links(RECEIVERS, silent_for(10.0))
 
 
 def receivers_garbage(trial):
@@ -86,27 +86,27 @@ def receivers_garbage(trial):
 
 
 def receivers_bit_errors(trial):
-    trial.tap(RECEIVERS, bit_errors(0.2))
+    trial.alter_links(RECEIVERS, bit_errors(0.2))
 
 
 def receivers_lose_a_fifth(trial):
-    trial.tap(RECEIVERS, intermittent(0.2))
+    trial.alter_links(RECEIVERS, intermittent(0.2))
 
 
 def receivers_late(trial):
-    trial.tap(RECEIVERS, delayed(0.4))
+    trial.alter_links(RECEIVERS, delayed(0.4))
 
 
 def receivers_very_late(trial):
-    trial.tap(RECEIVERS, delayed(1.2))
+    trial.alter_links(RECEIVERS, delayed(1.2))
 
 
 def receivers_duplicated(trial):
-    trial.tap(RECEIVERS, duplicated)
+    trial.alter_links(RECEIVERS, duplicated)
 
 
 def receivers_reordered(trial):
-    trial.tap(RECEIVERS, reordered)
+    trial.alter_links(RECEIVERS, reordered)
 
 
 def board_silent(trial):
@@ -114,48 +114,48 @@ def board_silent(trial):
 
 
 def boards_lose_a_fifth(trial):
-    trial.tap(BOARDS, intermittent(0.2))
+    trial.alter_links(BOARDS, intermittent(0.2))
 
 
 def boards_garbage(trial):
-    trial.tap(BOARDS, garbage)
+    trial.alter_links(BOARDS, garbage)
 
 
 def board_bit_errors(trial):
-    trial.tap(BOARDS, bit_errors(0.05))
+    trial.alter_links(BOARDS, bit_errors(0.05))
 
 
 def set_points_lost(trial):
-    trial.tap(SET_POINTS[:1], off)
+    trial.alter_links(SET_POINTS[:1], off)
 
 
 def set_points_lose_a_fifth(trial):
-    trial.tap(SET_POINTS, intermittent(0.2))
+    trial.alter_links(SET_POINTS, intermittent(0.2))
 
 
 def set_points_duplicated(trial):
-    trial.tap(SET_POINTS, duplicated)
+    trial.alter_links(SET_POINTS, duplicated)
 
 
 def set_points_late(trial):
-    trial.tap(SET_POINTS, delayed(0.3))
+    trial.alter_links(SET_POINTS, delayed(0.3))
 
 
 def controller_bit_errors(trial):
-    trial.tap(["controller"], bit_errors(0.05))
+    trial.alter_links(["controller"], bit_errors(0.05))
 
 
 def controller_replayed(trial):
-    trial.tap(["controller"], duplicated)
+    trial.alter_links(["controller"], duplicated)
 
 
 def controller_late(trial):
-    trial.tap(["controller"], delayed(0.3))
+    trial.alter_links(["controller"], delayed(0.3))
 
 
 def operator_garbage(trial):
     """Let everything for the desk be followed by a hundred datagrams of nonsense."""
-    trial.tap(
+    trial.alter_links(
         ["operator"],
         lambda chance, start: (
             lambda now, data: [

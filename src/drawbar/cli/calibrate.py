@@ -14,8 +14,8 @@ from drawbar.errors import ConfigurationError, DrawbarError
 
 if TYPE_CHECKING:
     from drawbar.config import Configuration
-    from drawbar.driving.calibrating import Found
-    from drawbar.driving.pushing import Pushing
+    from drawbar.driving.preparation.hand_calibration import CalibrationResult
+    from drawbar.driving.preparation.push_calibration import PushCalibration
     from drawbar.signals import BodyActuation, StepRecord
 
 _NOTED_LATENCY = 0.02
@@ -51,11 +51,11 @@ def calibrate(
         console.print("the boards do not know it yet: write it to them by drawbar check --store, or by AgOpenGPS")
 
 
-def _in_log(log: FilePath) -> "list[Found]":
+def _in_log(log: FilePath) -> "list[CalibrationResult]":
     from drawbar.config import recorded_configuration
-    from drawbar.driving.calibrating import calibrate as evaluate
-    from drawbar.driving.hand_drive import HandDrive
-    from drawbar.driving.loop_drive import dead_bands
+    from drawbar.driving.preparation.dead_bands import dead_bands
+    from drawbar.driving.preparation.hand_calibration import calibrate as evaluate
+    from drawbar.driving.preparation.hand_drive import HandDrive
     from drawbar.messages import GateState
     from drawbar.recording.drive_records import open_drive
     from drawbar.recording.log import read_log
@@ -69,15 +69,20 @@ def _in_log(log: FilePath) -> "list[Found]":
     return [*evaluate(recorded, HandDrive.of(content)), *dead_bands(states)]
 
 
-def _pushed(config: "Configuration") -> "list[Found]":
+def _pushed(config: "Configuration") -> "list[CalibrationResult]":
     """Push the bare valve if the operator wants it, twice; return what that shows."""
     from drawbar.cli.interrupts import ended_by_signals
-    from drawbar.driving.pushing import Pushing, ReceiverMotion, bare_valve, opened
+    from drawbar.driving.preparation.push_calibration import (
+        PushCalibration,
+        ReceiverMotion,
+        bare_valve_settings,
+        open_bare_valve,
+    )
     from drawbar.extras import require_extra
     from drawbar.machine.hardware.calibration import CalibrationLimits
 
     require_extra("machine", "drawbar calibrate --push")
-    settings = bare_valve(config)
+    settings = bare_valve_settings(config)
     limits = CalibrationLimits()
     console.print(
         "The valve or motor turns the front wheels by some degrees to both sides, for about three minutes. Roll "
@@ -88,9 +93,9 @@ def _pushed(config: "Configuration") -> "list[Found]":
         raise SystemExit(1)
     assert config.devices is not None
     with ended_by_signals(), closing(ReceiverMotion(config.devices.tractor_receiver)) as motion:
-        valve = opened(settings, config.vehicle.wheelbase, motion)
+        valve = open_bare_valve(settings, config.vehicle.wheelbase, motion)
         with closing(valve):
-            pushing = Pushing(valve, settings)
+            pushing = PushCalibration(valve, settings)
             with console.status(Progress(pushing)):
                 found = pushing.run()
     if pushing.reason:
@@ -101,13 +106,13 @@ def _pushed(config: "Configuration") -> "list[Found]":
 class Progress:
     """How far pushes are, for a terminal."""
 
-    def __init__(self, pushing: "Pushing") -> None:
+    def __init__(self, pushing: "PushCalibration") -> None:
         """Take the pushes."""
         self._pushing = pushing
 
     def __rich__(self) -> str:
         """Return it in words."""
-        from drawbar.driving.pushing import PUSHES
+        from drawbar.driving.preparation.push_calibration import PUSHES
         from drawbar.machine.hardware.valve_calibration import RUNS
 
         rates = self._pushing.rates
@@ -118,9 +123,9 @@ class Progress:
         return "waiting for the vehicle to roll and for the switch to be held"
 
 
-def _write(configuration: FilePath, found: "Sequence[Found]", source: str) -> None:
+def _write(configuration: FilePath, found: "Sequence[CalibrationResult]", source: str) -> None:
     from drawbar.config import load_configuration
-    from drawbar.driving.calibrated_file import calibrated_file, calibrated_text
+    from drawbar.driving.preparation.calibrated_file import calibrated_file, calibrated_text
 
     file = calibrated_file(configuration)
     text = calibrated_text(configuration, found, datetime.now(UTC).date(), source)
@@ -132,7 +137,7 @@ def _write(configuration: FilePath, found: "Sequence[Found]", source: str) -> No
     console.print(f"written: {file}", soft_wrap=True)
 
 
-def _tell(found: "Found") -> None:
+def _tell(found: "CalibrationResult") -> None:
     from rich.text import Text
 
     value = found.value

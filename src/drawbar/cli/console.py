@@ -20,11 +20,11 @@ def console(
     pages: Pages,
 ) -> None:
     """Serve the operator's pages for a drive that is on already; `drawbar drive --console` does both."""
-    from drawbar.driving.orders import CONSOLE, ORDERS_NAME, Orders
+    from drawbar.driving.messaging.process_options import CONSOLE, OPTIONS_NAME, ProcessOptions
 
     folder = drive or _newest_drive()
     try:
-        known = Orders.model_validate_json((folder / ORDERS_NAME).read_text("utf-8"))
+        known = ProcessOptions.model_validate_json((folder / OPTIONS_NAME).read_text("utf-8"))
     except (OSError, ValueError):
         known = None
     if known is None or not _is_on(folder):
@@ -33,16 +33,18 @@ def console(
         raise HardwareError(f"the drive in {folder} has a console already; open that one, or end it")
     if known.pace != 1:
         raise HardwareError(f"the drive in {folder} has --pace {known.pace}; the console shows drives in real time")
-    orders = pages.orders(
+    options = pages.options(
         folder=known.folder,
         configuration=known.configuration,
         runs=str(Path(known.run).parent),
         stand_ins=known.stand_ins,
     )
-    terminal.print(f"the console is at {address(orders)}; Ctrl-C ends it, and not the drive", soft_wrap=True)
+    terminal.print(f"the console is at {address(options)}; Ctrl-C ends it, and not the drive", soft_wrap=True)
     try:
         code = subprocess.run(
-            [sys.executable, "-m", "drawbar.console.console_main"], input=orders.model_dump_json().encode(), check=False
+            [sys.executable, "-m", "drawbar.console.console_main"],
+            input=options.model_dump_json().encode(),
+            check=False,
         ).returncode
     except KeyboardInterrupt:
         code = 0
@@ -69,7 +71,7 @@ def _is_on(folder: Path) -> bool:
     """Return whether the gate of the drive in a folder is there; a drive that was killed leaves its folder."""
     import socket
 
-    from drawbar.driving.orders import GATE
+    from drawbar.driving.messaging.process_options import GATE
 
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as each:
         try:
@@ -80,9 +82,9 @@ def _is_on(folder: Path) -> bool:
 
 
 def _newest_drive() -> Path:
-    from drawbar.driving.orders import ORDERS_NAME
+    from drawbar.driving.messaging.process_options import OPTIONS_NAME
 
-    written = Path(tempfile.gettempdir()).glob(f"drawbar-*/{ORDERS_NAME}")
+    written = Path(tempfile.gettempdir()).glob(f"drawbar-*/{OPTIONS_NAME}")
     found = [each for each in written if each.is_file() and _is_on(each.parent)]
     if not found:
         raise HardwareError("no drive is on; start one with drawbar drive --console")

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from drawbar.config import Configuration
-    from drawbar.driving.finding import Finding
+    from drawbar.driving.preparation.finding import Finding
     from drawbar.machine.hardware.devices import DeviceSettings
 
 Changes = Annotated[
@@ -40,8 +40,8 @@ def check(
     from drawbar.extras import require_extra
 
     require_extra("machine", "drawbar check")
-    from drawbar.driving import check as checking  # imports the extra
-    from drawbar.driving.place import local_frame
+    from drawbar.driving.devices.path_frame import local_frame
+    from drawbar.driving.preparation import check as checking  # imports the extra
 
     config = _with_devices(configuration, changes)
     assert config.devices is not None
@@ -69,7 +69,7 @@ def _tell(findings: "Iterable[Finding]") -> bool:
 
 def _store(devices: "DeviceSettings") -> bool:
     """Write the boards' memories if the operator wants it, twice; return whether all were."""
-    from drawbar.driving.storing import store
+    from drawbar.driving.preparation.board_memory import store_board_memories
 
     console.print(
         "The boards are to store [devices.tractor_board.memory] and [devices.trailer_board.memory], all values: "
@@ -77,7 +77,7 @@ def _store(devices: "DeviceSettings") -> bool:
     )
     if not agreed("Does the vehicle stand, with nobody at the steering?", "Write to the boards now?"):
         return False
-    return _tell(store(devices))
+    return _tell(store_board_memories(devices))
 
 
 def _wiggle(config: "Configuration") -> bool:
@@ -85,8 +85,8 @@ def _wiggle(config: "Configuration") -> bool:
     from rich.text import Text
 
     from drawbar.cli.interrupts import ended_by_signals
-    from drawbar.driving.wiggle import FASTEST, ROLLS, SLOWEST, wiggle_both
-    from drawbar.driving.wiggled import forget_passed, keep_passed
+    from drawbar.driving.preparation.wiggle import FASTEST, ROLLS, SLOWEST, wiggle_both
+    from drawbar.driving.preparation.wiggle_record import forget_passed, keep_passed
 
     console.print(
         "The wiggle test turns the front wheels, then the joint, by 2° to both sides. Roll straight ahead at "
@@ -141,10 +141,10 @@ def stand_in(
     Receivers, boards, sensors, ISOBUS, and the caster of corrections where its host is this computer (127.0.0.1).
     With --pace it is so many times as fast as real time, and so must be the drive.
     """
-    from drawbar.driving.orders import Orders
-    from drawbar.driving.pace import refuse_elsewhere
-    from drawbar.driving.stand_in_main import serve
-    from drawbar.driving.stand_ins import Firmware
+    from drawbar.driving.devices.pace import refuse_elsewhere
+    from drawbar.driving.messaging.process_options import ProcessOptions
+    from drawbar.driving.stand_in.stand_in_machine import Firmware
+    from drawbar.driving.stand_in.stand_in_main import serve
     from drawbar.extras import require_extra
     from drawbar.machine.stand_in.faults import planned_fault
 
@@ -156,11 +156,11 @@ def stand_in(
     with tempfile.TemporaryDirectory(prefix="drawbar-") as folder:
         file = FilePath(folder) / "config.toml"
         file.write_text(config.to_toml(), "utf-8")
-        orders = Orders(folder=folder, run=folder, configuration=str(file), pace=pace)
+        options = ProcessOptions(folder=folder, run=folder, configuration=str(file), pace=pace)
         firmware = Firmware(boards)
         raise SystemExit(
             serve(
-                orders,
+                options,
                 faults,
                 lambda words: console.print(f"fault: {words}", soft_wrap=True),
                 firmware,

@@ -15,8 +15,8 @@ LOCAL = "127.0.0.1"
 if TYPE_CHECKING:
     from drawbar.cli.interrupts import Interrupts
     from drawbar.config import Configuration
-    from drawbar.driving.console_orders import ConsoleOrders
-    from drawbar.driving.crew import Crew
+    from drawbar.driving.messaging.console_options import ConsoleOptions
+    from drawbar.driving.processes.drive_processes import DriveProcesses
 
 
 @takes_pages
@@ -53,7 +53,7 @@ def drive(
     With --pace, stand-ins alone: all clocks and time-outs of the drive are so many times as fast.
     """
     from drawbar.cli.interrupts import Interrupts
-    from drawbar.driving.crew import Crew
+    from drawbar.driving.processes.drive_processes import DriveProcesses
     from drawbar.errors import ConfigurationError
     from drawbar.extras import require_extra
 
@@ -62,13 +62,15 @@ def drive(
         raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
     config, stand_ins = _configured(configuration, changes or [], pace)
     runs = str(out.parent if out else "runs")
-    orders = pages.orders(folder="", configuration="", runs=runs) if with_console else None  # the crew knows the rest
+    options = pages.options(folder="", configuration="", runs=runs) if with_console else None
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
     with Interrupts() as interrupts:
-        crew = Crew(config, folder, stand_ins=stand_ins, shadow=shadow, pace=pace, live=shown, console=orders)
-        failed = _run(crew, orders, interrupts, demonstrates=demonstrates, seconds=seconds)
+        processes = DriveProcesses(
+            config, folder, stand_ins=stand_ins, shadow=shadow, pace=pace, live=shown, console=options
+        )
+        failed = _run(processes, options, interrupts, demonstrates=demonstrates, seconds=seconds)
         _report(folder, shadow=shadow)
     if failed:
         raise SystemExit(1)
@@ -77,9 +79,9 @@ def drive(
 def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuration", bool]:
     """Return what to drive, its control step compiled, and whether all of its devices are stand-ins."""
     from drawbar.config import load_configuration
-    from drawbar.driving.controller import Controller
-    from drawbar.driving.demonstration import with_stand_ins
-    from drawbar.driving.pace import demand_stand_in
+    from drawbar.driving.devices.pace import demand_stand_in
+    from drawbar.driving.loop.controller import Controller
+    from drawbar.driving.stand_in.demonstration import with_stand_ins
     from drawbar.simulation import build_path
 
     config = load_configuration(name, changes)
@@ -96,16 +98,21 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
 
 
 def _run(
-    crew: "Crew", orders: "ConsoleOrders | None", interrupts: "Interrupts", *, demonstrates: bool, seconds: float
+    processes: "DriveProcesses",
+    options: "ConsoleOptions | None",
+    interrupts: "Interrupts",
+    *,
+    demonstrates: bool,
+    seconds: float,
 ) -> bool:
     """Start the processes and show the drive; return whether it failed."""
     with ExitStack() as started:
         with console.status("starting the processes …"):
-            started.enter_context(crew)
-        _tell_said(crew.said())
-        if orders is not None:
-            console.print(f"the console is at {address(orders)}", soft_wrap=True)
-        return _drive(crew, interrupts, demonstrates=demonstrates, seconds=seconds)
+            started.enter_context(processes)
+        _tell_said(processes.output())
+        if options is not None:
+            console.print(f"the console is at {address(options)}", soft_wrap=True)
+        return _drive(processes, interrupts, demonstrates=demonstrates, seconds=seconds)
 
 
 def _tell_said(lines: list[str]) -> None:
@@ -124,7 +131,7 @@ def _shown_at(port: int) -> int:
 
 def _report(folder: FilePath, *, shadow: bool) -> None:
     """Write the report, and tell what there is to tell at the end."""
-    from drawbar.driving.shadow import COMPARED, steering_differences, tell
+    from drawbar.driving.evaluation.shadow import COMPARED, steering_differences, tell
     from drawbar.recording.columns import read_columns
     from drawbar.recording.log import LOG_NAME
     from drawbar.report.console import summary
@@ -137,17 +144,17 @@ def _report(folder: FilePath, *, shadow: bool) -> None:
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
 
 
-def _drive(crew: "Crew", interrupts: "Interrupts", *, demonstrates: bool, seconds: float) -> bool:
+def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrates: bool, seconds: float) -> bool:
     """Show the drive until it is over; return whether it failed."""
     from drawbar.cli.interrupts import leave_a_terminal_that_is_gone
-    from drawbar.driving.front_end import FrontEnd, Keyboard
-    from drawbar.driving.terminal import Terminal
+    from drawbar.driving.operator.front_end import FrontEnd, Keyboard
+    from drawbar.driving.operator.terminal import Terminal
     from drawbar.messages import SupervisorState
 
-    front, clock = FrontEnd(crew, demonstrates=demonstrates), crew.orders.clock
+    front, clock = FrontEnd(processes, demonstrates=demonstrates), processes.options.clock
     end = clock() + (seconds or float("inf"))
     try:
-        with Terminal(console, crew, front) as terminal, Keyboard() as keyboard:
+        with Terminal(console, processes, front) as terminal, Keyboard() as keyboard:
             while clock() < end and not (demonstrates and front.is_over):
                 front.wait(0.05)
                 interrupts.heed()

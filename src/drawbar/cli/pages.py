@@ -12,7 +12,7 @@ import typer
 from drawbar.errors import HardwareError
 
 if TYPE_CHECKING:
-    from drawbar.driving.console_orders import ConsoleOrders
+    from drawbar.driving.messaging.console_options import ConsoleOptions
 
 _HOST = typer.Option(help="address to listen at; other than this computer's own needs TLS and passwords")
 
@@ -30,8 +30,8 @@ class Pages:
     passwords: Annotated[str | None, typer.Option(help="file of users, made by drawbar console-user")] = None
     audit: Annotated[str | None, typer.Option(help="file to which is added who asked for what")] = None
 
-    def orders(self, *, folder: str, configuration: str, runs: str, stand_ins: bool = False) -> "ConsoleOrders":
-        """Return the orders of a console that serves the pages of a drive; the arguments are as in ConsoleOrders.
+    def options(self, *, folder: str, configuration: str, runs: str, stand_ins: bool = False) -> "ConsoleOptions":
+        """Return the options of a console that serves the pages of a drive; the arguments are as in ConsoleOptions.
 
         Raises:
             ConfigurationError: the console must not be started so.
@@ -39,17 +39,17 @@ class Pages:
             HardwareError: the address is not one of this computer, or the port is taken.
         """
         from drawbar.console.passwords import load_users
-        from drawbar.driving.console_orders import ConsoleOrders
+        from drawbar.driving.messaging.console_options import ConsoleOptions
         from drawbar.extras import require_extra
 
         require_extra("console", "the console")
         given = asdict(self)
         given |= {"names": tuple(given.pop("name") or ()), "port": free_port(self.host, self.port)}
-        orders = ConsoleOrders(folder=folder, configuration=configuration, runs=runs, stand_ins=stand_ins, **given)
-        orders.check()
-        if orders.passwords is not None:
-            load_users(Path(orders.passwords))
-        return orders
+        options = ConsoleOptions(folder=folder, configuration=configuration, runs=runs, stand_ins=stand_ins, **given)
+        options.check()
+        if options.passwords is not None:
+            load_users(Path(options.passwords))
+        return options
 
 
 def takes_pages(command: Callable[..., None]) -> Callable[..., None]:
@@ -66,10 +66,10 @@ def takes_pages(command: Callable[..., None]) -> Callable[..., None]:
     return flat
 
 
-def address(orders: "ConsoleOrders") -> str:
+def address(options: "ConsoleOptions") -> str:
     """Return where a browser finds the console."""
-    host = f"[{orders.host}]" if ":" in orders.host else orders.host
-    return f"http{'s' if orders.certificate else ''}://{host}:{orders.port}/"
+    host = f"[{options.host}]" if ":" in options.host else options.host
+    return f"http{'s' if options.certificate else ''}://{host}:{options.port}/"
 
 
 def free_port(host: str, port: int = 0) -> int:

@@ -31,7 +31,7 @@ def replay(
         from drawbar.extras import require_extra
 
         require_extra("machine", "drawbar replay of a drive")
-        from drawbar.driving.replay import replay_drive  # imports the extra
+        from drawbar.driving.evaluation.replay import replay_drive  # imports the extra
 
         recomputed = replay_drive(log, changes or [])
     else:

@@ -7,7 +7,7 @@ from nicegui import ui
 from drawbar.console.link import Link
 from drawbar.console.view import Board, drives_chosen_line, set_speed_text, shift_text
 from drawbar.console.words import Words
-from drawbar.driving.operator import changed_speed
+from drawbar.driving.operator.requests import changed_speed
 from drawbar.messages import Action
 
 NUDGE = 0.02

@@ -15,9 +15,9 @@ from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
-from drawbar.driving.calibrating import calibrate
-from drawbar.driving.hand_drive import HandDrive
-from drawbar.driving.loop_drive import dead_bands
+from drawbar.driving.preparation.dead_bands import dead_bands
+from drawbar.driving.preparation.hand_calibration import calibrate
+from drawbar.driving.preparation.hand_drive import HandDrive
 from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.machine.hardware.mounting_calibration import BACK
 from drawbar.signals import Measurement

@@ -6,7 +6,7 @@ from typing import Any
 from nicegui import ui
 
 from drawbar.console.words import Words
-from drawbar.driving.calibrating import Found
+from drawbar.driving.preparation.hand_calibration import CalibrationResult
 
 _PICTURE = '<svg viewBox="0 0 48 48" class="to-drive" aria-hidden="true"><path d="{}"/></svg>'
 
@@ -38,7 +38,7 @@ class StepList:
             label.set_text(f"✓ {text}" if much >= enough else text)
 
 
-def list_found(place: ui.element, found: Iterable[Found], words: Words) -> None:
+def list_found(place: ui.element, found: Iterable[CalibrationResult], words: Words) -> None:
     """Show in a place what was found, and why not the rest."""
     place.clear()
     with place:
@@ -58,7 +58,7 @@ def plot_options(x: str, y: str) -> dict[str, Any]:
     }
 
 
-def _line(found: Found, words: Words) -> str:
+def _line(found: CalibrationResult, words: Words) -> str:
     value, name = found.value, words.message(found.name)
     if not value.accepted:
         return f"✖ {name}: {'; '.join(map(words.message, value.refusals))}"

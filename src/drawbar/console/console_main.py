@@ -1,4 +1,4 @@
-"""The console's process as a program: `python -m drawbar.console.console_main`, with its orders on standard input."""
+"""The console's process as a program: `python -m drawbar.console.console_main`, with its options on standard input."""
 
 import asyncio
 import contextlib
@@ -8,13 +8,13 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drawbar.driving.console_orders import ConsoleOrders
-from drawbar.driving.ending import told
+from drawbar.driving.messaging.console_options import ConsoleOptions
+from drawbar.driving.processes.shutdown import run_program
 
 if TYPE_CHECKING:
     from drawbar.console.link import Link
     from drawbar.console.pages import Pages
-    from drawbar.driving.mail import Mailbox
+    from drawbar.driving.messaging.endpoint import Endpoint
 
 PERIOD = 0.1
 """between two pictures, s; a step that is heard is shown at once"""
@@ -24,23 +24,23 @@ _RECONNECT = 60.0
 
 def main() -> int:
     """Serve the pages until told to end."""
-    orders = ConsoleOrders.model_validate_json(sys.stdin.read())
+    options = ConsoleOptions.model_validate_json(sys.stdin.read())
     # nothing of NiceGUI's own in the folder where one happens to be, and nothing that outlives the drive
-    os.environ["NICEGUI_STORAGE_PATH"] = str(Path(orders.folder) / "storage")
+    os.environ["NICEGUI_STORAGE_PATH"] = str(Path(options.folder) / "storage")
     os.environ.setdefault("MPLBACKEND", "agg")
-    return _serve(orders)
+    return _serve(options)
 
 
-def _serve(orders: ConsoleOrders) -> int:
+def _serve(options: ConsoleOptions) -> int:
     from nicegui import app, ui
 
-    mailbox, link, pages = _build(orders)
+    endpoint, link, pages = _build(options)
     pages.install()
-    app.on_startup(lambda: _work(mailbox, link, pages))
-    app.on_shutdown(mailbox.close)
+    app.on_startup(lambda: _work(endpoint, link, pages))
+    app.on_shutdown(endpoint.close)
     ui.run(
-        host=orders.host,
-        port=orders.port,
+        host=options.host,
+        port=options.port,
         title="drawbar",
         favicon="🚜",
         dark=None,
@@ -53,13 +53,13 @@ def _serve(orders: ConsoleOrders) -> int:
         storage_secret=None,
         ws_max_size=1 << 17,
         ws_per_message_deflate=False,
-        ssl_certfile=orders.certificate,
-        ssl_keyfile=orders.key,
+        ssl_certfile=options.certificate,
+        ssl_keyfile=options.key,
     )
     return 0
 
 
-def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
+def _build(options: ConsoleOptions) -> "tuple[Endpoint, Link, Pages]":
     """Return the console's own socket, its end of the drive, and all pages."""
     from drawbar.config import load_configuration
     from drawbar.console.audit import Audit
@@ -68,31 +68,31 @@ def _build(orders: ConsoleOrders) -> "tuple[Mailbox, Link, Pages]":
     from drawbar.console.pages import Pages
     from drawbar.console.passwords import load_users
     from drawbar.console.workshop import Workshop
-    from drawbar.driving.demonstration import without_stand_ins
-    from drawbar.driving.mail import Mailbox
-    from drawbar.driving.operator import to_gate
-    from drawbar.driving.orders import CONSOLE, Orders
-    from drawbar.driving.place import local_frame
+    from drawbar.driving.devices.path_frame import local_frame
+    from drawbar.driving.messaging.endpoint import Endpoint
+    from drawbar.driving.messaging.process_options import CONSOLE, ProcessOptions
+    from drawbar.driving.operator.requests import gate_sender
+    from drawbar.driving.stand_in.demonstration import without_stand_ins
     from drawbar.simulation import build_path
 
-    orders.check()
-    users = load_users(Path(orders.passwords)) if orders.passwords else None
-    drive = Orders(folder=orders.folder, run=orders.runs, configuration=orders.configuration)
-    configuration = load_configuration(orders.configuration)
+    options.check()
+    users = load_users(Path(options.passwords)) if options.passwords else None
+    drive = ProcessOptions(folder=options.folder, run=options.runs, configuration=options.configuration)
+    configuration = load_configuration(options.configuration)
     path, _ = build_path(configuration)
-    mailbox = Mailbox(drive.socket(CONSOLE))
-    audit = Audit(Path(orders.audit) if orders.audit else None)
+    endpoint = Endpoint(drive.socket(CONSOLE))
+    audit = Audit(Path(options.audit) if options.audit else None)
     mast = configuration.vehicle.masts.tractor
-    link = Link(to_gate(mailbox, drive), audit, time.monotonic_ns, mast)
-    kept = without_stand_ins(configuration) if orders.stand_ins else configuration
+    link = Link(gate_sender(endpoint, drive), audit, time.monotonic_ns, mast)
+    kept = without_stand_ins(configuration) if options.stand_ins else configuration
     frame, width = local_frame(configuration), configuration.path.working_width
-    workshop = Workshop(kept, configuration, frame, fields=Path(orders.fields), setup=Path(orders.setup))
+    workshop = Workshop(kept, configuration, frame, fields=Path(options.fields), setup=Path(options.setup))
     ring, tubes = boundary(configuration, frame), tube_widths(configuration)
     scene = standing(configuration.vehicle, configuration.speed, width, ring, tubes)
-    return mailbox, link, Pages(orders, link, workshop, scene, Lines(path, width), users, audit)
+    return endpoint, link, Pages(options, link, workshop, scene, Lines(path, width), users, audit)
 
 
-async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:
+async def _work(endpoint: "Endpoint", link: "Link", pages: "Pages") -> None:
     """Hear the drive and show it, until whoever started the console is gone, and with it the drive."""
     from nicegui import app
 
@@ -100,12 +100,12 @@ async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:
 
     def hear() -> None:
         before = link.version
-        for data in mailbox.receive():
+        for data in endpoint.receive():
             link.hear(data)
         if link.version != before:
             came.set()
 
-    asyncio.get_running_loop().add_reader(mailbox.fileno(), hear)
+    asyncio.get_running_loop().add_reader(endpoint.fileno(), hear)
     parent = os.getppid()
     while os.getppid() == parent:
         with contextlib.suppress(TimeoutError):
@@ -117,4 +117,4 @@ async def _work(mailbox: "Mailbox", link: "Link", pages: "Pages") -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(told(main))
+    sys.exit(run_program(main))

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drawbar.driving.calibrating import two_ways
-from drawbar.driving.hand_drive import HandDrive
-from drawbar.driving.loop_drive import steered_time
+from drawbar.driving.preparation.dead_bands import steered_time
+from drawbar.driving.preparation.hand_calibration import two_ways
+from drawbar.driving.preparation.hand_drive import HandDrive
 from drawbar.machine.hardware.mounting_calibration import TURNING
 from drawbar.messages import GateState
 from drawbar.signals import StepRecord

@@ -14,9 +14,9 @@ from drawbar.console.session import Session
 from drawbar.console.signal_history import ShownStep
 from drawbar.console.surveyor import Surveyor
 from drawbar.console.visitors import Visitor
-from drawbar.driving.letters import Step, Sureness, unpack
-from drawbar.driving.operator import Operator
-from drawbar.driving.pushing import STOPPED, Pushing
+from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, unpack
+from drawbar.driving.operator.requests import Operator
+from drawbar.driving.preparation.push_calibration import STOPPED, PushCalibration
 from drawbar.machine.hardware.bare_valve import Motion
 from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage
@@ -63,7 +63,7 @@ class Link:
         self.devices = DeviceRates()
         self.surveyor = Surveyor(mast, clock)
         self.hand_log = HandLog()
-        self.pushing: Pushing | None = None
+        self.pushing: PushCalibration | None = None
         """the bare valve is being pushed, by one page"""
         self._motion = Motion(-math.inf, math.nan, math.nan)
         self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
@@ -117,12 +117,12 @@ class Link:
 
     def hear(self, data: bytes) -> None:
         """Take in a datagram."""
-        letter = unpack(data)
-        if isinstance(letter, Step):
-            self._hear_step(letter)
+        datagram = unpack(data)
+        if isinstance(datagram, PackedStep):
+            self._hear_step(datagram)
             return
-        if isinstance(letter, Sureness):
-            self._deviations = letter.deviations
+        if isinstance(datagram, EstimateDeviations):
+            self._deviations = datagram.deviations
             return
         message = decode(data, GateState, ControllerState, Fixes)
         if isinstance(message, GateState):
@@ -137,9 +137,9 @@ class Link:
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
             self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)
 
-    def _hear_step(self, letter: Step) -> None:
+    def _hear_step(self, datagram: PackedStep) -> None:
         try:
-            record = unpacked(letter.data)
+            record = unpacked(datagram.data)
         except ValueError:
             self.refused += 1
             return

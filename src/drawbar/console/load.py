@@ -25,10 +25,10 @@ from drawbar.config import load_configuration
 from drawbar.console.browsers import Place, Seen, draws, floods, reads_nothing
 from drawbar.console.drawing import moving
 from drawbar.console.painting import Painted, paint
-from drawbar.driving.console_orders import ConsoleOrders
-from drawbar.driving.crew import CONFIGURATION_NAME, Crew
-from drawbar.driving.demonstration import with_stand_ins
-from drawbar.driving.orders import CONSOLE
+from drawbar.driving.messaging.console_options import ConsoleOptions
+from drawbar.driving.messaging.process_options import CONSOLE
+from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import CommandMessage, Fixes
 from drawbar.recording.drive_records import open_drive
 from drawbar.recording.log import LOG_NAME
@@ -90,9 +90,9 @@ def _drive(run: Path, duration: float) -> tuple[list[Phase], list[Painted]]:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    orders = ConsoleOrders(folder="", configuration="", runs=str(run), port=port)
-    with Crew(configuration, run, stand_ins=True, console=orders) as crew:
-        return asyncio.run(_measure(f"http://127.0.0.1:{port}/", crew.processes[CONSOLE].pid, duration))
+    options = ConsoleOptions(folder="", configuration="", runs=str(run), port=port)
+    with DriveProcesses(configuration, run, stand_ins=True, console=options) as processes:
+        return asyncio.run(_measure(f"http://127.0.0.1:{port}/", processes.by_name[CONSOLE].pid, duration))
 
 
 async def _measure(page: str, console: int, duration: float) -> tuple[list[Phase], list[Painted]]:

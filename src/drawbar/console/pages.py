@@ -27,7 +27,7 @@ from drawbar.console.set_up_page import SetUpPage
 from drawbar.console.visitors import Visitor, Visitors
 from drawbar.console.words import Words, language_of
 from drawbar.console.workshop import Workshop
-from drawbar.driving.console_orders import LOOPBACK, ConsoleOrders
+from drawbar.driving.messaging.console_options import LOOPBACK, ConsoleOptions
 from drawbar.realtime import say
 
 _STATIC = Path(__file__).parent / "static"
@@ -48,7 +48,7 @@ class Pages:
 
     def __init__(
         self,
-        orders: ConsoleOrders,
+        options: ConsoleOptions,
         link: Link,
         workshop: Workshop,
         standing: Mapping[str, Any],
@@ -57,15 +57,15 @@ class Pages:
         audit: Audit,
     ) -> None:
         """Take what they show; users: None: nobody is asked for a password."""
-        self._orders, self._link, self._workshop, self._audit = orders, link, workshop, audit
+        self._options, self._link, self._workshop, self._audit = options, link, workshop, audit
         self._standing, self._lines = dict(standing), lines
         self._login = users is not None
         self._visitors = Visitors()
         self._open: dict[str, tuple[Visitor, Page]] = {}
-        secure = orders.certificate is not None
+        secure = options.certificate is not None
         self._desk = Login(users or {}, self._visitors, audit, secure=secure)
         self._guard = {
-            "names": {orders.host.strip("[]"), *orders.names, *(LOOPBACK if orders.is_local else ())},
+            "names": {options.host.strip("[]"), *options.names, *(LOOPBACK if options.is_local else ())},
             "visitors": self._visitors,
             "asks_for_password": self._login,
             "secure": secure,
@@ -118,7 +118,7 @@ class Pages:
 
     def _words(self, request: Request) -> Words:
         chosen = request.cookies.get(_LANGUAGE) or request.headers.get("accept-language", "")
-        return Words(language_of(chosen, self._orders.language))
+        return Words(language_of(chosen, self._options.language))
 
     def _drive_page(self, request: Request) -> None:
         visitor, words = self._begin(request, "drive")
@@ -135,7 +135,7 @@ class Pages:
 
     def _runs_page(self, request: Request) -> None:
         visitor, words = self._begin(request, "runs")
-        folder, current = Path(self._orders.runs), Path(self._orders.configuration).parent
+        folder, current = Path(self._options.runs), Path(self._options.configuration).parent
         page = RunsPage(folder, current, self._link, visitor, words, self._audit, login=self._login)
         self._opened(visitor, page)
 
@@ -169,7 +169,7 @@ class Pages:
         return self._file_of_run(name, MAP)
 
     def _file_of_run(self, name: str, file: str) -> Response:
-        path = file_of(Path(self._orders.runs), name, file)
+        path = file_of(Path(self._options.runs), name, file)
         return FileResponse(path) if path is not None else RedirectResponse(ADDRESSES["runs"], 303)
 
 

@@ -7,7 +7,7 @@ a browser that hangs, sleeps or is out of reach is not there, whatever its conne
 from collections.abc import Callable, Iterator
 
 from drawbar.console.allowances import Allowance
-from drawbar.driving.operator import Operator
+from drawbar.driving.operator.requests import Operator
 from drawbar.messages import Action, GateState, OperatorMessage
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.safety.desk import ALWAYS

@@ -14,8 +14,15 @@ from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.words import Words
 from drawbar.console.workshop import Workshop
-from drawbar.driving.calibrating import Found
-from drawbar.driving.pushing import PATIENCE, PUSHES, STOPPED, Pushing, bare_valve, opened
+from drawbar.driving.preparation.hand_calibration import CalibrationResult
+from drawbar.driving.preparation.push_calibration import (
+    PATIENCE,
+    PUSHES,
+    STOPPED,
+    PushCalibration,
+    bare_valve_settings,
+    open_bare_valve,
+)
 from drawbar.errors import DrawbarError
 from drawbar.machine.hardware.bare_valve import BareValve
 from drawbar.machine.hardware.valve_calibration import RUNS
@@ -45,7 +52,7 @@ class ValveCard:
     ) -> None:
         """Build the card; keep: takes what is found, as KEY=VALUE; note: writes down that something is moved."""
         self._workshop, self._link, self._words, self._keep_changes, self._note = workshop, link, words, keep, note
-        self._pushing: Pushing | None = None
+        self._pushing: PushCalibration | None = None
         """what this page has begun, as long as it goes on"""
         self._shown, self._prepared, self._changes = 0, -math.inf, list[str]()
         with ui.element("section").classes("card"):
@@ -100,12 +107,12 @@ class ValveCard:
         self._found.clear()
         try:
             driven = self._workshop.driven
-            settings = bare_valve(driven)
-            valve = opened(settings, driven.vehicle.wheelbase, link.motion)
+            settings = bare_valve_settings(driven)
+            valve = open_bare_valve(settings, driven.vehicle.wheelbase, link.motion)
         except DrawbarError as error:
             self._said.set_text(self._words.message(error))
             return
-        self._pushing = link.pushing = pushing = Pushing(valve, settings, patience=PATIENCE)
+        self._pushing = link.pushing = pushing = PushCalibration(valve, settings, patience=PATIENCE)
         self._note()
         self._said.set_text(self._words("valve_moves"))
         for plot in self._plots:
@@ -118,7 +125,7 @@ class ValveCard:
             link.pushing = self._pushing = None
         self._tell(pushing, found)
 
-    def _tell(self, pushing: Pushing, found: list[Found]) -> None:
+    def _tell(self, pushing: PushCalibration, found: list[CalibrationResult]) -> None:
         self._count(pushing)
         self._draw(pushing, anew=False)
         self._said.set_text(self._words.message(pushing.reason) if pushing.reason else self._words("valve_enter"))
@@ -126,11 +133,11 @@ class ValveCard:
         list_found(self._found, found, self._words)
         self._show_buttons()
 
-    def _count(self, pushing: Pushing) -> None:
+    def _count(self, pushing: PushCalibration) -> None:
         pushes = pushing.rates.done if pushing.rates else 0
         self._steps.count([None, (pushing.bands.done, 2 * RUNS, ""), (pushes, 2 * PUSHES, "")])
 
-    def _draw(self, pushing: Pushing, *, anew: bool) -> None:
+    def _draw(self, pushing: PushCalibration, *, anew: bool) -> None:
         """Send the plots what is new, of every other report or so."""
         self._shown = 0 if anew else self._shown
         fresh = pushing.rows[self._shown :]
@@ -153,6 +160,6 @@ class ValveCard:
             self._keep_changes(self._changes)
 
 
-def _run(pushing: Pushing, valve: BareValve) -> list[Found]:
+def _run(pushing: PushCalibration, valve: BareValve) -> list[CalibrationResult]:
     with closing(valve):
         return pushing.run()

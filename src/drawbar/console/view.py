@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
-from drawbar.driving.display import BAD, GOOD, STANDS, WORRIED
-from drawbar.driving.operator import wished_speed
+from drawbar.driving.operator.display import BAD, GOOD, STANDS, WORRIED
+from drawbar.driving.operator.requests import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.safety.engagement import LATCHED, STEERING

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drawbar.config import Configuration
-from drawbar.driving.post import Tap
-from drawbar.driving.rehearsal import STEP, Rehearsal
+from drawbar.driving.stand_in.rehearsal import STEP, Rehearsal
+from drawbar.driving.stand_in.simulated_links import LinkFault
 from drawbar.geometry import Floats, wrap
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
@@ -82,19 +82,19 @@ class Trial:
         """Let the fault be one of the stand-in machine's (drawbar/machine/stand_in/faults.py)."""
         self.begin = lambda: FAULTS[name].begin(self.rehearsal.machine)
 
-    def tap(self, names: Sequence[str], make: Callable[[random.Random, float], Tap]) -> None:
+    def alter_links(self, names: Sequence[str], make: Callable[[random.Random, float], LinkFault]) -> None:
         """Let the fault be what happens to bytes on their way, behind what happens to them already.
 
         Args:
-            names: of what is carried, see Rehearsal.post.
-            make: returns the tap of one of them, given its randomness and the time at which the fault begins, s.
+            names: of what is carried, see Rehearsal.links.
+            make: returns the fault of one of them, given its randomness and the time at which the fault begins, s.
         """
 
         def begin() -> None:
-            taps = self.rehearsal.post.taps
+            faults = self.rehearsal.links.faults
             for name in names:
-                own, before = make(random.Random(f"{self.seed} {name}"), self.rehearsal.time), taps.get(name)
-                taps[name] = own if before is None else _joined(before, own)
+                own, before = make(random.Random(f"{self.seed} {name}"), self.rehearsal.time), faults.get(name)
+                faults[name] = own if before is None else _joined(before, own)
 
         self.begin = begin
 
@@ -169,7 +169,7 @@ class Trial:
         """Count set points that leave the gate and are beyond the envelope at the speed that the vehicle truly has."""
         wire = f"{body} set point"
 
-        def tap(now: float, data: bytes) -> list[tuple[float, bytes]]:
+        def fault(now: float, data: bytes) -> list[tuple[float, bytes]]:
             frame = parse(data)
             decoded = decode_steer(frame) if isinstance(frame, Frame) else None
             if decoded is not None and decoded[0].steer:
@@ -178,10 +178,10 @@ class Trial:
                 self._beyond += not abs(wrap(decoded[0].angle)) <= limit + _SAME
             return [(0.0, data)]
 
-        self.rehearsal.post.taps[wire] = tap
+        self.rehearsal.links.faults[wire] = fault
 
 
-def _joined(first: Tap, second: Tap) -> Tap:
+def _joined(first: LinkFault, second: LinkFault) -> LinkFault:
     return lambda now, data: [
         (delay + more, last) for delay, each in first(now, data) for more, last in second(now, each)
     ]

@@ -226,25 +226,33 @@ class Engagement:
 
     def _while_steering(self, time: float, situation: Situation) -> dict[Event, Cause | None]:
         events: dict[Event, Cause | None] = {}
-        spent = time - self.since
         response, cause = worst(situation.causes)
         if response in _RESPONSES:
             events[_RESPONSES[response]] = cause
         if situation.overridden:
             events[Event.OVERRIDE] = Cause.OPERATOR_STEERS
-        if self.state is ENGAGING and spent >= self._drive.easing and situation.taken:
-            events[Event.TAKEN] = None
-        elif self.state is ENGAGING and spent >= self._drive.engaging:
-            events[Event.FAULT] = Cause.NOT_TAKEN
-        elif self.state is DEGRADED and time - self._worried >= self._drive.recovery:
-            events[Event.CALM] = None
-        elif self.state is DEGRADED and spent >= self._drive.budget:
-            events[Event.STOP] = events.get(Event.STOP, Cause.BUDGET)
-        elif self.state is STOPPING and self._stands(time):
-            events[Event.STOOD] = self.cause
-        elif self.state is STOPPING and spent >= self._patience(response):
-            events[Event.STOOD] = Cause.STOP_IGNORED
+        if self.state is ENGAGING:
+            return events | self._while_engaging(time - self.since, taken=situation.taken)
+        if self.state is DEGRADED:
+            return self._while_degraded(time) | events  # a stop that has a cause of its own is not the budget's
+        if self.state is STOPPING:
+            return events | self._while_stopping(time, response)
         return events
+
+    def _while_engaging(self, spent: float, *, taken: bool) -> dict[Event, Cause | None]:
+        if taken and spent >= self._drive.easing:
+            return {Event.TAKEN: None}
+        return {Event.FAULT: Cause.NOT_TAKEN} if spent >= self._drive.engaging else {}
+
+    def _while_degraded(self, time: float) -> dict[Event, Cause | None]:
+        if time - self._worried >= self._drive.recovery:
+            return {Event.CALM: None}
+        return {Event.STOP: Cause.BUDGET} if time - self.since >= self._drive.budget else {}
+
+    def _while_stopping(self, time: float, response: Response) -> dict[Event, Cause | None]:
+        if self._stands(time):
+            return {Event.STOOD: self.cause}
+        return {Event.STOOD: Cause.STOP_IGNORED} if time - self.since >= self._patience(response) else {}
 
 
 _RESPONSES = {Response.DEGRADE: Event.WORRY, Response.STOP: Event.STOP, Response.RELEASE: Event.FAULT}

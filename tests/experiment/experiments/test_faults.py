@@ -70,7 +70,7 @@ def test_a_set_point_beyond_the_envelope_is_seen(experiment: Experiment, analysi
     trial = Trial(load_configuration("articulated", ["path.radii=[8.0]", "safety.engage.wiggle_test=false"]), 0)
     trial.place, trial.watched = 3.0, 0.5
     wide = SteerCommand(steer=True, angle=0.7, speed=1.0).encode()
-    trial.begin = lambda: trial.rehearsal.post.send(trial.rehearsal.time, "tractor set point", wide, lambda data: None)
+    trial.begin = lambda: trial.rehearsal.links.send(trial.rehearsal.time, "tractor set point", wide, lambda data: None)
     trial.watch()
     assert trial.column("beyond")[-1] == 1.0
     assert trial.column("time")[-1] == pytest.approx(0.5, abs=0.01)

@@ -8,8 +8,8 @@ from itertools import pairwise
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.driving.memory import MemoryBus, MemoryTransport
-from drawbar.driving.stand_ins import stand_in_machine
+from drawbar.driving.stand_in.memory_transports import MemoryBus, MemoryTransport
+from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
 from drawbar.geometry import LocalFrame
 from drawbar.machine.base import MachineWithTruth
 from drawbar.machine.hardware.navigation import Navigation

@@ -3,7 +3,7 @@
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.driving.demonstration import with_stand_ins
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.errors import ConfigurationError
 from drawbar.machine.hardware.devices import DeviceSettings
 

@@ -7,8 +7,8 @@ import pytest
 from isobus_devices import isobus_devices
 
 from drawbar.config import load_configuration
-from drawbar.driving.memory import MemoryBus
-from drawbar.driving.stand_ins import stand_in_machine
+from drawbar.driving.stand_in.memory_transports import MemoryBus
+from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
 from drawbar.errors import ConfigurationError
 from drawbar.geometry import LocalFrame
 from drawbar.machine.stand_in.faults import FAULTS, FaultPlan, PlannedFault, planned_fault

@@ -1,0 +1,1 @@
+"""Devices of a configuration as a drive needs them: transports of actuators and receivers, frame of the path, pace."""

@@ -1,0 +1,301 @@
+"""Controller: the control step between measurements and messages to the gate; time is given to it."""
+
+import math
+from contextlib import suppress
+
+from drawbar.config import Configuration
+from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
+from drawbar.driving.fault_detection.position_drift import PositionDrift
+from drawbar.driving.fault_detection.rollback import Rollback
+from drawbar.driving.fault_detection.swapped_receivers import SwappedReceivers
+from drawbar.driving.loop.curve_limits import within_envelope
+from drawbar.driving.loop.driven_line import DrivenLine
+from drawbar.driving.loop.estimate_uncertainty import Uncertainty, uncertainty_of
+from drawbar.errors import DrawbarError, PathError
+from drawbar.geometry import wrap
+from drawbar.guidance.path import Path
+from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
+from drawbar.signals import Command, FixQuality, Measurement, Status, StepRecord
+from drawbar.step.build import build_autopilot
+
+VALIDITY = 190_000_000
+"""for how long a command may act without a new one, ns"""
+_NEAR = 5.0
+"""along the line, within which the place beside the vehicle is searched when the line is moved, m"""
+_LATER = 3.0
+"""times the standard deviation at which the gate stops the vehicle, at which the step itself gives up"""
+_STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
+
+
+class Controller:
+    """Feeds the autopilot, engaged or not, and says to the gate what it wants and how it is.
+
+    While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
+    """
+
+    def __init__(self, configuration: Configuration, path: Path, fingerprint: int) -> None:
+        """Build the autopilot.
+
+        Args:
+            configuration: of the run.
+            path: to drive along.
+            fingerprint: of the safety settings that the gate has.
+
+        Raises:
+            PathError: the gate would not let the path be driven at the set speed.
+            DrawbarError: the autopilot cannot be built.
+        """
+        self._configuration, self._fingerprint = configuration, fingerprint
+        self._line, self._anew = DrivenLine.first(configuration, path), False
+        self._wished: tuple[float, float] | None = None
+        """the line that was chosen and its nudge, m"""
+        self.wiggled = False
+        """the actuators have passed their wiggle test"""
+        self._autopilot = build_autopilot(_steering_on(within_envelope(configuration)))
+        self._autopilot.begin(path)
+        self._autopilot.set_engaged(False)
+        self._uncertainty_of = uncertainty_of(self._autopilot, configuration)
+        self.uncertainty = Uncertainty()
+        """of the newest estimate"""
+        self._exclusion = FaultExclusion(configuration.sanity, configuration.vehicle, configuration.sample_time)
+        self._drift, self._swapped = PositionDrift(), SwappedReceivers()
+        self._rollback = Rollback(self._autopilot, configuration.sample_time)
+        self._gate: GateState | None = None
+        self._dead_reckons = False
+        """positions are where the velocities have led since both antennas began to drift"""
+        self._sequence = self._solved = self._overruns = 0
+        self._record: StepRecord | None = None
+        self._status = Status.POSITION
+        self._command = Command(time=0.0, tractor_steering=0.0, trailer_steering=0.0, speed=0.0)
+
+    @property
+    def receivers(self) -> int:
+        """How many there are: the tractor's, and the trailer's or none."""
+        return 1 + self._configuration.has_trailer_receiver
+
+    @property
+    def engaged(self) -> bool:
+        """Whether the gate lets commands act."""
+        return self._gate is not None and bool(self._gate.steers) and self._gate.state in _STEERED
+
+    def hear(self, state: GateState) -> None:
+        """Take in what the gate does."""
+        before, self._gate = self.engaged, state
+        if self.engaged != before:
+            self._autopilot.set_engaged(self.engaged)
+            self._rollback.clear()
+            self._wished = None  # what was not possible may be now
+        self._choose_line(state.line * self._configuration.path.working_width, state.nudge)
+        wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
+        self._autopilot.set_speed(max(0.0, min(wish, state.speed_limit, self._configuration.speed)))
+
+    def hear_fixes(self, fixes: Fixes) -> None:
+        """Take in an epoch of the receivers, also one of no sample."""
+        self._drift.hear(fixes)
+        self._swapped.hear(fixes)
+
+    def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
+        """Return the command that answers a measurement; call prepare() once it is out."""
+        if not self.engaged and self._is_to_begin(measurement):
+            self._begin_beside(measurement)
+        if self.engaged:
+            measurement = self._exclusion.without_excluded(measurement)
+            if self._dead_reckons:
+                measurement = self._drift.dead_reckoned(measurement)
+        self._rollback.keep(measurement)
+        self._status, self._command = self._autopilot.feedback(measurement)
+        self._measurement = measurement
+        return self.repeat(now)
+
+    def repeat(self, now: int) -> CommandMessage:
+        """Return the newest command again, which acts until the next sample."""
+        self._sequence += 1
+        return CommandMessage(
+            sequence=self._sequence % 2**32,
+            time=now,
+            valid_until=now + VALIDITY,
+            mode=self._mode(),
+            tractor_angle=self._command.tractor_steering,
+            trailer_angle=self._joint(),
+            speed=self._command.speed,
+        )
+
+    def _joint(self) -> float:
+        """Return the joint's set point in the sign in which it is measured, rad.
+
+        Where its angle is excluded, the one that is measured: the joint then stays, instead of being turned by a wrong
+        angle until that is right.
+        """
+        if self._exclusion.excludes_trailer and self._gate is not None and math.isfinite(self._gate.trailer_angle):
+            return self._gate.trailer_angle
+        return self._configuration.vehicle.joint_sign * self._command.trailer_steering
+
+    def prepare(self, late: bool) -> StepRecord:
+        """Do what can be done before the next measurement; return the record of the step.
+
+        late: the command left too late.
+        """
+        uncertainty = self._newest_uncertainty()
+        self._autopilot.prepare()
+        record = self._autopilot.record()
+        self._overruns += late
+        self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
+        if not self._status.has_ended:  # a run that has ended estimates nothing more
+            self._record = record
+            self._judge(record)
+            self.uncertainty = Uncertainty() if self._exclusion.is_active else uncertainty
+        return record
+
+    def _newest_uncertainty(self) -> Uncertainty:
+        """Return that of the newest estimate: before it is prepared, which counts the next fix as a usual one."""
+        if not self._status.is_new_command or self._exclusion.is_active:
+            return Uncertainty()
+        return self._uncertainty_of(self._autopilot.record().estimate)
+
+    def _judge(self, record: StepRecord) -> None:
+        """Judge what a step says of the sensors; undo what those have done that are excluded from now on.
+
+        An estimate that has followed both antennas has turned; from then on the velocities lead.
+        """
+        before = self._exclusion.excludes_trailer
+        self._exclusion.update(record, engaged=self.engaged, drifts=self._drift.exists)
+        if not self.engaged:
+            self._dead_reckons = False
+            return
+        followed = self._drift.exists and not self._dead_reckons
+        if followed:
+            self._drift.begin_dead_reckoning()
+            self._dead_reckons = True
+        if followed or (self._exclusion.excludes_trailer and not before):
+            self._rollback.recompute(self._exclusion.without_excluded)
+
+    def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
+        """Return how the controller is after its newest step.
+
+        Args:
+            now: monotonic time, ns.
+            correction_age: of the older of both receivers' corrections, NaN where not known, s.
+            receiver_speed: over ground, NaN where not known, m/s.
+        """
+        record, measurement = self._record, self._measurement
+        assert record is not None
+        tractor, trailer = record.reference.tractor, record.reference.trailer
+        return ControllerState(
+            sequence=self._sequence % 2**32,
+            time=now,
+            valid_until=now + 2 * round(self._configuration.sample_time * 1e9),
+            configuration=self._fingerprint,
+            tractor_quality=int(measurement.tractor_fix_quality),
+            trailer_quality=int(self._trailer_quality(measurement)),
+            wiggled=int(self.wiggled),
+            status=int(Status.BACKWARDS if self._swapped.found else self._status),
+            flags=int(record.flags),
+            solved=self._solved,
+            overruns=self._overruns,
+            correction_age=correction_age,
+            lateral_deviation=self.uncertainty.lateral,
+            heading_deviation=self.uncertainty.heading,
+            tractor_lateral_error=tractor.lateral_error,
+            trailer_lateral_error=trailer.lateral_error,
+            tractor_heading_error=wrap(record.estimate.tractor.yaw - tractor.closest[2]),
+            trailer_heading_error=wrap(record.estimate.trailer.yaw - trailer.closest[2]),
+            hitch_angle=record.estimate.hitch_angle,
+            wheel_speed=measurement.speed,
+            receiver_speed=receiver_speed,
+            line_offset=self._line.offset + self._line.nudge,
+            against=int(self._line.against),
+        )
+
+    def _trailer_quality(self, measurement: Measurement) -> FixQuality:
+        return measurement.tractor_fix_quality if self.receivers == 1 else measurement.trailer_fix_quality
+
+    def _mode(self) -> Mode:
+        if self._status.has_ended:
+            return Mode.STOP if self.engaged else Mode.IDLE
+        return Mode.DRIVE if self.engaged and self._status < Status.POSITION else Mode.IDLE
+
+    def _choose_line(self, offset: float, nudge: float) -> None:
+        """Drive the line so far left of the configured one, m, and nudged.
+
+        Where that is not possible, the old one stays; `line_offset` of the controller's state says which is driven.
+        """
+        if (offset, nudge) == self._wished:
+            return
+        self._wished = offset, nudge
+        with suppress(DrawbarError):
+            if offset != self._line.offset:
+                self._go_over(self._line.beside(offset))
+            if nudge != self._line.nudge:
+                self._nudge(self._line.nudged(nudge))
+
+    def _go_over(self, chosen: DrivenLine) -> None:
+        """Drive another line: at once if it is under the vehicle, else by a new run.
+
+        Raises:
+            PathError: that cannot be while the vehicle is steered.
+        """
+        try:
+            self._autopilot.change_path(chosen.path, at=self._progress_on(chosen.path))
+        except PathError:
+            if self.engaged:
+                raise
+            self._anew = True
+        self._line = chosen
+        self._rollback.clear()
+
+    def _nudge(self, nudged: DrivenLine) -> None:
+        """Drive beside the path; where the vehicle is steered, it is led there softly.
+
+        Raises:
+            DrawbarError: the autopilot refuses it.
+        """
+        self._autopilot.set_offset(nudged.left)
+        self._line = nudged
+        self._rollback.clear()
+
+    def _progress_on(self, path: Path) -> float:
+        """Return the arc length of another path beside the tractor, near that of the newest step, m."""
+        if self._record is None:
+            return 0.0
+        reference, place = self._record.reference.tractor, self._record.estimate.tractor
+        near = reference.progress
+        if not math.isfinite(near + place.x + place.y):
+            return 0.0
+        progress, _ = path.project(place.x, place.y, max(near - _NEAR, 0.0), min(near + _NEAR, path.length))
+        return _within(progress, path)
+
+    def _is_to_begin(self, measurement: Measurement) -> bool:
+        if self._anew or self._status.has_ended or self._status is Status.START:
+            return True
+        return self._record is not None and self._line.faces_away(
+            measurement, self._record.reference.tractor.closest[2]
+        )
+
+    def _begin_beside(self, measurement: Measurement) -> None:
+        """Let the next sample begin a run where the path is nearest, if the position is known."""
+        if not math.isfinite(measurement.tractor_x + measurement.tractor_y):
+            return
+        self._line, progress = self._line.nearest(measurement)
+        self._begin(progress)
+        self._autopilot.set_engaged(False)
+        self._anew = False
+
+    def _begin(self, progress: float) -> None:
+        """Let the next sample begin a run at an arc length of the path, m."""
+        self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
+        self._autopilot.set_offset(self._line.left)
+        self._rollback.clear()
+
+
+def _steering_on(configuration: Configuration) -> Configuration:
+    """Return the configuration of a step that steers on without fixes while the gate stops the vehicle for that.
+
+    A step that ends its run holds the wheels where they were on average.
+    """
+    sanity, stops = configuration.sanity, configuration.safety.drive.lateral_deviation
+    later = {"blind_deviation": max(sanity.blind_deviation, _LATER * stops)}
+    return configuration.model_copy(update={"sanity": sanity.model_copy(update=later)})
+
+
+def _within(progress: float, path: Path) -> float:
+    return min(max(progress, 0.0), math.nextafter(path.length, 0.0))

@@ -1,0 +1,1 @@
+"""Preparation: what is done with a machine before its first drive: checks, wiggle test, calibrations."""

@@ -1,0 +1,234 @@
+"""Check: listens to every device of a configuration for a few seconds, and says what was heard and what is missing.
+
+Nothing is moved: boards are asked where they are, boards and valves told that nobody steers, which makes boards answer.
+"""
+
+import math
+import time
+from collections.abc import Iterator
+from functools import partial
+
+from drawbar.driving.devices.actuators import isobus_wire
+from drawbar.driving.preparation.check_receiver import check_receiver, not_forwarded, other_time
+from drawbar.driving.preparation.finding import Finding, finding_of, poll_times, tell_silence
+from drawbar.errors import HardwareError
+from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
+from drawbar.machine.hardware.board_scan import BoardScan
+from drawbar.machine.hardware.corrections.corrections import open_corrections
+from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.isobus import IsobusSettings
+from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
+from drawbar.machine.hardware.steer_board import SteerBoardSettings
+from drawbar.protocols.actuator import Readiness, SteeringRequest
+from drawbar.protocols.agopengps.frame import STEER_BOARD
+from drawbar.protocols.agopengps.network import ScanReply
+from drawbar.protocols.bare_valve import ValveBoard
+from drawbar.protocols.sensors import SensorFault
+from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.safety.wires import Wires
+from drawbar.transports.open import open_transport
+
+_SLOW = 1.0
+"""limit of the speed, of which none is asked for, m/s"""
+_TICK = 0.1
+"""between two words to a board, s"""
+_SCAN = 1.0
+"""for which answers to a scan are waited for, s"""
+_ASK_AGAIN = 0.4
+"""between two scans, s"""
+_OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
+_STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
+
+
+def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_time: float) -> Iterator[Finding]:
+    """Yield what was found out about each device.
+
+    Args:
+        devices: of the configuration.
+        frame: of the path.
+        seconds: to listen to each device.
+        sample_time: of the controller, s.
+
+    A device whose port is taken, or whose recording cannot be read, is a finding, and the others are listened to.
+
+    Raises:
+        ConfigurationError: the login of the corrections cannot be had.
+    """
+    corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
+
+    def receiver(name: str, settings: ReceiverSettings) -> Finding:
+        alone = devices.trailer_receiver is None
+        finding = finding_of(
+            name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections, alone=alone)
+        )
+        if finding.heard and not finding.fixed:
+            finding.problems += not_forwarded(settings, devices)
+        return finding
+
+    tractor = receiver("tractor receiver", devices.tractor_receiver)
+    yield tractor
+    if devices.trailer_receiver is not None:
+        trailer = receiver("trailer receiver", devices.trailer_receiver)
+        trailer.problems += other_time(tractor, trailer)
+        yield trailer
+    boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
+    yield from _boards({name: board for name, board in boards.items() if board is not None}, seconds)
+    if devices.isobus is not None:
+        yield from _isobus(devices.isobus, seconds, drives=devices.speed == "isobus")
+    if devices.sensors is not None:
+        yield finding_of("sensor board", partial(_sensors, devices.sensors, seconds))
+    if devices.bare_valve is not None:
+        yield finding_of("bare valve", partial(_bare_valve, devices.bare_valve, seconds))
+    if corrections is not None:
+        for now in poll_times(seconds):
+            corrections.advance(now)
+        status = corrections.status(time.monotonic())
+        corrections.close()
+        problems = [status.message] if status.message else []
+        facts = [f"RTCM {', '.join(map(str, sorted(status.types)))}"] if status.types else []
+        yield Finding(device="corrections", heard=bool(status.types), facts=facts, problems=problems)
+
+
+def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[Finding]:
+    """Ask all boards where they are, then listen to those that the configuration names."""
+    replies = _scan(list(boards.values()), min(seconds, _SCAN))
+    named = {source for board in boards.values() for source in replies if board.actuator().is_board(source)}
+    strangers = {source: reply for source, reply in replies.items() if source not in named}
+    for name, board in boards.items():
+        finding = finding_of(name, partial(listen_to_board, name, board, seconds))
+        answers = [reply for source, reply in replies.items() if board.actuator().is_board(source)]
+        finding.facts += [f"scan: {reply.kind} {reply.address}" for reply in answers]
+        finding.problems += [_elsewhere(reply) for reply in answers if not reply.address.startswith(f"{reply.subnet}.")]
+        if not finding.heard:
+            finding.problems += [_perhaps(reply) for reply in strangers.values() if reply.board == STEER_BOARD]
+        yield finding
+    if strangers:
+        facts = [f"{reply.kind} {reply.address}" for reply in strangers.values()]
+        yield Finding(device="other boards that answer the scan", heard=True, facts=sorted(facts))
+
+
+def _scan(boards: list[SteerBoardSettings], seconds: float) -> dict[str, ScanReply]:
+    """Return what boards answer to the question where they are, by their `address:port`; nothing at a taken port."""
+    replies: dict[str, ScanReply] = {}
+    for listen in {board.listening for board in boards}:
+        try:
+            scan = BoardScan(listen, [board.destination for board in boards if board.listening == listen])
+        except HardwareError:  # listening to the boards themselves says why
+            continue
+        asked = 0.0
+        for now in poll_times(seconds):
+            if now - asked >= _ASK_AGAIN:
+                asked = now
+                scan.ask()
+            scan.poll()
+        scan.close()
+        replies |= scan.found
+    return replies
+
+
+def _elsewhere(reply: ScanReply) -> str:
+    network = reply.address.rpartition(".")[0]
+    return (
+        f"it has the address {reply.address} and hears this computer from {reply.subnet}.*: give this computer's "
+        f"network card an address in {network}.*"
+    )
+
+
+def _perhaps(reply: ScanReply) -> str:
+    return f"a steer board answers the scan from {reply.address}: if it is this one, write that as its address"
+
+
+def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
+    """Return what a board says that is told for so many seconds that nobody steers."""
+    finding, board = Finding(device=name), settings.actuator()
+    transport, tick = open_transport(settings.transport), 0.0
+    for now in poll_times(seconds):
+        for received in transport.read():
+            board.receive(received.time, received.data, received.source)
+        if now >= tick:
+            tick = now + _TICK
+            for frame in board.send(now, _OFF):
+                transport.write(frame)
+    report = board.report(time.monotonic())
+    finding.heard = math.isfinite(report.angle_time)
+    if finding.heard:
+        finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
+    else:
+        tell_silence(finding, transport)
+    if finding.heard and report.readiness.name != "READY":
+        finding.problems.append(report.readiness.value)
+    transport.close()
+    return finding
+
+
+def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterator[Finding]:
+    """Claim an address, say that nothing is intended, and listen to the valves and to the tractor."""
+    wire, now, tick = isobus_wire(settings, _SLOW if drives else None), 0.0, 0.0
+    wires = Wires([wire])
+    for now in poll_times(seconds):
+        wires.receive()
+        if now >= tick:
+            tick = now + _TICK / 2.0
+            wires.send(now, (_OFF, _OFF), _STOP)
+    if wire.transport.trouble:
+        problem = f"{wire.transport.trouble}: check the adapter, its bit rate and that its interface is up"
+        yield Finding(device="ISOBUS", problems=[problem])
+    for name, report in zip(("tractor valve", "trailer valve"), wires.steering(now), strict=True):
+        if report is not None:
+            angle = [f"angle {math.degrees(report.angle):.1f}°"] if math.isfinite(report.angle) else []
+            yield _on_the_bus(name, report.readiness, angle)
+    speed = wires.speed(now)
+    if speed is not None:
+        yield _on_the_bus("tractor's speed", speed.readiness, [])
+    wires.close()
+
+
+def _on_the_bus(name: str, readiness: Readiness, facts: list[str]) -> Finding:
+    ready = readiness is Readiness.READY
+    heard = readiness not in (Readiness.SILENT, Readiness.ADDRESS_LOST)
+    return Finding(
+        device=name,
+        heard=heard,
+        facts=[*facts, readiness.name.lower()] if heard else [],
+        problems=[] if ready else [readiness.value],
+    )
+
+
+def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
+    finding, line = Finding(device="sensor board"), SensorLine(open_transport(settings.transport), settings)
+    for _ in poll_times(seconds):
+        line.poll()
+    report = line.last
+    finding.heard = math.isfinite(report.time)
+    if not finding.heard:
+        tell_silence(finding, line.transport, line.board.dropped)
+    if math.isfinite(report.hitch_angle):
+        finding.facts.append(f"hitch angle {math.degrees(report.hitch_angle):.1f}°")
+    if math.isfinite(report.wheel_speed):
+        finding.facts.append(f"wheels {report.wheel_speed:.2f} m/s")
+    finding.problems += [f"{count} readings: {fault}" for fault, count in line.board.faults.items()]
+    line.close()
+    return finding
+
+
+def _bare_valve(settings: BareValveSettings, seconds: float) -> Finding:
+    finding, transport, board = Finding(device="bare valve"), open_transport(settings.transport), ValveBoard()
+    reports = [
+        report
+        for _ in poll_times(seconds)
+        for received in transport.read()
+        for report in board.push(received.data, received.time)
+    ]
+    finding.heard = bool(reports)
+    if not reports:
+        tell_silence(finding, transport, board.dropped)
+    else:
+        reading = settings.sensor().read(reports[-1].counts)
+        finding.facts.append(f"angle {math.degrees(reading.value):.1f}°")
+        finding.facts.append(f"switch {'held' if reports[-1].permitted else 'let go'}")
+        if reading.fault is not SensorFault.NONE:
+            finding.problems.append(f"the angle sensor {reading.fault.value}")
+    transport.close()
+    return finding

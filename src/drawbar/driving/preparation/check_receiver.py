@@ -1,0 +1,152 @@
+"""Check of a receiver: its make and version, its rate, what it says, and whether two of them mean the same time."""
+
+import math
+from collections.abc import Iterable
+
+from drawbar.driving.preparation.finding import Finding, poll_times, tell_silence
+from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.corrections.corrections import Corrections
+from drawbar.machine.hardware.corrections.receivers import correct
+from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
+from drawbar.protocols.gnss.epoch import Epoch
+from drawbar.protocols.gnss.firmware import ASK_UBX, firmware
+from drawbar.protocols.gnss.framing import Framer
+from drawbar.protocols.gnss.messages import DAY
+from drawbar.protocols.gnss.pairing import MOST_BEHIND
+from drawbar.protocols.gnss.timing import difference
+from drawbar.protocols.gnss.ubx import UBX
+from drawbar.signals import FixQuality
+from drawbar.transports.address import UdpAddress, parse_transport
+from drawbar.transports.base import Received, Transport
+from drawbar.transports.open import open_transport
+from drawbar.transports.tapped import Direction, TappedTransport
+
+_ENOUGH = 0.95
+"""of the epochs that the controller takes"""
+_UBX_KINDS = frozenset(name for name, _, _ in UBX.values())
+
+
+class _Versions:
+    """Hears a receiver's make and version among its bytes, and asks a u-blox receiver for them once."""
+
+    def __init__(self, transport: Transport) -> None:
+        self.transport = TappedTransport(transport, self._hear)
+        self.told = ""
+        self._framer, self._asked = Framer(), False
+
+    def _hear(self, direction: Direction, received: Received) -> None:
+        if direction is Direction.IN:
+            for frame in self._framer.push(received.data, received.time):
+                self.told = firmware(frame) or self.told
+
+    def ask(self, kinds: Iterable[str]) -> None:
+        if not self._asked and not _UBX_KINDS.isdisjoint(kinds):
+            self._asked = self.transport.write(ASK_UBX)
+
+
+def check_receiver(
+    name: str,
+    settings: ReceiverSettings,
+    frame: LocalFrame,
+    seconds: float,
+    sample_time: float,
+    corrections: Corrections | None,
+    *,
+    alone: bool = False,
+) -> Finding:
+    """Return what a receiver says.
+
+    Args:
+        name: of the finding.
+        settings: of the receiver.
+        frame: of the path.
+        seconds: to listen.
+        sample_time: of the controller, s.
+        corrections: that it is sent meanwhile; None: it has its own.
+        alone: it is the only receiver, which has to tell a heading.
+
+    Raises:
+        DrawbarError: its transport cannot be opened.
+    """
+    finding, epochs, versions = Finding(device=name), list[Epoch](), _Versions(open_transport(settings.transport))
+    receiver = Receiver(versions.transport, settings)
+    for now in poll_times(seconds, receiver.transport):
+        epochs += receiver.poll(now)
+        versions.ask(receiver.kinds)
+        if corrections is not None:
+            correct(corrections, now, receiver, [receiver])
+    finding.heard = bool(epochs)
+    if not epochs:
+        tell_silence(finding, receiver.transport, receiver.dropped)
+    else:
+        finding.facts += [versions.told] if versions.told else []
+        _describe(finding, epochs, frame, receiver, sample_time)
+        if alone and not math.isfinite(epochs[-1].yaw):
+            finding.problems.append(
+                "it tells no heading, and the trailer has no receiver: let it send that of its two antennas, or wait "
+                "until it is fixed"
+            )
+    receiver.close()
+    return finding
+
+
+def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver: Receiver, sample_time: float) -> None:
+    last = epochs[-1]
+    finding.fixed = last.quality is FixQuality.FIXED
+    finding.clock = last.utc - last.received
+    span = last.time - epochs[0].time
+    rate = (len(epochs) - 1) / span if span > 0.0 else math.nan
+    told = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
+    finding.facts.append(f"{told}{', '.join(sorted(receiver.kinds))}")
+    if rate < _ENOUGH / sample_time:
+        needed = f"{1.0 / sample_time:g}"
+        finding.problems.append(
+            f"it sends {rate:.1f} epochs a second, the controller takes {needed}: set it to {needed} Hz"
+        )
+    finding.facts.append(f"fix {last.quality.name.lower()}, deviation {max(last.sigma_east, last.sigma_north):.3f} m")
+    if math.isfinite(last.correction_age):
+        finding.facts.append(f"corrections {last.correction_age:.0f} s old")
+    if math.isfinite(last.roll):
+        finding.facts.append(f"roll {math.degrees(last.roll):.1f}°")
+    if math.isfinite(last.yaw):
+        finding.facts.append(f"heading {math.degrees(0.5 * math.pi - last.yaw) % 360.0:.1f}°")
+    if math.isfinite(last.yaw_rate):
+        finding.facts.append(f"yaw rate {math.degrees(last.yaw_rate):.1f}°/s")
+    if last.has_fix:
+        east, north = (float(each) for each in frame.east_north(last.latitude, last.longitude))
+        finding.facts.append(f"{math.hypot(east, north):.1f} m from the origin of the path's frame")
+    if receiver.dropped:
+        finding.facts.append("dropped: " + ", ".join(f"{count} {kind}" for kind, count in receiver.dropped.items()))
+    if not finding.fixed:
+        finding.problems.append("no RTK fix: wait under open sky, check the corrections")
+    if not math.isfinite(last.speed):
+        finding.problems.append("it reports no speed: let it send VTG or RMC (NMEA), PVT (UBX, SBF)")
+    if not math.isfinite(last.correction_age):
+        finding.problems.append("it reports no age of its corrections: engaging needs it")
+
+
+def not_forwarded(settings: ReceiverSettings, devices: DeviceSettings) -> list[str]:
+    """Say if a receiver on an AgOpenGPS board is sent no corrections: it takes them at a UDP port of the board only."""
+    corrections = devices.corrections
+    if corrections is None or settings not in devices.receivers_on_boards:
+        return []
+    outlets = [parse_transport(each) for each in corrections.forward]
+    peers = [each.peer[0] for each in outlets if isinstance(each, UdpAddress) and each.peer is not None]
+    if any(host == settings.sender or host.endswith(".255") or not settings.sender for host in peers):
+        return []
+    return [
+        "it is on an AgOpenGPS board, and gets none of the corrections: add "
+        f'"udp://0.0.0.0:0?peer={settings.sender or "ADDRESS"}:2233" to devices.corrections.forward'
+    ]
+
+
+def other_time(tractor: Finding, trailer: Finding) -> list[str]:
+    """Say if two receivers do not mean the same instant by the same time, so that their epochs are never a pair."""
+    apart = difference(trailer.clock % DAY, tractor.clock % DAY)
+    if not abs(apart) > MOST_BEHIND:
+        return []
+    return [
+        f"its time is {apart:+.1f} s from the tractor receiver's, and only epochs of one time are used: let both run "
+        "until they know UTC and its leap seconds (up to 13 minutes)"
+    ]

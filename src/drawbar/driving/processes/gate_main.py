@@ -1,0 +1,36 @@
+"""The gate's process as a program.
+
+`python -m drawbar.driving.processes.gate_main`, with its options on standard input.
+"""
+
+import socket
+import sys
+from pathlib import Path
+
+from drawbar.driving.devices.actuators import gate_wires
+from drawbar.driving.messaging.process_options import DRIVER, GATE, GUARD, RECORDER, GateOptions
+from drawbar.driving.processes.shutdown import run_program
+from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
+from drawbar.safety.envelope import Bounds
+from drawbar.safety.gate_process import run
+from drawbar.safety.machine_gate import Gate
+
+
+def main() -> int:
+    """Open the actuators and run the gate; return its exit code."""
+    options = GateOptions.model_validate_json(sys.stdin.read())
+    folder = Path(options.folder)
+    listeners = (*(str(folder / name) for name in (GUARD, RECORDER)), options.driver or str(folder / DRIVER))
+    desk = DeskChannel(open_desk(str(folder / GATE)), listeners)
+    gate = Gate(
+        options.safety,
+        Bounds(wheelbase=options.wheelbase, tractor_limit=options.tractor_limit, trailer_limit=options.trailer_limit),
+        gate_wires(options),
+        ControllerChannel(socket.socket(fileno=options.controller)),
+        desk,
+    )
+    return run(gate, options.safety, options.clock)
+
+
+if __name__ == "__main__":
+    sys.exit(run_program(main))

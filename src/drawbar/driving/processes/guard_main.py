@@ -1,0 +1,97 @@
+"""The guard's process as a program: lets the boards go when the gate, which steers them, is killed or frozen.
+
+`python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate tells its state at
+each tick; when it steers and is not heard for as long as it may be late, off frames go to the boards until it is heard
+again, for `timing.off` seconds at most. An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate,
+not within, and tells it that it is there: without a guard the gate does not engage.
+"""
+
+import math
+import socket
+import sys
+from pathlib import Path
+
+from drawbar.driving.messaging.endpoint import Endpoint
+from drawbar.driving.messaging.heartbeat import HeartbeatSender
+from drawbar.driving.messaging.process_options import GATE, GUARD, GateOptions
+from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
+from drawbar.message_records import decode
+from drawbar.messages import GateState, Role
+from drawbar.protocols.agopengps.steering import SteerCommand
+from drawbar.realtime import prepare, say
+from drawbar.safety.settings import TimingSettings
+
+OFF = SteerCommand(steer=False, angle=0.0, speed=0.0).encode()
+_AGAIN = 0.1
+"""between two off frames, s"""
+_LOOK = 0.25
+"""longest time without looking whether to end, or to tell the gate that it is there, s"""
+
+
+class Guard:
+    """Says when the boards are to be let go of; times are monotonic, s."""
+
+    def __init__(self, timing: TimingSettings) -> None:
+        """Begin with a gate that has not been heard, and does not steer."""
+        self._patience, self._off = timing.tick + timing.late, timing.off
+        self._heard, self._said, self._steers = -math.inf, -math.inf, False
+
+    def hear(self, time: float, state: GateState) -> None:
+        """Take in what the gate has just said."""
+        self._heard, self._said, self._steers = time, -math.inf, bool(state.steers)
+
+    @property
+    def due(self) -> float:
+        """When an off frame is to be sent unless the gate is heard; infinity: not at all."""
+        due = max(self._heard + self._patience, self._said + _AGAIN)
+        return due if self._steers and due <= self._heard + self._patience + self._off else math.inf
+
+    def rests(self, time: float) -> bool:
+        """Return whether there is nothing to wait for: the gate does not steer, or the boards have been let go of."""
+        return not self._steers or time > self._heard + self._patience + self._off
+
+    def says_off(self, time: float) -> bool:
+        """Return whether an off frame is to be sent now."""
+        if not time >= self.due:
+            return False
+        self._said = time
+        return True
+
+
+def main() -> int:
+    """Guard until told to end, and until nothing is steered that nobody speaks for."""
+    options = GateOptions.model_validate_json(sys.stdin.read())
+    boards = [each.destination for each in (options.tractor_board, options.trailer_board) if each is not None]
+    guard, shutdown, clock = Guard(options.safety.timing), ShutdownRequest(), options.clock
+    folder = Path(options.folder)
+    wire, endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), Endpoint(str(folder / GUARD))
+    heartbeat = HeartbeatSender(Role.GUARD, endpoint, str(folder / GATE))
+    for word in prepare(options.safety.timing.priority):
+        say(f"guard: {word}")
+    while not (shutdown.asked and guard.rests(clock())):
+        clock.wait([endpoint.fileno()], min(guard.due - clock(), _LOOK))
+        now = clock()
+        heartbeat.pass_time(clock.nanoseconds())
+        for record in endpoint.receive():
+            state = decode(record, GateState)
+            if isinstance(state, GateState):
+                guard.hear(now, state)
+                heartbeat.state = state.state
+        if guard.says_off(now):
+            for board in boards:
+                _send(wire, board)
+    endpoint.close()
+    wire.close()
+    return 0
+
+
+def _send(wire: socket.socket, board: tuple[str, int]) -> None:
+    """Send an off frame; a network that is down keeps it from one board, not from the other."""
+    try:
+        wire.sendto(OFF, board)
+    except OSError as error:
+        say(f"guard: {board[0]} was not told to let go: {error}")
+
+
+if __name__ == "__main__":
+    sys.exit(run_program(main))

@@ -1,0 +1,142 @@
+"""The receivers' process as a program: reads the receivers, and sends what they say of each instant to the controller.
+
+`python -m drawbar.driving.processes.receivers_main`, with its options on standard input.
+"""
+
+import sys
+
+from drawbar.config import load_configuration
+from drawbar.driving.devices.path_frame import local_frame
+from drawbar.driving.devices.receiver_transports import open_receivers, receiver_settings
+from drawbar.driving.messaging.datagrams import Device, pack
+from drawbar.driving.messaging.endpoint import Endpoint
+from drawbar.driving.messaging.heartbeat import HeartbeatSender
+from drawbar.driving.messaging.process_options import (
+    CONSOLE,
+    CONTROLLER,
+    GATE,
+    RECEIVERS,
+    RECORDER,
+    SENTENCES,
+    ProcessOptions,
+)
+from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
+from drawbar.machine.hardware.corrections.corrections import open_corrections
+from drawbar.machine.hardware.corrections.receivers import correct
+from drawbar.machine.hardware.devices import DeviceSettings
+from drawbar.machine.hardware.navigation import Navigation
+from drawbar.machine.hardware.receiver import Receiver
+from drawbar.machine.hardware.sensor_line import SensorLine
+from drawbar.message_records import encode
+from drawbar.messages import Role, nanoseconds, seconds
+from drawbar.realtime import prepare, say, step_back_when_busy
+from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
+from drawbar.transports.base import Received, Transport
+from drawbar.transports.clock import Clock
+from drawbar.transports.open import open_transport
+from drawbar.transports.tapped import Direction, TappedTransport
+
+_BELOW_THE_GATE = 15
+"""its priority of scheduling, and so below the controller"""
+_BUSY = 0.5
+"""without waiting for more bytes: it is flooded with them, and scheduled as any other process from then on, s"""
+_CORRECTIONS = 0.02
+"""between two looks at the caster, s"""
+_TOGETHER = 32
+"""looks that are told at once, at most"""
+_ASK_AGAIN = 0.05
+"""between two looks at transports that have no descriptor, s"""
+
+
+def main() -> int:
+    """Read the receivers until told to end."""
+    options = ProcessOptions.model_validate_json(sys.stdin.read())
+    configuration = load_configuration(options.configuration)
+    devices = configuration.devices
+    assert devices is not None
+    endpoint = Endpoint(options.socket(RECEIVERS))
+    clock = options.clock
+    inputs = InputRecorder(endpoint, options.socket(RECORDER), clock)
+    lines = open_receivers(devices, options.socket(SENTENCES), clock)
+    receivers = [
+        Receiver(inputs.tap(line, device), settings)
+        for line, (device, settings) in zip(lines, receiver_settings(devices).items(), strict=True)
+    ]
+    sensors = _sensors(devices, inputs)
+    navigation = Navigation(receivers, local_frame(configuration), sensors)
+    heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
+    corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
+    for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
+        say(f"receivers: {word}")
+    step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
+    while not shutdown.asked:
+        now = clock.nanoseconds()
+        was_due = navigation.due <= seconds(now)
+        found = navigation.poll(seconds(now))
+        inputs.note_look(now, was_due=was_due, found=bool(found))
+        for fixes in found:
+            record = encode(fixes)
+            for reader in (CONTROLLER, CONSOLE):
+                endpoint.send(options.socket(reader), record)
+            endpoint.send_queued(options.socket(RECORDER), record)
+        heartbeat.pass_time(now)
+        if corrections is not None:
+            correct(corrections, clock(), receivers[0], receivers)
+        watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
+        descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
+        most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
+        clock.wait(descriptors, min(min(navigation.due, seconds(heartbeat.due)) - clock(), most))
+    for each in (*receivers, corrections, sensors, endpoint):
+        if each is not None:
+            each.close()
+    return 0
+
+
+def _sensors(devices: DeviceSettings, inputs: "InputRecorder") -> SensorLine | None:
+    if devices.sensors is None:
+        return None
+    return SensorLine(
+        inputs.tap(open_transport(devices.sensors.transport, inputs.clock), Device.SENSORS), devices.sensors
+    )
+
+
+class InputRecorder:
+    """Tells the recorder every byte, and each look at the receivers that may have changed anything."""
+
+    def __init__(self, endpoint: Endpoint, recorder: str, clock: Clock) -> None:
+        """Take the own endpoint, the path of the recorder's and the clock of what comes, s."""
+        self._endpoint, self._recorder, self.clock = endpoint, recorder, clock
+        self._pieces = 0
+        self._looks: list[Happening] = []
+
+    def tap(self, transport: Transport, device: Device) -> TappedTransport:
+        """Return a transport, every byte of which goes to the recorder too."""
+
+        def tap(direction: Direction, received: Received) -> None:
+            self._pieces += direction is Direction.IN
+            raw = RawBytes(
+                time=nanoseconds(received.time),
+                device=device.topic,
+                direction=direction,
+                source=received.source,
+                data=received.data,
+            )
+            self._endpoint.send_queued(self._recorder, pack(raw))
+
+        return TappedTransport(transport, tap, self.clock)
+
+    def note_look(self, time: int, *, was_due: bool, found: bool) -> None:
+        """Note a look at a time, ns, at which something came, was due or was found; any other has done nothing.
+
+        The recorder is told of all looks at the one that has found something, or soon.
+        """
+        if self._pieces or was_due or found:
+            self._looks.append(Happening(kind=Kind.LOOK, time=time, sequence=self._pieces))
+        self._pieces = 0
+        if self._looks and (found or len(self._looks) >= _TOGETHER):
+            self._endpoint.send_queued(self._recorder, pack(Order(tuple(self._looks))))
+            self._looks.clear()
+
+
+if __name__ == "__main__":
+    sys.exit(run_program(main))

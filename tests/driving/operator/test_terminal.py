@@ -1,0 +1,107 @@
+"""The operator at a terminal: what is shown of a drive, keys, and speeds that are asked for."""
+
+import dataclasses
+import math
+import os
+from io import StringIO
+from types import SimpleNamespace
+
+import pytest
+from drive_messages import controller_of, gate_of, ready_gate
+from rich.console import Console
+
+from drawbar.driving.operator.display import KEYS, picture
+from drawbar.driving.operator.front_end import Keyboard
+from drawbar.driving.operator.requests import changed_speed
+from drawbar.driving.operator.terminal import Terminal
+from drawbar.messages import SupervisorState
+from drawbar.safety.causes import Cause
+from drawbar.signals import Status
+
+NAN = math.nan
+
+
+def test_the_display_fits_sixty_columns_without_a_machine():
+    console = Console(width=60, file=None, record=True, force_terminal=False)
+    with console.capture() as capture:
+        console.print(picture(None, None))
+    assert all(len(line) <= 60 for line in capture.get().splitlines())
+    assert KEYS.splitlines()[0] in capture.get()
+
+
+def test_the_driver_is_told_to_stop_until_the_vehicle_stands():
+    stopping = dataclasses.replace(gate_of(SupervisorState.FAULT), stop=1)
+    for wheels, receiver, told in ((1.0, 0.0, True), (0.0, 1.0, False), (NAN, 0.0, False), (NAN, NAN, True)):
+        speeds = {"wheel_speed": wheels, "receiver_speed": receiver}
+        heard = dataclasses.replace(controller_of(Status.OK), correction_age=NAN, **speeds)
+        assert ("STOP THE VEHICLE" in picture(stopping, heard).plain) == told
+    assert "STOP THE VEHICLE" in picture(stopping, None).plain
+
+
+def test_the_display_says_why_a_key_was_refused():
+    assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
+
+
+def test_where_there_is_no_terminal_each_reason_against_engaging_or_to_worry_is_told_once():
+    causes = (Cause.FIX_LOST, Cause.NO_OPERATOR)
+    states = [
+        dataclasses.replace(
+            ready_gate(sequence),
+            state=state,
+            steers=int(state is SupervisorState.ACTIVE),
+            refusals=tuple(cause.value for cause in found) + (0,) * (8 - len(found)),
+        )
+        for sequence, (state, found) in enumerate(
+            [
+                (SupervisorState.STANDBY, causes[:1]),
+                (SupervisorState.STANDBY, causes),
+                (SupervisorState.STANDBY, causes[1:]),
+                (SupervisorState.READY, ()),
+                (SupervisorState.STANDBY, causes[:1]),
+                (SupervisorState.ACTIVE, ()),
+                (SupervisorState.ACTIVE, (Cause.TOO_SLOW, causes[0])),  # too slow to engage is no worry then
+                (SupervisorState.ACTIVE, causes[:1]),
+                (SupervisorState.FAULT, causes),
+            ]
+        )
+    ]
+    console, front = Console(file=StringIO(), width=60), SimpleNamespace(state=None, controller=None, refusal=None)
+    terminal = Terminal(console, None, front)
+    for front.state in states:
+        terminal.show()
+    first, second = (f"- {cause.sentence}: {cause.advice}\n" for cause in causes)
+    waiting, ready = "STANDBY: not ready to engage\n", "READY: ready to engage\n"
+    steering, ended = "ACTIVE: steering\n", "FAULT: let go of the steering; acknowledge to go on\n"
+    told = [waiting, first, second, ready, waiting, first, steering, first, ended]
+    assert console.file.getvalue() == "".join(told)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
+def test_no_key_waits_for_the_next_one(monkeypatch):
+    far, near = os.openpty()
+    with open(near, encoding="utf-8") as terminal, open(far, "wb", buffering=0) as keys:
+        monkeypatch.setattr("sys.stdin", terminal)
+        with Keyboard() as keyboard:
+            assert keyboard.pressed() == ""
+            keys.write(b"+x")
+            assert keyboard.pressed() == "+x"
+            assert keyboard.pressed() == ""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
+def test_no_key_is_pressed_on_a_terminal_that_is_gone(monkeypatch):
+    far, near = os.openpty()
+    with open(near, encoding="utf-8") as terminal:
+        monkeypatch.setattr("sys.stdin", terminal)
+        with Keyboard() as keyboard:
+            os.close(far)
+            assert keyboard.pressed() == ""
+
+
+@pytest.mark.parametrize(
+    ("wish", "change", "asked"),
+    [(NAN, -0.1, 0.9), (NAN, 0.1, 1.0), (0.5, 0.1, 0.6), (0.15, -0.1, 0.1), (0.1, -0.1, 0.1), (0.95, 0.1, 1.0)],
+)
+def test_set_speed_changes_between_a_step_and_the_configured_one(wish, change, asked):
+    state = dataclasses.replace(ready_gate(1), set_speed=wish)  # which allows 0 m/s: it does not steer
+    assert changed_speed(state, change, 1.0) == pytest.approx(asked)
