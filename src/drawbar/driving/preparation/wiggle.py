@@ -13,7 +13,7 @@ from drawbar.config import Configuration
 from drawbar.driving.devices.actuators import gate_wires
 from drawbar.driving.devices.gate_options import gate_options
 from drawbar.driving.devices.receiver_transports import open_receivers
-from drawbar.driving.messaging.socket_folder import socket_folder
+from drawbar.driving.messaging.socket_folder import SocketFolder
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
@@ -151,7 +151,7 @@ def wiggle_both(configuration: Configuration) -> Iterator[tuple[str, Wiggle]]:
     """
     assert configuration.devices is not None
     with ExitStack() as opened:
-        options = gate_options(configuration, folder=opened.enter_context(socket_folder()), controller=-1)
+        options = gate_options(configuration, folder=opened.enter_context(SocketFolder()), controller=-1)
         tractor, *others = open_receivers(configuration.devices, options.sentences)
         for each in others:
             opened.callback(each.close)

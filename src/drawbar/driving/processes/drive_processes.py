@@ -21,7 +21,7 @@ from drawbar.driving.messaging.process_options import (
     RECORDER,
     ProcessOptions,
 )
-from drawbar.driving.messaging.socket_folder import socket_folder
+from drawbar.driving.messaging.socket_folder import SocketFolder
 from drawbar.driving.processes.shutdown import signals_ignored
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
@@ -73,7 +73,7 @@ class DriveProcesses:
         self.configuration, self._run = configuration, run
         self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.by_name: dict[str, subprocess.Popen[bytes]] = {}
-        self._folder = socket_folder()
+        self._folder = SocketFolder()
         self._messages: IO[bytes] = (run / MESSAGES_NAME).open("wb")
         self.options = ProcessOptions(
             folder=self._folder.name,
