@@ -331,6 +331,20 @@ def test_two_antennas_that_agree_with_each_other_prevail():
     assert {result.fixes for result in results[LATER : restarts[0]]} == {(REJECTED, REJECTED)}
 
 
+@pytest.mark.parametrize("error", [0.4, -1.0])
+def test_two_antennas_that_turn_the_vehicle_about_do_not_prevail_before_dead_reckoning_may_have_turned_as_much(error):
+    """Both are as far from each other as they should be, and metres off, as false fixes may be."""
+    ahead = np.array([math.cos(0.4), math.sin(0.4)])
+    turned = np.array([math.cos(0.4 + error), math.sin(0.4 + error)])
+    errors = np.zeros((600, 4))
+    errors[LATER:] = [3.0, 3.0, *(3.0 + LENGTH * (ahead - turned))]
+    restarts = [k for k, result in enumerate(screened(drive(600, errors))) if result.restart]
+    settings = ScreeningSettings()
+    room = LENGTH * abs(math.sin(error)) - settings.length - settings.lateral * DEVIATION
+    assert restarts[0] == pytest.approx(LATER + (room / settings.growth + settings.patience) / STEP, abs=5)
+    assert restarts[0] > LATER + 4 * settings.patience / STEP
+
+
 def test_two_antennas_that_contradict_each_other_do_not_prevail():
     errors = np.zeros((200, 4))
     errors[LATER:, 0], errors[LATER:, 3] = 30.0, -20.0

@@ -143,10 +143,18 @@ static inline void screening_gate(struct screening *s, double time, const double
     }
 }
 
-/* Are the antennas as far from each other as they have been, or at first as they should be? */
-static inline int screening_plausible(const struct screening *s, double error)
+/* Are the antennas as far from each other as they have been, or at first as they should be? Once they have confirmed the
+ * estimate, one must also be seen from the other in about the expected direction: nothing turns the vehicle unseen. */
+static inline int screening_plausible(const struct screening *s, double time, const double *fixes,
+                                      const double *expected, double error)
 {
-    return fabs(error - s->length_error) <= (s->lengths ? s->length : s->longitudinal);
+    double offsets[4], rooms[2];
+
+    antenna_offsets(fixes, expected, offsets);
+    screening_rooms(s, time, distance(expected, expected + 2), rooms);
+    const double turned = s->length + s->lateral * s->deviation + fmax(rooms[0], rooms[1]);
+    return fabs(error - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
+        && (!s->trust.earned || fabs(offsets[1] - offsets[3]) <= turned);
 }
 
 static inline void screening_learn(struct screening *s, double error)
@@ -225,7 +233,7 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
     const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
     screening_gate(s, measurement->time, fixes, expected, told, both, outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
-    const int agreeing = both && screening_plausible(s, error);
+    const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, error);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {
