@@ -146,6 +146,17 @@ def test_values_too_old_or_of_the_future_are_missing(age: float) -> None:
     assert aligned.trailer_x == -1.0
 
 
+def test_values_that_are_a_little_of_the_future_are_of_now() -> None:
+    """The clock of a sensor may be some milliseconds ahead of the one that stamps the sample."""
+    alignment = Alignment(VehicleParameters(), SensorNoise(fixes=FixSettings(age=0.1)))
+    ages = {name: -0.05 for name in Measurement.__struct_fields__ if name.endswith("_age")}
+    given = measurement(1.2, (1.2, 0.0, -0.95, 0.0), speed=1.0, **ages)
+    aligned = alignment.apply(given, straight(1.0), straight(1.2))
+    assert len(ages) == 8
+    for name in ("tractor_x", "trailer_x", "hitch_angle", "speed", "tractor_steering", "trailer_steering"):
+        assert getattr(aligned, name) == pytest.approx(getattr(given, name), abs=1e-5)
+
+
 def test_a_receiver_that_does_not_tell_its_age_has_the_configured_one() -> None:
     sensors = SensorNoise(fixes=FixSettings(age=0.1))
     given = measurement(1.2, (1.1, 0.0, -1.05, 0.0), trailer_fix_age=0.2)

@@ -331,6 +331,20 @@ def test_two_antennas_that_agree_with_each_other_prevail():
     assert {result.fixes for result in results[LATER : restarts[0]]} == {(REJECTED, REJECTED)}
 
 
+@pytest.mark.parametrize("error", [0.4, -1.0])
+def test_two_antennas_that_turn_the_vehicle_about_do_not_prevail_before_dead_reckoning_may_have_turned_as_much(error):
+    """Both are as far from each other as they should be, and metres off, as false fixes may be."""
+    ahead = np.array([math.cos(0.4), math.sin(0.4)])
+    turned = np.array([math.cos(0.4 + error), math.sin(0.4 + error)])
+    errors = np.zeros((600, 4))
+    errors[LATER:] = [3.0, 3.0, *(3.0 + LENGTH * (ahead - turned))]
+    restarts = [k for k, result in enumerate(screened(drive(600, errors))) if result.restart]
+    settings = ScreeningSettings()
+    room = LENGTH * abs(math.sin(error)) - settings.length - settings.lateral * DEVIATION
+    assert restarts[0] == pytest.approx(LATER + (room / settings.growth + settings.patience) / STEP, abs=5)
+    assert restarts[0] > LATER + 4 * settings.patience / STEP
+
+
 def test_two_antennas_that_contradict_each_other_do_not_prevail():
     errors = np.zeros((200, 4))
     errors[LATER:, 0], errors[LATER:, 3] = 30.0, -20.0
@@ -375,6 +389,30 @@ def test_after_a_new_start_trust_is_to_be_earned_again():
         if screening.screen(measurement, (tractor, trailer)).restart:
             restarts.append(k)
     assert restarts == [LATER + 5, LATER + 7, LATER + 9, LATER + 11]
+
+
+def across(tractor, trailer):
+    """Return what shifts both antennas to the left, m."""
+    return np.array(
+        [-tractor * math.sin(0.4), tractor * math.cos(0.4), -trailer * math.sin(0.4), trailer * math.cos(0.4)]
+    )
+
+
+def test_two_false_fixes_do_not_come_back_one_after_the_other_as_the_gates_widen():
+    """The trailer's, 30 cm off, would be inside after 2 s; true ones are believed at once, be the other one false."""
+    errors = np.zeros((200, 4))
+    errors[LATER:140], errors[140:160] = across(1.0, -0.3), across(1.0, 0.0)
+    fixes = [result.fixes for result in screened(drive(200, errors, noise=0.01))]
+    assert set(fixes[LATER:140]) == {(REJECTED, REJECTED)}
+    assert set(fixes[140:160]) == {(REJECTED, OK)}
+    assert set(fixes[175:]) == {(OK, OK)}
+
+
+def test_after_a_loss_the_wide_gate_is_right_for_one_antenna_where_the_other_is_false():
+    nothing = dict.fromkeys(NAMES, math.nan)
+    measurements = drive(200, np.tile(across(3.0, -0.3), (200, 1)) * (np.arange(200) >= 140)[:, None], noise=0.01)
+    measurements[LATER:140] = [replace(m, **nothing) for m in measurements[LATER:140]]
+    assert screened(measurements)[140].fixes == (REJECTED, OK)
 
 
 def test_an_antenna_at_the_wrong_distance_overrules_nothing():

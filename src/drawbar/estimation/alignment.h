@@ -8,6 +8,7 @@
 #ifndef DRAWBAR_ALIGNMENT_H
 #define DRAWBAR_ALIGNMENT_H
 
+#include "ages.h"
 #include "attitude_track.h"
 #include "fix_deviation.h"
 #include "ground_record.h"
@@ -371,6 +372,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     const struct since since = {last, expected, measurement->time, measurement->time - last->time};
 
     *aligned = *measurement;
+    ages_of_now(aligned);
     lean_watch_move(&alignment->leans, moved_since(&since));
     move_swing(&alignment->leans.swings[ALIGNED_TRACTOR], &since, &last->tractor, &expected->tractor);
     move_swing(&alignment->leans.swings[ALIGNED_TRAILER], &since, &last->trailer, &expected->trailer);

@@ -38,6 +38,7 @@ struct screening {
     struct manoeuvre manoeuvre;
     struct leap leaps[3];                  /* of speed and both steerings */
     double length_error;                   /* mean error of the antennas' distance, m */
+    int32_t refused;                       /* both fixes of the last sample lay outside their gates */
     int32_t lengths;                       /* samples in it */
 };
 
@@ -118,6 +119,22 @@ static inline void screening_compare(struct screening *s, double *offsets, const
         suspicion_forget(&s->suspicion);
 }
 
+/* Let two false fixes not come back one after the other because the gates widen while both are refused: unless both come
+ * back and agree, a fix must be inside without that. One that the model does not tie to the other (single_growth) stands by
+ * itself.
+ *
+ * offsets: of both fixes (4 values, m); across: both gates before they widened, m; room: by how much they have, m. */
+static inline void screening_narrow(struct screening *s, const double *offsets, const double *across, double room,
+                                    int *outside)
+{
+    const int apart = outside[0] || outside[1] || distance(offsets, offsets + 2) > hypot(across[0], across[1]) + room;
+
+    if (s->refused && apart && !(s->single_growth > 0.0))
+        for (int i = 0; i < 2; ++i)
+            outside[i] |= !(fabs(offsets[2 * i + 1]) <= across[i]);
+    s->refused = outside[0] && outside[1];
+}
+
 /* Find which fixes lie outside their gates, and who is suspect.
  *
  * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other. */
@@ -126,27 +143,37 @@ static inline void screening_gate(struct screening *s, double time, const double
 {
     const double deviation = fmax(noise_deviation(&s->noise), s->deviation);
     const double sped = s->late * s->manoeuvre.change.speed;
-    double offsets[4], rooms[2];
+    double offsets[4], rooms[2], across[2];
 
     antenna_offsets(fixes, expected, offsets);
     screening_rooms(s, time, distance(expected, expected + 2), rooms);
     for (int i = 0; i < 2; ++i) {
-        const double lateral = s->lateral * fmax(deviation, told[i]) + rooms[i];
+        across[i] = s->lateral * fmax(deviation, told[i]);
         const double longitudinal = fmax(s->longitudinal, s->lateral * told[i]) + rooms[i] + sped;
-        outside[i] = !(fabs(offsets[2 * i + 1]) <= lateral && fabs(offsets[2 * i]) <= longitudinal);
+        outside[i] = !(fabs(offsets[2 * i + 1]) <= across[i] + rooms[i] && fabs(offsets[2 * i]) <= longitudinal);
     }
     if (both) {
+        screening_narrow(s, offsets, across, fmax(rooms[0], rooms[1]), outside);
         screening_compare(s, offsets, outside, deviation, fmax(rooms[0], rooms[1]));
     } else {
+        s->refused = 0;
         noise_interrupt(&s->noise);
         suspicion_forget(&s->suspicion);
     }
 }
 
-/* Are the antennas as far from each other as they have been, or at first as they should be? */
-static inline int screening_plausible(const struct screening *s, double error)
+/* Are the antennas as far from each other as they have been, or at first as they should be? Once they have confirmed the
+ * estimate, one must also be seen from the other in about the expected direction: nothing turns the vehicle unseen. */
+static inline int screening_plausible(const struct screening *s, double time, const double *fixes,
+                                      const double *expected, double error)
 {
-    return fabs(error - s->length_error) <= (s->lengths ? s->length : s->longitudinal);
+    double offsets[4], rooms[2];
+
+    antenna_offsets(fixes, expected, offsets);
+    screening_rooms(s, time, distance(expected, expected + 2), rooms);
+    const double turned = s->length + s->lateral * s->deviation + fmax(rooms[0], rooms[1]);
+    return fabs(error - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
+        && (!s->trust.earned || fabs(offsets[1] - offsets[3]) <= turned);
 }
 
 static inline void screening_learn(struct screening *s, double error)
@@ -225,7 +252,7 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
     const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
     screening_gate(s, measurement->time, fixes, expected, told, both, outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
-    const int agreeing = both && screening_plausible(s, error);
+    const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, error);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {

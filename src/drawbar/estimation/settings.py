@@ -59,7 +59,8 @@ class ScreeningSettings(Settings):
     settling: Annotated[int, Field(ge=1)] = 13
     """samples in which the estimator takes up such a change"""
     length: Positive = 0.2
-    """largest change of the antennas' distance with which they still agree with each other, m"""
+    """largest change of the antennas' distance with which they still agree with each other; across the vehicle
+    one may be off as seen from the other by as much besides the gate, m"""
     hitch: PositiveAngle = 0.15
     """furthest that the hitch angle may be from its prediction, rad"""
     steering: PositiveAngle = 0.2

@@ -30,7 +30,7 @@ class PathNode:
 class Measurement:
     """What the sensors report at one instant; a missing value is NaN. What a machine lacks keeps its default.
 
-    A value with an age below 0 or above 1 s is missing.
+    A value with an age above 1 s is missing, and so is one of the future; up to 0.05 s of it count as now.
     """
 
     time: Seconds

@@ -119,7 +119,7 @@ struct drawbar_path_node {
 };
 
 /* What the sensors report at one instant; a missing value is NaN. What a machine lacks keeps its default. A value
- * with an age below 0 or above 1 s is missing. */
+ * with an age above 1 s is missing, and so is one of the future; up to 0.05 s of it count as now. */
 struct drawbar_measurement {
     double time;                        /* of the sample, s */
     double tractor_x;                   /* east of the tractor antenna, m */
