@@ -96,6 +96,14 @@ def test_an_oscillation_about_a_place_beside_the_line_ends_the_run_a_period_late
     assert ends[1] <= ends[0] + 4.0 / SAMPLE
 
 
+@pytest.mark.parametrize("offset", [0.03, -0.03])
+def test_an_oscillation_that_is_beyond_the_threshold_on_one_side_alone_ends_the_run(offset: float) -> None:
+    """Peaks of 19 and 13 cm in turn, where 15 is the threshold."""
+    seen = watched(offset + each for each in sine(200, 4.0, 0.16))
+    assert {status for status, _ in seen} == {0, Status.OSCILLATION}
+    assert {status for status, _ in watched(offset + each for each in sine(200, 4.0, 0.14))} == {0}
+
+
 @pytest.mark.parametrize("offset", [0.0, 0.1, -0.1])
 @pytest.mark.parametrize("left", [0.3, 0.6])
 def test_what_dies_away_is_no_oscillation_wherever_it_settles(left: float, offset: float) -> None:

@@ -1,9 +1,9 @@
 /* Swings to both sides of a signal that ought to be near zero: a loop that oscillates rather than settles.
  *
  * A half wave ends where the signal is on the other side of zero by half of the threshold. One counts if its peak is beyond
- * the threshold, if it did not take longer than LONGEST_SWING, and if it is not clearly smaller than the one before, or than
- * the last one on its own side: what dies away by itself (a bump, the way onto the line) is no oscillation, but one about
- * a place beside zero is.
+ * the threshold, or its mean with the one before is, if it did not take longer than LONGEST_SWING, and if it is not clearly
+ * smaller than the one before, or than the last one on its own side: what dies away by itself (a bump, the way onto the
+ * line) is no oscillation, but one about a place beside zero is.
  */
 #ifndef DRAWBAR_SWINGS_H
 #define DRAWBAR_SWINGS_H
@@ -34,7 +34,8 @@ static inline int32_t swings_update(struct swings *swings, double time, double s
     }
     if (side != 0 && side != swings->side) {
         const double last = swings->earlier > 0.0 ? fmin(swings->before, swings->earlier) : swings->before;
-        const int counts = swings->peak > threshold && swings->peak >= STILL_SWINGING * last;
+        const double size = fmax(swings->peak, 0.5 * (swings->peak + swings->before));
+        const int counts = size > threshold && swings->peak >= STILL_SWINGING * last;
         swings->count = counts ? swings->count + 1 : 0;
         swings->earlier = swings->before;
         swings->before = swings->peak;
