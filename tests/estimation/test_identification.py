@@ -59,12 +59,17 @@ def fed(
     settings: ActuationSettings | None = None,
     prepared: bool = False,
     slower: float = 1.0,
+    sign: float = 1.0,
 ) -> Identification:
-    """Return an identification that has seen a drive; slower: the true rates in shares of the stated ones."""
-    vehicle, sent = VehicleParameters(), commands(samples, size=size)
+    """Return an identification that has seen a drive; slower: the true rates in shares of the stated ones.
+
+    sign: of the joint.
+    """
+    vehicle, sent = VehicleParameters(joint_sign=sign), commands(samples, size=size)
     identification = Identification(vehicle, settings or ActuationSettings(), SAMPLE)
     rates = vehicle.tractor_steering_rate, vehicle.trailer_steering_rate
-    angles = np.column_stack([steered(sent[:, i], dead_time, lag, slower * rates[i]) for i in range(2)])
+    signed = sent * (1.0, sign)
+    angles = np.column_stack([steered(signed[:, i], dead_time, lag, slower * rates[i]) for i in range(2)])
     measured = resolution * np.round((angles + offset) / resolution)
     for k in range(samples):
         identification.measured(measurement(SAMPLE * k, *measured[k], age))
@@ -122,6 +127,19 @@ def test_what_is_known_does_not_depend_on_whether_there_was_time_to_prepare() ->
 def test_a_wrong_zero_of_the_sensor_costs_nothing() -> None:
     straight, askew = fed(0.2, 0.3).told().tractor, fed(0.2, 0.3, offset=3.0 * DEGREE).told().tractor
     assert (askew.dead_time, askew.lag) == pytest.approx((straight.dead_time, straight.lag), abs=0.01)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("samples", "known"), [(600, 2.9), (300, 2.7), (100, 1.7), (1, 0.0)])
+def test_what_an_angle_is_off_its_commands_is_taken_off_them(samples: int, known: float, sign: float) -> None:
+    straight, askew = (fed(0.2, 0.3, samples=samples, offset=each * DEGREE, sign=sign) for each in (0.0, 3.0))
+    command = Command(time=0.0, tractor_steering=0.1, trailer_steering=-0.05, speed=1.0)
+    there = estimate(0.1, sign * -0.05)
+    adapted = np.subtract(askew.adapt(there, 0.1, -0.05), straight.adapt(there, 0.1, -0.05))
+    told, otherwise = askew.sent(command), straight.sent(command)
+    led = [getattr(told, body) - getattr(otherwise, body) for body in ("tractor_steering", "trailer_steering")]
+    assert led == pytest.approx(-adapted, abs=1e-15)
+    assert led == pytest.approx([known * DEGREE, sign * known * DEGREE], abs=0.1 * DEGREE)
 
 
 def test_an_age_that_is_told_is_no_dead_time() -> None:
@@ -246,12 +264,11 @@ def test_an_adapted_command_moves_the_slow_actuator_as_the_stated_one() -> None:
     identification = fed(0.0, 0.9, samples=600)
     told = identification.told()
     assert told.tractor_lag == pytest.approx(0.9, rel=0.1)
-    for sign in (1.0, -1.0):
-        found, wanted = 0.05 * sign, 0.08 * sign
-        adapted, _ = identification.adapt(estimate(found, 0.0), wanted, 0.0)
-        meant = found + (wanted - found) * -math.expm1(-SAMPLE / 0.3)
-        moved = found + (adapted - found) * -math.expm1(-SAMPLE / told.tractor_lag)
-        assert moved == pytest.approx(meant, abs=1e-12)
+    found, wanted = 0.05, 0.08
+    left, right = (identification.adapt(estimate(sign * found, 0.0), sign * wanted, 0.0)[0] for sign in (1.0, -1.0))
+    meant = found + (wanted - found) * -math.expm1(-SAMPLE / 0.3)
+    moved = found + (0.5 * (left - right) - found) * -math.expm1(-SAMPLE / told.tractor_lag)  # without any offset
+    assert moved == pytest.approx(meant, abs=1e-12)
     far, _ = identification.adapt(estimate(0.0, 0.0), 0.5, 0.0)
     assert far == pytest.approx(VehicleParameters().tractor_steering_limit)
 

@@ -22,9 +22,11 @@ class Identification(Alone):
         """Take in the steering angles of a measurement; return 0 or the status with which a run would end."""
         return self.call("measured", given(measurement))
 
-    def sent(self, command: Command) -> None:
-        """Take in the command that was sent."""
-        self.call("sent", given(command))
+    def sent(self, command: Command) -> Command:
+        """Take in the command that was sent; return what the sensors will say of it."""
+        memory = given(command)
+        self.call("sent", memory)
+        return taken(Command, memory)
 
     def adapt(self, then: Estimate, tractor: float, trailer: float) -> tuple[float, float]:
         """Return commands for the lags that were found in place of those for the stated ones."""

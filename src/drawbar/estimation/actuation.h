@@ -3,7 +3,8 @@
  *
  * Plans are made for the later of both dead times and for both rates, approached gradually, and commands lead the steering
  * by the lags that were found: a controller's command moves an actuator of the stated lag from the angle at which it will
- * find it, and is stretched about that angle for one of another lag.
+ * find it, and is stretched about that angle for one of another lag. What a measured angle is off its commands on average is
+ * taken off them: the plans are made in what the sensors say.
  */
 #ifndef DRAWBAR_ACTUATION_H
 #define DRAWBAR_ACTUATION_H
@@ -13,6 +14,7 @@
 #include "still.h"
 #include "unit.h"
 
+#define OFFSET_SETTLING 15.0               /* s; and not while an angle repeats itself: it may be stuck */
 #define STUCK_SHARE 0.5                    /* of the error that nothing explains, by which a steering moves beside a stuck sensor */
 
 enum { FRONT_WHEELS, TRAILER_JOINT, STEERED };
@@ -25,6 +27,7 @@ struct component {
     double sample_time;                    /* s */
     double settling;                       /* share of a difference by which what is planned with changes in a sample */
     double dead_time, lags[STEERED], rates[STEERED];   /* what is planned with, s, rad/s */
+    double offsets[STEERED];               /* of the measured angles from the commands, rad */
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
     struct still still[STEERED];           /* the measured angle, and the likeliest member's, rad */
@@ -53,6 +56,9 @@ static void approach(struct component *actuation)
     for (int i = 0; i < STEERED; ++i) {
         actuation->lags[i] += actuation->settling * (banks[i].lag - actuation->lags[i]);
         actuation->rates[i] += actuation->settling * (banks[i].rate - actuation->rates[i]);
+        if (actuation->still[i].repeated == 0)
+            actuation->offsets[i] += actuation->sample_time / OFFSET_SETTLING
+                * (bank_offset(&banks[i], &actuation->grid) - actuation->offsets[i]);
     }
 }
 
@@ -70,7 +76,8 @@ static int is_stuck(struct component *actuation, int i, double measured, double 
 {
     struct still *still = &actuation->still[i];
 
-    still_take(still, measured, bank_likeliest(&actuation->banks[i], &actuation->grid), speed);
+    const struct lag_bank *bank = &actuation->banks[i];
+    still_take(still, measured, bank->angle[bank_likeliest(bank, &actuation->grid)], speed);
     const int missed = still_missed(still, STUCK_SHARE * actuation->odd);
     actuation->stuck_for[i] = missed ? actuation->stuck_for[i] + actuation->sample_time : 0.0;
     return missed && (actuation->stuck_for[i] > actuation->patience || still_unusual(still));
@@ -110,13 +117,15 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
     return odd ? DRAWBAR_STEERING : 0;
 }
 
-/* Take in the command that was sent. */
-int UNIT(sent)(struct component *actuation, const struct drawbar_command *command)
+/* Take in the command that was sent, and make it what the sensors will say of it. */
+int UNIT(sent)(struct component *actuation, struct drawbar_command *command)
 {
     if (!actuation->banks[FRONT_WHEELS].begun)
         return 0;
     bank_command(&actuation->banks[FRONT_WHEELS], &actuation->grid, command->tractor_steering);
     bank_command(&actuation->banks[TRAILER_JOINT], &actuation->grid, actuation->sign * command->trailer_steering);
+    command->tractor_steering += actuation->offsets[FRONT_WHEELS];
+    command->trailer_steering += actuation->sign * actuation->offsets[TRAILER_JOINT];
     return 0;
 }
 
@@ -126,12 +135,13 @@ static inline double lead(double sample_time, double lag)
     return -1.0 / expm1(-sample_time / lag);
 }
 
-/* Stretch a command, made for the stated lag, about the angle at which it will find the steering, rad. */
-static inline double stretched(const struct component *actuation, int i, double command, double found)
+/* Stretch a command, made for the stated lag, about the angle at which it will find the steering, rad; both and the offset
+ * in the command's own sign. */
+static inline double stretched(const struct component *actuation, int i, double command, double found, double offset)
 {
     const double share = lead(actuation->sample_time, actuation->lags[i])
         / lead(actuation->sample_time, actuation->banks[i].prior_lag);
-    const double wanted = found + share * (command - found);
+    const double wanted = found + share * (command - found) - offset;
 
     return isfinite(wanted) ? clamped(wanted, -actuation->limits[i], actuation->limits[i]) : command;
 }
@@ -139,8 +149,10 @@ static inline double stretched(const struct component *actuation, int i, double 
 /* Make commands for the stated lags ones for the lags that were found; `then` is the estimate when they begin to act. */
 int UNIT(adapt)(const struct component *actuation, const struct drawbar_estimate *then, double *tractor, double *trailer)
 {
-    *tractor = stretched(actuation, FRONT_WHEELS, *tractor, then->tractor_steering);
-    *trailer = stretched(actuation, TRAILER_JOINT, *trailer, actuation->sign * then->trailer_steering);
+    const double *const offsets = actuation->offsets, sign = actuation->sign;
+
+    *tractor = stretched(actuation, FRONT_WHEELS, *tractor, then->tractor_steering, offsets[FRONT_WHEELS]);
+    *trailer = stretched(actuation, TRAILER_JOINT, *trailer, sign * then->trailer_steering, sign * offsets[TRAILER_JOINT]);
     return 0;
 }
 

@@ -148,11 +148,17 @@ static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, do
     }
 }
 
-/* The angle of the member whose dead time and lag are nearest to those found, rad. */
-static double bank_likeliest(const struct lag_bank *bank, const struct lag_grid *grid)
+/* The member whose dead time and lag are nearest to those found. */
+static inline int bank_likeliest(const struct lag_bank *bank, const struct lag_grid *grid)
 {
-    return bank->angle[nearest_of(grid->dead_times, DEAD_TIMES, bank->dead_time) * LAGS
-                       + nearest_of(grid->lags, LAGS, bank->lag)];
+    return nearest_of(grid->dead_times, DEAD_TIMES, bank->dead_time) * LAGS + nearest_of(grid->lags, LAGS, bank->lag);
+}
+
+/* By how much (rad) the measured angle is beyond what commands have made of it, on average over the last minute; nothing
+ * before it is known: the sensor's zero, or what the actuator stays off its set point. */
+static inline double bank_offset(const struct lag_bank *bank, const struct lag_grid *grid)
+{
+    return bank->error[bank_likeliest(bank, grid)] / (bank->weight + KNOWN_ZERO);
 }
 
 /* By how much (rad) a measured angle is off that of the member which comes nearest to it, each with the mean error that it

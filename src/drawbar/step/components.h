@@ -47,7 +47,7 @@ int drawbar_estimator_skip(struct component *component, const struct drawbar_com
 int drawbar_estimator_actuation(struct component *component, const struct drawbar_actuation *known);
 int drawbar_actuation_initialise(struct component *component);
 int drawbar_actuation_measured(struct component *component, const struct drawbar_measurement *measurement);
-int drawbar_actuation_sent(struct component *component, const struct drawbar_command *command);
+int drawbar_actuation_sent(struct component *component, struct drawbar_command *command);
 int drawbar_actuation_ready(struct component *component);
 int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double *tractor,
                             double *trailer);

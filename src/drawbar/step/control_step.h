@@ -127,13 +127,15 @@ static void shift_line(struct autopilot *a)
 /* The command that acts during most of the sample that now begins. */
 static void send(struct autopilot *a, const struct drawbar_command *command)
 {
+    struct drawbar_command led = *command;
+
 #ifdef DRAWBAR_IDENTIFIED
-    drawbar_actuation_sent(COMPONENT(a->actuation), command);
+    drawbar_actuation_sent(COMPONENT(a->actuation), &led);
 #endif
 #ifdef DRAWBAR_DEAD_TIME
-    drawbar_predictor_sent(COMPONENT(a->predictor), command, &a->acting);
+    drawbar_predictor_sent(COMPONENT(a->predictor), &led, &a->acting);
 #else
-    a->acting = *command;
+    a->acting = led;
 #endif
 }
 
