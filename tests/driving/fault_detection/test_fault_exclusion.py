@@ -64,7 +64,7 @@ def test_positions_that_both_antennas_contradict_are_left_out_while_engaged():
 
 def test_positions_that_drift_are_left_out_while_engaged():
     found = FaultExclusion(SanitySettings(), VehicleParameters(), 0.2)
-    found.update(step(), engaged=True, drifts=True)
+    found.update(step(), engaged=True, moved=True)
     assert math.isnan(found.without_excluded(SEEN).tractor_x)
     found.update(step(), engaged=True)
     assert found.is_active
@@ -83,6 +83,25 @@ def test_a_hitch_angle_that_contradicts_leaves_out_the_trailer_and_what_it_did_t
     for _ in range(5):
         found.update(step(), engaged=False)
     assert not found.is_active
+
+
+def test_positions_that_the_receivers_themselves_contradict_are_not_forgiven():
+    found = FaultExclusion(SanitySettings(), VehicleParameters(), 0.2)
+    found.update(step(), engaged=True, moved=True)
+    for _ in range(5):
+        found.update(step(hitch=0.3), engaged=True)
+    assert found.excludes_trailer
+    assert math.isnan(found.without_excluded(SEEN).tractor_x)
+    found = exclusion(step(hitch=0.3))
+    assert found.without_excluded(SEEN).tractor_x == 1.0
+    found.update(step(), engaged=True, moved=True)
+    assert math.isnan(found.without_excluded(SEEN).tractor_x)
+    assert found.without_trailer(SEEN).tractor_x == 1.0
+    assert math.isnan(found.without_trailer(SEEN).trailer_x)
+    for _ in range(5):
+        found.update(step(), engaged=False)
+    assert not found.is_active
+    assert found.without_trailer(SEEN) == SEEN
 
 
 def on_calm_ground(sample_time=0.2, time=30.0):

@@ -1,4 +1,4 @@
-"""Position drift: positions of both antennas are held against the velocities that their receivers report."""
+"""Position drift: positions of the antennas are held against the velocities that their receivers report."""
 
 import math
 from dataclasses import fields, replace
@@ -56,7 +56,7 @@ def test_ordinary_noise_is_no_drift(radius, speed, lag):
         assert not drift.exists, time
 
 
-@pytest.mark.parametrize(("speed", "latest"), [(1.0, 1.1), (2.0, 1.1), (3.0, 1.1)])
+@pytest.mark.parametrize(("speed", "latest"), [(1.0, 0.9), (2.0, 0.9), (3.0, 1.1)])
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_both_antennas_that_drift_are_seen_and_one_alone_is_not(speed, latest, side):
     for both in (True, False):
@@ -69,6 +69,92 @@ def test_both_antennas_that_drift_are_seen_and_one_alone_is_not(speed, latest, s
             found = time if drift.exists and found is None else found
         assert (found is not None) == both
         assert found is None or 0.6 < found - begin <= latest
+
+
+def test_antennas_that_go_to_different_sides_do_not_drift_together():
+    drift, begin = PositionDrift(), 5.0
+    assert heard(drift, times(begin)) is None
+    for time in times(8.0, begin):
+        drift.hear(epoch(time, aside=(0.3 * (time - begin), -0.3 * (time - begin))))
+        assert not drift.exists
+
+
+@pytest.mark.parametrize(
+    ("aside", "seen"),
+    [((0.14, 0.14), False), ((0.16, 0.16), True), ((0.21, 0.11), True), ((0.30, 0.09), False), ((0.45, -0.12), False)],
+)
+def test_the_mean_of_both_decides_where_each_is_aside(aside, seen):
+    drift = PositionDrift()
+    assert heard(drift, times(5.0)) is None
+    assert (heard(drift, times(6.0, 5.0), aside=aside) is not None) is seen
+
+
+@pytest.mark.parametrize("unknown", [{"trailer_quality": int(FixQuality.FLOAT)}, {"trailer_x": math.nan}])
+@pytest.mark.parametrize(("aside", "seen"), [(0.2, False), (0.22, True)])
+def test_where_one_antenna_is_not_known_the_other_decides_alone(unknown, aside, seen):
+    drift = PositionDrift()
+    assert heard(drift, times(5.0), **unknown) is None
+    assert (heard(drift, times(6.0, 5.0), aside=(aside, aside), **unknown) is not None) is seen
+
+
+def drift_in_curve(radius, lag, side, *, learned):
+    """Return after which time a drift in a curve is seen, s, where the lag of the course has been learned, or not."""
+    drift, begin = PositionDrift(), 25.2 if learned else 2.4  # after a whole circle
+    assert heard(drift, times(begin), radius=radius, lag=lag) is None
+    for time in times(begin + 4.0, begin):
+        off = 0.3 * side * (time - begin)
+        drift.hear(epoch(time, radius=radius, lag=lag, aside=(off, off)))
+        if drift.exists:
+            return time - begin
+    return math.inf
+
+
+@pytest.mark.parametrize("radius", [8.0, -8.0])
+def test_in_a_curve_a_drift_is_seen_as_soon_once_the_lag_is_known(radius):
+    inside = math.copysign(1.0, radius)
+    assert drift_in_curve(radius, 0.0, inside, learned=True) <= 0.9
+    assert drift_in_curve(radius, 0.0, inside, learned=False) > 0.9
+    assert drift_in_curve(radius, 0.0, -inside, learned=False) <= 0.9
+    assert drift_in_curve(radius, 0.15, inside, learned=True) <= 0.9
+
+
+def test_a_drift_is_not_learned_as_a_lag_before_it_is_seen():
+    drift = PositionDrift()
+    assert heard(drift, times(12.0), radius=8.0) is None
+    before = drift._tractor._lag.longest
+    for time in times(14.0, 12.0):
+        aside = -0.3 * (time - 12.0)  # after half a circle: to the left
+        drift.hear(epoch(time, radius=8.0, aside=(aside, aside)))
+    assert drift.exists
+    assert drift._tractor._lag.longest <= before
+
+
+def jumped(drift, when, **given):
+    drift.hear(epoch(when, **given))
+    return drift.has_jumped
+
+
+def test_both_antennas_that_jump_and_stay_there_are_told():
+    drift = PositionDrift()
+    assert heard(drift, times(5.0)) is None
+    assert not jumped(drift, 5.0, aside=(1.0, 1.0))
+    assert all(jumped(drift, when, aside=(1.0, 1.0)) for when in times(5.9, 5.2))
+    assert not any(jumped(drift, when, aside=(1.0, 1.0)) for when in times(7.0, 6.2))
+
+
+def test_one_false_epoch_is_no_jump_and_neither_is_one_antenna_or_a_gap():
+    drift = PositionDrift()
+    assert heard(drift, times(5.0)) is None
+    assert not jumped(drift, 5.0, aside=(1.0, 1.0))
+    assert not any(jumped(drift, when) for when in times(8.0, 5.2))
+    assert not any(jumped(drift, when, aside=(1.0, 0.0)) for when in times(11.0, 8.0))
+    assert not any(jumped(drift, when, aside=(3.0, 3.0)) for when in times(14.0, 11.6))
+
+
+def test_the_only_antenna_that_is_known_jumps_alone():
+    drift = PositionDrift()
+    assert heard(drift, times(5.0), trailer_x=math.nan) is None
+    assert [jumped(drift, when, aside=(1.0, 1.0), trailer_x=math.nan) for when in (5.0, 5.2)] == [False, True]
 
 
 def test_a_velocity_whose_direction_lags_by_far_is_a_contradiction():
@@ -95,10 +181,10 @@ def test_a_speed_in_a_wrong_unit_is_no_drift():
     assert heard(PositionDrift(), times(20.0), told=1.94) is None
 
 
-@pytest.mark.parametrize(
-    "given", [{"tractor_quality": int(FixQuality.FLOAT)}, {"trailer_course": math.nan}, {"tractor_x": math.nan}]
-)
-def test_without_fixed_positions_and_velocities_nothing_is_said(given):
+@pytest.mark.parametrize("field", ["quality", "course", "x"])
+def test_without_fixed_positions_and_velocities_nothing_is_said(field):
+    value = int(FixQuality.FLOAT) if field == "quality" else math.nan
+    given = {f"{body}_{field}": value for body in ("tractor", "trailer")}
     drift = PositionDrift()
     for time in times(20.0):
         drift.hear(replace(epoch(time, aside=(0.3 * time, 0.3 * time)), **given))

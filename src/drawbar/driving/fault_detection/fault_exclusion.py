@@ -119,6 +119,8 @@ class FaultExclusion:
         self._rms = RunningRms(sample_time, first=_FIRST, first_time=_FIRST_TIME)  # mean of them, rad
         self._tractor_antenna, self._trailer_antenna = _AntennaResidual(sample_time), _AntennaResidual(sample_time)
         self._positions = self._trailer = 0
+        self._certain = False
+        """the receivers themselves contradict the positions"""
 
     @property
     def is_active(self) -> bool:
@@ -130,8 +132,8 @@ class FaultExclusion:
         """Whether what is told of the trailer is excluded."""
         return self._trailer >= CONFIRMED
 
-    def update(self, record: StepRecord, *, engaged: bool, drifts: bool = False) -> None:
-        """Take in a step, and whether both antennas drift; what is excluded while engaged stays so."""
+    def update(self, record: StepRecord, *, engaged: bool, moved: bool = False) -> None:
+        """Take in a step, and whether positions drift or have jumped; what is excluded while engaged stays so."""
         hitch, joint = _differences(record)
         self._differences.append((hitch, joint))
         moves = abs(record.measurement.speed) >= _MOVES
@@ -141,19 +143,27 @@ class FaultExclusion:
         differ |= self._stuck.update(record.measurement.hitch_angle, record.estimate.hitch_angle, moves=moves)
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if differ else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
-        if self.excludes_trailer:  # by them the estimator was led astray, and rejects right fixes
+        self._certain = moved or (engaged and self._certain)
+        if self._certain:
+            self._positions = CONFIRMED
+        elif self.excludes_trailer:  # by them the estimator was led astray, and rejects right fixes
             self._positions = 0
         elif not (engaged and self._positions >= CONFIRMED):
-            self._positions = CONFIRMED if drifts else self._positions + 1 if _both_rejected(record) else 0
+            self._positions = self._positions + 1 if _both_rejected(record) else 0
 
     def without_excluded(self, measurement: Measurement) -> Measurement:
         """Return a measurement without what is excluded."""
         nan = math.nan
         if self._positions >= CONFIRMED:
             measurement = replace(measurement, tractor_x=nan, tractor_y=nan, trailer_x=nan, trailer_y=nan)
-        if self.excludes_trailer:
-            measurement = replace(measurement, hitch_angle=nan, trailer_steering=nan, trailer_x=nan, trailer_y=nan)
-        return measurement
+        return self.without_trailer(measurement)
+
+    def without_trailer(self, measurement: Measurement) -> Measurement:
+        """Return a measurement without what is told of the trailer, where that is excluded."""
+        if not self.excludes_trailer:
+            return measurement
+        nan = math.nan
+        return replace(measurement, hitch_angle=nan, trailer_steering=nan, trailer_x=nan, trailer_y=nan)
 
     def _apart(self, *, moves: bool) -> float:
         """Return by how much both angles together have differed for long, as a share of what is a contradiction."""

@@ -1,8 +1,16 @@
-"""Position drift: positions that go aside of what the receivers' own velocities say.
+"""Position drift: positions that go aside of what the receivers' own velocities say, or jump.
 
 A receiver finds its velocity from the carrier's Doppler shift, which a wrongly fixed ambiguity or a drifting reference
 does not touch. Over the last seconds the way between two positions is held against the velocity's integral, across it
-only: a velocity in a wrong unit is seen elsewhere. Wheels that slip sideways do not matter, as both see that.
+only: a velocity in a wrong unit is seen elsewhere. Wheels that slip sideways do not matter, as both see that. Both
+antennas must go to the same side; their mean, of less noise than either, then decides. Where only one of them has a
+fixed solution, it alone does.
+
+In a curve the direction of the velocity lags, and the positions go aside of it, to the inside. By how much is learned
+of each receiver.
+
+A jump beside the velocity by half a metre from one epoch to the next is none for the estimate to follow: it rejects
+it. But it tells that the positions are wrong, whatever else contradicts the estimate.
 
 Until a drift is seen the estimate follows it, yaws and crab angles included. From then on the velocities' integral
 takes the place of the positions, from where the antennas were before (driving/loop/controller.py).
@@ -19,15 +27,23 @@ from drawbar.signals import FixQuality, Measurement
 _WINDOW = 2.0
 """over which both ways are compared, s"""
 _JUMP = 0.5
-"""m beside where the velocity leads from one epoch to the next: farther is no drift, and the estimator rejects it"""
+"""m beside where the velocity leads from one epoch to the next: farther is a jump, no drift"""
+_RECENT = 1.0
+"""for which a jump is told, s"""
 _GAP = 0.5
 """between two epochs, after which it begins anew, s; as after a jump"""
 _LEAST = 0.5
 """way that has a direction, m"""
-_ASIDE, _SHARE = 0.2, 0.03
-"""m, and of the way; farther aside is a contradiction"""
+_ASIDE, _SHARE = 0.15, 0.03
+"""m, and of the way; both antennas' mean farther aside is a contradiction"""
+_EACH = 0.65
+"""of that, by which each of them is aside at least"""
+_ALONE = 1.4
+"""times that, by which the only one that is known is aside"""
 _LAG = 0.15
-"""by which a receiver's filter lets the velocity's direction lag in a curve, s"""
+"""by which a receiver's filter lets the velocity's direction lag in a curve at most, s"""
+_DOUBT = 2.0
+"""weight of that against what curves say of the lag, m²/s²"""
 _SAME = 1e-6
 """times nearer than this are the same, s"""
 _CONTRADICTIONS = 2
@@ -43,13 +59,58 @@ class _Place:
     way: tuple[float, float]
     """integral of the velocity, east and north, m"""
 
+    def leads_to(self, time: float, x: float, y: float) -> bool:
+        """Return whether another place can be a next one, without a gap or a jump."""
+        step = time - self.time
+        led = (self.x + step * self.velocity[0], self.y + step * self.velocity[1])
+        return 0.0 < step <= _GAP and math.dist((x, y), led) <= _JUMP
+
+
+class _Lag:
+    """By how much the direction of a receiver's velocity lags, learned where it turns."""
+
+    def __init__(self) -> None:
+        """Begin with nothing known."""
+        self._newest = deque[tuple[float, float, float]]()
+        self._known = self._product = 0.0
+
+    @property
+    def longest(self) -> float:
+        """The most that it may be by what is known, s."""
+        return min(max((self._product + _DOUBT * _LAG) / (self._known + _DOUBT), 0.0), _LAG)
+
+    def add(self, time: float, aside: float, per_lag: float) -> None:
+        """Take in a distance aside, m, and its derivative by the lag, m/s; it is learned from once it is old.
+
+        A drift would teach a lag before it is seen.
+        """
+        self._newest.append((time, aside, per_lag))
+        while time - self._newest[0][0] >= _WINDOW:
+            _, before, by = self._newest.popleft()
+            self._known += by**2
+            self._product += before * by
+
 
 class _Antenna:
     """The last places of one antenna."""
 
     def __init__(self) -> None:
         self._places: deque[_Place] = deque()
+        self._lag = _Lag()
         self._right: _Place | None = None
+        self._before: _Place | None = None
+        """the last place before a jump that came with the newest epoch"""
+        self._jumped = math.nan
+
+    @property
+    def jumped(self) -> float:
+        """Time of the last jump that has stayed, NaN: none, s."""
+        return self._jumped if self._before is None else math.nan
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the newest epoch has told its place."""
+        return bool(self._places)
 
     def begin_dead_reckoning(self) -> None:
         """Hold to the oldest place."""
@@ -62,57 +123,83 @@ class _Antenna:
         way, before = self._places[-1].way, self._right.way
         return self._right.x + way[0] - before[0], self._right.y + way[1] - before[1]
 
-    def add(self, time: float, x: float, y: float, velocity: tuple[float, float]) -> bool:
-        """Take in an epoch with a fixed solution, or NaN; return whether it contradicts."""
-        known = math.isfinite(x + y + sum(velocity))
-        if not known or (self._places and not self._goes_on(time, x, y)):
-            self._places.clear()
-            self._right = None
-        if not known:
-            return False
-        way = (0.0, 0.0)
-        if self._places:
-            last = self._places[-1]
-            half = 0.5 * (time - last.time)
-            way = (
-                last.way[0] + half * (last.velocity[0] + velocity[0]),
-                last.way[1] + half * (last.velocity[1] + velocity[1]),
-            )
-        self._places.append(_Place(time, x, y, velocity, way))
+    def add(self, time: float, x: float, y: float, velocity: tuple[float, float]) -> float:
+        """Take in an epoch with a fixed solution, or NaN.
+
+        Returns:
+            How far it is aside, to the left, as a share of what is a contradiction of both; NaN where not known.
+        """
+        if not math.isfinite(x + y + sum(velocity)):
+            self._begin_anew()
+            self._before = None
+            return math.nan
+        last = self._places[-1] if self._places else None
+        if last is not None and last.leads_to(time, x, y):
+            self._before = None
+        elif last is not None:
+            self._begin_anew()
+            self._jump(last, time, x, y)
+        self._places.append(_Place(time, x, y, velocity, self._way(time, velocity)))
         while len(self._places) > 1 and time - self._places[1].time >= _WINDOW - _SAME:
             self._places.popleft()
-        return time - self._places[0].time >= _WINDOW - _SAME and self._goes_aside()
+        return self._aside() if time - self._places[0].time >= _WINDOW - _SAME else math.nan
 
-    def _goes_on(self, time: float, x: float, y: float) -> bool:
-        """Return whether a place can be the next one, without a gap or a jump."""
+    def _begin_anew(self) -> None:
+        self._places.clear()
+        self._right = None
+
+    def _jump(self, last: _Place, time: float, x: float, y: float) -> None:
+        """Take in a place that the last one does not lead to; none that goes back after a single epoch has jumped."""
+        goes_back = self._before is not None and self._before.leads_to(time, x, y)
+        jumps = 0.0 < time - last.time <= _GAP and not goes_back
+        self._before, self._jumped = (last, time) if jumps else (None, math.nan)
+
+    def _way(self, time: float, velocity: tuple[float, float]) -> tuple[float, float]:
+        """Return the velocity's integral until now, m."""
+        if not self._places:
+            return 0.0, 0.0
         last = self._places[-1]
-        step = time - last.time
-        led = (last.x + step * last.velocity[0], last.y + step * last.velocity[1])
-        return 0.0 < step <= _GAP and math.dist((x, y), led) <= _JUMP
+        half = 0.5 * (time - last.time)
+        east, north = last.way
+        return east + half * (last.velocity[0] + velocity[0]), north + half * (last.velocity[1] + velocity[1])
 
-    def _goes_aside(self) -> bool:
+    def _aside(self) -> float:
         first, last = self._places[0], self._places[-1]
         east, north = last.way[0] - first.way[0], last.way[1] - first.way[1]
         way = math.hypot(east, north)
         if way < _LEAST:
-            return False
+            return math.nan
         aside = (east * (last.y - first.y) - north * (last.x - first.x)) / way
-        turned = abs(wrap(math.atan2(*reversed(last.velocity)) - math.atan2(*reversed(first.velocity))))
-        lags = _LAG * turned / (last.time - first.time)
-        return abs(aside) > max(_ASIDE, (_SHARE + lags) * way)
+        turned = wrap(math.atan2(*reversed(last.velocity)) - math.atan2(*reversed(first.velocity)))
+        per_lag = way * turned / (last.time - first.time)
+        inside = aside * per_lag > 0.0
+        allowed = max(_ASIDE, _SHARE * way + inside * self._lag.longest * abs(per_lag))
+        self._lag.add(last.time, aside, per_lag)
+        return aside / allowed
 
 
 class PositionDrift:
-    """What the last epochs say of both antennas; one that goes astray alone is the estimator's to reject."""
+    """What the last epochs say of both antennas; of two, one that goes astray alone is the estimator's to reject."""
 
     def __init__(self) -> None:
         """Begin without an epoch."""
         self._tractor, self._trailer = _Antenna(), _Antenna()
-        self._contradictions = 0
+        self._contradictions, self._time = 0, 0.0
+
+    @property
+    def has_jumped(self) -> bool:
+        """Whether both antennas have just jumped together, or the only one that is known, and stayed there."""
+        tractor, trailer = self._tractor, self._trailer
+        if tractor.is_known and trailer.is_known:
+            return tractor.jumped == trailer.jumped and self._is_recent(tractor.jumped)
+        return any(each.is_known and self._is_recent(each.jumped) for each in (tractor, trailer))
+
+    def _is_recent(self, jumped: float) -> bool:
+        return self._time - jumped <= _RECENT
 
     @property
     def exists(self) -> bool:
-        """Whether both antennas go aside."""
+        """Whether both antennas go aside, or the only one that is known."""
         return self._contradictions >= _CONTRADICTIONS
 
     def begin_dead_reckoning(self) -> None:
@@ -127,10 +214,18 @@ class PositionDrift:
 
     def hear(self, fixes: Fixes) -> None:
         """Take in an epoch."""
-        time = seconds(fixes.epoch)
+        self._time = time = seconds(fixes.epoch)
         tractor = self._tractor.add(time, *fixed_motion(fixes, "tractor"))
         trailer = self._trailer.add(time, *fixed_motion(fixes, "trailer"))
-        self._contradictions = self._contradictions + 1 if tractor and trailer else 0
+        self._contradictions = self._contradictions + 1 if _contradict(tractor, trailer) else 0
+
+
+def _contradict(tractor: float, trailer: float) -> bool:
+    """Return whether what is known of how far both antennas are aside is a contradiction."""
+    if math.isfinite(tractor + trailer):
+        least, mean = min(abs(tractor), abs(trailer)), 0.5 * abs(tractor + trailer)
+        return tractor * trailer > 0.0 and least > _EACH and mean > 1.0
+    return abs(tractor) > _ALONE or abs(trailer) > _ALONE
 
 
 def fixed_motion(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:

@@ -63,6 +63,8 @@ class Controller:
         self._gate: GateState | None = None
         self._dead_reckons = False
         """positions are where the velocities have led since both antennas began to drift"""
+        self._jumped = False
+        """positions have jumped since it was engaged: where the antennas were before is not known any more"""
         self._sequence = self._solved = self._overruns = 0
         self._record: StepRecord | None = None
         self._status = Status.POSITION
@@ -99,13 +101,17 @@ class Controller:
         if not self.engaged and self._is_to_begin(measurement):
             self._begin_beside(measurement)
         if self.engaged:
-            measurement = self._exclusion.without_excluded(measurement)
-            if self._dead_reckons:
-                measurement = self._drift.dead_reckoned(measurement)
+            measurement = self._believed(measurement)
         self._rollback.keep(measurement)
         self._status, self._command = self._autopilot.feedback(measurement)
         self._measurement = measurement
         return self.repeat(now)
+
+    def _believed(self, measurement: Measurement) -> Measurement:
+        """Return a measurement without what is excluded, with positions by dead reckoning where they drift."""
+        if self._dead_reckons:
+            return self._exclusion.without_trailer(self._drift.dead_reckoned(measurement))
+        return self._exclusion.without_excluded(measurement)
 
     def repeat(self, now: int) -> CommandMessage:
         """Return the newest command again, which acts until the next sample."""
@@ -155,19 +161,22 @@ class Controller:
     def _judge(self, record: StepRecord) -> None:
         """Judge what a step says of the sensors; undo what those have done that are excluded from now on.
 
-        An estimate that has followed both antennas has turned; from then on the velocities lead.
+        An estimate that has followed both antennas has turned; from then on the velocities lead. Positions that they
+        lead to already are not undone.
         """
         before = self._exclusion.excludes_trailer
-        self._exclusion.update(record, engaged=self.engaged, drifts=self._drift.exists)
+        self._jumped = self.engaged and (self._jumped or self._drift.has_jumped)
+        self._exclusion.update(record, engaged=self.engaged, moved=self._drift.exists or self._jumped)
         if not self.engaged:
             self._dead_reckons = False
             return
-        followed = self._drift.exists and not self._dead_reckons
-        if followed:
+        if self._drift.exists and not (self._dead_reckons or self._jumped):
+            self._rollback.recompute(self._exclusion.without_excluded)
             self._drift.begin_dead_reckoning()
             self._dead_reckons = True
-        if followed or (self._exclusion.excludes_trailer and not before):
-            self._rollback.recompute(self._exclusion.without_excluded)
+        elif self._exclusion.excludes_trailer and not before:
+            exclusion = self._exclusion
+            self._rollback.recompute(exclusion.without_trailer if self._dead_reckons else exclusion.without_excluded)
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
         """Return how the controller is after its newest step.

@@ -1,0 +1,128 @@
+"""Two faults in one drive: what has been left out stays so, and what is computed again is computed without both."""
+
+import math
+from dataclasses import fields, replace
+from types import SimpleNamespace
+
+import pytest
+from ordinary import measured
+
+from drawbar.config import load_configuration
+from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED
+from drawbar.driving.loop.controller import Controller
+from drawbar.messages import Fixes
+from drawbar.signals import FixQuality, FixStatus, SolverStatus
+from drawbar.simulation import build_path
+
+PERIOD, SPEED, BEHIND = 0.2, 2.0, 5.0
+AT = SimpleNamespace(x=0.0, y=0.0)
+
+
+def epoch(time, aside):
+    """Return what both receivers say on the way east, `aside` (m) to the left of it."""
+    values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round((1.0 + time) * 1e9)}
+    for body, behind in (("tractor", 0.0), ("trailer", BEHIND)):
+        values |= {f"{body}_x": SPEED * time - behind, f"{body}_y": aside, f"{body}_speed": SPEED}
+        values |= {f"{body}_course": 0.0, f"{body}_quality": int(FixQuality.FIXED)}
+    return Fixes(**values)
+
+
+def sample(time, aside):
+    return measured(SPEED * time, aside, SPEED * time - BEHIND, aside, time=time, speed=SPEED, hitch_angle=0.01)
+
+
+def step(measurement, hitch):
+    estimate = SimpleNamespace(
+        hitch_angle=hitch, trailer_steering=0.0, status=SolverStatus.SOLVED,
+        tractor_fix=FixStatus.ACCEPTED, trailer_fix=FixStatus.ACCEPTED,
+        tractor=SimpleNamespace(x=measurement.tractor_x, y=measurement.tractor_y), trailer=AT,
+        longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
+    )  # fmt: skip
+    return SimpleNamespace(measurement=measurement, estimate=estimate)
+
+
+class Drive:
+    """A controller that is engaged, without its autopilot: what it believes, and what it has computed again."""
+
+    def __init__(self, monkeypatch):
+        configuration = load_configuration("articulated")
+        path, _ = build_path(configuration)
+        self.controller = Controller(configuration, path, 0)
+        monkeypatch.setattr(Controller, "engaged", property(lambda controller: True))
+        self.given, self.again = [], []
+        monkeypatch.setattr(
+            self.controller._rollback, "recompute", lambda change: self.again.append([change(m) for m in self.given])
+        )
+
+    def pass_epochs(self, begin, end, aside, *, hitch=0.01):
+        """Let epochs pass; `aside`: a function of the time, `hitch`: the estimate's angle, rad."""
+        for i in range(round(begin / PERIOD), round(end / PERIOD)):
+            time = i * PERIOD
+            self.controller.hear_fixes(epoch(time, aside(time)))
+            self.given.append(self.controller._believed(sample(time, aside(time))))
+            self.controller._judge(step(self.given[-1], hitch))
+            self.given = self.given[-10:]
+
+    @property
+    def exclusion(self):
+        return self.controller._exclusion
+
+
+@pytest.fixture
+def drive(monkeypatch):
+    return Drive(monkeypatch)
+
+
+def none(time):
+    return 0.0
+
+
+def test_a_drift_after_the_trailer_has_been_left_out_is_computed_again_without_both(drive):
+    drive.pass_epochs(0.0, 4.0, none)
+    drive.pass_epochs(4.0, 5.0, none, hitch=0.5)
+    assert drive.exclusion.excludes_trailer
+    assert len(drive.again) == 1
+    drive.pass_epochs(5.0, 7.0, lambda time: 0.3 * (time - 5.0))
+    assert len(drive.again) == 2
+    assert all(math.isnan(each.tractor_x + each.tractor_y) for each in drive.again[1])
+    newest = drive.given[-1]
+    assert (newest.tractor_x, newest.tractor_y) == pytest.approx((SPEED * newest.time, 0.0), abs=1e-6)
+    assert math.isnan(newest.trailer_x)
+    assert math.isnan(newest.hitch_angle)
+
+
+def test_a_wrong_hitch_angle_after_a_drift_leaves_the_positions_to_the_velocities(drive):
+    drive.pass_epochs(0.0, 4.0, none)
+    drive.pass_epochs(4.0, 5.4, lambda time: 0.3 * (time - 4.0))
+    assert len(drive.again) == 1
+    drive.pass_epochs(5.4, 7.0, lambda time: 0.3 * (time - 4.0), hitch=0.5)
+    assert drive.exclusion.excludes_trailer
+    assert len(drive.again) == 2
+    last = drive.again[1][-1]
+    assert last.tractor_y == pytest.approx(0.0, abs=1e-6)
+    assert all(math.isnan(each.hitch_angle + each.trailer_x) for each in drive.again[1])
+    assert drive.given[-1].tractor_y == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("order", [("jump", "hitch"), ("hitch", "jump")])
+def test_positions_that_jump_stay_left_out_beside_a_wrong_hitch_angle(drive, order):
+    begins = {name: 4.0 + 1.6 * i for i, name in enumerate(order)}
+    drive.pass_epochs(0.0, 4.0, none)
+    for i in range(20, 40):
+        time = i * PERIOD
+        hitch = 0.5 if begins["hitch"] <= time else 0.01
+        drive.pass_epochs(time, time + PERIOD, lambda now: float(now >= begins["jump"]), hitch=hitch)
+    assert drive.exclusion.excludes_trailer
+    newest = drive.given[-1]
+    assert math.isnan(newest.tractor_x)
+    assert math.isnan(newest.trailer_x)
+    for _ in range(CONFIRMED):
+        drive.exclusion.update(step(replace(newest, tractor_x=0.0), 0.01), engaged=False)
+    assert not drive.exclusion.is_active
+
+
+def test_where_the_antennas_were_before_a_jump_is_not_taken_from_after_it(drive):
+    drive.pass_epochs(0.0, 4.0, none)
+    drive.pass_epochs(4.0, 12.0, lambda time: 1.0 + 0.3 * max(time - 7.0, 0.0))
+    assert math.isnan(drive.given[-1].tractor_x)
+    assert not drive.controller._dead_reckons
