@@ -49,7 +49,7 @@ def resealed(record):
 
 
 def test_a_command_lies_in_its_record_as_documented():
-    body = struct.pack("<HBBIQQBddd", 0x4244, 5, 1, 7, 10**9, 2 * 10**9, 1, 0.5, -0.25, 1.0)
+    body = struct.pack("<HBBIQQBddd", 0x4244, 6, 1, 7, 10**9, 2 * 10**9, 1, 0.5, -0.25, 1.0)
     record = encode(COMMAND)
     assert record == body + struct.pack("<I", zlib.crc32(body))
     assert record[:2] == b"DB"
@@ -59,8 +59,8 @@ def test_a_command_lies_in_its_record_as_documented():
 def test_records_have_fixed_sizes_that_a_pipe_takes_whole():
     sizes = {cls.__name__: LAYOUTS[kind].size for kind, cls in KINDS.items()}
     assert sizes == {
-        "CommandMessage": 53, "ControllerState": 140, "GateState": 173, "OperatorMessage": 65, "Heartbeat": 31,
-        "Fixes": 248,
+        "CommandMessage": 53, "ControllerState": 156, "GateState": 173, "OperatorMessage": 65, "Heartbeat": 31,
+        "Fixes": 250,
     }  # fmt: skip
     for cls in KINDS.values():
         assert len(encode(sample(cls))) == sizes[cls.__name__]

@@ -16,7 +16,7 @@ from drawbar.messages import KINDS, Cell, Kind, Message
 
 MARK = 0x4244
 """first two bytes of every record: "DB" """
-VERSION = 5
+VERSION = 6
 """of the layouts; a record of another version is refused"""
 
 

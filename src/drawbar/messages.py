@@ -193,6 +193,8 @@ class ControllerState(Message):
     """how far left of the configured line lies the one that is driven, m"""
     against: Byte = 0
     """1: it is driven against the configured line's direction"""
+    notices: Codes = (0,) * 8
+    """codes of what there is to tell the operator of sensors; 0: no more"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -301,6 +303,8 @@ class Fixes(Message):
     """m/s, forward positive"""
     wheel_speed_time: Time
     """when it was measured, ns; 0: never"""
+    tractor_heard: Byte = 1
+    """0: its receiver says nothing of this instant"""
     tractor_x: Known
     """east, m"""
     tractor_y: Known
@@ -327,6 +331,8 @@ class Fixes(Message):
     """s"""
     tractor_satellites: Byte = 0
     """in use; 0: not known"""
+    trailer_heard: Byte = 1
+    """0: its receiver says nothing of this instant, or there is none"""
     trailer_x: Known
     """east, m"""
     trailer_y: Known

@@ -88,11 +88,27 @@ def test_the_driver_is_told_to_brake_until_the_vehicle_stands(stage):
 
 
 @pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])
+@pytest.mark.parametrize("state", [SupervisorState.READY, SupervisorState.ACTIVE, SupervisorState.STOPPED])
+def test_what_the_controller_tells_of_sensors_is_said_with_what_to_do(stage, words, state):
+    stage.hear_controller()
+    gate = replace(stage.link.gate, state=state, refusals=(0,) * 8)
+    told = (Cause.YAW_REJECTED.value, Cause.RECEIVER_SILENT.value, *[0] * 6)
+    shown = board(
+        gate, words, stale=False, mine=True, holder="1", drives=True,
+        controller=replace(stage.link.controller, notices=told),
+    )  # fmt: skip
+    assert shown.reasons[-2:] == (words.cause(Cause.YAW_REJECTED), words.cause(Cause.RECEIVER_SILENT))
+    assert "2" in shown.heading or state is SupervisorState.READY
+
+
+@pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])
 def test_how_the_controllers_run_has_ended_is_said(stage, words):
     stopped = replace(stage.link.gate, state=SupervisorState.STOPPED, cause=Cause.CONTROLLER_STOPS.value)
+    stage.hear_controller()
     told = set()
     for status in (each for each in Status if each.has_ended):
-        shown = board(stopped, words, stale=False, mine=True, holder="1", drives=True, status=status)
+        heard = replace(stage.link.controller, status=status)
+        shown = board(stopped, words, stale=False, mine=True, holder="1", drives=True, controller=heard)
         assert words.cause(Cause.CONTROLLER_STOPS)[0] in shown.detail
         assert (status.text in shown.detail) == (words is EN)
         told.add(shown.detail)

@@ -18,7 +18,7 @@ def ready_gate(sequence):
 
 
 def controller_of(status):
-    return _of(ControllerState, status=int(status))
+    return _of(ControllerState, status=int(status), notices=(0,) * 8)
 
 
 def asked(action, value=math.nan):

@@ -63,7 +63,7 @@ class DrivePage:
             holder=link.holder(),
             drives=self._visitor.may_drive,
             speed=link.speed,
-            status=link.status,
+            controller=link.controller,
         )
         if shown != self._shown:
             self._show(shown)

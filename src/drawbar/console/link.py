@@ -22,7 +22,6 @@ from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage
 from drawbar.safety.desk import ALWAYS
 from drawbar.safety.engagement import STEERING
-from drawbar.statuses import Status
 from drawbar.step.layout import unpacked
 from drawbar.vehicle.parameters import Mast
 
@@ -97,11 +96,6 @@ class Link:
             return math.nan
         wheels = self.controller.wheel_speed
         return wheels if math.isfinite(wheels) else self.controller.receiver_speed
-
-    @property
-    def status(self) -> Status | None:
-        """Of the controller's last step; None: not known."""
-        return None if self.controller is None else Status(self.controller.status)
 
     @property
     def satellites(self) -> int:

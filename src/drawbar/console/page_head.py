@@ -35,7 +35,7 @@ class PageHead:
             holder=None,
             drives=False,
             speed=link.speed,
-            status=link.status,
+            controller=link.controller,
         )
         self._state.set_text(f"{shown.symbol} {shown.word}")
         self._bar.classes(replace=f"bar page-bar tone-{shown.tone}")

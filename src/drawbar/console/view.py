@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
-from drawbar.driving.operator.display import BAD, GOOD, STANDS, WORRIED
+from drawbar.driving.operator.display import BAD, GOOD, STANDS, WORRIED, notices
 from drawbar.driving.operator.requests import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
@@ -74,7 +74,7 @@ def board(
     holder: str | None,
     drives: bool,
     speed: float = math.nan,
-    status: Status | None = None,
+    controller: ControllerState | None = None,
 ) -> Board:
     """Return the board of one visitor.
 
@@ -86,7 +86,7 @@ def board(
         holder: name of who does; empty: not known; None: nobody.
         drives: the visitor may do more than look and stop.
         speed: of the vehicle, m/s; NaN: not known.
-        status: of the controller's last step; None: not known.
+        controller: its newest state; None: not known.
     """
     if gate is None or stale:
         return _no_contact(words)
@@ -94,11 +94,12 @@ def board(
     latched, ready = state in LATCHED, state is SupervisorState.READY
     driving = state in STEERING
     reasons = ((words("next_ready"), ""),) if ready and drives else _reasons(gate, words)
+    reasons += tuple(map(words.cause, notices(controller)))
     return Board(
         word=words(state.name),
         symbol=_SYMBOLS[state],
         tone="good" if state in GOOD else "warn" if state in WORRIED else "bad" if state in BAD else "idle",
-        detail=_detail(gate, words, status),
+        detail=_detail(gate, words, None if controller is None else Status(controller.status)),
         brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= STANDS,
         steers=driving,
         heading=words("next" if ready else "worries" if driving else "why_not") + _count(reasons),

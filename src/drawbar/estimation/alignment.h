@@ -53,6 +53,7 @@ struct component {
     FIX_DEVIATIONS_FIELDS(component, deviations) CHAIN_FIELDS(component, chain)                                        \
     SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
     SETTING(component, ground.spacing, 0, 1, 0, 0) FIELD(component, leans.doubts, 1, LEANING, 0, 0)            \
+    FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.doubted, 0, 1, 0, 0)                             \
     FIELD(component, leans.bank.states, 0, SIGNS, LEANS, 0) FIELD(component, leans.bank.covariance, 0, LEANS, LEANS, 0)
 
 /* One sample of alignment: what was estimated last, and what is expected now. */

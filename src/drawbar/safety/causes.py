@@ -95,6 +95,21 @@ class Cause(Enum):
         "drive forwards; if you do, the two receivers are swapped: exchange them in [devices]")
     SENSORS_LOST = (214, True, Response.STOP, "neither an RTK fix nor any speed is heard",
         "check the receivers and the sensor board")
+    # what the controller tells of sensors (driving/fault_detection/notices.py); the gate decides by what is left
+    RECEIVER_SILENT = (215, False, Response.TELL, "a receiver is not heard",
+        "check its power and its cable; run drawbar check")
+    SENSOR_SILENT = (216, False, Response.TELL, "the hitch angle or the wheels' speed is not heard any more",
+        "check power and cables of the sensor board and its sensors")
+    POSITIONS_JUMPED = (217, False, Response.TELL, "both antennas' positions have jumped, and are left out",
+        "wait until the positions are right again; check base station and mount point")
+    POSITIONS_DRIFT = (218, False, Response.TELL, "the positions drift aside of the receivers' velocities",
+        "compare them with a place that is known; check base station and mount point")
+    POSITION_REJECTED = (219, False, Response.TELL, "an antenna's position contradicts the motion, and is not believed",
+        "see whether its mast and cable are firm and its sky is open")
+    TRAILER_CONTRADICTS = (220, False, Response.TELL, "the angles of hitch and joint contradict the motion",
+        "check both sensors, their linkages and cables, then calibrate them again")
+    YAW_REJECTED = (221, False, Response.TELL, "the tractor's yaw or yaw rate contradicts the motion",
+        "check how its antennas or its inertial sensor are mounted and wired")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

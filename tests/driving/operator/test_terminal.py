@@ -42,6 +42,20 @@ def test_the_display_says_why_a_key_was_refused():
     assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
 
 
+def test_what_the_controller_tells_of_sensors_is_shown_with_what_to_do():
+    cause = Cause.YAW_REJECTED
+    heard = dataclasses.replace(controller_of(Status.OK), notices=(cause.value, *[0] * 7))
+    line = f"- {cause.sentence}: {cause.advice}"
+    for state in (SupervisorState.READY, SupervisorState.ACTIVE, SupervisorState.STOPPED):
+        assert line in picture(gate_of(state), heard).plain
+        front = SimpleNamespace(state=gate_of(state), controller=heard, refusal=None)
+        console = Console(file=StringIO(), width=60)
+        terminal = Terminal(console, None, front)
+        terminal.show()
+        terminal.show()
+        assert console.file.getvalue().count(line) == 1
+
+
 def test_where_there_is_no_terminal_each_reason_against_engaging_or_to_worry_is_told_once():
     causes = (Cause.FIX_LOST, Cause.NO_OPERATOR)
     states = [

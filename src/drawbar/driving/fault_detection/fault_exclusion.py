@@ -125,7 +125,12 @@ class FaultExclusion:
     @property
     def is_active(self) -> bool:
         """Whether anything is excluded."""
-        return self._positions >= CONFIRMED or self.excludes_trailer
+        return self.excludes_positions or self.excludes_trailer
+
+    @property
+    def excludes_positions(self) -> bool:
+        """Whether positions are excluded."""
+        return self._positions >= CONFIRMED
 
     @property
     def excludes_trailer(self) -> bool:
@@ -148,13 +153,13 @@ class FaultExclusion:
             self._positions = CONFIRMED
         elif self.excludes_trailer:  # by them the estimator was led astray, and rejects right fixes
             self._positions = 0
-        elif not (engaged and self._positions >= CONFIRMED):
+        elif not (engaged and self.excludes_positions):
             self._positions = self._positions + 1 if _both_rejected(record) else 0
 
     def without_excluded(self, measurement: Measurement) -> Measurement:
         """Return a measurement without what is excluded."""
         nan = math.nan
-        if self._positions >= CONFIRMED:
+        if self.excludes_positions:
             measurement = replace(measurement, tractor_x=nan, tractor_y=nan, trailer_x=nan, trailer_y=nan)
         return self.without_trailer(measurement)
 

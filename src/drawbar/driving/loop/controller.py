@@ -5,6 +5,7 @@ from contextlib import suppress
 
 from drawbar.config import Configuration
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
+from drawbar.driving.fault_detection.notices import Notices
 from drawbar.driving.fault_detection.position_drift import PositionDrift
 from drawbar.driving.fault_detection.rollback import Rollback
 from drawbar.driving.fault_detection.swapped_receivers import SwappedReceivers
@@ -59,6 +60,7 @@ class Controller:
         """of the newest estimate"""
         self._exclusion = FaultExclusion(configuration.sanity, configuration.vehicle, configuration.sample_time)
         self._drift, self._swapped = PositionDrift(), SwappedReceivers()
+        self._notices = Notices(self._autopilot)
         self._rollback = Rollback(self._autopilot, configuration.sample_time)
         self._gate: GateState | None = None
         self._dead_reckons = False
@@ -83,6 +85,7 @@ class Controller:
     def hear(self, state: GateState) -> None:
         """Take in what the gate does."""
         before, self._gate = self.engaged, state
+        self._notices.hear(state)
         if self.engaged != before:
             self._autopilot.set_engaged(self.engaged)
             self._rollback.clear()
@@ -94,6 +97,7 @@ class Controller:
     def hear_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers, also one of no sample."""
         self._drift.hear(fixes)
+        self._notices.hear_fixes(fixes)
         self._swapped.hear(fixes)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
@@ -149,6 +153,7 @@ class Controller:
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
             self._judge(record)
+            self._notices.update(record, self._exclusion, drifts=self._dead_reckons)
             self.uncertainty = Uncertainty() if self._exclusion.is_active else uncertainty
         return record
 
@@ -213,6 +218,7 @@ class Controller:
             receiver_speed=receiver_speed,
             line_offset=self._line.offset + self._line.nudge,
             against=int(self._line.against),
+            notices=self._notices.codes,
         )
 
     def _trailer_quality(self, measurement: Measurement) -> FixQuality:

@@ -34,8 +34,12 @@ KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - spe
 
 
 def picture(state: GateState | None, controller: ControllerState | None, refusal: Cause | None = None) -> Text:
-    """Return the whole picture: state, errors, what stands against engaging, why the newest key was refused, keys."""
+    """Return the whole picture.
+
+    State, errors, what stands against engaging, what there is to tell of sensors, why the newest key was refused, keys.
+    """
     lines = [*_state(state, controller), *_numbers(controller), *map(reason, refusals(state) if state else ())]
+    lines += map(reason, notices(controller))
     if refusal is not None:
         lines.append(Text(f"refused: {refusal.sentence}: {refusal.advice}", style="yellow"))
     lines.append(Text(KEYS, style="dim"))
@@ -64,6 +68,11 @@ def _led(cause: Cause, controller: ControllerState | None) -> str:
 def refusals(state: GateState) -> list[Cause]:
     """Return what stands against engaging."""
     return [BY_CODE[code] for code in state.refusals if code]
+
+
+def notices(controller: ControllerState | None) -> list[Cause]:
+    """Return what the controller tells of sensors."""
+    return [BY_CODE[code] for code in controller.notices if code in BY_CODE] if controller else []
 
 
 def reason(cause: Cause) -> Text:

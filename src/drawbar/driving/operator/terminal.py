@@ -1,6 +1,7 @@
 """Terminal: what the operator is shown of a drive, line by line, and below these a picture of how it is now.
 
-Where the console is no terminal, as in a service's journal, the picture's reasons against engaging are lines as well.
+Where the console is no terminal, as in a service's journal, what the picture says against engaging and of sensors are
+lines as well.
 """
 
 from contextlib import suppress
@@ -11,7 +12,7 @@ from rich.console import Console
 from rich.live import Live
 
 from drawbar.driving.messaging.process_options import CONSOLE, RECEIVERS, RECORDER
-from drawbar.driving.operator.display import headline, picture, reason, refusals, stands
+from drawbar.driving.operator.display import headline, notices, picture, reason, refusals, stands
 from drawbar.driving.operator.front_end import FrontEnd
 from drawbar.driving.processes.drive_processes import LOSSES, DriveProcesses
 from drawbar.messages import GateState, SupervisorState
@@ -52,12 +53,16 @@ class Terminal:
                 self._console.print(reason(cause), soft_wrap=True)
 
     def _told_as_lines(self, state: GateState) -> list[Cause]:
-        """Return what is told without a picture: what stands against engaging; while it steers, what worries."""
+        """Return what is told without a picture.
+
+        What stands against engaging; while it steers, what worries; and what there is to tell of sensors.
+        """
         if self._live is not None:
             return []
-        if state.state is SupervisorState.STANDBY:
-            return refusals(state)
-        return [cause for cause in refusals(state) if state.steers and cause.response is not Response.NONE]
+        told, sensors = refusals(state), notices(self._front.controller)
+        if state.state is not SupervisorState.STANDBY:
+            told = [cause for cause in told if state.steers and cause.response is not Response.NONE]
+        return told + sensors
 
     def tell_losses(self) -> bool:
         """Say which processes have ended; return whether the drive goes on without them."""

@@ -103,6 +103,7 @@ class Navigation:
         if epoch is not None and epoch.has_fix:
             x, y = (float(each) for each in self._frame.east_north(epoch.latitude, epoch.longitude))
         return {
+            f"{name}_heard": int(epoch is not None),
             f"{name}_x": x,
             f"{name}_y": y,
             f"{name}_deviation": max(epoch.sigma_east, epoch.sigma_north) if epoch else nan,

@@ -1,0 +1,134 @@
+"""Notices: what there is to tell the operator of sensors, each a cause with its code, sentence and advice.
+
+The gate decides by what is left of the measurements, and tells that a position is not known well enough; which sensor
+has been left out for what, it does not know. A notice stays until the operator has acknowledged the stop that it led
+to.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED, FaultExclusion
+from drawbar.geometry import wrap
+from drawbar.messages import Fixes, GateState, SupervisorState, seconds
+from drawbar.safety.causes import Cause
+from drawbar.signals import FixStatus, StepRecord
+from drawbar.step.autopilot import Autopilot
+
+MOST = 8
+"""that a record holds"""
+_SILENT = 0.5
+"""after which what was heard before is told to be silent, s: single epochs are lost by radio"""
+_YAW_GATE = 0.1
+"""as in estimation/yaw_sensor.h, rad"""
+_KEPT = frozenset(
+    {
+        SupervisorState.ENGAGING,
+        SupervisorState.ACTIVE,
+        SupervisorState.DEGRADED,
+        SupervisorState.STOPPING,
+        SupervisorState.STOPPED,
+        SupervisorState.OVERRIDE,
+        SupervisorState.FAULT,
+        SupervisorState.ESTOP,
+    }
+)
+"""states in which what has been told stays"""
+
+
+@dataclass(slots=True)
+class _Heard:
+    """When something was heard last, s."""
+
+    last: float = math.nan
+    is_silent: bool = False
+
+    def update(self, time: float, *, heard: bool) -> None:
+        if heard or math.isnan(self.last):
+            self.last = time if heard else math.nan
+        self.is_silent = time - self.last > _SILENT
+
+
+@dataclass(slots=True)
+class _Row:
+    """How many samples in a row something was so."""
+
+    count: int = 0
+
+    def update(self, *, holds: bool) -> None:
+        self.count = self.count + 1 if holds else 0
+
+    @property
+    def is_confirmed(self) -> bool:
+        return self.count >= CONFIRMED
+
+
+@dataclass(slots=True)
+class _Rejections:
+    """Positions of one antenna alone, and yaws, that were not believed."""
+
+    tractor: _Row = field(default_factory=_Row)
+    trailer: _Row = field(default_factory=_Row)
+    yaw: _Row = field(default_factory=_Row)
+
+
+class Notices:
+    """What the last epochs and samples said."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        """Begin with nothing to tell; what the autopilot believes of the tractor's yaw is asked of it."""
+        self._alignment = autopilot.library.components["alignment"].live
+        self._receivers = (_Heard(), _Heard())
+        self._sensors = (_Heard(), _Heard())
+        self._rejections = _Rejections()
+        self._told: dict[Cause, None] = {}
+        self._stays = False
+
+    @property
+    def codes(self) -> tuple[int, ...]:
+        """Codes of what there is to tell, the oldest first, then zeros; as many as a record holds."""
+        codes = [cause.value for cause in self._told][:MOST]
+        return (*codes, *[0] * (MOST - len(codes)))
+
+    def hear(self, state: GateState) -> None:
+        """Take in what the gate does."""
+        self._stays = state.state in _KEPT
+
+    def hear_fixes(self, fixes: Fixes) -> None:
+        """Take in an epoch."""
+        time = seconds(fixes.epoch)
+        for heard, told in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):
+            heard.update(time, heard=bool(told))
+        for heard, value in zip(self._sensors, (fixes.hitch_angle, fixes.wheel_speed), strict=True):
+            heard.update(time, heard=math.isfinite(value))
+
+    def update(self, record: StepRecord, exclusion: FaultExclusion, *, drifts: bool) -> None:
+        """Take in a step, what is excluded, and whether positions drift."""
+        estimate, rejections = record.estimate, self._rejections
+        fixes = (estimate.tractor_fix, estimate.trailer_fix)
+        alone = fixes.count(FixStatus.REJECTED) == 1
+        rejections.tractor.update(holds=alone and fixes[0] is FixStatus.REJECTED)
+        rejections.trailer.update(holds=alone and fixes[1] is FixStatus.REJECTED)
+        rejections.yaw.update(holds=self._yaw_is_far(record))
+        present = dict.fromkeys(self._present(exclusion, drifts=drifts))
+        self._told = (self._told | present) if self._stays else present
+
+    def _present(self, exclusion: FaultExclusion, *, drifts: bool) -> Iterator[Cause]:
+        if any(each.is_silent for each in self._receivers):
+            yield Cause.RECEIVER_SILENT
+        if any(each.is_silent for each in self._sensors):
+            yield Cause.SENSOR_SILENT
+        if exclusion.excludes_positions:
+            yield Cause.POSITIONS_DRIFT if drifts else Cause.POSITIONS_JUMPED
+        if self._rejections.tractor.is_confirmed or self._rejections.trailer.is_confirmed:
+            yield Cause.POSITION_REJECTED
+        if exclusion.excludes_trailer:
+            yield Cause.TRAILER_CONTRADICTS
+        if self._rejections.yaw.is_confirmed or self._alignment.array("yaw_rate.doubted")[0] > 0.0:
+            yield Cause.YAW_REJECTED
+
+    def _yaw_is_far(self, record: StepRecord) -> bool:
+        """Return whether the tractor's yaw by two antennas is too far from the estimate to be believed."""
+        told = record.measurement.tractor_yaw + float(self._alignment.array("yaw.error")[0])
+        return math.isfinite(told) and abs(wrap(told - record.estimate.tractor.yaw)) > _YAW_GATE

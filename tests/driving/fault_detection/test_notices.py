@@ -1,0 +1,136 @@
+"""Notices: which sensor is silent or not believed is told to the operator, and stays told until it is acknowledged."""
+
+import math
+from dataclasses import fields, replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from ordinary import measured
+
+from drawbar.config import load_configuration
+from drawbar.driving.fault_detection.notices import MOST, Notices
+from drawbar.driving.stand_in.rehearsal import Rehearsal
+from drawbar.machine.stand_in.faults import FAULTS
+from drawbar.messages import Fixes, SupervisorState
+from drawbar.safety.causes import BY_CODE, Cause
+from drawbar.signals import FixStatus
+from drawbar.simulation import build_path
+
+NOTHING = SimpleNamespace(excludes_positions=False, excludes_trailer=False)
+ACCEPTED, REJECTED = FixStatus.ACCEPTED, FixStatus.REJECTED
+
+
+class Told:
+    """Notices with an alignment whose numbers are given."""
+
+    def __init__(self):
+        self.numbers = {"yaw.error": np.zeros(1), "yaw_rate.doubted": np.zeros(1)}
+        live = SimpleNamespace(array=self.numbers.__getitem__)
+        self.notices = Notices(
+            SimpleNamespace(library=SimpleNamespace(components={"alignment": SimpleNamespace(live=live)}))
+        )
+
+    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, exclusion=NOTHING, drifts=False):
+        """Let a step pass; return what is told."""
+        estimate = SimpleNamespace(tractor_fix=fixes[0], trailer_fix=fixes[1], tractor=SimpleNamespace(yaw=0.5))
+        measurement = replace(measured(0.0, 0.0, 0.0, 0.0), tractor_yaw=yaw)
+        self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, drifts=drifts)
+        assert len(self.notices.codes) == MOST
+        return [BY_CODE[code] for code in self.notices.codes if code]
+
+    def hear(self, begin, end, **given):
+        """Let epochs pass, five a second; return what is told."""
+        for i in range(round(5 * begin), round(5 * end)):
+            values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round(0.2e9 * i) + 10**9}
+            self.notices.hear_fixes(Fixes(**(values | {"tractor_heard": 1, "trailer_heard": 1} | given)))
+        return self.step()
+
+    def gate(self, state):
+        self.notices.hear(SimpleNamespace(state=state))
+
+
+@pytest.fixture
+def told():
+    return Told()
+
+
+@pytest.mark.parametrize("silent", ["tractor_heard", "trailer_heard"])
+def test_a_receiver_that_falls_silent_is_told_and_one_lost_epoch_is_not(told, silent):
+    assert told.hear(0.0, 2.0) == []
+    assert told.hear(2.0, 2.4, **{silent: 0}) == []
+    assert told.hear(2.4, 3.0, **{silent: 0}) == [Cause.RECEIVER_SILENT]
+    assert told.hear(3.0, 3.2) == []
+
+
+def test_a_receiver_that_was_never_there_is_not_told(told):
+    assert told.hear(0.0, 5.0, trailer_heard=0) == []
+
+
+@pytest.mark.parametrize("silent", ["hitch_angle", "wheel_speed"])
+def test_a_sensor_that_falls_silent_is_told_and_one_that_there_is_not_is_not(told, silent):
+    assert told.hear(0.0, 5.0, **{silent: math.nan}) == []
+    assert told.hear(5.0, 6.0) == []
+    assert told.hear(6.0, 6.4, **{silent: math.nan}) == []
+    assert told.hear(6.4, 7.0, **{silent: math.nan}) == [Cause.SENSOR_SILENT]
+
+
+@pytest.mark.parametrize("fixes", [(REJECTED, ACCEPTED), (ACCEPTED, REJECTED), (REJECTED, FixStatus.MISSING)])
+def test_one_antenna_that_is_not_believed_three_times_is_told(told, fixes):
+    assert [told.step(fixes=fixes) for _ in range(3)] == [[], [], [Cause.POSITION_REJECTED]]
+    assert told.step() == []
+    assert [told.step(fixes=(REJECTED, REJECTED)) for _ in range(3)] == [[], [], []]
+
+
+def test_what_is_excluded_is_told(told):
+    both = SimpleNamespace(excludes_positions=True, excludes_trailer=True)
+    assert told.step(exclusion=both) == [Cause.POSITIONS_JUMPED, Cause.TRAILER_CONTRADICTS]
+    assert told.step(exclusion=both, drifts=True) == [Cause.POSITIONS_DRIFT, Cause.TRAILER_CONTRADICTS]
+
+
+def test_a_yaw_rate_that_the_estimator_has_dropped_is_told(told):
+    told.numbers["yaw_rate.doubted"][0] = 59.0
+    assert told.step() == [Cause.YAW_REJECTED]
+
+
+def test_a_yaw_beyond_what_is_believed_is_told(told):
+    told.numbers["yaw.error"][0] = -1.0  # of the mounting
+    assert [told.step(yaw=1.59) for _ in range(5)][-1] == []
+    assert [told.step(yaw=1.61) for _ in range(3)] == [[], [], [Cause.YAW_REJECTED]]
+    assert told.step(yaw=1.61 + 2.0 * math.pi) == [Cause.YAW_REJECTED]
+    assert told.step(yaw=math.nan) == []
+
+
+def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):
+    trailer = SimpleNamespace(excludes_positions=False, excludes_trailer=True)
+    told.gate(SupervisorState.ACTIVE)
+    assert told.step(exclusion=trailer) == [Cause.TRAILER_CONTRADICTS]
+    told.gate(SupervisorState.STOPPED)
+    assert told.step() == [Cause.TRAILER_CONTRADICTS]
+    told.gate(SupervisorState.STANDBY)
+    assert told.step() == []
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause"),
+    [
+        ("receiver-silent", Cause.RECEIVER_SILENT),
+        ("receivers-silent", Cause.RECEIVER_SILENT),
+        ("sensors-silent", Cause.SENSOR_SILENT),
+        ("fixes-jump", Cause.POSITIONS_JUMPED),
+        (None, None),
+    ],
+)
+def test_in_a_drive_the_operator_is_told_what_has_failed(fault, cause):
+    configuration = load_configuration("articulated", ["safety.engage.wiggle_test=false", "safety.engage.fixed=1.0"])
+    path, _ = build_path(configuration)
+    rehearsal = Rehearsal(configuration, path, 1, configuration.safety)
+    while rehearsal.gate_state is None or rehearsal.gate_state.state is not SupervisorState.ACTIVE:
+        rehearsal.advance()
+        assert rehearsal.time < 30.0
+    list(rehearsal.run(2.0))
+    if fault is not None:
+        FAULTS[fault].begin(rehearsal.machine)
+    list(rehearsal.run(2.0))
+    codes = rehearsal.loop._controller._notices.codes
+    assert [BY_CODE[code] for code in codes if code] == ([cause] if cause else [])
