@@ -11,7 +11,7 @@ from ordinary import measured
 from drawbar.config import load_configuration
 from drawbar.driving.fault_detection.notices import MOST, Notices
 from drawbar.driving.stand_in.rehearsal import Rehearsal
-from drawbar.machine.stand_in.faults import FAULTS
+from drawbar.machine.stand_in.faults import FAULTS, moved, report_otherwise
 from drawbar.messages import Fixes, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.signals import FixStatus
@@ -85,7 +85,10 @@ def test_one_antenna_that_is_not_believed_three_times_is_told(told, fixes):
 def test_what_is_excluded_is_told(told):
     both = SimpleNamespace(excludes_positions=True, excludes_trailer=True)
     assert told.step(exclusion=both) == [Cause.POSITIONS_JUMPED, Cause.TRAILER_CONTRADICTS]
-    assert told.step(exclusion=both, drifts=True) == [Cause.POSITIONS_DRIFT, Cause.TRAILER_CONTRADICTS]
+    assert told.step(exclusion=both, drifts=True) == [Cause.POSITIONS_DRIFT]
+    told.gate(SupervisorState.STOPPING)
+    assert told.step(exclusion=both, drifts=True) == [Cause.POSITIONS_DRIFT]
+    assert told.step(exclusion=both) == [Cause.POSITIONS_DRIFT]
 
 
 def test_a_yaw_rate_that_the_estimator_has_dropped_is_told(told):
@@ -98,6 +101,7 @@ def test_a_yaw_beyond_what_is_believed_is_told(told):
     assert [told.step(yaw=1.59) for _ in range(5)][-1] == []
     assert [told.step(yaw=1.61) for _ in range(3)] == [[], [], [Cause.YAW_REJECTED]]
     assert told.step(yaw=1.61 + 2.0 * math.pi) == [Cause.YAW_REJECTED]
+    assert [told.step(yaw=1.5 + 2.0 * math.pi) for _ in range(3)] == [[], [], []]
     assert told.step(yaw=math.nan) == []
 
 
@@ -111,6 +115,31 @@ def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):
     assert told.step() == []
 
 
+def engaged():
+    """Return a rehearsal that has been steered for two seconds."""
+    configuration = load_configuration("articulated", ["safety.engage.wiggle_test=false", "safety.engage.fixed=1.0"])
+    path, _ = build_path(configuration)
+    rehearsal = Rehearsal(configuration, path, 1, configuration.safety)
+    while rehearsal.gate_state is None or rehearsal.gate_state.state is not SupervisorState.ACTIVE:
+        rehearsal.advance()
+        assert rehearsal.time < 30.0
+    list(rehearsal.run(2.0))
+    return rehearsal
+
+
+def notices(rehearsal):
+    return [BY_CODE[code] for code in rehearsal.loop._controller._notices.codes if code]
+
+
+def test_a_drift_is_told_as_one_after_the_stop_as_well():
+    rehearsal = engaged()
+    machine = rehearsal.machine
+    report_otherwise(machine, lambda report, since: moved(report, machine, 0.3 * since))
+    list(rehearsal.run(8.0))
+    assert rehearsal.gate_state.state is SupervisorState.STOPPED
+    assert notices(rehearsal) == [Cause.POSITIONS_DRIFT]
+
+
 @pytest.mark.parametrize(
     ("fault", "cause"),
     [
@@ -122,15 +151,8 @@ def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):
     ],
 )
 def test_in_a_drive_the_operator_is_told_what_has_failed(fault, cause):
-    configuration = load_configuration("articulated", ["safety.engage.wiggle_test=false", "safety.engage.fixed=1.0"])
-    path, _ = build_path(configuration)
-    rehearsal = Rehearsal(configuration, path, 1, configuration.safety)
-    while rehearsal.gate_state is None or rehearsal.gate_state.state is not SupervisorState.ACTIVE:
-        rehearsal.advance()
-        assert rehearsal.time < 30.0
-    list(rehearsal.run(2.0))
+    rehearsal = engaged()
     if fault is not None:
         FAULTS[fault].begin(rehearsal.machine)
     list(rehearsal.run(2.0))
-    codes = rehearsal.loop._controller._notices.codes
-    assert [BY_CODE[code] for code in codes if code] == ([cause] if cause else [])
+    assert notices(rehearsal) == ([cause] if cause else [])

@@ -119,11 +119,12 @@ class Notices:
             yield Cause.RECEIVER_SILENT
         if any(each.is_silent for each in self._sensors):
             yield Cause.SENSOR_SILENT
+        drifts |= self._stays and Cause.POSITIONS_DRIFT in self._told
         if exclusion.excludes_positions:
             yield Cause.POSITIONS_DRIFT if drifts else Cause.POSITIONS_JUMPED
         if self._rejections.tractor.is_confirmed or self._rejections.trailer.is_confirmed:
             yield Cause.POSITION_REJECTED
-        if exclusion.excludes_trailer:
+        if exclusion.excludes_trailer and not drifts:  # an estimate that has followed positions contradicts it, too
             yield Cause.TRAILER_CONTRADICTS
         if self._rejections.yaw.is_confirmed or self._alignment.array("yaw_rate.doubted")[0] > 0.0:
             yield Cause.YAW_REJECTED
