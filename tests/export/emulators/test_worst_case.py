@@ -80,13 +80,21 @@ class Counter:
         name = f"drawbar_{function}"
         options = [f"--toggle-collect={name}", f"--dump-after={name}", "--combine-dumps=yes"]
         command = ["valgrind", "--tool=callgrind", *options, "--callgrind-out-file=counts", str(self._program)]
-        subprocess.run(command, cwd=folder, check=True, capture_output=True)
+        done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
         lines = (folder / "counts").read_text().splitlines()
         counts = [int(line.split()[1]) for line in lines if line.startswith("summary:")]
         called = [count for count in counts if count]
-        statuses = np.frombuffer((folder / "output").read_bytes()[8:]).reshape(-1, 5)[:, 0].astype(int).tolist()
-        assert called, f"{name} was never called: {len(counts)} dumps of steps with the statuses {statuses}"
+        assert called, f"{folder.name}: {name} was never called: {_evidence(folder, counts)}; {done.stderr[-500:]}"
         return called
+
+
+def _evidence(folder: Path, counts: Sequence[int]) -> str:
+    """Return what tells whether the library did not come to a function, or valgrind did not see that it did."""
+    output = np.frombuffer((folder / "output").read_bytes())
+    sizes = {name: (folder / name).stat().st_size for name in ("input", "output", "counts", "replay")}
+    symbols = (folder / "replay").read_bytes().count(b"\0drawbar_")
+    statuses = output[1::5].astype(int).tolist()
+    return f"path {output[0]}, statuses {statuses}, counts {counts}, bytes {sizes}, {symbols} names of functions"
 
 
 @pytest.fixture(params=BUILDS)
