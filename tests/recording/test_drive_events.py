@@ -82,8 +82,8 @@ def test_what_is_asked_for_again_before_anything_else_happens_is_told_once_but_f
     assert told == ["for a stop", "STOPPING", "for a stop", *shifts, *speeds]
 
 
-def _answer(nonce, answer, *refusals):
-    state = gate_of(SupervisorState.STANDBY)
+def _answer(nonce, answer, *refusals, state=SupervisorState.STANDBY):
+    state = gate_of(state)
     codes = [each.value for each in refusals] + [0] * (8 - len(refusals))
     return replace(state, answered=nonce, answer=answer.value if answer else 0, refusals=tuple(codes))
 
@@ -104,6 +104,13 @@ def test_a_refused_request_is_told_once_with_what_stood_against_it(log_of, answe
     rows = [cells for _, cells in event_rows(drive_events(log))]
     assert rows[:2] == [["STANDBY", ""], ["the operator asked to arm", ""]]
     assert rows[2:] == [[f"refused: {each.sentence}", each.advice] for each in told]
+
+
+def test_a_request_in_a_state_that_waits_is_told_to_acknowledge(log_of):
+    arm, waiting = replace(asked(Action.ARM), nonce=7), SupervisorState.STOPPED
+    answers = [_answer(nonce, Cause.STATE_NOT_READY, Cause.TOO_SLOW, state=waiting) for nonce in (0, 7)]
+    rows = [cells for _, cells in event_rows(drive_events(log_of(answers[0], arm, answers[1])))]
+    assert rows[-1] == [f"refused: {Cause.STATE_NOT_READY.sentence}", Cause.STATE_NOT_READY.advice]
 
 
 def test_a_refusal_of_presence_is_no_event(log_of):

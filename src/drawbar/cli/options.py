@@ -78,7 +78,7 @@ def compiling() -> Iterator[None]:
     """Show on the console that, and how far, something is compiled."""
     from drawbar.codegen import watch_compilation
 
-    text = "compiling the control step (the first time only) …"
+    text = "making the control step ready, the first time by compiling it …"
     with console.status(text) as status, watch_compilation(lambda *of: status.update(f"{text} {of[0]} of {of[1]}")):
         yield
 

@@ -142,7 +142,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.NOT_ARMED: ("es ist nicht (oder nicht mehr) vorbereitet",
         "vorbereiten, dann innerhalb weniger Sekunden einschalten"),
     Cause.STATE_NOT_READY: ("der Wächter ist nicht bereit",
-        "ansehen, was entgegensteht"),
+        "ansehen, was entgegensteht; bestätigen, was darauf wartet"),
     Cause.SEEN_OLD: ("die Anzeige war zu alt",
         "noch einmal hinsehen, dann wiederholen"),
     Cause.REPLAYED: ("die Nachricht ist alt, oder kam schon einmal",
@@ -152,5 +152,5 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.NOTHING_TO_ACKNOWLEDGE: ("es gibt nichts zu bestätigen",
         "nichts zu tun"),
     Cause.STEERED: ("das Fahrzeug wird gelenkt",
-        "zuerst anhalten, dann die Linie wählen"),
+        "um neu einzuschalten oder die Linie zu wählen, zuerst anhalten"),
 }  # fmt: skip

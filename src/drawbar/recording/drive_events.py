@@ -78,8 +78,9 @@ class _Gate(msgspec.Struct):
 
     @property
     def objections(self) -> list[Cause]:
-        """Why the last request was refused: where the gate was not ready, what stood against that."""
-        if BY_CODE.get(self.answer) is Cause.STATE_NOT_READY and any(self.refusals):
+        """Why the last request was refused: where the gate was in STANDBY, what stood against being ready."""
+        is_standby = self.state == SupervisorState.STANDBY
+        if BY_CODE.get(self.answer) is Cause.STATE_NOT_READY and is_standby and any(self.refusals):
             return [BY_CODE[code] for code in self.refusals if code in BY_CODE]
         return [BY_CODE[self.answer]] if self.answer in BY_CODE else []
 

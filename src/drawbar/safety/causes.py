@@ -184,7 +184,7 @@ class Cause(Enum):
     NOT_ARMED = (622, False, Response.NONE, "the gate is not armed, or no longer",
         "arm, then engage within a few seconds")
     STATE_NOT_READY = (623, False, Response.NONE, "the gate is not ready",
-        "see what stands against it")
+        "see what stands against it; acknowledge a state that waits for it")
     SEEN_OLD = (624, False, Response.NONE, "what the operator saw is too old",
         "look again, then repeat")
     REPLAYED = (625, False, Response.NONE, "the message is old or has been received before",
@@ -194,7 +194,7 @@ class Cause(Enum):
     NOTHING_TO_ACKNOWLEDGE = (627, False, Response.NONE, "no state waits for the operator",
         "nothing")
     STEERED = (628, False, Response.NONE, "the vehicle is steered",
-        "stop first, then choose the line")
+        "to engage anew or to choose the line, stop first")
     # fmt: on
 
 
