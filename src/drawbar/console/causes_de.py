@@ -6,7 +6,7 @@ from drawbar.safety.causes import Cause
 
 CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.CONTROLLER_SILENT: ("vom Regler kommt nichts Neues",
-        "ansehen, ob beide Empfänger gehört werden (drawbar check); wenn ja, die Meldungen des Reglers"),
+        "ansehen, ob beide Empfänger melden (drawbar check); wenn ja, die Meldungen des Reglers"),
     Cause.COMMAND_EXPIRED: ("der letzte Befehl des Reglers ist abgelaufen",
         "Meldungen des Reglers ansehen; vielleicht rechnet er zu langsam"),
     Cause.COMMAND_REFUSED: ("eine Nachricht des Reglers wurde abgelehnt",
@@ -16,7 +16,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.MODE: ("Regler und Wächter sind uneins, ob gefahren wird",
         "warten, bis der Regler fertig ist; sonst neu starten"),
     Cause.CONFIGURATION: ("der Regler hat andere Sicherheitseinstellungen, oder sie sind unbekannt",
-        "wird der Regler gehört, beide mit derselben Konfiguration neu starten"),
+        "meldet sich der Regler, beide mit derselben Konfiguration neu starten"),
     Cause.UNPROVED: ("der Autopilot rechnet noch nicht lange genug ohne Fehler",
         "einige Sekunden warten; wenn es bleibt, Aufzeichnung ansehen"),
     Cause.UNSOLVED: ("die letzte Rechnung hatte keine Lösung",
