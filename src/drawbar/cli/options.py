@@ -25,9 +25,9 @@ ConfigurationName = Annotated[
 
 def _log_of(run: FilePath | None) -> FilePath | None:
     """Return the log of a run that is given by its folder or by the log itself."""
-    from drawbar.recording.log import LOG_NAME
+    from drawbar.recording.log import log_of
 
-    return run / LOG_NAME if run is not None and run.is_dir() else run
+    return None if run is None else log_of(run)
 
 
 _RUN_LOG = typer.Argument(metavar="RUN", callback=_log_of, help="folder of a run or a drive, or its log.mcap")
