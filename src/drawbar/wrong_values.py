@@ -16,8 +16,8 @@ _REASONS = {
 """where pydantic's own words would be those of a programmer"""
 
 
-def explained(problem: Any, data: dict[str, Any]) -> str:
-    """Return one line: key, what was given, what is allowed."""
+def explained(problem: Any, data: dict[str, Any], *, root: str = "configuration") -> str:
+    """Return one line: key, what was given, what is allowed; root: what the data are as a whole."""
     kind, context, key = problem["type"], problem.get("ctx", {}), _key(problem, data)
     message = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if "discriminator" in context:  # pydantic names the key, or the function that finds it
@@ -26,7 +26,7 @@ def explained(problem: Any, data: dict[str, Any]) -> str:
     # a whole section is not shown: its message says what is wrong in it
     whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")
     given = "" if whole else f" = {reprlib.repr(problem['input'])}"
-    return f"  {key or 'configuration'}{given}: {reason.removesuffix('.')}."
+    return f"  {key or root}{given}: {reason.removesuffix('.')}."
 
 
 def _key(problem: Any, data: Any) -> str:

@@ -1,4 +1,9 @@
-"""What a command reads is never what it writes."""
+"""What a command reads is never what it writes, and what it cannot write whole stays as it was."""
+
+import errno
+import os
+import stat
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
@@ -41,3 +46,43 @@ def test_a_recorded_line_is_not_replaced_by_its_table(tmp_path):
     assert line.read_text("utf-8") == LINE
     assert refusal("path", "articulated", "--path", line, "--out", tmp_path / "table.csv") == ""
     assert refusal("path", "articulated", "--path", line, "--out", tmp_path / "table.csv") == ""
+
+
+@pytest.fixture
+def export(tmp_path, monkeypatch):
+    """Return a function that exports a log as CSV by a writer; its refusal."""
+    monkeypatch.setattr("drawbar.recording.log.read_log", lambda file: SimpleNamespace(losses=()))
+
+    def export(writer, target):
+        monkeypatch.setattr("drawbar.recording.table.write_csv", writer)
+        return refusal("log", "export", tmp_path, "--csv", target)
+
+    return export
+
+
+@pytest.mark.parametrize("before", [None, "the export of another run"])
+def test_an_export_that_a_full_disk_cuts_off_leaves_what_was_there(export, tmp_path, before):
+    def fill(log, file):
+        file.write_text("half a table", "utf-8")
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    target = tmp_path / "table.csv"
+    if before is not None:
+        target.write_text(before, "utf-8")
+    assert "cannot be written (No space left on device)" in export(fill, target)
+    assert [each.read_text("utf-8") for each in tmp_path.iterdir()] == ([] if before is None else [before])
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes here")
+def test_an_export_goes_through_a_pipe_and_a_link_stays_one(export, tmp_path):
+    pipe, link, linked = (tmp_path / name for name in ("pipe", "link", "linked"))
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    linked.touch()
+    link.symlink_to(linked)
+    for target in (pipe, link):
+        assert not export(lambda log, file: file.write_text("a table", "utf-8"), target)
+    assert os.read(reader, 99) == b"a table" == linked.read_bytes()
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert link.is_symlink()
+    os.close(reader)

@@ -187,13 +187,13 @@ def _listed(runs):
 
 @pytest.fixture
 def drive_log(tmp_path):
-    """Return the log of a drive by the gate's real desk: engaged, stopped, acknowledged."""
+    """Return the log of a drive by the gate's real desk: refused to engage, stopped, acknowledged."""
     stage, file = Stage(), tmp_path / "log.mcap"
     states, asked = [], []
     hear = stage.link.hear
     stage.link.hear = lambda data: (hear(data), states.append(stage.link.gate))
     stage.run(4.0)
-    for action in (Action.EMERGENCY, Action.ACKNOWLEDGE):
+    for action in (Action.ENGAGE, Action.EMERGENCY, Action.ACKNOWLEDGE):
         stage.standing = True
         message = OperatorMessage(
             time=stage.now,
@@ -223,6 +223,9 @@ def test_events_are_told_in_plain_words(drive_log, language):
     words = Words(language)
     told = [event.text for event in run_events(drive_log, words)]
     assert words("ESTOP") + ". " + words("because", cause=words.cause(Cause.EMERGENCY)[0]) in told
+    sentence, advice = words.cause(Cause.NOT_ARMED)
+    refused = told.index(words("refused", cause=sentence, advice=advice))
+    assert told[refused - 1] == words("operator_pressed", what=words("engage"))
     assert told.count(words("operator_pressed", what=words("emergency"))) == 1
     assert told.index(words("operator_pressed", what=words("emergency"))) < len(told) - 2
     assert told[-1].startswith(words("STANDBY"))

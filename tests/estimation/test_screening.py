@@ -1,100 +1,18 @@
 """What receivers do wrong is masked, what they do right is not: on a straight drive with white noise."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from alone import Alone
-from c_signals import given, room, taken
+from screening_alone import DEVIATION, LENGTH, NAMES, STEP, Screening, drive, held, place, screened, shift
 
-from drawbar.codegen import Unit
 from drawbar.estimation.settings import ScreeningSettings
-from drawbar.signals import FixStatus, Measurement
+from drawbar.signals import FixStatus
 
 OK, MISSING, STALE, REJECTED = FixStatus
-DEVIATION, LENGTH, STEP = 0.03, 2.15, 0.2
-NAMES = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
 LATER = 100
 """sample by which the estimate has long been confirmed"""
-
-
-UNIT = """
-#include "screening.h"
-struct component { struct screening screening; double expected[4], yaw_rate; struct screened screened; };
-#define COMPONENT_FIELDS SCREENING_FIELDS(component, screening.) FIELD(component, expected, 0, 2, 2, 0) \\
-    FIELD(component, yaw_rate, 0, 1, 0, 0) \\
-    FIELD(component, screened.fixes, 1, 2, 0, 0) FIELD(component, screened.exposed, 1, 1, 0, 0) \\
-    FIELD(component, screened.restart, 1, 1, 0, 0)
-int UNIT(judge)(struct component *component, const struct drawbar_measurement *measurement,
-                struct drawbar_measurement *believed)
-{
-    screening_judge(&component->screening, measurement, component->expected, component->yaw_rate,
-                    &component->screened);
-    *believed = component->screened.measurement;
-    return 0;
-}
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Screened:
-    measurement: Measurement
-    fixes: tuple[FixStatus, FixStatus]
-    exposed: int
-    """0 neither, 1 the tractor's antenna, 2 the trailer's"""
-    restart: bool
-
-
-class Screening(Alone):
-    def __init__(self, settings, deviation):
-        values = {f"screening.{name}": value for name, value in settings} | {"screening.deviation": deviation}
-        super().__init__(Unit(name="screening", source=UNIT, configure=lambda workspace: workspace.write(values)))
-
-    def screen(self, measurement, expected, yaw_rate=0.0):
-        believed = room(Measurement)
-        self.live.array("expected")[:] = expected
-        self.live.array("yaw_rate")[:] = yaw_rate
-        self.call("judge", given(measurement), believed)
-        fixes, exposed, restart = (
-            self.live.array(f"screened.{name}").tolist() for name in ("fixes", "exposed", "restart")
-        )
-        return Screened(taken(Measurement, believed), tuple(map(FixStatus, fixes)), exposed[0], bool(restart[0]))
-
-
-def place(k, heading=0.4):
-    """Return where both antennas are expected at sample k, 0.2 m further along the heading with each."""
-    ahead = np.array([math.cos(heading), math.sin(heading)])
-    tractor = 5.0 + STEP * k * ahead
-    return tuple(tractor.tolist()), tuple((tractor - LENGTH * ahead).tolist())
-
-
-def drive(count, errors=None, *, noise=DEVIATION, seed=1, speed=1.0):
-    """Return measurements that lie around the expected places; errors (count, 4) are added, m."""
-    rng = np.random.default_rng(seed)
-    positions = np.array([np.ravel(place(speed * k)) for k in range(count)])
-    positions += noise * rng.normal(size=positions.shape) + (0.0 if errors is None else errors)
-    others = dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), 0.0)
-    return [
-        Measurement(time=STEP * k, **dict(zip(NAMES, row.tolist(), strict=True)), **others)
-        for k, row in enumerate(positions)
-    ]
-
-
-def screened(measurements, screening=None, *, speed=1.0):
-    screening = screening or Screening(ScreeningSettings(), DEVIATION)
-    return [screening.screen(measurement, place(speed * k)) for k, measurement in enumerate(measurements)]
-
-
-def shift(count, first, last, antenna, east, north):
-    errors = np.zeros((count, 4))
-    errors[first:last, 2 * antenna : 2 * antenna + 2] = east, north
-    return errors
-
-
-def held(measurements, first, last, names=NAMES):
-    old = {name: getattr(measurements[first - 1], name) for name in names}
-    return [replace(m, **old) if first <= k < last else m for k, m in enumerate(measurements)]
 
 
 def test_honest_fixes_pass_as_they_are():

@@ -81,7 +81,14 @@ expected.a.x = {{ at_most = 1.0 }}
 WRONG = {
     "no TOML": ("title = ", "cannot be read as an experiment"),
     "no case": ('title = "x"\ncases = []', "cases"),
-    "unknown key": ('title = "x"\nseed = 3\ncases = [{ name = "paper" }]', "has no key seed"),
+    "unknown key": (
+        'title = "x"\nseed = 3\ncases = [{ name = "paper" }]',
+        "experiment.toml: 1 wrong value(s).\n  experiment: has no key seed (did you mean seeds?)",
+    ),
+    "wrong value": (
+        'title = "x"\nseeds = 0\ncases = [{ name = "paper" }]',
+        "experiment.toml: 1 wrong value(s).\n  seeds = 0: must be greater than or equal to 1.",
+    ),
     "unknown configuration": (
         'title = "x"\ncases = [{ name = "papre" }]',
         "papre: is neither a file nor a shipped configuration",

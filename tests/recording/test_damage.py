@@ -45,6 +45,13 @@ def test_zeros_behind_a_cut_are_as_if_they_were_not_there(tmp_path, monkeypatch)
             assert_identical(step, record)
 
 
+@pytest.mark.parametrize("content", [b"", bytes(100)], ids=["no byte", "zeros"])
+def test_a_log_of_nothing_is_refused_as_empty(tmp_path, content):
+    (tmp_path / "log.mcap").write_bytes(content)
+    with pytest.raises(DrawbarError, match=r"log\.mcap: .*it is empty, as a full disk"):
+        read_log(tmp_path / "log.mcap")
+
+
 @pytest.fixture
 def long_log(tmp_path, monkeypatch):
     """Return the file of a log of 40 steps in chunks of three, and its steps."""

@@ -27,6 +27,7 @@ from drawbar.simulation import build_path
 from drawbar.statuses import Status
 
 ENDED = "the drive was ended before the end of the path"
+STEERED = replace(gate_of(SupervisorState.ACTIVE), steers=1)
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +69,7 @@ def test_an_end_of_the_controllers_run_is_told_with_its_status_and_another_cause
 def test_what_was_asked_for_is_told_once_with_its_value(log_of):
     wish = asked(Action.SET_SPEED, 0.8)
     rows = event_rows(drive_events(log_of(gate_of(SupervisorState.READY), asked(Action.PRESENT), wish, wish)))
-    assert [cells[0] for _, cells in rows] == ["READY", "the operator asked for SET_SPEED 0.8 m/s"]
+    assert [cells[0] for _, cells in rows] == ["READY", "the operator asked for a speed of 0.8 m/s"]
 
 
 def test_what_is_asked_for_again_before_anything_else_happens_is_told_once_but_for_shifts(log_of):
@@ -76,9 +77,46 @@ def test_what_is_asked_for_again_before_anything_else_happens_is_told_once_but_f
     asks = [asked(Action.NUDGE, 0.05)] * 2 + [asked(Action.SET_SPEED, each) for each in (1.0, 1.0, 1.1)]
     messages = [stop, stop, state, stop, stop, *asks]
     log = log_of(*(each if each is state else replace(each, nonce=i) for i, each in enumerate(messages)))
-    told = [cells[0].removeprefix("the operator asked for ") for _, cells in event_rows(drive_events(log))]
-    shifts, speeds = ["NUDGE 0.05 m"] * 2, ["SET_SPEED 1 m/s", "SET_SPEED 1.1 m/s"]
-    assert told == ["STOP", "STOPPING", "STOP", *shifts, *speeds]
+    told = [cells[0].removeprefix("the operator asked ") for _, cells in event_rows(drive_events(log))]
+    shifts, speeds = ["to shift the line by 0.05 m"] * 2, ["for a speed of 1 m/s", "for a speed of 1.1 m/s"]
+    assert told == ["for a stop", "STOPPING", "for a stop", *shifts, *speeds]
+
+
+def _answer(nonce, answer, *refusals, state=SupervisorState.STANDBY):
+    state = gate_of(state)
+    codes = [each.value for each in refusals] + [0] * (8 - len(refusals))
+    return replace(state, answered=nonce, answer=answer.value if answer else 0, refusals=tuple(codes))
+
+
+@pytest.mark.parametrize(
+    ("answer", "standing", "told"),
+    [
+        (Cause.STATE_NOT_READY, (Cause.TOO_SLOW, Cause.WIGGLE_UNTRIED), (Cause.TOO_SLOW, Cause.WIGGLE_UNTRIED)),
+        (Cause.STATE_NOT_READY, (), (Cause.STATE_NOT_READY,)),
+        (Cause.LEASE_HELD, (Cause.TOO_SLOW,), (Cause.LEASE_HELD,)),
+        (None, (Cause.TOO_SLOW,), ()),
+    ],
+)
+def test_a_refused_request_is_told_once_with_what_stood_against_it(log_of, answer, standing, told):
+    arm = [replace(asked(Action.ARM), nonce=nonce) for nonce in (7, 8)]
+    answers = [_answer(nonce, answer, *standing) for nonce in (0, 7, 7, 8)]
+    log = log_of(answers[0], arm[0], *answers[1:3], arm[1], answers[3])
+    rows = [cells for _, cells in event_rows(drive_events(log))]
+    assert rows[:2] == [["STANDBY", ""], ["the operator asked to arm", ""]]
+    assert rows[2:] == [[f"refused: {each.sentence}", each.advice] for each in told]
+
+
+def test_a_request_in_a_state_that_waits_is_told_to_acknowledge(log_of):
+    arm, waiting = replace(asked(Action.ARM), nonce=7), SupervisorState.STOPPED
+    answers = [_answer(nonce, Cause.STATE_NOT_READY, Cause.TOO_SLOW, state=waiting) for nonce in (0, 7)]
+    rows = [cells for _, cells in event_rows(drive_events(log_of(answers[0], arm, answers[1])))]
+    assert rows[-1] == [f"refused: {Cause.STATE_NOT_READY.sentence}", Cause.STATE_NOT_READY.advice]
+
+
+def test_a_refusal_of_presence_is_no_event(log_of):
+    present = replace(asked(Action.PRESENT), nonce=7)
+    log = log_of(_answer(0, None), present, _answer(7, Cause.SEEN_OLD))
+    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["STANDBY"]
 
 
 def test_a_state_that_is_recorded_late_is_no_event_of_its_own(tmp_path, header_and_scene):
@@ -119,15 +157,21 @@ def test_a_log_that_is_removed_is_told_and_one_that_is_renamed_goes_on(tmp_path,
 @pytest.mark.parametrize(
     ("messages", "reason"),
     [
-        ((gate_of(SupervisorState.ACTIVE),), ENDED),
-        ((gate_of(SupervisorState.STOPPED, Cause.POSITION_LOST), gate_of(SupervisorState.STANDBY)), ENDED),
-        ((gate_of(SupervisorState.FAULT, Cause.ENDED),), ENDED),
+        ((STEERED,), ENDED),
+        ((gate_of(SupervisorState.STANDBY),), f"{ENDED}; drawbar never steered"),
+        ((STEERED, gate_of(SupervisorState.STOPPED, Cause.POSITION_LOST), gate_of(SupervisorState.STANDBY)), ENDED),
+        ((STEERED, gate_of(SupervisorState.FAULT, Cause.ENDED)), ENDED),
+        ((gate_of(SupervisorState.FAULT, Cause.ENDED),), f"{ENDED}; drawbar never steered"),
         (
-            (gate_of(SupervisorState.STOPPED, Cause.POSITION_LOST), gate_of(SupervisorState.FAULT, Cause.ENDED)),
+            (
+                STEERED,
+                gate_of(SupervisorState.STOPPED, Cause.POSITION_LOST),
+                gate_of(SupervisorState.FAULT, Cause.ENDED),
+            ),
             f"{ENDED}; STOPPED: {Cause.POSITION_LOST.sentence}",
         ),
         (
-            (controller_of(Status.ROLL), gate_of(SupervisorState.STOPPED, Cause.CONTROLLER_STOPS)),
+            (STEERED, controller_of(Status.ROLL), gate_of(SupervisorState.STOPPED, Cause.CONTROLLER_STOPS)),
             f"{ENDED}; STOPPED: {Cause.CONTROLLER_STOPS.sentence}: {Status.ROLL.text}",
         ),
     ],

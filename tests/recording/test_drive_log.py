@@ -61,7 +61,10 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     with (tmp_path / "log.mcap").open("rb") as stream:
         topics = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
     assert topics["/raw"] == topics["/order"] == 1  # each message has 16 bytes of the index
-    assert read_log(tmp_path / "log.mcap").outcome.reason == "the drive was ended before the end of the path"
+    assert (
+        read_log(tmp_path / "log.mcap").outcome.reason
+        == "the drive was ended before the end of the path; drawbar never steered"
+    )
 
 
 def test_a_drives_steps_and_what_is_drawn_of_them_fill_few_megabytes_an_hour(tmp_path, build):

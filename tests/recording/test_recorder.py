@@ -31,6 +31,13 @@ def test_every_field_survives_the_round_trip(tmp_path):
     assert np.all(np.diff(log.wall_time) >= 0.0)
 
 
+def test_a_log_is_found_in_the_folder_of_its_run(tmp_path):
+    write(tmp_path / "log.mcap", 1)
+    assert len(read_log(tmp_path).records) == 1
+    with pytest.raises(DrawbarError, match=r"nothing: cannot be read"):
+        read_log(tmp_path / "nothing")
+
+
 def test_the_path_can_be_made_again_exactly(tmp_path):
     write(tmp_path / "log.mcap", 1)
     path = read_log(tmp_path / "log.mcap").header.path.path()

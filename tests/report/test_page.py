@@ -80,6 +80,8 @@ def test_what_the_estimator_does_not_have_is_not_shown(page):
     names = [trace["name"] for trace in data_of(page)["figures"]["factors"]["data"]]
     assert "μ" in names
     assert "η" not in names  # no bounds: not a parameter of this run's model
+    assert "Speed factor μ" in page
+    assert "η" not in page.partition("<script>")[0]
 
 
 def test_a_figure_without_curves_has_no_section(make_run):

@@ -15,6 +15,12 @@ OVERLAPS = """Array.from(document.querySelectorAll('.figure'), figure => {
   return legend && legend.top < title.bottom && title.top < legend.bottom ? figure.id : null;
 }).filter(Boolean)"""
 
+COVERED = """Array.from(document.querySelectorAll('.figure'), figure => {
+  const buttons = figure.querySelector('.modebar')?.getBoundingClientRect();
+  return buttons && Array.from(figure.querySelectorAll('.annotation'), label => label.getBoundingClientRect())
+    .some(label => label.top < buttons.bottom && buttons.left < label.right) ? figure.id : null;
+}).filter(Boolean)"""
+
 GAPS = """Array.from(document.querySelectorAll('.table tr'), row => {
   const texts = Array.from(row.cells).filter(cell => cell.offsetParent && cell.textContent).map(cell => {
     const range = document.createRange();
@@ -60,3 +66,9 @@ def test_every_error_is_shown_once(phone, run):
 
 def test_legends_lie_beside_the_title_of_the_axis(phone):
     assert phone.evaluate(OVERLAPS) == []
+
+
+def test_buttons_cover_no_label_of_a_curve(phone):
+    assert phone.evaluate("document.querySelectorAll('.figure .modebar').length") > 5
+    assert phone.evaluate("document.querySelectorAll('.figure .annotation').length") > 5
+    assert phone.evaluate(COVERED) == []

@@ -293,6 +293,12 @@ def test_arming_holds_for_a_while_and_ends_with_the_state():
     assert not engagement.armed(102.2)
 
 
+@pytest.mark.parametrize("state", STEERING)
+def test_whoever_engages_what_is_steered_is_told_so(state):
+    engagement = brought_to(state)
+    assert {engagement.answer(100.0, action) for action in (Action.ARM, Action.ENGAGE)} == {Cause.STEERED}
+
+
 def test_an_edge_that_comes_with_readiness_is_too_early():
     engagement = brought_to(STANDBY)
     engagement.update(150.0, Situation(causes=(), actions=frozenset({Action.ENGAGE})))

@@ -47,7 +47,7 @@ def check(
     assert config.devices is not None
     if not _tell(checking.check(config.devices, local_frame(config), seconds, config.sample_time)):
         raise SystemExit(1)
-    console.print("every device was heard, and nothing is missing", style="green")
+    console.print("every device reports, and nothing is missing", style="green")
     if store and not _store(config.devices):
         raise SystemExit(1)
     if wiggle and not _wiggle(config):
@@ -60,7 +60,7 @@ def _tell(findings: "Iterable[Finding]") -> bool:
 
     fine = True
     for finding in findings:
-        console.print(Text(f"{finding.device}: {'; '.join(finding.facts) or 'not heard'}"))
+        console.print(Text(f"{finding.device}: {'; '.join(finding.facts) or 'reports nothing'}"))
         for problem in finding.problems:
             console.print(Text(f"  - {problem}", style="yellow"))
         fine &= not finding.problems

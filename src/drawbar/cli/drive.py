@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, Pace, console, written
+from drawbar.cli.options import ConfigurationName, Pace, compiling, console, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
@@ -92,7 +92,7 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
         config = with_stand_ins(config)
         time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"
         console.print(f"no [devices] are configured: driving stand-ins of all of them on this computer, {time_passes}")
-    with console.status("compiling the control step (the first time only) …"):
+    with compiling():
         Controller(config, build_path(config)[0], config.safety.fingerprint())
     return config, stand_ins
 

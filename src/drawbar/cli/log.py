@@ -1,5 +1,6 @@
 """`drawbar log export`: a log for other programs."""
 
+import os
 from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path as FilePath
@@ -51,10 +52,24 @@ def export(
         console.print(f"{file}: {loss}", style="bold yellow", soft_wrap=True)
     for option, target in targets:
         try:
-            _writer(option)(content, target)
+            _write_whole(_writer(option), content, target)
         except OSError as error:
             raise DrawbarError(f"{target}: cannot be written ({error.strerror}); choose another file") from error
         console.print(str(target), soft_wrap=True)
+
+
+def _write_whole(writer: Callable[["RunLog", FilePath], None], content: "RunLog", target: FilePath) -> None:
+    """Write a file that is there as a whole or as it was before; a pipe or a device is written to."""
+    if target.exists() and not target.is_file():
+        writer(content, target)
+        return
+    place = target.resolve()
+    part = place.with_name(place.name + ".part")
+    try:
+        writer(content, part)
+        os.replace(part, place)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _writer(option: str) -> Callable[["RunLog", FilePath], None]:

@@ -25,9 +25,9 @@ ConfigurationName = Annotated[
 
 def _log_of(run: FilePath | None) -> FilePath | None:
     """Return the log of a run that is given by its folder or by the log itself."""
-    from drawbar.recording.log import LOG_NAME
+    from drawbar.recording.log import log_of
 
-    return run / LOG_NAME if run is not None and run.is_dir() else run
+    return None if run is None else log_of(run)
 
 
 _RUN_LOG = typer.Argument(metavar="RUN", callback=_log_of, help="folder of a run or a drive, or its log.mcap")
@@ -78,7 +78,7 @@ def compiling() -> Iterator[None]:
     """Show on the console that, and how far, something is compiled."""
     from drawbar.codegen import watch_compilation
 
-    text = "compiling the control step (the first time only) …"
+    text = "making the control step ready, the first time by compiling it …"
     with console.status(text) as status, watch_compilation(lambda *of: status.update(f"{text} {of[0]} of {of[1]}")):
         yield
 

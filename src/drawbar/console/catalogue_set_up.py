@@ -46,7 +46,7 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
     "only_maintainer": ("Only a maintainer may change this.", "Das darf nur ändern, wer als Wartung angemeldet ist."),
     "versions": ("Versions", "Versionen"),
     "go_on_from": ("Go on from this", "Hiermit weiterarbeiten"),
-    "devices": ("Devices: how often heard, how long ago", "Geräte: wie oft gehört, wann zuletzt"),
+    "devices": ("Devices: how often they report, how long ago", "Geräte: wie oft gehört, wann zuletzt"),
     "tractor_receiver": ("Tractor's receiver", "Empfänger auf dem Traktor"),
     "trailer_receiver": ("Trailer's receiver", "Empfänger auf dem Anhänger"),
     "hitch_sensor": ("Hitch angle", "Knickwinkel"),

@@ -6,7 +6,7 @@ from drawbar.safety.causes import Cause
 
 CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.CONTROLLER_SILENT: ("vom Regler kommt nichts Neues",
-        "ansehen, ob beide Empfänger gehört werden (drawbar check); wenn ja, die Meldungen des Reglers"),
+        "ansehen, ob beide Empfänger melden (drawbar check); wenn ja, die Meldungen des Reglers"),
     Cause.COMMAND_EXPIRED: ("der letzte Befehl des Reglers ist abgelaufen",
         "Meldungen des Reglers ansehen; vielleicht rechnet er zu langsam"),
     Cause.COMMAND_REFUSED: ("eine Nachricht des Reglers wurde abgelehnt",
@@ -16,7 +16,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.MODE: ("Regler und Wächter sind uneins, ob gefahren wird",
         "warten, bis der Regler fertig ist; sonst neu starten"),
     Cause.CONFIGURATION: ("der Regler hat andere Sicherheitseinstellungen, oder sie sind unbekannt",
-        "wird der Regler gehört, beide mit derselben Konfiguration neu starten"),
+        "meldet sich der Regler, beide mit derselben Konfiguration neu starten"),
     Cause.UNPROVED: ("der Autopilot rechnet noch nicht lange genug ohne Fehler",
         "einige Sekunden warten; wenn es bleibt, Aufzeichnung ansehen"),
     Cause.UNSOLVED: ("die letzte Rechnung hatte keine Lösung",
@@ -156,7 +156,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.NOT_ARMED: ("es ist nicht (oder nicht mehr) vorbereitet",
         "vorbereiten, dann innerhalb weniger Sekunden einschalten"),
     Cause.STATE_NOT_READY: ("der Wächter ist nicht bereit",
-        "ansehen, was entgegensteht"),
+        "ansehen, was entgegensteht; bestätigen, was darauf wartet"),
     Cause.SEEN_OLD: ("die Anzeige war zu alt",
         "noch einmal hinsehen, dann wiederholen"),
     Cause.REPLAYED: ("die Nachricht ist alt, oder kam schon einmal",
@@ -166,5 +166,5 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.NOTHING_TO_ACKNOWLEDGE: ("es gibt nichts zu bestätigen",
         "nichts zu tun"),
     Cause.STEERED: ("das Fahrzeug wird gelenkt",
-        "zuerst anhalten, dann die Linie wählen"),
+        "um neu einzuschalten oder die Linie zu wählen, zuerst anhalten"),
 }  # fmt: skip

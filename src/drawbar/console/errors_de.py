@@ -199,6 +199,8 @@ ERRORS_DE: Mapping[str, str] = {
         "von drawbar",
     "{}: is a pipe or a device, not a file; {}": "{0}: ist eine Pipe oder ein Gerät, keine Datei",
     "{}: is damaged, or no log of drawbar ({}); {}": "{0}: ist beschädigt oder keine Aufzeichnung von drawbar ({1})",
+    "it is empty, as a full disk or a power cut leaves one":
+        "sie ist leer, wie eine volle Platte oder ein Stromausfall sie hinterlässt",
     "it does not begin as an MCAP file does": "sie beginnt nicht wie eine MCAP-Datei",
     "a chunk does not match its checksum": "die Prüfsumme eines Abschnitts stimmt nicht",
     "a chunk has another length than it states": "ein Abschnitt hat nicht die Länge, die er angibt",

@@ -1,4 +1,4 @@
-"""Events of a drive in plain words: what the supervisor did and why, and what operators asked for."""
+"""Events of a drive in plain words: what the supervisor did and why, what operators asked for and were refused."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from drawbar.console.words import Words
 from drawbar.messages import Action
-from drawbar.recording.drive_events import Asked, Became, DriveEvent, Loss, drive_events
+from drawbar.recording.drive_events import Asked, Became, DriveEvent, Loss, Refused, drive_events
 from drawbar.safety.causes import Cause
 
 _ASKED = {
@@ -55,6 +55,9 @@ def _told(event: DriveEvent, words: Words) -> str:
         return _became(event, words)
     if isinstance(event, Asked):
         return _wished(event.action, event.value, words)
+    if isinstance(event, Refused):
+        sentence, advice = words.cause(event.cause)
+        return words("refused", cause=sentence, advice=advice)
     return words("record_ends") if event.loss is Loss.ENDS else words.cause(Cause.NOT_RECORDING)[0]
 
 

@@ -18,6 +18,7 @@ from drawbar.experiment.alteration import Alteration, find_alteration
 from drawbar.experiment.task import Task
 from drawbar.misspelt import meant
 from drawbar.settings import Positive, Settings
+from drawbar.wrong_values import explained
 
 FILE_NAME = "experiment.toml"
 FOLDER = Path("experiments")
@@ -197,10 +198,7 @@ def load_experiment(folder: Path) -> Experiment:
             expectation of no case.
     """
     file = folder / FILE_NAME
-    try:
-        settings = ExperimentSettings.model_validate(tomllib.loads(file.read_text("utf-8")))
-    except (OSError, ValueError) as error:
-        raise ConfigurationError(f"{file}: {_reason(error)}") from error
+    settings = _settings(file)
     driven = _driven(folder, settings)
     if strangers := set(settings.expected) - set(driven):
         raise ConfigurationError(
@@ -232,11 +230,17 @@ def named_figures(text: str) -> list[tuple[str, str]]:
     return FIGURE.findall(text)
 
 
-def _reason(error: Exception) -> str:
-    if not isinstance(error, ValidationError):
-        return f"cannot be read as an experiment ({error})."
-    problems = (f"{'.'.join(map(str, problem['loc']))}: {problem['msg']}" for problem in error.errors())
-    return "wrong value(s): " + "; ".join(problems) + "."
+def _settings(file: Path) -> ExperimentSettings:
+    """Return the content of an experiment's file; raise ConfigurationError where it is none, or a value is wrong."""
+    try:
+        data = tomllib.loads(file.read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise ConfigurationError(f"{file}: cannot be read as an experiment ({error}).") from error
+    try:
+        return ExperimentSettings.model_validate(data)
+    except ValidationError as error:
+        lines = [explained(problem, data, root="experiment") for problem in error.errors()]
+        raise ConfigurationError("\n".join([f"{file}: {len(lines)} wrong value(s).", *lines])) from error
 
 
 def _driven(folder: Path, settings: ExperimentSettings) -> dict[str, tuple[Case, Variant]]:

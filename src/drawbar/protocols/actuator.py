@@ -25,8 +25,8 @@ class Readiness(Enum):
     """Whether an actuator can be engaged; each says what the operator is to do."""
 
     READY = "ready"
-    SILENT = "has not been heard; check its power, its cable and its address"
-    TOO_NEW = "has been heard for less than a second; wait"
+    SILENT = "reports nothing; check its power, its cable and its address"
+    TOO_NEW = "has reported for less than a second; wait"
     SWITCHED_ON = "already steers, or its switch is on; turn it off"
     OVERRIDDEN = "the operator took over; engage again when ready"
     LOCKED_OUT = "is locked out; see the machine's own display"

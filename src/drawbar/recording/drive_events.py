@@ -1,4 +1,4 @@
-"""Events of a drive in its log: states of the supervisor, what operators asked for, steering without a record."""
+"""Events of a drive in its log: states of the supervisor, what operators asked for and were refused, a lost record."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -40,6 +40,15 @@ class Asked:
     """of a speed (m/s) or a shift of the line (m); NaN: none"""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refused:
+    """The gate refused what an operator had asked for; one event for each cause that stood against it."""
+
+    time: float
+    """s since the epoch"""
+    cause: Cause
+
+
 class Loss(Enum):
     """What became of the record while the vehicle was steered."""
 
@@ -56,7 +65,7 @@ class Lost:
     loss: Loss
 
 
-DriveEvent = Became | Asked | Lost
+DriveEvent = Became | Asked | Refused | Lost
 
 
 class _Gate(msgspec.Struct):
@@ -64,6 +73,16 @@ class _Gate(msgspec.Struct):
     cause: int
     steers: int
     refusals: list[int]
+    answer: int = 0
+    answered: int = 0
+
+    @property
+    def objections(self) -> list[Cause]:
+        """Why the last request was refused: where the gate was in STANDBY, what stood against being ready."""
+        is_standby = self.state == SupervisorState.STANDBY
+        if BY_CODE.get(self.answer) is Cause.STATE_NOT_READY and is_standby and any(self.refusals):
+            return [BY_CODE[code] for code in self.refusals if code in BY_CODE]
+        return [BY_CODE[self.answer]] if self.answer in BY_CODE else []
 
     @property
     def is_unrecorded(self) -> bool:
@@ -133,6 +152,8 @@ def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[
                 yield _became(time, message, status)
             if message.is_unrecorded and not (last is not None and last.is_unrecorded):
                 yield Lost(time=time, loss=Loss.UNRECORDED)
+            if message.answered in heard and not (last is not None and last.answered == message.answered):
+                yield from (Refused(time=time, cause=cause) for cause in message.objections)
             last = message
         elif isinstance(message, _Wish):
             action = Action(message.action)
@@ -144,11 +165,21 @@ def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[
 
 
 def _without_repetitions(events: Iterable[DriveEvent]) -> Iterator[DriveEvent]:
-    """Leave out what was asked for again before anything else happened, as by a key that is held; shifts add up."""
+    """Leave out what was asked for again before anything else happened, as by a key that is held; shifts add up.
+
+    A refusal is nothing else: it is told once for each cause.
+    """
     last: tuple[Action, str] | None = None
+    refused: set[Cause] = set()
     for event in events:
+        if isinstance(event, Refused):
+            if event.cause not in refused:
+                yield event
+            refused.add(event.cause)
+            continue
         now = (event.action, str(event.value)) if isinstance(event, Asked) else None  # as text NaN is NaN
         if now is None or now != last or now[0] is Action.NUDGE:
+            refused.clear()
             yield event
         last = now
 

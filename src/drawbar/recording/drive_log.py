@@ -94,6 +94,7 @@ class DriveLog(Recorder):
         self._schemas: dict[str, int] = {}
         self._steps_shown, self._reached_end = 0, False
         self._state: GateState | None = None
+        self._steered: bool | None = None
         self._status, self._names = Status.OK, self._count_names()
         self._writer.add_metadata(CLOCK, {"offset": str(self._offset)})
         for topic, message in scene.standing(time.time_ns()):
@@ -114,8 +115,13 @@ class DriveLog(Recorder):
 
     def _outcome(self, error: BaseException | None) -> Outcome:
         if error is None and not self._reached_end:
-            return Outcome(finished=False, reason=f"the drive was ended before the end of the path{self._stopped_by()}")
+            ended = f"the drive was ended before the end of the path{self._unsteered()}{self._stopped_by()}"
+            return Outcome(finished=False, reason=ended)
         return super()._outcome(error)
+
+    def _unsteered(self) -> str:
+        """Return that it was never steered, in words that follow others; nothing where it was, or nothing is known."""
+        return "; drawbar never steered" if self._steered is False else ""
 
     def _stopped_by(self) -> str:
         """Return what had stopped it, in words that follow others; nothing where it had not been stopped."""
@@ -184,6 +190,7 @@ class DriveLog(Recorder):
             return
         if isinstance(message, GateState):
             self._states.append(message.sequence)
+            self._steered = bool(self._steered or message.steers)
             if message.cause != Cause.ENDED.value:  # the end itself hides what was before
                 self._state = message
         if topic not in self._channels:

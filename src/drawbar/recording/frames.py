@@ -78,6 +78,8 @@ def frames(stream: BinaryIO) -> Iterator[Frame | Damage]:
     Raises DamagedLogError: the file is none of MCAP.
     """
     written = _written(stream)
+    if not written:
+        raise DamagedLogError("it is empty, as a full disk or a power cut leaves one")
     stream.seek(0)
     magic = stream.read(len(MAGIC))
     if sum(here != there for here, there in zip(magic, MAGIC, strict=False)) + len(MAGIC) - len(magic) > 1:

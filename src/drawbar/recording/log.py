@@ -368,12 +368,19 @@ def _outcome(told: Mapping[str, str]) -> Outcome | None:
     return Outcome(finished=told["finished"] == "true", reason=told["reason"])
 
 
+def log_of(run: Path) -> Path:
+    """Return the log of a run that is given by its folder or by the log itself."""
+    return run / LOG_NAME if run.is_dir() else run
+
+
 def read_log(file: str | os.PathLike[str]) -> RunLog:
     """Read the log of a run; a last record cut off by a crash is left out, and what is damaged is told by its losses.
 
+    file: the log, or the folder of the run.
+
     Raises DrawbarError when the file cannot be read or is no log, or what is known before the first step is damaged.
     """
-    with open_log(demand_path("file", file)) as log:
+    with open_log(log_of(demand_path("file", file))) as log:
         messages = [(decode_step(message), message.publish_time * 1e-9) for message in log.steps]
         return RunLog(
             header=log.header,

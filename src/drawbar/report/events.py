@@ -4,8 +4,21 @@ import math
 from collections.abc import Iterator, Sequence
 
 from drawbar.messages import Action
-from drawbar.recording.drive_events import Asked, Became, DriveEvent
+from drawbar.recording.drive_events import Asked, Became, DriveEvent, Refused
 from drawbar.report.tables import Row
+
+_ASKED = {
+    Action.ARM: "to arm",
+    Action.ENGAGE: "to engage",
+    Action.RELEASE: "to let go of the steering",
+    Action.STOP: "for a stop",
+    Action.EMERGENCY: "for an emergency stop",
+    Action.ACKNOWLEDGE: "to acknowledge",
+    Action.NUDGE: "to shift the line by",
+    Action.SET_SPEED: "for a speed of",
+    Action.LINE: "for the line at",
+}
+"""what follows "the operator asked"; of the last three before the value"""
 
 
 def event_rows(events: Sequence[DriveEvent]) -> list[Row]:
@@ -21,8 +34,11 @@ def _told(event: DriveEvent) -> Iterator[str]:
         yield ": ".join([event.state.name, *because, *([event.status.text] if event.status is not None else [])])
         yield "" if cause is None else cause.advice
     elif isinstance(event, Asked):
-        yield f"the operator asked for {event.action.name}{_value(event)}"
+        yield f"the operator asked {_ASKED[event.action]}{_value(event)}"
         yield ""
+    elif isinstance(event, Refused):
+        yield f"refused: {event.cause.sentence}"
+        yield event.cause.advice
     else:
         yield event.loss.value
         yield ""

@@ -1,6 +1,7 @@
 """Sections of the page about a run, in their order: a heading, what to look for, and a picture."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from drawbar.recording.log import Columns
@@ -33,6 +34,15 @@ _ANGLES = {
     "tractor_crab": ("αr", style.TRACTOR),
     "trailer_crab": ("αi", style.TRAILER),
 }
+_PARAMETERS = {
+    "longitudinal_slip": "speed factor μ",
+    "tractor_slip": "steering factor κ of the front wheels",
+    "trailer_slip": "steering factor η of the trailer",
+    "steering_offset": "offset b of the front wheels",
+    "tractor_crab": "side-slip αr of the rear axle",
+    "trailer_crab": "side-slip αi of the trailer's axle",
+}
+"""what the symbols of estimated parameters stand for"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,19 +151,25 @@ def _steering(log: Columns) -> list[Section]:
     ]
 
 
+def _named(log: Columns, names: Iterable[str], zoom: str) -> str:
+    """Return a note that names the parameters that the run's estimator has."""
+    words = ", ".join(_PARAMETERS[name] for name in names if name in log.header.estimate_bounds)
+    return f"{words[:1].upper()}{words[1:]}. {zoom}"
+
+
 def _estimates(log: Columns) -> list[Section]:
     zoom = "Dashed: bounds of the estimator, zoom out where they are not in sight."
     return [
         Section(
             name="factors",
             title="Slip",
-            note="Speed factor μ, steering factors κ and η. " + zoom,
+            note=_named(log, _FACTORS, zoom),
             figure=estimate_figure(log, _FACTORS, "Factor", "", 1.0),
         ),
         Section(
             name="angles",
             title="Steering offset and side-slip",
-            note="Offset b of the front wheels, side-slip of the rear axle (αr) and of the trailer's (αi). " + zoom,
+            note=_named(log, _ANGLES, zoom),
             figure=estimate_figure(log, _ANGLES, "Angle, °", "°", math.degrees(1.0)),
         ),
     ]

@@ -43,7 +43,7 @@ class Cause(Enum):
 
     # fmt: off
     CONTROLLER_SILENT = (101, True, Response.RELEASE, "the controller's state is missing or old",
-        "see whether both receivers are heard (drawbar check); if so, look at the controller's messages")
+        "see whether both receivers report (drawbar check); if so, look at the controller's messages")
     COMMAND_EXPIRED = (102, True, Response.RELEASE, "the controller's last command has expired",
         "look at the controller's own messages; it may be computing too slowly")
     COMMAND_REFUSED = (103, True, Response.RELEASE, "a record of the controller was refused",
@@ -53,7 +53,7 @@ class Cause(Enum):
     MODE = (105, True, Response.RELEASE, "controller and gate disagree about whether a run is on",
         "wait until the controller has ended its run; else start it again")
     CONFIGURATION = (106, True, Response.RELEASE, "the controller has other safety settings, or they are not known",
-        "if the controller is heard, start both again with the same configuration")
+        "if the controller reports, start both again with the same configuration")
     UNPROVED = (107, True, Response.NONE, "estimator and controllers have not solved enough steps in a row",
         "wait a few seconds; if it stays, see the log")
     UNSOLVED = (108, False, Response.DEGRADE, "the last step was not solved",
@@ -93,7 +93,7 @@ class Cause(Enum):
         "pull tractor and trailer straight by hand")
     RECEIVERS_SWAPPED = (213, True, Response.STOP, "the trailer's antenna moves ahead of the tractor's",
         "drive forwards; if you do, the two receivers are swapped: exchange them in [devices]")
-    SENSORS_LOST = (214, True, Response.STOP, "neither an RTK fix nor any speed is heard",
+    SENSORS_LOST = (214, True, Response.STOP, "neither an RTK fix nor any speed is received",
         "check the receivers and the sensor board")
     # what the controller tells of sensors (driving/fault_detection/notices.py); the gate decides by what is left
     RECEIVER_SILENT = (215, False, Response.TELL, "a receiver is not heard",
@@ -140,9 +140,9 @@ class Cause(Enum):
         "see the machine's own display; engage again")
     STEERING_JUMPED = (409, False, Response.RELEASE, "a measured steering angle has jumped",
         "check the sensor's linkage and cable, then calibrate it again")
-    SILENT = (411, True, Response.RELEASE, "an actuator has not been heard",
+    SILENT = (411, True, Response.RELEASE, "an actuator reports nothing",
         "check its power, its cable and its address")
-    TOO_NEW = (412, True, Response.RELEASE, "an actuator has been heard for less than a second",
+    TOO_NEW = (412, True, Response.RELEASE, "an actuator has reported for less than a second",
         "wait; if it came up again by itself, check its power")
     SWITCHED_ON = (413, True, Response.NONE, "an actuator already steers, or its switch is on",
         "turn it off")
@@ -174,7 +174,7 @@ class Cause(Enum):
     DEVICE = (506, True, Response.RELEASE, "the program of an actuator failed",
         "keep the log and report it")
 
-    NO_OPERATOR = (601, True, Response.STOP, "no operator has been heard",
+    NO_OPERATOR = (601, True, Response.STOP, "no operator is present",
         "open the console, or start the keyboard again")
     NOT_RECORDING = (602, True, Response.TELL, "nothing is recorded: the disk is full, or the recorder has ended",
         "steering goes on; stop when it suits, make room on the disk, start drawbar again")
@@ -199,7 +199,7 @@ class Cause(Enum):
     NOT_ARMED = (622, False, Response.NONE, "the gate is not armed, or no longer",
         "arm, then engage within a few seconds")
     STATE_NOT_READY = (623, False, Response.NONE, "the gate is not ready",
-        "see what stands against it")
+        "see what stands against it; acknowledge a state that waits for it")
     SEEN_OLD = (624, False, Response.NONE, "what the operator saw is too old",
         "look again, then repeat")
     REPLAYED = (625, False, Response.NONE, "the message is old or has been received before",
@@ -209,7 +209,7 @@ class Cause(Enum):
     NOTHING_TO_ACKNOWLEDGE = (627, False, Response.NONE, "no state waits for the operator",
         "nothing")
     STEERED = (628, False, Response.NONE, "the vehicle is steered",
-        "stop first, then choose the line")
+        "to engage anew or to choose the line, stop first")
     # fmt: on
 
 

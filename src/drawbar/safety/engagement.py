@@ -136,12 +136,12 @@ class Engagement:
 
     def answer(self, time: float, action: Action) -> Cause | None:
         """Return why an operator's action is not possible in this state; None: it is."""
+        if action in (Action.ARM, Action.ENGAGE, Action.LINE) and self.steers:
+            return Cause.STEERED
         if action is Action.ARM and self.state is not READY:
             return Cause.STATE_NOT_READY
         if action is Action.ENGAGE and not self.armed(time):
             return Cause.NOT_ARMED if self.state is READY else Cause.STATE_NOT_READY
-        if action is Action.LINE and self.steers:
-            return Cause.STEERED
         if action is Action.ACKNOWLEDGE:
             if self.state not in LATCHED:
                 return Cause.NOTHING_TO_ACKNOWLEDGE

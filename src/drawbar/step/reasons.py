@@ -52,7 +52,7 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
     if status is Status.STOPPED and before is Status.TIME:
         return f"{at} the machine's time stamps had not increased, or were not finite, for {PATIENCE} s."
     if status is Status.STOPPED:
-        return f"{at} the gate had had no valid command to let pass for {PATIENCE} s."
+        return f"{at} the gate had refused every command for as long as one may be repeated ({PATIENCE:g} s)."
     if status is Status.UNSOLVED:
         return f"{at} estimator and controllers had not all had a solution for {ENDURANCE:.0f} s."
     if status is Status.GUIDANCE:

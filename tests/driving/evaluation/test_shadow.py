@@ -120,4 +120,4 @@ def test_without_measured_angles_that_is_said(tmp_path):
         pass
     tractor, _ = steering_differences(read_log(tmp_path / "log.mcap"))
     assert tractor.steps == 0
-    assert "no measured angle was heard" in tell(tractor)
+    assert "no measured angle was received" in tell(tractor)

@@ -96,7 +96,7 @@ def sensor_board(speed):
 
 @pytest.mark.parametrize(
     ("speed", "problem"),
-    [(1.0, "they turn: stand"), (-0.2, "they turn: stand"), (None, "their encoder is not heard")],
+    [(1.0, "they turn: stand"), (-0.2, "they turn: stand"), (None, "their encoder reports nothing")],
 )
 def test_nothing_is_written_unless_the_encoder_shows_that_the_wheels_stand(board, speed, problem):
     with running(board) as devices, sensor_board(speed) as sensors:

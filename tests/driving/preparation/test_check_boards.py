@@ -73,7 +73,7 @@ def test_a_board_at_another_address_than_the_configured_one_is_found_by_broadcas
     with running(AioV4(HeldWheel(), subnet="192.168.7", start=time.monotonic()), host="0.0.0.0", port=port):
         findings = found({"tractor board": settings(NOWHERE, listen)})
     problems = findings["tractor board"].problems
-    assert "nothing was heard" in problems[0]
+    assert "nothing was received" in problems[0]
     assert problems[1] == (
         "a steer board answers the scan from 192.168.7.126: if it is this one, write that as its address"
     )

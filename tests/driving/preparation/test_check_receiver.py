@@ -74,7 +74,7 @@ def test_bytes_of_another_baud_rate_are_told_from_silence(monkeypatch):
     assert problem.startswith("something comes, but nothing that is understood (")
     assert "noise bytes): check the baud rate, the sender" in problem
     (problem,) = finding_of(monkeypatch, lambda step, time: b"").problems
-    assert problem == "nothing was heard: check its power, its cable and its transport"
+    assert problem == "nothing was received: check its power, its cable and its transport"
 
 
 @pytest.mark.parametrize(("yaw", "alone", "missing"), [(0.5, True, 0), (math.nan, True, 1), (math.nan, False, 0)])

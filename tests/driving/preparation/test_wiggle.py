@@ -80,7 +80,7 @@ def test_wheels_that_do_not_move_are_told():
     ("change", "words"),
     [
         (lambda now, board: board.override() if 4.0 < now < 4.02 else None, "operator took over"),
-        (lambda now, board: board.restart(now, outage=3.0) if 4.0 < now < 4.02 else None, "has not been heard"),
+        (lambda now, board: board.restart(now, outage=3.0) if 4.0 < now < 4.02 else None, "reports nothing"),
     ],
 )
 def test_what_happens_meanwhile_ends_it(change, words):

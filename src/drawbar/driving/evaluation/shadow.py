@@ -58,7 +58,7 @@ def tell(difference: SteeringDifference) -> str:
     name = {"tractor": "front wheels", "trailer": "joint"}[difference.body]
     if not difference.steps:
         return (
-            f"{name}: no measured angle was heard; AIO v4 boards tell theirs only while something commands them, "
+            f"{name}: no measured angle was received; AIO v4 boards tell theirs only while something commands them, "
             "AiO_26 boards and ISOBUS valves always"
         )
     mean, largest = math.degrees(difference.mean), math.degrees(difference.largest)

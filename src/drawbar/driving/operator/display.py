@@ -81,7 +81,7 @@ def reason(cause: Cause) -> Text:
 
 
 def _state(state: GateState | None, controller: ControllerState | None) -> Iterator[Text]:
-    yield headline(state, controller) if state else Text("the gate has not been heard", style="bold red")
+    yield headline(state, controller) if state else Text("the gate reports nothing yet", style="bold red")
     if state and state.stop and not stands(controller):
         yield Text("STOP THE VEHICLE", style="bold reverse red")
 
@@ -96,7 +96,7 @@ def stands(controller: ControllerState | None) -> bool:
 
 def _numbers(controller: ControllerState | None) -> Iterator[Text]:
     if controller is None:
-        yield Text("the controller has not been heard")
+        yield Text("the controller reports nothing yet")
         return
     bodies = ("tractor", "trailer")
     yield Text("   ".join(f"{body} {_side(getattr(controller, f'{body}_lateral_error'))}" for body in bodies))

@@ -58,7 +58,7 @@ def _wheels(sensors: SensorBoardSettings) -> Finding | None:
     speed = line.last.wheel_speed
     found = Finding(device="wheels", heard=math.isfinite(speed))
     if not found.heard:
-        found.problems.append("their encoder is not heard, so that nothing shows that they stand: mend it")
+        found.problems.append("their encoder reports nothing, so that nothing shows that they stand: mend it")
     elif abs(speed) > _STANDING:
         found.problems.append("they turn: stand")
     if found.problems:

@@ -56,4 +56,4 @@ def tell_silence(finding: Finding, transport: Transport, dropped: Mapping[str, i
         )
         return
     why = f" ({transport.trouble})" if transport.trouble else ""
-    finding.problems.append(f"nothing was heard{why}: check its power, its cable and its transport")
+    finding.problems.append(f"nothing was received{why}: check its power, its cable and its transport")
