@@ -281,14 +281,15 @@ static void kkt_quadratic(const struct qp *restrict s, double *restrict square, 
 
 /* The cost's own size, of data and variables alone: what is left of its linear part beside the price of violations, and its
  * quadratic part. Rounding makes something of terms that cancel; where it drowns what is left of them nothing is known of the
- * cost, and no answer passes. */
+ * cost, and only the data's own size counts: an optimum that is solved again passes by that, and hardly another answer. */
 static double kkt_cost(const struct qp *restrict s, const struct kkt_scale *restrict scale)
 {
     double square = 0.0, terms = scale->terms, data = 0.0;
 
     kkt_quadratic(s, &square, &terms, &data);
     const double left = fabs(scale->slope) + fabs(square) + least_cost(s), rounding = ROUNDING * terms;
-    return left < DROWNED * rounding ? 0.0 : left + (rounding < left ? rounding : left) + 1e-12 * (data > 0.0 ? data : 1.0);
+    const double least = 1e-12 * (data > 0.0 ? data : 1.0);
+    return least + (left < DROWNED * rounding ? 0.0 : left + (rounding < left ? rounding : left));
 }
 
 /* Judge z, pi and (bounded: also) the multipliers: sets s->kkt, the largest residual relative to the sizes above, and
