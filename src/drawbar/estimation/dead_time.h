@@ -16,13 +16,18 @@
 #include "signals.h"
 #include "unit.h"
 
+/* Both steering angles that a command asks for, rad. */
+struct steerings {
+    double tractor, trailer;
+};
+
 struct component {
     double dead_time, stated_lag;          /* the latter of both actuators, s */
     struct body_lag body;                  /* by how much the tractor turns later than its wheels stand */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double constants[CONSTANTS];           /* of the model with its actuators */
     int32_t sent;                          /* commands so far, up to MOST_COMMANDS */
-    struct drawbar_command under_way[MOST_COMMANDS];   /* oldest first; the newest `sent` are valid */
+    struct steerings under_way[MOST_COMMANDS];   /* oldest first; the newest `sent` are valid */
     double x[1][STATES], u[1][INPUTS], p[1][PARAMETERS], duration[1][1], y[1][OUTPUTS];
 };
 
@@ -77,10 +82,10 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
         return 0;
     take_estimate(component, now);
     for (int i = 0; i < count; ++i) {
-        const struct drawbar_command *command = &component->under_way[MOST_COMMANDS - count + i];
+        const struct steerings *command = &component->under_way[MOST_COMMANDS - count + i];
         const int known = i >= count - component->sent;
-        const double tractor = known ? command->tractor_steering : now->tractor_steering;
-        const double trailer = known ? component->sign * command->trailer_steering : now->trailer_steering;
+        const double tractor = known ? command->tractor : now->tractor_steering;
+        const double trailer = known ? component->sign * command->trailer : now->trailer_steering;
         const double end = ahead_by(component) - (count - 1 - i) * component->body.sample_time;
         if (moved < component->body.lag) {
             const double waiting = fmin(end, component->body.lag) - moved;
@@ -97,34 +102,35 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
 
 /* The command that acts in the mean of the sample that now begins, where commands act so long after they are sent, s: two
  * act, one after the other, unless that is a whole number of samples. NaN as long as none has arrived. */
-static struct drawbar_command acting_in_the_mean(const struct component *component, double after)
+static struct steerings acting_in_the_mean(const struct component *component, double after)
 {
     const double samples = fmin(after / component->body.sample_time, MOST_COMMANDS - 2.0);
     const int32_t whole = (int32_t)(samples + WHOLE_SAMPLES);
     const double share = fmax(samples - whole, 0.0);
-    const struct drawbar_command *later = &component->under_way[MOST_COMMANDS - 1 - whole], *earlier = later - 1;
-    struct drawbar_command mean = *later;
+    const struct steerings *later = &component->under_way[MOST_COMMANDS - 1 - whole], *earlier = later - 1;
+    struct steerings mean = *later;
 
     if (component->sent <= whole) {
-        mean.tractor_steering = mean.trailer_steering = NAN;
+        mean.tractor = mean.trailer = NAN;
     } else if (component->sent > whole + 1) {
-        mean.tractor_steering += share * (earlier->tractor_steering - later->tractor_steering);
-        mean.trailer_steering += share * (earlier->trailer_steering - later->trailer_steering);
+        mean.tractor += share * (earlier->tractor - later->tractor);
+        mean.trailer += share * (earlier->trailer - later->trailer);
     }
     return mean;
 }
 
 /* Remember the newest command, and give the one that acts on the bodies during the sample that now begins: on the tractor by
- * its wheels, later than on the trailer by its joint. */
+ * its wheels, later than on the trailer by its joint. Its time and speed are the newest one's. */
 int UNIT(sent)(struct component *component, const struct drawbar_command *newest, struct drawbar_command *acting)
 {
-    struct drawbar_command *commands = component->under_way;
+    struct steerings *commands = component->under_way;
 
     memmove(&commands[0], &commands[1], (MOST_COMMANDS - 1) * sizeof *commands);
-    commands[MOST_COMMANDS - 1] = *newest;
+    commands[MOST_COMMANDS - 1] = (struct steerings){newest->tractor_steering, newest->trailer_steering};
     component->sent += component->sent < MOST_COMMANDS;
-    *acting = acting_in_the_mean(component, component->dead_time);
-    acting->tractor_steering = acting_in_the_mean(component, ahead_by(component)).tractor_steering;
+    *acting = *newest;
+    acting->tractor_steering = acting_in_the_mean(component, ahead_by(component)).tractor;
+    acting->trailer_steering = acting_in_the_mean(component, component->dead_time).trailer;
     return 0;
 }
 
