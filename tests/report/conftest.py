@@ -237,3 +237,10 @@ def run():
 @pytest.fixture(scope="session")
 def make_run():
     return fake_run
+
+
+@pytest.fixture(scope="session")
+def never_steered():
+    """Return a drive on a real machine with the driver at the wheel all the time."""
+    log = fake_run(truth=False)
+    return dataclasses.replace(log, records=tuple(dataclasses.replace(r, flags=Flag.RELEASED) for r in log.records))

@@ -107,3 +107,11 @@ def test_a_terminal_is_drawn_at_most_five_times_a_second(run, monkeypatch):
         for record in run.records[:500]:  # 5 s
             progress.show(record)
     assert 20 <= len(drawn) <= 26
+
+
+def test_a_drive_that_was_never_steered_has_no_tables_of_dashes(never_steered):
+    text = printed(summary(metrics_of(never_steered)))
+    assert "solver, µs" in text
+    assert "error, cm" not in text
+    assert "yaw error" not in text
+    assert not [row for row in text.splitlines() if set(row.split()[1:]) == {"–"}]

@@ -10,7 +10,7 @@ from drawbar.recording.log import Outcome
 from drawbar.report import decimation
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
-from drawbar.report.path_errors import true_path_errors
+from drawbar.report.path_errors import estimated_path_errors, true_path_errors
 
 SECTIONS = [
     *("map", "errors", "heading", "speed", "hitch", "tractor-steering", "trailer-steering"),
@@ -39,7 +39,7 @@ class Elements(HTMLParser):
 
 def render(log):
     errors = true_path_errors(log)
-    return render_page(log, compute_metrics(log, errors), errors)
+    return render_page(log, compute_metrics(log, errors if log.has_truth else estimated_path_errors(log)), errors)
 
 
 def data_of(page):
@@ -163,3 +163,9 @@ def test_what_did_not_happen_is_said_in_words(make_run):
     page = render(make_run(steps=30))
     assert "0 / 0" not in page
     assert "<b>none</b><span>commands changed by the gate</span>" in page
+
+
+def test_a_drive_that_was_never_steered_shows_no_tables_of_dashes(never_steered):
+    text = "".join(Elements(render(never_steered)).visible)
+    assert "Solver, µs" in text
+    assert "yaw error" not in text

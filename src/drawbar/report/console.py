@@ -14,6 +14,7 @@ from drawbar.report.tables import (
     body_rows,
     error_name,
     error_rows,
+    is_known,
     number,
     origin,
     time_rows,
@@ -48,12 +49,12 @@ def summary(metrics: Metrics) -> RenderableType:
     ]
     if not metrics.duration_s:  # no figure is known
         return Group(*told)
-    return Group(
-        *told,
-        "",
-        _table(f"{error_name(metrics)}, cm", error_columns, error_rows(metrics)),
-        "",
-        _table("", colours.items(), body_rows(metrics)),
-        "",
-        _table("solver, µs", [(name, "") for name in TIME_COLUMNS], time_rows(metrics)),
-    )
+    tables: list[tuple[str, Iterable[tuple[str, str]], list[Row]]] = [
+        (f"{error_name(metrics)}, cm", error_columns, error_rows(metrics)),
+        ("", colours.items(), body_rows(metrics)),
+        ("solver, µs", [(name, "") for name in TIME_COLUMNS], time_rows(metrics)),
+    ]
+    for title, columns, rows in tables:
+        if is_known(rows):
+            told += ["", _table(title, columns, rows)]
+    return Group(*told)

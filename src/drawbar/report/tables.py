@@ -11,11 +11,17 @@ TIME_COLUMNS = ("median", "p99", "max")
 
 Row = tuple[str, list[str]]
 """a title and its cells"""
+_UNKNOWN = "–"
 
 
 def number(value: float, digits: int = 1, unit: str = "") -> str:
     """Return the value with a fixed number of digits and its unit; NaN is a dash, zero has no sign."""
-    return "–" if math.isnan(value) else f"{value:z.{digits}f}{unit}"
+    return _UNKNOWN if math.isnan(value) else f"{value:z.{digits}f}{unit}"
+
+
+def is_known(rows: list[Row]) -> bool:
+    """Return whether any figure of a table is known; none is of a drive that was never steered."""
+    return any(cell != _UNKNOWN for _, cells in rows for cell in cells)
 
 
 def class_title(label: str) -> str:
