@@ -1,4 +1,4 @@
-"""A problem whose data stay as they are is solved again and again, and nothing is left to do: each answer passes, at once."""
+"""A problem whose data stay as they are is solved again and again, and nothing is left to do: every answer passes."""
 
 from dataclasses import replace
 from typing import Any
