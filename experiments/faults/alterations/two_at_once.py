@@ -1,9 +1,5 @@
 """Two faults in one drive, the second while drawbar still steers the vehicle to its stop, or slower, for the first."""
 
-import math
-import random
-from dataclasses import replace
-
 from drawbar.machine.stand_in.faults import FAULTS, moved, report_otherwise
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.machine.stand_in.receiver import of_quality
@@ -51,14 +47,14 @@ def broken_later(counts, since):
     return 0 if since > LATER else counts
 
 
-def aside(left, bodies=BODIES):
-    """Let positions of receivers be left(seconds since the second fault) m to the left."""
+def aside(left, bodies=BODIES, after=LATER):
+    """Let positions be left(seconds since) m to the left, from `after` seconds after the first fault on."""
 
     def begin(trial):
         machine = trial.rehearsal.machine
         report_otherwise(
             machine,
-            lambda report, since: moved(report, machine, left(since - LATER)) if since > LATER else report,
+            lambda report, since: moved(report, machine, left(since - after)) if since > after else report,
             bodies,
         )
 
@@ -73,11 +69,13 @@ def jump(since):
     return 1.0
 
 
-def quality(trial_quality):
+def quality(reported):
+    """Let both receivers report another quality, from the second fault on."""
+
     def begin(trial):
         report_otherwise(
             trial.rehearsal.machine,
-            lambda report, since: of_quality(report, trial_quality) if since > LATER else report,
+            lambda report, since: of_quality(report, reported) if since > LATER else report,
         )
 
     return begin
@@ -92,9 +90,7 @@ def hitch_broken_then_jump(trial):
 
 
 def drift_then_hitch_broken(trial):
-    both(trial, hitch(broken_later), lambda each: report_otherwise(
-        each.rehearsal.machine, lambda report, since: moved(report, each.rehearsal.machine, drift(since))
-    ))  # fmt: skip
+    both(trial, hitch(broken_later), aside(drift, after=0.0))
 
 
 def jump_then_hitch_broken(trial):
@@ -117,20 +113,3 @@ def hitch_stuck_then_float(trial):
         return kept[0]
 
     both(trial, hitch(stuck), quality(FixQuality.FLOAT))
-
-
-def yaw_rate_off_then_no_fix(trial):
-    """Give the tractor a yaw-rate sensor, as yaw_rate.py, that is suddenly 5°/s off."""
-    controller, world = trial.rehearsal.loop._controller, trial.rehearsal.machine.world
-    chance, feedback, seen, begun = random.Random(trial.seed), controller.feedback, [], []
-
-    def measured(measurement, now):
-        seen.append((trial.rehearsal.time, world.truth.tractor.yaw))
-        (earlier, before), (later, yaw) = seen[0], seen[-1]
-        del seen[:-1]
-        true = math.remainder(yaw - before, math.tau) / (later - earlier) if later > earlier else 0.0
-        told = true + chance.gauss(0.0, math.radians(0.3)) + math.radians(5.0) * bool(begun)
-        return feedback(replace(measurement, tractor_yaw_rate=told), now)
-
-    controller.feedback = measured
-    both(trial, lambda each: begun.append(True), quality(FixQuality.NONE))

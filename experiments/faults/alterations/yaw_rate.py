@@ -5,6 +5,9 @@ import random
 from dataclasses import replace
 
 from drawbar.geometry import wrap
+from drawbar.machine.stand_in.faults import report_otherwise
+from drawbar.machine.stand_in.receiver import of_quality
+from drawbar.signals import FixQuality
 
 YAW_RATE_NOISE = math.radians(0.3)
 """of a sensor that is right, standard deviation, rad/s"""
@@ -51,3 +54,18 @@ def yaw_rate_off_5(trial):
 
 def yaw_rate_noisy(trial):
     yaw_rate(trial, lambda true, chance: true + chance.gauss(0.0, math.radians(5.0)))
+
+
+def yaw_rate_off_then_no_fix(trial):
+    """Two faults: a second after the yaw rate has gone wrong both receivers lose their fix."""
+    yaw_rate_off_5(trial)
+    first = trial.begin
+
+    def begin():
+        first()
+        report_otherwise(
+            trial.rehearsal.machine,
+            lambda report, since: of_quality(report, FixQuality.NONE) if since > 1.0 else report,
+        )
+
+    trial.begin = begin
