@@ -1,5 +1,6 @@
-"""By how much the tractor turns later than its wheels stand: against masses and tyres, and by speed and ground."""
+"""By how much the tractor turns later than its wheels stand: against tyres, by speed and ground, and as it is found."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -7,8 +8,10 @@ import pytest
 from estimators import DeadTimePredictor
 from scipy.integrate import solve_ivp
 
+from drawbar.config import load_configuration
 from drawbar.geometry import GRAVITY
-from drawbar.signals import Estimate, Pose, SolverStatus
+from drawbar.signals import Actuation, Estimate, Measurement, Pose, SolverStatus
+from drawbar.simulation import simulate
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -29,6 +32,20 @@ ESTIMATE = Estimate(
     trailer_crab=0.0,
     status=SolverStatus.SOLVED,
 )
+NOTHING = Measurement(
+    time=0.0,
+    tractor_x=math.nan,
+    tractor_y=math.nan,
+    trailer_x=math.nan,
+    trailer_y=math.nan,
+    hitch_angle=math.nan,
+    speed=math.nan,
+    tractor_steering=math.nan,
+    trailer_steering=math.nan,
+)
+SAMPLE = 0.2
+TIMES = SAMPLE * np.arange(300)
+"""s"""
 HARDLY = 1e-9
 """s^2/m; a firm ground on which the tractor turns nearly as its wheels stand"""
 
@@ -78,3 +95,87 @@ def test_ground_that_creeps_delays_the_path_of_the_rear_axle_as_masses_and_tyres
     at_rear_axle = pushed + speed * turn - rear * turned  # its acceleration to the left, m/s^2
     late = end - at_rear_axle * wheelbase / (speed**2 * turning)
     assert lag(speed, creep, HARDLY) == pytest.approx(late, abs=1e-4)
+
+
+def steadily(
+    angles, yaw_rates, speed: float, per_speed: float = 0.02, slower: float = 1.0
+) -> tuple[list[float], list[Actuation]]:
+    """Return the angles that turn the tractor, rad, and what is told, of measured angles and yaw rates at each sample.
+
+    slower: lag of the wheels per stated lag.
+    """
+    predictor, lag = DeadTimePredictor(VEHICLE, articulated(VEHICLE), SAMPLE, per_speed), VEHICLE.steering_lag
+    predictor.known(Actuation(tractor_lag=slower * lag, trailer_lag=slower * lag, tractor_rate=0.4, trailer_rate=0.4))
+    estimate, turning, told = replace(ESTIMATE, speed=speed), [], []
+    for k, (angle, rate) in enumerate(zip(angles, yaw_rates, strict=True)):
+        predictor.ahead(estimate)
+        measurement = replace(NOTHING, time=SAMPLE * k, tractor_steering=angle, tractor_yaw_rate=rate)
+        turned, said = predictor.measured(estimate, measurement)
+        turning.append(turned)
+        told.append(said)
+    return turning, told
+
+
+def swinging(t):
+    """Return the angle of front wheels that swing at 0.15 and 0.4 Hz, rad."""
+    return 0.1 * np.sin(2.0 * np.pi * 0.15 * t) + 0.05 * np.sin(2.0 * np.pi * 0.4 * t)
+
+
+def shown(true: float, speed: float, bent: float = 1.0) -> list[Actuation]:
+    """Return what is told while a body turns so much later than its wheels, s, and by a factor more."""
+    noise = np.random.default_rng(0).normal(0.0, np.radians(0.3), (2, len(TIMES)))
+    yaw_rates = bent * speed / VEHICLE.wheelbase * swinging(TIMES - true)
+    return steadily(swinging(TIMES) + noise[0], yaw_rates + np.radians(1.0) + noise[1], speed)[1]
+
+
+@pytest.mark.parametrize(("slower", "late"), [(1.0, 0.07), (0.5, 0.07), (2.0, 0.035)])
+def test_the_angle_that_counts_is_the_one_before_the_lag(slower, late) -> None:
+    """By less where the wheels are slower than stated."""
+    angles = 0.05 * TIMES[:20]
+    turning, told = steadily(angles, 20 * [math.nan], 3.5, slower=slower)
+    assert told[-1].body_lag == pytest.approx(0.07)
+    np.testing.assert_allclose(turning[2:], angles[2:] - 0.05 * late, atol=1e-12)
+
+
+@pytest.mark.parametrize("per_speed", [0.0, 0.02])
+def test_an_angle_that_is_missing_stays_missing(per_speed) -> None:
+    turning, _ = steadily([0.1, math.nan, 0.1], 3 * [math.nan], 2.0, per_speed)
+    assert math.isnan(turning[1])
+    assert (turning[0], turning[2]) == (0.1, 0.1)
+
+
+def test_on_no_ground_means_on_none() -> None:
+    turning, told = steadily(swinging(TIMES), 2.0 * swinging(TIMES - 0.2), 2.0, 0.0)
+    np.testing.assert_array_equal(turning, swinging(TIMES))
+    assert {each.body_lag for each in told} == {0.0}
+
+
+@pytest.mark.parametrize("true", [0.0, 0.1, 0.2])
+@pytest.mark.parametrize("bent", [0.8, 1.1])
+def test_a_yaw_rate_shows_the_lag(true, bent) -> None:
+    """Also where sensor or slip make more or less of the yaw rate, and with a bias; nearer to what is stated by a
+    deviation."""
+    first, last = shown(true, 2.8, bent)[:: len(TIMES) - 1]
+    found = last.body_lag + math.copysign(last.body_lag_deviation, true - 0.02 * 2.8)
+    assert found == pytest.approx(true, abs=0.04)
+    assert last.body_lag_deviation < 0.6 * first.body_lag_deviation
+
+
+def test_what_is_not_sure_is_not_reckoned_with() -> None:
+    """At 0.3 m/s a yaw rate shows next to nothing, and wheels that rest show nothing."""
+    assert max(each.body_lag for each in shown(0.2, 0.3)) == pytest.approx(0.006)
+    _, told = steadily(np.full(len(TIMES), 0.2), np.random.default_rng(0).normal(0.5, 0.1, len(TIMES)), 2.8)
+    assert told[-1].body_lag == pytest.approx(0.056)
+
+
+@pytest.mark.parametrize(("kind", "least", "most"), [("simulated", 0.0, 0.08), ("physics", 0.1, 0.25)])
+def test_driving_shows_it(kind: str, least: float, most: float) -> None:
+    """The simulated chain turns as its wheels stand; on soft ground the yaw rate of the physics lags by 0.18 s."""
+    if kind == "physics":
+        pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
+    changes = ["path.radii=[8.0]", "speed=2.0", f"machine.kind={kind}", "machine.attitude.tractor.present=true"]
+    soft = ["machine.terrain={creep=0.36}"] if kind == "physics" else []
+    log = simulate(load_configuration("articulated", changes + soft), seed=0)
+    assert log.outcome is not None
+    assert log.outcome.finished
+    assert least <= log.records[-1].actuation.body_lag <= most

@@ -11,7 +11,7 @@ from drawbar.estimation.deviation import newest_deviation
 from drawbar.estimation.extended_kalman import extended_kalman_unit
 from drawbar.estimation.moving_horizon import moving_horizon_unit
 from drawbar.geometry import Floats
-from drawbar.signals import Command, Estimate, Measurement, SolverStatus
+from drawbar.signals import Actuation, Command, Estimate, Measurement, SolverStatus
 from drawbar.vehicle.model import Model
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -89,6 +89,16 @@ class DeadTimePredictor(Alone):
         then = room(Estimate)
         self.call("ahead", given(estimate), then)
         return taken(Estimate, then)
+
+    def known(self, actuation: Actuation) -> None:
+        """Reckon with what is known of the actuators."""
+        self.call("actuation", given(actuation))
+
+    def measured(self, last: Estimate, measurement: Measurement) -> tuple[float, Actuation]:
+        """Return the angle with which the front wheels turn the tractor now, rad, and what is told of its lag."""
+        passed, told = given(measurement), room(Actuation)
+        self.call("measured", given(last), passed, told)
+        return taken(Measurement, passed).tractor_steering, taken(Actuation, told)
 
     def sent(self, command: Command) -> Command:
         """Remember the newest command, and return the one that acts until the next."""

@@ -15,11 +15,11 @@ STEP_ITERATIONS = 16
 def test_one_step_is_the_block_diagram(driver):
     ctypes.memset(driver.calls(), 0, 64)
     assert driver.feedback() == 0
-    assert driver.calls().value == b"mbBMeagwtrs"
+    assert driver.calls().value == b"mbBMPeagwtrs"
     assert driver.prepare() == 0
-    assert driver.calls().value == b"mbBMeagwtrsETR"
+    assert driver.calls().value == b"mbBMPeagwtrsETR"
     assert driver.step()[0] == 0
-    assert driver.calls().value == b"mbBMeagwtrsETRMeagwtrsETR"  # a run begins once
+    assert driver.calls().value == b"mbBMPeagwtrsETRMPeagwtrsETR"  # a run begins once
 
 
 def test_a_command_is_what_the_laws_and_the_gate_made(driver):
@@ -154,7 +154,7 @@ def test_a_late_sample_lets_the_components_catch_up(driver):
     driver.step()
     ctypes.memset(driver.calls(), 0, 64)
     assert driver.step(elapsed=3 * SAMPLE)[0] == Flag.LATE
-    assert driver.calls().value == b"sxsxyzMeagwtrsETR"
+    assert driver.calls().value == b"sxsxyzMPeagwtrsETR"
 
 
 def test_left_out_samples_take_iterations_from_the_solvers(driver):

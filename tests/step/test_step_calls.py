@@ -40,7 +40,7 @@ def test_nothing_is_prepared_that_was_not_fed(driver):
     ctypes.memset(driver.calls(), 0, 64)
     driver.step(elapsed=0.0)
     driver.step(lateral_error=9.0)
-    assert driver.calls().value == b"Meag"
+    assert driver.calls().value == b"MPeag"
 
 
 @pytest.mark.parametrize("argument", range(3))

@@ -2,63 +2,57 @@
  * Allgoewer 2004 for predictive control).
  *
  * The including unit defines MOST_COMMANDS, how many are remembered; FIRST_LAG, where the lags are among the constants;
- * STATES, INPUTS, PARAMETERS, OUTPUTS and CONSTANTS, the sizes of the model with its actuators; what its elements are called
- * (U_TRACTOR_TARGET, for one); and its functions take_estimate, motion and give_estimate, generated from that model.
+ * MOTION_STEPS, in how many steps the vehicle moves; STATES, INPUTS, PARAMETERS, OUTPUTS and CONSTANTS, the sizes of the
+ * model with its actuators; what its elements are called (U_TRACTOR_TARGET, for one); and its functions take_estimate,
+ * motion and give_estimate, generated from that model.
  */
 #ifndef DRAWBAR_DEAD_TIME_H
 #define DRAWBAR_DEAD_TIME_H
 
 #include <math.h>
 #include <string.h>
-#include "geometry.h"
+#include "body_lag.h"
 #include "lanes.h"
 #include "signals.h"
 #include "unit.h"
 
+/* Both steering angles that a command asks for, rad. */
+struct steerings {
+    double tractor, trailer;
+};
+
 struct component {
-    double dead_time, sample_time;         /* s */
-    double body_lag_per_speed;             /* on firm ground, s^2/m; 0: the tractor turns as its wheels stand, on any ground */
-    double body_lag;                       /* by how much the tractor turns later than its wheels stand, s */
+    double dead_time, stated_lag;          /* the latter of both actuators, s */
+    struct body_lag body;                  /* by how much the tractor turns later than its wheels stand */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double constants[CONSTANTS];           /* of the model with its actuators */
     int32_t sent;                          /* commands so far, up to MOST_COMMANDS */
-    struct drawbar_command under_way[MOST_COMMANDS];   /* oldest first; the newest `sent` are valid */
+    struct steerings under_way[MOST_COMMANDS];   /* oldest first; the newest `sent` are valid */
     double x[1][STATES], u[1][INPUTS], p[1][PARAMETERS], duration[1][1], y[1][OUTPUTS];
 };
 
-#define MOST_BODY_LAG 0.3                  /* s */
 #define WHOLE_SAMPLES 1e-9                 /* a dead time that is longer by less is a whole number of samples */
 
 #define COMPONENT_FIELDS                                                                                               \
-    SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                              \
-    SETTING(component, body_lag_per_speed, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                            \
-    SETTING(component, constants, 0, CONSTANTS, 0, 0)
-
-/* By how much the tractor turns later than its wheels stand, s. On ground that creeps its yaw follows the wheels, and its
- * side-slip follows the yaw, each with the time constant speed creep / g (docs/theory/identification.md). */
-static inline double lag_of_body(const struct component *component, const struct drawbar_estimate *now)
-{
-    const double speed = now->longitudinal_slip * now->speed, per_speed = component->body_lag_per_speed;
-
-    return per_speed > 0.0 ? clamped(speed * (per_speed + 2.0 * now->creep / GRAVITY), 0.0, MOST_BODY_LAG) : 0.0;
-}
+    SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, stated_lag, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                                     \
+    BODY_LAG_FIELDS(component, body) SETTING(component, constants, 0, CONSTANTS, 0, 0)
 
 /* From a command until it turns the tractor, s. */
 static inline double ahead_by(const struct component *component)
 {
-    return component->dead_time + component->body_lag;
+    return component->dead_time + component->body.lag;
 }
 
 /* How many commands are under way within that time, all but the oldest for a whole sample. */
 static inline int32_t commands_under_way(const struct component *component)
 {
-    const double samples = ceil(ahead_by(component) / component->sample_time - WHOLE_SAMPLES);
+    const double samples = ceil(ahead_by(component) / component->body.sample_time - WHOLE_SAMPLES);
     return (int32_t)fmin(fmax(samples, 0.0), MOST_COMMANDS - 1.0);
 }
 
 /* States and parameters of the model from an estimate. */
 static void take_estimate(struct component *work, const struct drawbar_estimate *estimate);
-/* States after the duration with the inputs held, and the outputs then. */
+/* States after the duration, in one step, with the inputs held, and the outputs then. */
 static void motion(struct component *work, int first, int count);
 /* What of an estimate moves, from states and outputs of the model. */
 static void give_estimate(const struct component *work, struct drawbar_estimate *estimate);
@@ -68,8 +62,9 @@ static void move(struct component *component, double duration, double tractor, d
 {
     component->u[0][U_TRACTOR_TARGET] = tractor;
     component->u[0][U_TRAILER_TARGET] = trailer;
-    component->duration[0][0] = duration;
-    motion(component, 0, 1);
+    component->duration[0][0] = duration / MOTION_STEPS;
+    for (int i = 0; i < MOTION_STEPS; ++i)
+        motion(component, 0, 1);
 }
 
 /* The estimate for the moment at which the next command begins to turn the tractor. The joint turns the trailer at once: it
@@ -77,7 +72,7 @@ static void move(struct component *component, double duration, double tractor, d
  * command the wheels stay as they are. */
 int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now, struct drawbar_estimate *then)
 {
-    component->body_lag = lag_of_body(component, now);
+    body_lag_reckon(&component->body, now);
     const int32_t count = commands_under_way(component);
     double moved = 0.0;
 
@@ -87,13 +82,13 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
         return 0;
     take_estimate(component, now);
     for (int i = 0; i < count; ++i) {
-        const struct drawbar_command *command = &component->under_way[MOST_COMMANDS - count + i];
+        const struct steerings *command = &component->under_way[MOST_COMMANDS - count + i];
         const int known = i >= count - component->sent;
-        const double tractor = known ? command->tractor_steering : now->tractor_steering;
-        const double trailer = known ? component->sign * command->trailer_steering : now->trailer_steering;
-        const double end = ahead_by(component) - (count - 1 - i) * component->sample_time;
-        if (moved < component->body_lag) {
-            const double waiting = fmin(end, component->body_lag) - moved;
+        const double tractor = known ? command->tractor : now->tractor_steering;
+        const double trailer = known ? component->sign * command->trailer : now->trailer_steering;
+        const double end = ahead_by(component) - (count - 1 - i) * component->body.sample_time;
+        if (moved < component->body.lag) {
+            const double waiting = fmin(end, component->body.lag) - moved;
             move(component, waiting, tractor, now->trailer_steering);
             moved += waiting;
         }
@@ -107,34 +102,49 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
 
 /* The command that acts in the mean of the sample that now begins, where commands act so long after they are sent, s: two
  * act, one after the other, unless that is a whole number of samples. NaN as long as none has arrived. */
-static struct drawbar_command acting_in_the_mean(const struct component *component, double after)
+static struct steerings acting_in_the_mean(const struct component *component, double after)
 {
-    const double samples = fmin(after / component->sample_time, MOST_COMMANDS - 2.0);
+    const double samples = fmin(after / component->body.sample_time, MOST_COMMANDS - 2.0);
     const int32_t whole = (int32_t)(samples + WHOLE_SAMPLES);
     const double share = fmax(samples - whole, 0.0);
-    const struct drawbar_command *later = &component->under_way[MOST_COMMANDS - 1 - whole], *earlier = later - 1;
-    struct drawbar_command mean = *later;
+    const struct steerings *later = &component->under_way[MOST_COMMANDS - 1 - whole], *earlier = later - 1;
+    struct steerings mean = *later;
 
     if (component->sent <= whole) {
-        mean.tractor_steering = mean.trailer_steering = NAN;
+        mean.tractor = mean.trailer = NAN;
     } else if (component->sent > whole + 1) {
-        mean.tractor_steering += share * (earlier->tractor_steering - later->tractor_steering);
-        mean.trailer_steering += share * (earlier->trailer_steering - later->trailer_steering);
+        mean.tractor += share * (earlier->tractor - later->tractor);
+        mean.trailer += share * (earlier->trailer - later->trailer);
     }
     return mean;
 }
 
 /* Remember the newest command, and give the one that acts on the bodies during the sample that now begins: on the tractor by
- * its wheels, later than on the trailer by its joint. */
+ * its wheels, later than on the trailer by its joint. Its time and speed are the newest one's. */
 int UNIT(sent)(struct component *component, const struct drawbar_command *newest, struct drawbar_command *acting)
 {
-    struct drawbar_command *commands = component->under_way;
+    struct steerings *commands = component->under_way;
 
     memmove(&commands[0], &commands[1], (MOST_COMMANDS - 1) * sizeof *commands);
-    commands[MOST_COMMANDS - 1] = *newest;
+    commands[MOST_COMMANDS - 1] = (struct steerings){newest->tractor_steering, newest->trailer_steering};
     component->sent += component->sent < MOST_COMMANDS;
-    *acting = acting_in_the_mean(component, component->dead_time);
-    acting->tractor_steering = acting_in_the_mean(component, ahead_by(component)).tractor_steering;
+    *acting = *newest;
+    acting->tractor_steering = acting_in_the_mean(component, ahead_by(component)).tractor;
+    acting->trailer_steering = acting_in_the_mean(component, component->dead_time).trailer;
+    return 0;
+}
+
+/* Let a measurement have the angle with which the front wheels turn the tractor now, and tell the lag. Commands for wheels
+ * that are slower than stated lead so far that they need what the newest angle shows: the lag counts less by as much. last:
+ * the last estimate. */
+int UNIT(measured)(struct component *component, const struct drawbar_estimate *last,
+                   struct drawbar_measurement *measurement, struct drawbar_actuation *told)
+{
+    const double share = fmin(component->stated_lag / component->constants[FIRST_LAG], 1.0);
+
+    body_lag_take(&component->body, last, share, measurement);
+    told->body_lag = component->body.lag;
+    told->body_lag_deviation = sqrt(component->body.variance);
     return 0;
 }
 

@@ -32,6 +32,7 @@ _UNIT = """
 #define LANES 1
 #define MOST_COMMANDS {room}
 #define FIRST_LAG {lag}
+#define MOTION_STEPS {steps}
 #define STATES {states}
 #define INPUTS {inputs}
 #define PARAMETERS {parameters}
@@ -70,14 +71,16 @@ def found_dead_time_unit(
 ) -> Unit:
     """Return the same for dead times and lags that are found during the run, the vehicle's until then.
 
-    body_lag_per_speed: by how much the tractor turns later than its wheels stand, per speed, on firm ground; on ground
-        that creeps it is more. 0: not at all, on any ground. s^2/m
+    body_lag_per_speed: by how much the tractor turns later than its wheels stand, per speed, on firm ground, before a
+        yaw-rate sensor shows it; on ground that creeps it is more. 0: not at all, on any ground. s^2/m
     """
     driven = actuated(vehicle, model)
     settings = {
         "dead_time": vehicle.dead_time,
-        "body_lag_per_speed": body_lag_per_speed,
-        "sample_time": sample_time,
+        "stated_lag": vehicle.steering_lag,
+        "body.per_speed": body_lag_per_speed,
+        "body.wheelbase": vehicle.wheelbase,
+        "body.sample_time": sample_time,
         "sign": vehicle.joint_sign,
         "constants": [each.value for each in driven.constants],
     }
@@ -130,6 +133,7 @@ def _source(model: Model, lag: int, room: int) -> str:
     return _UNIT.format(
         room=room,
         lag=lag,
+        steps=_STEPS,
         states=len(model.states),
         inputs=len(model.inputs),
         parameters=len(model.parameters),
@@ -143,7 +147,7 @@ def _source(model: Model, lag: int, room: int) -> str:
 
 
 def _motion(model: Model) -> str:
-    """Return the C function that moves x through a duration (s) with u held, and makes the outputs y then."""
+    """Return the C function that moves x in one step through a duration (s), u held, and makes the outputs y then."""
     duration = ca.SX.sym("duration")
     scaled = replace(  # in units of the duration every motion takes 1
         model,
@@ -151,7 +155,7 @@ def _motion(model: Model) -> str:
         parameters=(*model.parameters, *variables(duration="s")),
         p=ca.vertcat(model.p, duration),
     )
-    after = runge_kutta(scaled, 1.0, _STEPS)
+    after = runge_kutta(scaled, 1.0, 1)
     arguments: dict[str, Any] = {"x": model.x, "u": model.u, "p": model.p, "duration": duration}
     results = {"x": after, "y": ca.substitute(model.output, model.x, after)}
     inputs = [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()]

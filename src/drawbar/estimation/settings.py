@@ -273,7 +273,7 @@ class ActuationSettings(Settings):
     body_lag_per_speed: Annotated[NonNegative, Field(le=0.1)] = 0.02
     """with `identify`: by how much the tractor turns later than its wheels stand, per speed, on firm ground, s^2/m;
     tyres and inertia cause it, and no steering sensor shows it. Ground that creeps adds what the estimator knows of it,
-    and the dead time of the front wheels is longer by the sum. 0: by nothing, on any ground"""
+    a yaw-rate sensor what it shows; the front wheels count as later by the sum. 0: by nothing, on any ground"""
     lag_deviation: Positive = 0.7
     """of the logarithm of the lags about `vehicle.steering_lag`, before something shows them"""
     memory: Positive = 60.0

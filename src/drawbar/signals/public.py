@@ -231,7 +231,12 @@ class Actuation:
     trailer: BodyActuation = BodyActuation()
     """actuated joint"""
     dead_time: Seconds = 0.0
-    """for which is planned, beside the lag of the body (`actuation.body_lag_per_speed`)"""
+    """for which is planned, beside the lag of the body"""
+    body_lag: Seconds = 0.0
+    """by which the tractor turns later than its wheels stand: stated (`actuation.body_lag_per_speed`), by the ground's
+    creep, and as the yaw-rate sensor shows; for which is planned"""
+    body_lag_deviation: Seconds = 0.0
+    """standard deviation of what the yaw-rate sensor shows"""
     tractor_lag: Seconds = 0.0
     """for which is planned"""
     trailer_lag: Seconds = 0.0

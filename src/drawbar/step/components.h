@@ -65,6 +65,8 @@ int drawbar_trailer_actuation(struct component *component, const struct drawbar_
 int drawbar_predictor_initialise(struct component *component);
 int drawbar_predictor_ahead(struct component *component, const struct drawbar_estimate *now,
                             struct drawbar_estimate *then);
+int drawbar_predictor_measured(struct component *component, const struct drawbar_estimate *last,
+                               struct drawbar_measurement *measurement, struct drawbar_actuation *told);
 int drawbar_predictor_sent(struct component *component, const struct drawbar_command *newest,
                            struct drawbar_command *acting);
 #endif

@@ -258,6 +258,9 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     if (leans)
         return end_run(a, leans, command);
     drawbar_alignment_tell(COMPONENT(a->alignment), &a->known);
+#ifdef DRAWBAR_DEAD_TIME
+    drawbar_predictor_measured(COMPONENT(a->predictor), &made->estimate, &aligned, &a->known);
+#endif
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
           drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, &lent));
     d->estimator = made->estimate.status;

@@ -255,8 +255,11 @@ struct drawbar_body_actuation {
 struct drawbar_actuation {
     struct drawbar_body_actuation tractor; /* front wheels */
     struct drawbar_body_actuation trailer; /* actuated joint */
-    double dead_time;                   /* for which is planned, beside the lag of the body
-                                         * (`actuation.body_lag_per_speed`), s */
+    double dead_time;                   /* for which is planned, beside the lag of the body, s */
+    double body_lag;                    /* by which the tractor turns later than its wheels stand: stated
+                                         * (`actuation.body_lag_per_speed`), by the ground's creep, and as the
+                                         * yaw-rate sensor shows; for which is planned, s */
+    double body_lag_deviation;          /* standard deviation of what the yaw-rate sensor shows, s */
     double tractor_lag;                 /* for which is planned, s */
     double trailer_lag;                 /* for which is planned, s */
     double tractor_rate;                /* for which is planned, rad/s */
