@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from drawbar.config import load_configuration
 from drawbar.geometry import GRAVITY
-from drawbar.signals import Actuation, Estimate, Measurement, Pose, SolverStatus
+from drawbar.signals import Actuation, Command, Estimate, Measurement, Pose, SolverStatus
 from drawbar.simulation import simulate
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.parameters import VehicleParameters
@@ -111,6 +111,7 @@ def steadily(
         predictor.ahead(estimate)
         measurement = replace(NOTHING, time=SAMPLE * k, tractor_steering=angle, tractor_yaw_rate=rate)
         turned, said = predictor.measured(estimate, measurement)
+        predictor.sent(Command(time=SAMPLE * k, tractor_steering=0.0, trailer_steering=0.0, speed=speed))
         turning.append(turned)
         told.append(said)
     return turning, told
@@ -142,6 +143,26 @@ def test_an_angle_that_is_missing_stays_missing(per_speed) -> None:
     turning, _ = steadily([0.1, math.nan, 0.1], 3 * [math.nan], 2.0, per_speed)
     assert math.isnan(turning[1])
     assert (turning[0], turning[2]) == (0.1, 0.1)
+
+
+@pytest.mark.parametrize("false", [math.nan, 1.0, -1.0])
+def test_one_false_angle_is_none(false) -> None:
+    """Neither as it comes nor as one before the lag; two in a row are believed."""
+    angles = 0.05 * TIMES[:20]
+    sound, _ = steadily(angles, 20 * [math.nan], 3.5)
+    angles[9] = false
+    turning, _ = steadily(angles, 20 * [math.nan], 3.5)
+    assert math.isnan(turning.pop(9))
+    sound.pop(9)
+    np.testing.assert_allclose(turning, sound, atol=1e-12)
+
+
+def test_of_two_false_angles_in_a_row_the_second_is_believed() -> None:
+    angles = 0.05 * TIMES[:20]
+    angles[9:11] = 1.0
+    turning, _ = steadily(angles, 20 * [math.nan], 3.5)
+    assert math.isnan(turning[9])
+    assert turning[10] > 0.5
 
 
 def test_on_no_ground_means_on_none() -> None:

@@ -82,7 +82,10 @@ class DeadTimePredictor(Alone):
         self, vehicle: VehicleParameters, model: Model, sample_time: float, body_lag_per_speed: float = 0.0
     ) -> None:
         """Compile the prediction of a vehicle with a dead time, whose tractor turns later per speed, s^2/m."""
-        super().__init__(found_dead_time_unit(vehicle, model, sample_time, body_lag_per_speed=body_lag_per_speed))
+        unit = found_dead_time_unit(
+            vehicle, model, sample_time, body_lag_per_speed=body_lag_per_speed, steering_leap=0.2
+        )
+        super().__init__(unit)
 
     def ahead(self, estimate: Estimate) -> Estimate:
         """Return the estimate for the moment at which the next command begins to act."""

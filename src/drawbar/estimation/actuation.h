@@ -16,6 +16,7 @@
 
 #define OFFSET_SETTLING 15.0               /* s; and not while an angle repeats itself: it may be stuck */
 #define STUCK_SHARE 0.5                    /* of the error that nothing explains, by which a steering moves beside a stuck sensor */
+#define STUCK_FAR 2.0                      /* times as far, and further, a sample counts as so many */
 
 enum { FRONT_WHEELS, TRAILER_JOINT, STEERED };
 
@@ -31,7 +32,7 @@ struct component {
     double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
     double odd_for[STEERED];               /* for how long it has, s */
     struct still still[STEERED];           /* the measured angle, and the likeliest member's, rad */
-    double stuck_for[STEERED];             /* for how long that has moved too far, s */
+    double stuck_for[STEERED];             /* for how long that has moved too far, longer the further, s */
     double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
     int32_t judged, unjudged;              /* how often a bank was judged; there are angles that none is judged by yet */
 };
@@ -78,9 +79,11 @@ static int is_stuck(struct component *actuation, int i, double measured, double 
 
     const struct lag_bank *bank = &actuation->banks[i];
     still_take(still, measured, bank->angle[bank_likeliest(bank, &actuation->grid)], speed);
-    const int missed = still_missed(still, STUCK_SHARE * actuation->odd);
-    actuation->stuck_for[i] = missed ? actuation->stuck_for[i] + actuation->sample_time : 0.0;
-    return missed && (actuation->stuck_for[i] > actuation->patience || still_unusual(still));
+    const double least = STUCK_SHARE * actuation->odd, missed = still_missed(still, least) / least;
+    actuation->stuck_for[i] += fmin(missed, STUCK_FAR) * actuation->sample_time;
+    if (missed <= 1.0)
+        actuation->stuck_for[i] = 0.0;
+    return missed > 1.0 && (actuation->stuck_for[i] > actuation->patience || still_unusual(still) >= 1.0);
 }
 
 /* Do what can be done before the next measurement. A bank is judged here, one after the other: what the last angles say

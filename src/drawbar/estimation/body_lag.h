@@ -11,6 +11,7 @@
 #include <stdint.h>
 #include <string.h>
 #include "geometry.h"
+#include "leap.h"
 #include "signals.h"
 
 #define MOST_BODY_LAG 0.3                  /* s */
@@ -25,15 +26,16 @@ struct body_lag {
     double wheelbase, sample_time;         /* m, s */
     double lag;                            /* that is reckoned with, s */
     double beyond, variance;               /* what was found beyond what is stated, s, s^2 */
-    double angles[ANGLES];                 /* of the front wheels, newest first, rad */
+    double most_leap;                      /* of the angle from one sample to the next, unless the next is so, too, rad */
+    struct leap leap;                      /* has begun with the first angle */
+    double angles[ANGLES];                 /* of the front wheels, newest first, NaN: missing as yet, rad */
     double means[2];                       /* of the error and of what it is per lag, rad/s, rad/s^2 */
-    int32_t begun;
 };
 
 #define BODY_LAG_FIELDS(type, place)                                                                               \
     SETTING(type, place.per_speed, 0, 1, 0, 0) SETTING(type, place.wheelbase, 0, 1, 0, 0)                          \
-    SETTING(type, place.sample_time, 0, 1, 0, 0) FIELD(type, place.beyond, 0, 1, 0, 0)                             \
-    FIELD(type, place.variance, 0, 1, 0, 0)
+    SETTING(type, place.sample_time, 0, 1, 0, 0) SETTING(type, place.most_leap, 0, 1, 0, 0)                        \
+    FIELD(type, place.beyond, 0, 1, 0, 0) FIELD(type, place.variance, 0, 1, 0, 0)
 
 /* Speed over ground, m/s. */
 static inline double ground_speed(const struct drawbar_estimate *estimate)
@@ -65,7 +67,25 @@ static inline void body_lag_begin(struct body_lag *body, double angle)
         body->angles[i] = angle;
     body->beyond = body->means[0] = body->means[1] = 0.0;
     body->variance = LAG_DEVIATION * LAG_DEVIATION;
-    body->begun = 1;
+}
+
+/* Let a sample pass. */
+static inline void body_lag_pass(struct body_lag *body)
+{
+    memmove(body->angles + 1, body->angles, (ANGLES - 1) * sizeof *body->angles);
+    body->angles[0] = NAN;
+}
+
+/* Let the newest angle (rad) tell those that are missing just before it: till then the wheels turned evenly. */
+static inline void body_lag_enter(struct body_lag *body, double angle)
+{
+    int last = 1;
+
+    while (last < ANGLES && isnan(body->angles[last]))
+        ++last;
+    const double turned = last < ANGLES ? (body->angles[last] - angle) / last : 0.0;
+    for (int i = 0; i < last; ++i)
+        body->angles[i] = angle + i * turned;
 }
 
 /* The angle at which the wheels stood before a lag, and how fast they turned then; rad, rad/s. */
@@ -107,12 +127,15 @@ static inline void body_lag_take(struct body_lag *body, const struct drawbar_est
 {
     double rate;
 
-    if (!isfinite(m->tractor_steering) || !(body->per_speed > 0.0))
+    if (!(body->per_speed > 0.0))
         return;
-    if (!body->begun)
+    if (!body->leap.begun && isfinite(m->tractor_steering))
         body_lag_begin(body, m->tractor_steering);
-    memmove(body->angles + 1, body->angles, (ANGLES - 1) * sizeof *body->angles);
-    body->angles[0] = m->tractor_steering;
+    m->tractor_steering = leap_masked(&body->leap, body->most_leap, m->tractor_steering);
+    if (!body->leap.begun)
+        return;
+    if (isfinite(m->tractor_steering))
+        body_lag_enter(body, m->tractor_steering);
     body_lag_learn(body, last, m->tractor_yaw_rate);
     m->tractor_steering = body_lag_stood(body, share * body->lag, &rate);
 }

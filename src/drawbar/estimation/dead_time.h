@@ -34,8 +34,9 @@ struct component {
 #define WHOLE_SAMPLES 1e-9                 /* a dead time that is longer by less is a whole number of samples */
 
 #define COMPONENT_FIELDS                                                                                               \
-    SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, stated_lag, 0, 1, 0, 0) SETTING(component, sign, 0, 1, 0, 0)                                     \
-    BODY_LAG_FIELDS(component, body) SETTING(component, constants, 0, CONSTANTS, 0, 0)
+    SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, stated_lag, 0, 1, 0, 0)                               \
+    BODY_LAG_FIELDS(component, body) SETTING(component, sign, 0, 1, 0, 0)                                              \
+    SETTING(component, constants, 0, CONSTANTS, 0, 0)
 
 /* From a command until it turns the tractor, s. */
 static inline double ahead_by(const struct component *component)
@@ -128,6 +129,7 @@ int UNIT(sent)(struct component *component, const struct drawbar_command *newest
     memmove(&commands[0], &commands[1], (MOST_COMMANDS - 1) * sizeof *commands);
     commands[MOST_COMMANDS - 1] = (struct steerings){newest->tractor_steering, newest->trailer_steering};
     component->sent += component->sent < MOST_COMMANDS;
+    body_lag_pass(&component->body);
     *acting = *newest;
     acting->tractor_steering = acting_in_the_mean(component, ahead_by(component)).tractor;
     acting->trailer_steering = acting_in_the_mean(component, component->dead_time).trailer;

@@ -63,16 +63,23 @@ def dead_time_unit(vehicle: VehicleParameters, model: Model, sample_time: float)
     """
     if not _samples(vehicle, sample_time):
         return None
-    return found_dead_time_unit(vehicle, model, sample_time, body_lag_per_speed=0.0)
+    return found_dead_time_unit(vehicle, model, sample_time)
 
 
 def found_dead_time_unit(
-    vehicle: VehicleParameters, model: Model, sample_time: float, *, body_lag_per_speed: float
+    vehicle: VehicleParameters,
+    model: Model,
+    sample_time: float,
+    *,
+    body_lag_per_speed: float = 0.0,
+    steering_leap: float = math.inf,
 ) -> Unit:
     """Return the same for dead times and lags that are found during the run, the vehicle's until then.
 
     body_lag_per_speed: by how much the tractor turns later than its wheels stand, per speed, on firm ground, before a
         yaw-rate sensor shows it; on ground that creeps it is more. 0: not at all, on any ground. s^2/m
+    steering_leap: by how much the front wheels' angle may change from one sample to the next before a second one must
+        confirm it, rad.
     """
     driven = actuated(vehicle, model)
     settings = {
@@ -81,6 +88,7 @@ def found_dead_time_unit(
         "body.per_speed": body_lag_per_speed,
         "body.wheelbase": vehicle.wheelbase,
         "body.sample_time": sample_time,
+        "body.most_leap": steering_leap,
         "sign": vehicle.joint_sign,
         "constants": [each.value for each in driven.constants],
     }

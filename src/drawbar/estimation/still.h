@@ -42,20 +42,18 @@ static inline void still_take(struct still *still, double reported, double expec
     still->most = fmax(still->most, expected);
 }
 
-/* Whether what is expected has moved meanwhile by more than `least` and the sensor's resolution, which counts as `least` at
- * most. */
-static inline int still_missed(const struct still *still, double least)
+/* How far what is expected has moved meanwhile beyond the sensor's resolution, which counts as `most` at most. */
+static inline double still_missed(const struct still *still, double most)
 {
-    const double resolution = still->finest > 0.0 ? fmin(still->finest, least) : least;
-
-    return still->most - still->least > least + resolution;
+    return still->most - still->least - (still->finest > 0.0 ? fmin(still->finest, most) : most);
 }
 
-/* Whether a fine sensor has repeated itself as it never does. */
-static inline int still_unusual(const struct still *still)
+/* By how much a fine sensor has repeated itself more often than it ever does: from 1 on it is stuck; 0: it is not fine. */
+static inline double still_unusual(const struct still *still)
 {
-    return still->known == STILL_KNOWN && still->longest <= STILL_FINE
-        && still->repeated >= 2 * still->longest + STILL_MORE;
+    const int fine = still->known == STILL_KNOWN && still->longest <= STILL_FINE;
+
+    return fine ? (double)still->repeated / (2 * still->longest + STILL_MORE) : 0.0;
 }
 
 #endif

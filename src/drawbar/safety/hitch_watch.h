@@ -22,7 +22,8 @@
 #define HITCH_SURGE 2.0                    /* times the usual one that counts at most: a fault is not to become usual */
 #define HITCH_MOVES 0.1                    /* speed below which nothing is learned, m/s */
 #define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not, */
-#define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)    /* and an angle, where the sensor hardly ever repeats itself, rad */
+#define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)    /* and an angle, where the sensor hardly ever repeats itself, rad, */
+#define HITCH_SURE 1.5                     /* and so many times less, the more often it does */
 
 struct hitch_watch {
     /* settings: safety/sanity.py tells what they mean */
@@ -77,7 +78,8 @@ static inline double hitch_stuck(struct hitch_watch *watch, double reported, dou
     const double away = fabs(wrapped(estimated - reported)), least = HITCH_TURNED * watch->most;
 
     still_take(&watch->still, reported, estimated, speed);
-    if (still_unusual(still) && still_missed(still, HITCH_SHIFTED))
+    const double unusual = still_unusual(still);
+    if (unusual >= 1.0 && still_missed(still, HITCH_SHIFTED) > HITCH_SHIFTED / fmin(unusual, HITCH_SURE))
         return INFINITY;
     return still->most - still->least > least && away > 0.5 * least ? watch->stuck + elapsed : 0.0;
 }

@@ -169,12 +169,18 @@ def _actuation(configuration: Configuration) -> Unit:
 
 
 def _predictor(configuration: Configuration) -> Unit | None:
-    tricycles = isinstance(configuration.estimator, TricycleEstimatorSettings)
-    model = tricycle if tricycles else articulated
+    estimator = configuration.estimator
+    model = tricycle if isinstance(estimator, TricycleEstimatorSettings) else articulated
     vehicle, settings, sample_time = configuration.vehicle, configuration.actuation, configuration.sample_time
     if not settings.identify:
         return dead_time_unit(vehicle, model(vehicle), sample_time)
-    return found_dead_time_unit(vehicle, model(vehicle), sample_time, body_lag_per_speed=settings.body_lag_per_speed)
+    return found_dead_time_unit(
+        vehicle,
+        model(vehicle),
+        sample_time,
+        body_lag_per_speed=settings.body_lag_per_speed,
+        steering_leap=math.inf if isinstance(estimator, IdealEstimatorSettings) else estimator.screening.steering,
+    )
 
 
 def _guidance(configuration: Configuration) -> Unit:
