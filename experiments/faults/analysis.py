@@ -9,6 +9,7 @@ import numpy as np
 from drawbar.config import load_configuration
 from drawbar.errors import DrawbarError
 from drawbar.experiment.elements import Element, Table, Text
+from drawbar.experiment.experiment import Expectation
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
 from drawbar.messages import SupervisorState
@@ -180,8 +181,13 @@ def _responses(measured: MeasuredExperiment, cases: Sequence[str]) -> list[str]:
     expected = measured.experiment.expected[cases[0]]["response"]
     found = Counter(int(value) for case in cases for value in measured.values(case, "response") if math.isfinite(value))
     observed = ", ".join(f"{RESPONSES[number]} {count}" for number, count in found.most_common())
-    either = [expected.value] if expected.value is not None else [expected.at_least, expected.at_most]
-    return [" or ".join(RESPONSES[round(each)] for each in either if each is not None), observed]
+    return [allowed(expected), observed]
+
+
+def allowed(expected: Expectation) -> str:
+    """Return all responses of a single run that are as expected."""
+    *others, last = [text for number, text in RESPONSES.items() if expected.holds(number)]
+    return " or ".join([*([", ".join(others)] if others else []), last])
 
 
 def _extra(measured: MeasuredExperiment, cases: Sequence[str], figure: str) -> float:

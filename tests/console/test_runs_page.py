@@ -248,6 +248,25 @@ def test_a_recorder_that_falls_silent_while_steering_is_an_event_once(tmp_path):
     assert told == [(0.0, words("ACTIVE")), (2.0, words.cause(Cause.NOT_RECORDING)[0])]
 
 
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_sensor_that_is_told_of_while_steering_is_an_event_with_advice(tmp_path, language):
+    words, silent = Words(language), Cause.RECEIVER_SILENT
+    gate = {"state": SupervisorState.ACTIVE, "cause": 0, "steers": 1, "refusals": []}
+    told = {"status": 0, "notices": [silent.value, 0]}
+    with (tmp_path / "log.mcap").open("wb") as stream:
+        writer = ChunkedWriter(stream, "")
+        for time, (name, message) in enumerate([("gate", gate), ("controller", told)]):
+            channel = writer.add_channel(f"/{name}", "json", 0)
+            data = msgspec.json.encode(message)
+            writer.add_message(channel, data, log_time=time * SECOND, publish_time=time * SECOND, sequence=0)
+        writer.finish()
+    sentence, advice = words.cause(silent)
+    assert [each.text for each in run_events(tmp_path / "log.mcap", words, is_on=True)] == [
+        words("ACTIVE"),
+        f"{sentence}. {advice}",
+    ]
+
+
 def test_a_simulated_run_has_no_events_and_a_broken_log_is_refused(runs):
     assert run_events(runs / "first" / "log.mcap", Words("en")) == []
     with pytest.raises(DrawbarError, match="cannot be read"):

@@ -13,6 +13,7 @@ from ordinary import believed, measured
 
 from drawbar.codegen import Unit
 from drawbar.config import load_configuration
+from drawbar.estimation.alignment import YAW_GATE
 from drawbar.geometry import arm_offset, wrap
 from drawbar.report.path_errors import true_path_errors
 from drawbar.signals import Estimate, Pose, Status
@@ -23,7 +24,8 @@ UNIT = """
 #include "yaw_sensor.h"
 #include "unit.h"
 struct component { struct yaw_sensor sensor; double believed; };
-#define COMPONENT_FIELDS FIELD(component, believed, 0, 1, 0, 0) FIELD(component, sensor.error, 0, 1, 0, 0)
+#define COMPONENT_FIELDS FIELD(component, believed, 0, 1, 0, 0) FIELD(component, sensor.error, 0, 1, 0, 0) \\
+    SETTING(component, sensor.gate, 0, 1, 0, 0)
 int UNIT(believed)(struct component *component, double told, double expected, double shown)
 {
     component->believed = yaw_believed(&component->sensor, told, expected, shown);
@@ -39,7 +41,8 @@ class Sensor(Alone):
     """The sensor's judge by itself."""
 
     def __init__(self) -> None:
-        super().__init__(Unit(name="yaw", source=UNIT, configure=lambda workspace: None))
+        settings = {"sensor.gate": YAW_GATE}
+        super().__init__(Unit(name="yaw", source=UNIT, configure=lambda workspace: workspace.write(settings)))
 
     def believed(self, told: float, expected: float, shown: float = math.nan) -> float:
         self.call("believed", Real(told), Real(expected), Real(shown))

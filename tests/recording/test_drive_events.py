@@ -15,7 +15,7 @@ from drawbar.driving.operator.requests import Operator, gate_sender
 from drawbar.errors import DrawbarError, StorageError
 from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage, SupervisorState
-from drawbar.recording.drive_events import Became, Loss, drive_events
+from drawbar.recording.drive_events import Became, Loss, Noticed, drive_events
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.header import run_header
 from drawbar.recording.log import read_log
@@ -64,6 +64,23 @@ def test_an_end_of_the_controllers_run_is_told_with_its_status_and_another_cause
         ("2.0 s", [f"STOPPING: {Cause.CONTROLLER_STOPS.sentence}: {Status.HITCH.text}", Cause.CONTROLLER_STOPS.advice]),
         ("3.0 s", [f"FAULT: {Cause.STEERING_LOST.sentence}", Cause.STEERING_LOST.advice]),
     ]
+
+
+def noticing(*causes):
+    codes = [cause.value for cause in causes]
+    return replace(controller_of(Status.OK), notices=(*codes, *[0] * (8 - len(codes))))
+
+
+def test_a_notice_is_told_once_each_time_the_vehicle_is_steered_and_not_before(log_of):
+    silent, drift = Cause.RECEIVER_SILENT, Cause.POSITIONS_DRIFT
+    standby = gate_of(SupervisorState.STANDBY)
+    log = log_of(
+        *(standby, noticing(drift), STEERED, noticing(silent), noticing(silent, drift), noticing(silent)),
+        *(standby, noticing(silent), STEERED, noticing(silent)),
+    )
+    told = [each for each in drive_events(log, is_on=True) if isinstance(each, Noticed)]
+    first, second = ([each.sentence, each.advice] for each in (silent, drift))
+    assert event_rows(told) == [("0.0 s", first), ("1.0 s", second), ("6.0 s", first)]
 
 
 def test_what_was_asked_for_is_told_once_with_its_value(log_of):

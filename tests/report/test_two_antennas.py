@@ -2,19 +2,16 @@
 
 import io
 import math
-import re
-from pathlib import Path
 
 import pytest
 from rich.console import Console
 
-import drawbar.estimation
 from drawbar.config import load_configuration
 from drawbar.recording.log import LOG_NAME
 from drawbar.recording.recorder import Recorder
 from drawbar.report.console import summary
 from drawbar.report.folder import write_report
-from drawbar.report.two_antennas import BELIEVED, yaw_text
+from drawbar.report.two_antennas import yaw_text
 from drawbar.simulation import Simulation
 
 
@@ -27,11 +24,6 @@ def reported(folder, *changes):
     metrics, console = write_report(folder), Console(file=io.StringIO(), width=1000)
     console.print(summary(metrics))
     return metrics, console.file.getvalue(), (folder / "report.html").read_text("utf-8")
-
-
-def test_a_yaw_beyond_this_is_what_the_estimator_leaves_out():
-    header = Path(drawbar.estimation.__path__[0], "yaw_sensor.h").read_text("utf-8")
-    assert re.search(r"#define YAW_GATE (\S+)", header)[1] == str(BELIEVED)
 
 
 @pytest.mark.parametrize(("bias", "told"), [(0.05, ""), (0.3, "antennas is +17."), (-1.6, "antennas is -91.")])

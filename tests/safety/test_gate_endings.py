@@ -134,7 +134,7 @@ WORRIES = {
     "fix": ({"tractor_quality": 4}, Cause.FIX_LOST),
     "trailer's fix": ({"trailer_quality": 4}, Cause.FIX_LOST),
     "corrections": ({"correction_age": 20.1}, Cause.CORRECTIONS_LOST),
-    "position": ({"lateral_deviation": 0.11}, Cause.POSITION_UNSURE),
+    "position": ({"lateral_deviation": 0.075}, Cause.POSITION_UNSURE),
     "heading": ({"heading_deviation": 0.06}, Cause.HEADING_UNSURE),
     "solver": ({"solved": 0}, Cause.UNSOLVED),
     "speeds disagree": ({"wheel_speed": 2.0, "receiver_speed": 1.4}, Cause.SPEED_UNKNOWN),

@@ -1,4 +1,4 @@
-"""Events of a drive in plain words: what the supervisor did and why, what operators asked for and were refused."""
+"""Events of a drive in plain words: what the supervisor did and why, operators' requests and refusals, notices."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from drawbar.console.words import Words
 from drawbar.messages import Action
-from drawbar.recording.drive_events import Asked, Became, DriveEvent, Loss, Refused, drive_events
+from drawbar.recording.drive_events import Asked, Became, DriveEvent, Loss, Noticed, Refused, drive_events
 from drawbar.safety.causes import Cause
 
 _ASKED = {
@@ -58,6 +58,8 @@ def _told(event: DriveEvent, words: Words) -> str:
     if isinstance(event, Refused):
         sentence, advice = words.cause(event.cause)
         return words("refused", cause=sentence, advice=advice)
+    if isinstance(event, Noticed):
+        return ". ".join(words.cause(event.cause))
     return words("record_ends") if event.loss is Loss.ENDS else words.cause(Cause.NOT_RECORDING)[0]
 
 

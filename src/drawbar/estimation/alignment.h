@@ -52,7 +52,8 @@ struct component {
     MAST_FIELDS(component, masts[ALIGNED_TRACTOR]) MAST_FIELDS(component, masts[ALIGNED_TRAILER])                      \
     FIX_DEVIATIONS_FIELDS(component, deviations) CHAIN_FIELDS(component, chain)                                        \
     SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
-    SETTING(component, ground.spacing, 0, 1, 0, 0) FIELD(component, leans.doubts, 1, LEANING, 0, 0)            \
+    SETTING(component, ground.spacing, 0, 1, 0, 0) SETTING(component, yaw.gate, 0, 1, 0, 0)                            \
+    FIELD(component, leans.doubts, 1, LEANING, 0, 0)                                                                   \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.doubted, 0, 1, 0, 0)                             \
     FIELD(component, leans.bank.states, 0, SIGNS, LEANS, 0) FIELD(component, leans.bank.covariance, 0, LEANS, LEANS, 0)
 

@@ -7,6 +7,8 @@ from drawbar.vehicle.chain import chain_settings
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
+YAW_GATE = 0.1
+"""Furthest that a yaw by two antennas may be from the expected one to be believed, rad"""
 _RECORDED_LENGTHS = 1.5
 """How many lengths of the vehicle the record of the ground holds at least"""
 _PLACES = 64
@@ -31,6 +33,7 @@ def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
         **chain_settings(vehicle),
         "to_axle": vehicle.trailer_antenna,
         "fix_age": fixes.age,
+        "yaw.gate": YAW_GATE,
         "ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,
     }
     return Unit(

@@ -12,12 +12,12 @@
 #include <stdint.h>
 #include "geometry.h"
 
-#define YAW_GATE 0.1                       /* furthest that a yaw may be from the expected one, rad */
 #define YAW_SHOWN 0.15                     /* furthest that fixes and angles may show it off from what is known of that, rad */
 #define YAW_UNPROVED 3                     /* samples that a mounting without error counts for */
 #define YAW_MEMORY 500                     /* samples that the error is averaged over at most */
 
 struct yaw_sensor {
+    double gate;                           /* furthest that a yaw may be from the expected one, rad */
     double error;                          /* of the mounting, clockwise, rad */
     int32_t samples;
 };
@@ -29,7 +29,7 @@ static inline double yaw_believed(struct yaw_sensor *sensor, double told, double
 {
     const double off = wrapped(told + sensor->error - expected), error = wrapped(shown - told) - sensor->error;
 
-    if (!(fabs(off) <= YAW_GATE))
+    if (!(fabs(off) <= sensor->gate))
         return NAN;
     if (fabs(error) <= YAW_SHOWN) {
         sensor->samples += sensor->samples < YAW_MEMORY;

@@ -1,4 +1,4 @@
-"""Events of a drive in its log: states of the supervisor, what operators asked for and were refused, a lost record."""
+"""Events of a drive in its log: states of the supervisor, operators' requests and refusals, notices, a lost record."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -49,6 +49,15 @@ class Refused:
     cause: Cause
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Noticed:
+    """The controller has told something of a sensor, for the first time since the vehicle is steered."""
+
+    time: float
+    """s since the epoch"""
+    cause: Cause
+
+
 class Loss(Enum):
     """What became of the record while the vehicle was steered."""
 
@@ -65,7 +74,7 @@ class Lost:
     loss: Loss
 
 
-DriveEvent = Became | Asked | Refused | Lost
+DriveEvent = Became | Asked | Refused | Noticed | Lost
 
 
 class _Gate(msgspec.Struct):
@@ -98,6 +107,7 @@ class _Wish(msgspec.Struct):
 
 class _Controller(msgspec.Struct):
     status: int
+    notices: list[int] = []
 
 
 _Message = _Gate | _Wish | _Controller | None
@@ -144,9 +154,14 @@ def _told(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Message]]
 def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[DriveEvent]:
     """Yield what happened, given messages in the order of their times."""
     last, heard, status = None, set(), Status.OK
+    noticed: set[int] = set()
     for time, message in told:
         if isinstance(message, _Controller):
             status = Status(message.status)
+            if last is not None and last.steers:
+                new = [code for code in message.notices if code in BY_CODE and code not in noticed]
+                noticed.update(new)
+                yield from (Noticed(time=time, cause=BY_CODE[code]) for code in new)
         elif isinstance(message, _Gate):
             if last is None or message.state != last.state:
                 yield _became(time, message, status)
@@ -154,6 +169,8 @@ def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[
                 yield Lost(time=time, loss=Loss.UNRECORDED)
             if message.answered in heard and not (last is not None and last.answered == message.answered):
                 yield from (Refused(time=time, cause=cause) for cause in message.objections)
+            if not message.steers:
+                noticed.clear()
             last = message
         elif isinstance(message, _Wish):
             action = Action(message.action)

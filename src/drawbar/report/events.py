@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from drawbar.messages import Action
-from drawbar.recording.drive_events import Asked, Became, DriveEvent, Refused
+from drawbar.recording.drive_events import Asked, Became, DriveEvent, Noticed, Refused
 from drawbar.report.tables import Row
 
 _ASKED = {
@@ -38,6 +38,9 @@ def _told(event: DriveEvent) -> Iterator[str]:
         yield ""
     elif isinstance(event, Refused):
         yield f"refused: {event.cause.sentence}"
+        yield event.cause.advice
+    elif isinstance(event, Noticed):
+        yield event.cause.sentence
         yield event.cause.advice
     else:
         yield event.loss.value

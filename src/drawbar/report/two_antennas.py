@@ -4,11 +4,9 @@ import math
 
 import numpy as np
 
+from drawbar.estimation.alignment import YAW_GATE
 from drawbar.geometry import wrap
 from drawbar.recording.log import Columns
-
-BELIEVED = 0.1
-"""Furthest that a yaw may be from the expected one, rad, as YAW_GATE of estimation/yaw_sensor.h"""
 
 
 def yaw_difference(log: Columns) -> float:
@@ -24,10 +22,10 @@ def yaw_difference(log: Columns) -> float:
 
 def yaw_text(difference: float) -> str:
     """Return what there is to say of a difference, rad; empty where it is small enough to be corrected for."""
-    if not abs(difference) > BELIEVED:
+    if not abs(difference) > YAW_GATE:
         return ""
     return (
         f"the yaw of the tractor's two antennas is {math.degrees(difference):+.1f}° from the "
-        f"estimated one, median; beyond {math.degrees(BELIEVED):.1f}° it is not believed: if the machine is real, add "
+        f"estimated one, median; beyond {math.degrees(YAW_GATE):.1f}° it is not believed: if the machine is real, add "
         f"{difference:+.4f} to devices.tractor_receiver.antennas.line"
     )

@@ -29,7 +29,7 @@ class EngageSettings(Settings):
     """for how long both receivers must have had an RTK fix, lost epochs of less than 0.5 s not counted, s"""
     correction_age: Positive = 5.0
     """largest, s"""
-    lateral_deviation: Positive = 0.10
+    lateral_deviation: Positive = 0.07
     """largest standard deviation across the line, m"""
     heading_deviation: PositiveAngle = math.radians(3.0)
     """largest standard deviation of the heading, rad"""
@@ -86,7 +86,7 @@ class DriveSettings(Settings):
     """for how long it must be below it, s"""
     correction_age: Positive = 20.0
     """oldest corrections with which to go on undegraded, s"""
-    lateral_deviation: Positive = 0.12
+    lateral_deviation: Positive = 0.08
     """standard deviation across the line at which to stop, m"""
     lateral_error: Positive = 1.5
     """distance of either body from the line at which to stop, m"""

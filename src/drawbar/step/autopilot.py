@@ -25,6 +25,8 @@ class Autopilot:
         self._reader = RecordReader(library, horizon)
         self._given, self._taken = self._reader.measurement, self._reader.command
         self._feedback = library.function("feedback", self._given, self._taken)
+        self._sent = type(self._taken)()
+        self._feedback_again = library.function("feedback_again", self._given, self._sent, self._taken)
         self.prepare = library.function("prepare")
         """does what can be done before the next measurement; returns a Status"""
         self._measurement: Measurement | None = None
@@ -130,7 +132,24 @@ class Autopilot:
             SignalError: the measurement holds what is no number.
         """
         _MEASUREMENT.pack(self._given, measurement)
-        status = self._feedback()
+        return self._answered(measurement, self._feedback())
+
+    def feedback_again(self, measurement: Measurement, sent: Command) -> tuple[Status, Command]:
+        """Take in the measurement of a sample again, after recall(); the command that was sent then has acted since.
+
+        Args:
+            measurement: of the sample, as it was or otherwise.
+            sent: command that feedback() returned then.
+
+        Raises:
+            SignalError: the measurement or the command holds what is no number.
+        """
+        _MEASUREMENT.pack(self._given, measurement)
+        _COMMAND.pack(self._sent, sent)
+        return self._answered(measurement, self._feedback_again())
+
+    def _answered(self, measurement: Measurement, status: int) -> tuple[Status, Command]:
+        """Return what a feedback has answered to a measurement."""
         if self._external is not None and (error := self._external.error) is not None:
             self._external.error = None
             raise error

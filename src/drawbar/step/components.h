@@ -202,6 +202,7 @@ struct autopilot {
     MEMORY(work, DRAWBAR_WORK_SIZE);
 #ifdef DRAWBAR_HOSTED
     double times[3][2];                    /* of estimator, tractor, trailer: preparation, feedback, s */
+    const struct drawbar_command *sent;    /* at this sample, which is computed again; NULL: it is a new one */
 #endif
 };
 

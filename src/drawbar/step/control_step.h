@@ -200,14 +200,25 @@ static void hold_to_plans(struct autopilot *a, const struct drawbar_estimate *ah
     diagnose(&d->trailer, made, TRAILER_BODY, made->estimate.trailer_fix);
 }
 
+/* The command of plans and laws; at a sample that is computed again, the one that acted. */
+static struct drawbar_command wanted_command(const struct autopilot *a)
+{
+    const struct drawbar_body_steering *steerings = a->made.steerings;
+
+#ifdef DRAWBAR_HOSTED
+    if (a->sent != NULL)
+        return *a->sent;
+#endif
+    return (struct drawbar_command){
+        a->time, steerings[TRACTOR_BODY].command, steerings[TRAILER_BODY].command, a->speed};
+}
+
 /* Steer by plans and laws; the gate has the last word. */
 static int steer(struct autopilot *a, struct drawbar_command *command)
 {
-    const struct drawbar_body_steering *steerings = a->made.steerings;
     struct drawbar_diagnostics *d = &a->diagnostics;
+    const struct drawbar_command wanted = wanted_command(a);
 
-    const struct drawbar_command wanted
-        = {a->time, steerings[TRACTOR_BODY].command, steerings[TRAILER_BODY].command, a->speed};
     d->gate = drawbar_gate_check(COMPONENT(a->gate), &wanted, command);
     send(a, command);
     a->due = 1;

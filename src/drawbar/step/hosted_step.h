@@ -132,6 +132,18 @@ DRAWBAR_API int drawbar_get_record(const struct drawbar_state *state, struct dra
     return DRAWBAR_OK;
 }
 
+/* The feedback of a sample that is computed again: in the place of its own command goes the one that was sent then. */
+DRAWBAR_API int drawbar_feedback_again(struct drawbar_state *state, const struct drawbar_measurement *measurement,
+                                       const struct drawbar_command *sent, struct drawbar_command *command)
+{
+    struct autopilot *a = (struct autopilot *)state;
+
+    a->sent = sent;
+    const int status = drawbar_feedback(state, measurement, command);
+    a->sent = NULL;
+    return status;
+}
+
 DRAWBAR_API int32_t drawbar_record_size(void)
 {
     return (int32_t)sizeof(struct drawbar_record);

@@ -9,9 +9,10 @@ from ordinary import measured
 
 from drawbar.config import load_configuration
 from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED
+from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
 from drawbar.messages import Fixes
-from drawbar.signals import FixQuality, FixStatus, SolverStatus
+from drawbar.signals import Command, FixQuality, FixStatus, SolverStatus, Status
 from drawbar.simulation import build_path
 
 PERIOD, SPEED, BEHIND = 0.2, 2.0, 5.0
@@ -126,3 +127,26 @@ def test_where_the_antennas_were_before_a_jump_is_not_taken_from_after_it(drive)
     drive.pass_epochs(4.0, 12.0, lambda time: 1.0 + 0.3 * max(time - 7.0, 0.0))
     assert math.isnan(drive.given[-1].tractor_x)
     assert not drive.controller._dead_reckons
+
+
+def test_the_answer_that_is_computed_again_takes_the_place_of_the_bent_one_at_once(drive, monkeypatch):
+    anew = Command(time=3.0, tractor_steering=0.1, trailer_steering=-0.2, speed=1.0)
+    controller = drive.controller
+    monkeypatch.setattr(controller._rollback, "recompute", lambda change: (Status.OK, anew))
+    drive.pass_epochs(0.0, 4.0, none)
+    assert not controller.has_corrected
+    drive.pass_epochs(4.0, 6.0, lambda time: 0.5 * (time - 4.0))
+    assert controller.has_corrected
+    assert controller.repeat(0).tractor_angle == anew.tractor_steering
+
+    sent = []
+    monkeypatch.setattr(controller, "feedback", lambda measurement, now: SimpleNamespace(time=now, told="bent"))
+    monkeypatch.setattr(controller, "prepare", lambda late: None)
+    monkeypatch.setattr(controller, "state", lambda now, **told: "state")
+    monkeypatch.setattr(controller, "repeat", lambda now: "anew")
+    loop = ControlLoop(controller, SimpleNamespace(miss=lambda: None), send=sent.append, record=print, clock=lambda: 0)
+    loop.miss()
+    assert [getattr(each, "told", each) for each in sent] == ["bent", "anew", "state"]
+    controller.has_corrected = False
+    loop.miss()
+    assert [getattr(each, "told", each) for each in sent[3:]] == ["bent", "state"]

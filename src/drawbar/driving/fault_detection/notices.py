@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED, FaultExclusion
+from drawbar.estimation.alignment import YAW_GATE
 from drawbar.geometry import wrap
 from drawbar.messages import Fixes, GateState, SupervisorState, seconds
 from drawbar.safety.causes import Cause
@@ -20,8 +21,6 @@ MOST = 8
 """that a record holds"""
 _SILENT = 0.5
 """after which what was heard before is told to be silent, s: single epochs are lost by radio"""
-_YAW_GATE = 0.1
-"""as in estimation/yaw_sensor.h, rad"""
 _KEPT = frozenset(
     {
         SupervisorState.ENGAGING,
@@ -132,4 +131,4 @@ class Notices:
     def _yaw_is_far(self, record: StepRecord) -> bool:
         """Return whether the tractor's yaw by two antennas is too far from the estimate to be believed."""
         told = record.measurement.tractor_yaw + float(self._alignment.array("yaw.error")[0])
-        return math.isfinite(told) and abs(wrap(told - record.estimate.tractor.yaw)) > _YAW_GATE
+        return math.isfinite(told) and abs(wrap(told - record.estimate.tractor.yaw)) > YAW_GATE

@@ -2,13 +2,14 @@
 
 A wrong sensor bends the estimate before it is seen, and a bent one takes seconds to straighten, in which the vehicle is
 steered beside its line. So what the autopilot remembered at each of the last samples is kept, and from the oldest on it
-is given the same measurements again, without what is excluded. The commands that come of it are not sent.
+is given the same measurements again, without what is excluded. What moved the steerings are the commands that were sent
+then, whatever would have been commanded otherwise: an estimate that took that for sent would be astray by it.
 """
 
 from collections import deque
 from collections.abc import Callable
 
-from drawbar.signals import Measurement
+from drawbar.signals import Command, Measurement, Status
 from drawbar.step.autopilot import Autopilot
 
 SPAN = 2.0
@@ -21,21 +22,31 @@ class Rollback:
     def __init__(self, autopilot: Autopilot, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
         self._autopilot = autopilot
-        self._samples = deque[tuple[tuple[bytes, ...], Measurement]](maxlen=max(round(SPAN / sample_time), 1))
+        self._samples = deque[tuple[tuple[bytes, ...], Measurement, Command]](maxlen=max(round(SPAN / sample_time), 1))
 
-    def keep(self, measurement: Measurement) -> None:
-        """Keep what the autopilot remembers, and the measurement that it is given next."""
-        self._samples.append((self._autopilot.remember(), measurement))
+    def feedback(self, measurement: Measurement) -> tuple[Status, Command]:
+        """Return the autopilot's answer to a measurement; keep both, and what it remembered before."""
+        memory = self._autopilot.remember()
+        status, command = self._autopilot.feedback(measurement)
+        self._samples.append((memory, measurement, command))
+        return status, command
 
     def clear(self) -> None:
         """Forget: the autopilot was told something else than measurements."""
         self._samples.clear()
 
-    def recompute(self, change: Callable[[Measurement], Measurement]) -> None:
-        """Let the autopilot take in what becomes of the kept measurements, once, in the place of what it was given."""
-        for i, (memory, measurement) in enumerate(self._samples):
+    def recompute(self, change: Callable[[Measurement], Measurement]) -> tuple[Status, Command] | None:
+        """Let the autopilot take in what becomes of the kept measurements, once, in the place of what it was given.
+
+        Returns:
+            Its answer to the newest, which is a new one, to be sent at once; None where none is kept.
+        """
+        answer, newest = None, len(self._samples) - 1
+        for i, (memory, measurement, sent) in enumerate(self._samples):
             if i == 0:
                 self._autopilot.recall(memory)
-            self._autopilot.feedback(change(measurement))
+            changed = change(measurement)
+            answer = self._autopilot.feedback(changed) if i == newest else self._autopilot.feedback_again(changed, sent)
             self._autopilot.prepare()
         self.clear()
+        return answer

@@ -100,6 +100,8 @@ class ControlLoop:
         self._send(command)
         out = self._clock()
         record = self._controller.prepare(late=complete is not None and out - complete > LATE)
+        if self._controller.has_corrected:  # what bent the estimate bent the command
+            self._send(self._controller.repeat(self._clock()))
         self._send(
             self._controller.state(
                 self._clock(), correction_age=self._correction_age(), receiver_speed=self._receiver_speed

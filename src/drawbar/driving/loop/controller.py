@@ -1,6 +1,7 @@
 """Controller: the control step between measurements and messages to the gate; time is given to it."""
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 
 from drawbar.config import Configuration
@@ -67,6 +68,8 @@ class Controller:
         """positions are where the velocities have led since both antennas began to drift"""
         self._jumped = False
         """positions have jumped since it was engaged: where the antennas were before is not known any more"""
+        self.has_corrected = False
+        """the newest preparation has found another answer to its sample, which `repeat` returns"""
         self._sequence = self._solved = self._overruns = 0
         self._record: StepRecord | None = None
         self._status = Status.POSITION
@@ -106,8 +109,7 @@ class Controller:
             self._begin_beside(measurement)
         if self.engaged:
             measurement = self._believed(measurement)
-        self._rollback.keep(measurement)
-        self._status, self._command = self._autopilot.feedback(measurement)
+        self._status, self._command = self._rollback.feedback(measurement)
         self._measurement = measurement
         return self.repeat(now)
 
@@ -145,7 +147,7 @@ class Controller:
 
         late: the command left too late.
         """
-        uncertainty = self._newest_uncertainty()
+        uncertainty, self.has_corrected = self._newest_uncertainty(), False
         self._autopilot.prepare()
         record = self._autopilot.record()
         self._overruns += late
@@ -176,12 +178,19 @@ class Controller:
             self._dead_reckons = False
             return
         if self._drift.exists and not (self._dead_reckons or self._jumped):
-            self._rollback.recompute(self._exclusion.without_excluded)
+            self._recompute(self._exclusion.without_excluded)
             self._drift.begin_dead_reckoning()
             self._dead_reckons = True
         elif self._exclusion.excludes_trailer and not before:
             exclusion = self._exclusion
-            self._rollback.recompute(exclusion.without_trailer if self._dead_reckons else exclusion.without_excluded)
+            self._recompute(exclusion.without_trailer if self._dead_reckons else exclusion.without_excluded)
+
+    def _recompute(self, change: Callable[[Measurement], Measurement]) -> None:
+        """Compute the last seconds again; the newest answer takes the place of that which was bent."""
+        answer = self._rollback.recompute(change)
+        if answer is not None:
+            self._status, self._command = answer
+            self.has_corrected = True
 
     def state(self, now: int, *, correction_age: float, receiver_speed: float) -> ControllerState:
         """Return how the controller is after its newest step.
