@@ -282,7 +282,7 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
     if (near == 0.0)
         return NOT_FINITE;
     ip_start(s, ip, near);
-    best->kkt = ip->before = INFINITY;
+    best->kkt = ip->before = (double)INFINITY;
     if (kkt_check(s, 1, ip->gradient, ip->defect) == NOT_FINITE)
         return NOT_FINITE;
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS && *left > 0; ++s->iterations) {
@@ -392,12 +392,12 @@ static int qp_optimise(struct qp *s, struct lent *lent)
     int invalid = !bounds_exist(s);
 
     s->iterations = 0;
-    s->kkt = INFINITY;
+    s->kkt = (double)INFINITY;
     memset(s->multiplier, 0, sizeof s->multiplier);
     memset(s->violation, 0, sizeof s->violation);
     for (int i = 0; i < NB; ++i)
         invalid |= !(s->lower[i] <= s->upper[i]) | !(s->soft_linear[i] > 0.0) | !(s->soft_quadratic[i] >= 0.0)
-            | !(s->soft_quadratic[i] < INFINITY);
+            | !(s->soft_quadratic[i] < (double)INFINITY);
     if (invalid)
         return BAD_INPUT;
     if (!FREE_INITIAL && s->factored == FACTORED_KEPT && qp_judged(s, &work->held) == HELD_SETTLED)
