@@ -167,7 +167,7 @@ def test_a_service_without_a_home_keeps_it_in_the_folder_that_systemd_gives_it(m
 def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeypatch):
     file = tmp_path / "my.toml"
     file.write_text(machine.to_toml(), "utf-8")
-    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", heard=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", received=True)])
     monkeypatch.setattr(wiggle, "wiggle_both", lambda configuration: pytest.fail("it was moved"))
     monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
     result = CliRunner().invoke(app, ["check", str(file), "--wiggle"], input="y\ny\n")
@@ -179,7 +179,7 @@ def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeyp
 def test_the_command_asks_twice(machine, tmp_path, monkeypatch, answers):
     file, moved = tmp_path / "my.toml", []
     file.write_text(machine.to_toml(), "utf-8")
-    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", heard=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", received=True)])
 
     def both(configuration):
         moved.append(configuration)

@@ -199,7 +199,7 @@ def received(computer, most):
 def heard(look):
     """Look at a device until its program has begun; return what was found."""
     end = time.monotonic() + ENGAGE
-    while not (finding := look()).heard:
+    while not (finding := look()).received:
         assert time.monotonic() < end
     return finding
 

@@ -85,7 +85,7 @@ class StandIns:
         """Let the receivers that can be sent corrections need them, and be the caster where it is to be here."""
         for body in BODIES:
             line = self._lines.get(body)
-            if line is not None and not isinstance(line, CanLine) and line.is_heard:
+            if line is not None and not isinstance(line, CanLine) and line.is_writable:
                 self._corrected[body] = (line, RtcmFramer())
                 self._machine.corrected[body] = -math.inf
         if is_loopback(settings.host):
