@@ -176,6 +176,17 @@ def test_a_value_has_no_keys(change: str) -> None:
     assert "is a value, not a section" in refusal("articulated", change)
 
 
+def test_a_change_may_begin_a_section_that_is_left_out() -> None:
+    message = refusal("articulated", "devices.tractor_board.max_angle=30")
+    assert "devices.tractor_board.max_angle = 30: 30.0 is not an angle in radians" in message
+    assert "devices.tractor_receiver: is missing" in message
+
+
+@pytest.mark.parametrize("key", ["roll_offset", "pitch_offset"])
+def test_an_attitude_sensor_is_not_mounted_on_its_side(key: str) -> None:
+    assert f"vehicle.masts.trailer.{key} = -1.5" in refusal("articulated", f"vehicle.masts.trailer.{key}=-1.5")
+
+
 def test_all_wrong_values_are_told_at_once() -> None:
     message = refusal("articulated", "vehicle.wheelbase=-1", "speed=fast", "sensors.speed=nan")
     assert "3 wrong value(s)" in message

@@ -2,13 +2,14 @@
 
 import io
 import os
+import select
 import subprocess
 import sys
 
 import pytest
 from rich.console import Console
 
-from drawbar.terminal import FittedTable, Output
+from drawbar.terminal import FittedTable, Output, forget_typed
 
 COLUMNS = [(f"{body}\n{name}", "") for body in ("tractor", "trailer") for name in ("mean", "rms", "max")]
 ROWS = [("straight", list("123456")), ("curve 0.125/m", [f"{value}.25" for value in range(6)])]
@@ -68,3 +69,22 @@ def test_output_degrades_to_its_encoding(encoding: str) -> None:
         assert text.strip() == "µs × ━ 14.1° ± 2² … ⁺ 漢"
     if encoding == "ascii":
         assert text.strip() == "us x = 14.1 deg +- 22 ... + ?"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_what_was_typed_before_a_question_is_no_answer_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    keyboard, terminal = os.openpty()
+    with open(terminal, encoding="utf-8") as typed:
+        monkeypatch.setattr("sys.stdin", typed)
+        os.write(keyboard, b"y\n")
+        assert select.select([typed], [], [], 10.0)[0]  # it has arrived
+        forget_typed()
+        os.write(keyboard, b"n\n")
+        assert typed.readline() == "n\n"
+    os.close(keyboard)
+
+
+def test_a_pipe_keeps_its_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("y\n"))
+    forget_typed()
+    assert sys.stdin.readline() == "y\n"

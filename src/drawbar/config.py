@@ -352,7 +352,10 @@ def _apply(data: dict[str, Any], change: str) -> None:
         raise ConfigurationError(f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5.")
     *sections, last = key.strip().split(".")
     for section in sections:
-        data = data.setdefault(section, {}) if isinstance(data, dict) else data
+        if isinstance(data, dict):
+            if data.get(section) is None:  # one that is left out, such as devices
+                data[section] = {}
+            data = data[section]
     if not isinstance(data, dict):
         raise ConfigurationError(
             f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys; set it as a whole."

@@ -128,6 +128,17 @@ class Output(Console):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+def forget_typed() -> None:
+    """Forget what was typed and not yet read, where standard input is a terminal: it is no answer to what is asked now.
+
+    Windows has no such call; nothing is forgotten there.
+    """
+    if sys.platform != "win32" and sys.stdin.isatty():
+        import termios
+
+        termios.tcflush(sys.stdin, termios.TCIFLUSH)
+
+
 def degrade_output() -> None:
     """Let standard output and error write what their encoding has, and something plainer for what it lacks."""
     codecs.register_error("drawbar.plain", _plainer)

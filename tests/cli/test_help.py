@@ -2,9 +2,12 @@
 
 import subprocess
 import sys
+from typing import Any
 
 import pytest
+from typer.main import get_command
 
+from drawbar.cli.main import app
 from drawbar.configurations import shipped_names
 
 HEAVY = "casadi scipy numpy plotly matplotlib dask distributed optuna"
@@ -53,3 +56,16 @@ def test_help_names_the_shipped_configurations(command: str) -> None:
     code, text = said(command, "--help")
     assert code == 0
     assert all(name in text for name in shipped_names())
+
+
+def helps_of(command: Any) -> list[str]:
+    """Return the texts that the help of a command and of those below it is made of."""
+    below = getattr(command, "commands", {}).values()
+    own = [command.help or "", *(getattr(each, "help", None) or "" for each in command.params)]
+    return [*own, *(text for each in below for text in helps_of(each))]
+
+
+def test_no_help_has_brackets_which_would_be_taken_for_styles() -> None:
+    helps = helps_of(get_command(app))
+    assert any("devices.*_board.memory" in text for text in helps)
+    assert not [text for text in helps if "[" in text]

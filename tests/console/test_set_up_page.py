@@ -274,9 +274,9 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     for _ in range(20):
         log.hear(step, engaged=True)  # drawbar steers: that is no drive by hand
     assert log.drive() is None
-    log.hear_gate(stage.link.gate)
+    log.receive_gate(stage.link.gate)
     assert log.steered == []
-    log.hear_gate(replace(stage.link.gate, steers=1))
+    log.receive_gate(replace(stage.link.gate, steers=1))
     assert len(log.steered) == 1
 
 

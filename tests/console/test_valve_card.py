@@ -92,8 +92,8 @@ def test_stop_and_end_and_steering_and_a_page_that_hangs_end_it(bench):
 
         def engages(pushing):
             gate = stage.link.gate
-            stage.link._hear_gate(replace(gate, steers=1))
-            stage.link._hear_gate(gate)
+            stage.link._receive_gate(replace(gate, steers=1))
+            stage.link._receive_gate(gate)
 
         ways = {
             "stopped by the operator": lambda pushing: one.press("■ End"),

@@ -116,3 +116,24 @@ def test_scheduler_that_dies_is_one_message(
         with pytest.raises(DrawbarError, match="scheduler is gone; finished runs are kept"):
             list(answers)
     assert "Traceback" not in capfd.readouterr().err
+
+
+def test_a_cluster_that_starts_is_not_interrupted_and_one_that_is_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+
+    class Starting:
+        def __init__(self, *arguments: object, **settings: object) -> None:
+            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # so workers inherit it
+            signal.raise_signal(signal.SIGINT)
+
+        def __enter__(self) -> None:
+            seen.append("there")
+
+        def __exit__(self, *error: object) -> None:
+            seen.append("closed")
+
+    monkeypatch.setattr(cluster_module, "LocalCluster", Starting)
+    monkeypatch.setattr(cluster_module, "Client", Starting)
+    with pytest.raises(KeyboardInterrupt), open_cluster():
+        signal.raise_signal(signal.SIGINT)
+    assert seen == ["there", "there", "closed", "closed"]

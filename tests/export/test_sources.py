@@ -20,7 +20,10 @@ from drawbar.export.sources import PUBLIC
 from drawbar.export.targets import Precision
 from drawbar.signals import Flag, Status
 
-WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
+WARNINGS = (
+    *("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"),
+    *("-Wmissing-prototypes", "-Wdouble-promotion"),
+)
 ZIG = (sys.executable, "-m", "ziglang", "cc")
 DEAD_TIME = "vehicle.dead_time=0.3"
 OTHERS = {
@@ -83,7 +86,8 @@ def test_one_lane_at_a_time_compiles_too(exported) -> None:
 
 def test_single_precision_compiles_too(exported) -> None:
     folder = exported("articulated", precision=Precision.SINGLE)
-    plain = tuple(flag for flag in WARNINGS if flag != "-Wconversion")  # times are doubles, counts are integers
+    mixed = ("-Wconversion", "-Wdouble-promotion")  # times are doubles, counts are integers
+    plain = tuple(flag for flag in WARNINGS if flag not in mixed)
     assert said((*find_compiler(), "-O0"), folder, "src/*.c", "example/*.c", warnings=plain) == ""
 
 

@@ -26,7 +26,7 @@ FORCED = (
 """header, what it says, what it says instead: a trap where the path would be cut short"""
 ROUTES = {
     "held": (
-        ("interior_point.h", "violated = 0;", "violated = 1;"),
+        ("optimise.h", "violated = 0;", "violated = 1;"),
         ("held_sweep.h", "a <= NU && again", "a <= NU"),
         ("held_set.h", "held_stays(s, h, k, a, x, u[a]) ? 0 :", "held_stays(s, h, k, a, x, u[a]) > 1 ? 0 :"),
         (
@@ -42,12 +42,12 @@ ROUTES = {
         ),
         ("held_again.h", "h->last = -1;", "h->last = N - 1;"),
         ("held_again.h", "if (kept && changes == 0) ", "if (0) "),
-        ("interior_point.h", "if (outcome != HELD_SETTLED)", "if (0)"),
+        ("optimise.h", "if (outcome != HELD_SETTLED)", "if (0)"),
     ),
     "columns": (
-        ("interior_point.h", "violated = 0;", "violated = 1;"),
+        ("optimise.h", "violated = 0;", "violated = 1;"),
         (
-            "interior_point.h",
+            "optimise.h",
             "held = qp_judged(s, &work->held);",
             "held = (qp_judged(s, &work->held), HELD_FOREIGN);",
         ),
@@ -57,7 +57,7 @@ ROUTES = {
         ("active_set.h", "if (!(pivot > ACTIVE_ROUNDING * own))", "if (0)"),
         ("active_set.h", "if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))", "if (0)"),
     ),
-    "damped": (("interior_point.h", "violated |= (value < s->lower[i]) | (value > s->upper[i]);", "(void)value;"),),
+    "damped": (("optimise.h", "violated |= (value < s->lower[i]) | (value > s->upper[i]);", "(void)value;"),),
 }
 """the three ways into the interior point, likewise"""
 

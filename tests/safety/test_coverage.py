@@ -11,7 +11,7 @@ COVERED = (
     *("engagement", "conditions", "causes", "desk", "watch", "selftest"),
 )
 TESTS = (
-    *("engagement", "engagement_sequences", "envelope", "selftest", "speeds", "following"),
+    *("engagement", "envelope", "selftest", "speeds", "following"),
     *("machine_gate", "gate_endings", "desk", "gate_channels", "watch", "gate_loop"),
 )
 
@@ -22,11 +22,11 @@ def test_every_branch_is_taken(tmp_path):
 
 
 def measure(folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run the fast tests of the gate, without those of real processes, and report what they did not reach."""
+    """Run the fast tests of the gate, without those of real processes and the longest, and report what they did not reach."""
     sources = ",".join(f"*/drawbar/safety/{name}.py" for name in COVERED)
     environment = {**os.environ, "COVERAGE_FILE": str(folder / "coverage")}
     tests = [str(ROOT / "tests" / "safety" / f"test_{name}.py") for name in TESTS]
-    options = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-k", "not nominal"]
+    options = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-k", "not nominal and not whatever"]
     run = [
         sys.executable,
         "-m",

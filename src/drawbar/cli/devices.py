@@ -28,8 +28,7 @@ def check(
         bool, typer.Option("--wiggle", help="then move each steering by 2° to both sides; asks twice before")
     ] = False,
     store: Annotated[
-        bool,
-        typer.Option("--store", help="before, write [devices.*_board.memory] to AgOpenGPS boards; asks twice before"),
+        bool, typer.Option("--store", help="write devices.*_board.memory to AgOpenGPS boards first; asks twice before")
     ] = False,
 ) -> None:
     """Listen to every device that the configuration names, and say what is missing. Without --wiggle nothing is moved.

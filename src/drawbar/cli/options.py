@@ -10,7 +10,7 @@ import typer
 
 from drawbar.configurations import shipped_names
 from drawbar.errors import DrawbarError
-from drawbar.terminal import Output
+from drawbar.terminal import Output, forget_typed
 from drawbar.transports.clock import FASTEST
 
 if TYPE_CHECKING:
@@ -48,12 +48,23 @@ def written(text: str) -> FilePath:
 
 
 def agreed(*questions: str) -> bool:
-    """Ask the operator before something is moved; return whether every answer is yes."""
-    for question in questions:
-        if not typer.confirm(question):
-            console.print("nothing was moved")
-            return False
-    return True
+    """Ask the operator before something is moved; return whether every answer is yes.
+
+    What was typed before a question was asked answers none; Ctrl-C and the end of the input are a no.
+    """
+    try:
+        agrees = all(_confirmed(question) for question in questions)
+    except typer.Abort:
+        console.print()  # the answer's line has not ended
+        agrees = False
+    if not agrees:
+        console.print("nothing was moved")
+    return agrees
+
+
+def _confirmed(question: str) -> bool:
+    forget_typed()
+    return typer.confirm(question)
 
 
 def configured(source: str, path: str | None, track: str, changes: Sequence[str]) -> "Configuration":

@@ -106,6 +106,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}:{1}: kündigt {2} Punkte an; erlaubt ist eine ganze Zahl: das Feld neu aus AgOpenGPS exportieren",
     "{}:{}: announces {} points, but {} rows follow; export the field from AgOpenGPS again":
         "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS exportieren",
+    "{}: does not exist; give an AgOpenGPS field folder or a file of type {}":
+        "{0}: gibt es nicht; den Ordner eines AgOpenGPS-Feldes oder eine Datei des Typs {1} wählen",
     "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these":
         "{0}: ist weder Ordner eines AgOpenGPS-Feldes noch Datei des Typs {1}; eines davon wählen",
     "{}:{}: is {}; finite coordinates in m are needed": "{0}:{1}: ist {2}; endliche Koordinaten in m sind nötig",

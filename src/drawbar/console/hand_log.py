@@ -59,7 +59,7 @@ class HandLog:
         if self.is_on and not engaged:
             self._records.append(record)
 
-    def hear_gate(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Take in a state of the gate."""
         if self.is_on and state.steers:
             self._states.append(state)

@@ -113,14 +113,14 @@ class Link:
         """Take in a datagram."""
         datagram = unpack(data)
         if isinstance(datagram, PackedStep):
-            self._hear_step(datagram)
+            self._receive_step(datagram)
             return
         if isinstance(datagram, EstimateDeviations):
             self._deviations = datagram.deviations
             return
         message = decode(data, GateState, ControllerState, Fixes)
         if isinstance(message, GateState):
-            self._hear_gate(message)
+            self._receive_gate(message)
         elif isinstance(message, ControllerState):
             self.controller = message
         if isinstance(message, GateState | ControllerState | Fixes):
@@ -131,7 +131,7 @@ class Link:
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
             self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)
 
-    def _hear_step(self, datagram: PackedStep) -> None:
+    def _receive_step(self, datagram: PackedStep) -> None:
         try:
             record = unpacked(datagram.data)
         except ValueError:
@@ -149,12 +149,12 @@ class Link:
     def _has_moved(self, place: tuple[float, float]) -> bool:
         return not self.trail or math.dist(place, self.trail[-1][:2]) > _TRAIL_STEP
 
-    def _hear_gate(self, state: GateState) -> None:
+    def _receive_gate(self, state: GateState) -> None:
         if self.gate is not None and state.lease != self.gate.lease:
             self.wishes.clear()
         self.gate = state
         self._states.append(state)
-        self.hand_log.hear_gate(state)
+        self.hand_log.receive_gate(state)
         if self.pushing is not None and self.is_engaged:
             self.pushing.end("drawbar steers now; stop, then begin again")
         for session in self._sessions.values():

@@ -41,7 +41,7 @@ static inline double weighted_sum(const double *weights, const double *values, i
  * bounded coordinates and the quantities that the bounds are on: negative is surely outside. */
 static inline double tube_margin(const struct component *law, const double *deviation)
 {
-    double largest = law->facet_count > 0 ? 0.0 : NAN;
+    double largest = law->facet_count > 0 ? 0.0 : (double)NAN;
 
     for (int i = 0; i < law->facet_count; ++i) {
         const double share = fabs(weighted_sum(law->facets[i], deviation, law->count)) / law->heights[i];
@@ -62,7 +62,7 @@ int UNIT(apply)(const struct component *law, const struct drawbar_body_plan *pla
     steering->nominal = plan->steering;
     steering->ancillary = ancillary;
     steering->command = clipped(total, law->limit);
-    steering->margin = held ? tube_margin(law, plan->deviation) : NAN;
+    steering->margin = held ? tube_margin(law, plan->deviation) : (double)NAN;
     steering->saturated = isfinite(total) && fabs(total) > law->limit;
     return 0;
 }

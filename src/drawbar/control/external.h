@@ -45,7 +45,7 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
                    const struct drawbar_body_reference *trailer_reference, struct drawbar_body_plan *tractor,
                    struct drawbar_body_plan *trailer, struct lent *lent)
 {
-    double angles[EXTERNAL_BODIES] = {NAN, NAN};
+    double angles[EXTERNAL_BODIES] = {(double)NAN, (double)NAN};
 
     (void)lent;
     component->call(estimate, tractor_reference, trailer_reference, angles);

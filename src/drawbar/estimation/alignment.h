@@ -81,7 +81,7 @@ static inline double moved_since(const struct since *since)
 static inline double age_of_fix(const struct component *alignment, double told)
 {
     const double age = (told == 0.0 || isnan(told) ? alignment->fix_age : told) + fmax(alignment->yaw_rate.latency, 0.0);
-    return age >= 0.0 && age <= OLDEST ? age : NAN;
+    return age >= 0.0 && age <= OLDEST ? age : (double)NAN;
 }
 
 /* What the roll sensor of a body shows while it stands level, beyond the stated offset, as far as it is found. */
@@ -193,7 +193,7 @@ static inline void align_fix(struct component *alignment, int body, const struct
     if (!mast_is_none(mast))
         lean(alignment, body, since, age, &then, &roll, &pitch);
     if (isnan(age)) {
-        fix[0] = fix[1] = NAN;
+        fix[0] = fix[1] = (double)NAN;
         return;
     }
     if (known->known && reported[0] == known->reported[0] && reported[1] == known->reported[1]) {
@@ -221,7 +221,7 @@ static inline double brought_up(const struct since *since, double value, double 
 {
     if (age == 0.0 || isnan(age))
         return value;
-    return age > 0.0 && age <= OLDEST ? value + expected - at_age(since, age, last, expected) : NAN;
+    return age > 0.0 && age <= OLDEST ? value + expected - at_age(since, age, last, expected) : (double)NAN;
 }
 
 /* Bring the values of all sensors but the receivers up to now, in place. */
@@ -251,7 +251,7 @@ static inline double yaw_of_fixes(const struct component *alignment, const struc
 
     if (coarse || !isfinite(m->hitch_angle + m->trailer_steering)
         || !yaws_at_rest(&alignment->chain, m, &tractor, &trailer))
-        return NAN;
+        return (double)NAN;
     return tractor;
 }
 
@@ -279,7 +279,7 @@ static inline void align_yaw_rate(struct component *alignment, const struct sinc
 
     rate_history_take(&alignment->rates, wheels_yaw_rate(alignment, since->last));
     const double told = age > OLDEST
-        ? NAN : rate_history_brought_up(&alignment->rates, m->tractor_yaw_rate, age, since->elapsed, now);
+        ? (double)NAN : rate_history_brought_up(&alignment->rates, m->tractor_yaw_rate, age, since->elapsed, now);
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
     const struct shown_yaw shown = {yaw_of_fixes(alignment, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 
@@ -298,9 +298,9 @@ static inline void judge_deviations(struct component *alignment, const struct dr
     m->trailer_fix_deviation = fix_deviation(&alignment->deviations, &alignment->noises[ALIGNED_TRAILER],
                                              m->trailer_fix_deviation, m->trailer_fix_quality, trailer);
     if (m->tractor_fix_deviation < 0.0)
-        m->tractor_x = m->tractor_y = NAN;
+        m->tractor_x = m->tractor_y = (double)NAN;
     if (m->trailer_fix_deviation < 0.0)
-        m->trailer_x = m->trailer_y = NAN;
+        m->trailer_x = m->trailer_y = (double)NAN;
 }
 
 /* Where the trailer's point is behind the tractor's, whose yaw and angles are known, in place; NaN where one is not. */

@@ -66,7 +66,7 @@ static inline void model_outputs(const struct estimation_model *model, const str
     y[Y_TRACTOR_YAW] = if_finite(measurement->tractor_yaw);
     y[Y_TRACTOR_YAW_RATE] = if_finite(measurement->tractor_yaw_rate);
     const int missing = isnan(y[Y_TRACTOR_X] + y[Y_TRACTOR_Y] + y[Y_TRAILER_X] + y[Y_TRAILER_Y]);
-    y[Y_TRAILER_CRAB] = y[Y_TRACTOR_CRAB] = missing ? 0.0 : NAN;
+    y[Y_TRAILER_CRAB] = y[Y_TRACTOR_CRAB] = missing ? 0.0 : (double)NAN;
     y[Y_TRACTOR_STEERING_RATE] = y[Y_TRAILER_STEERING_RATE] = 0.0;
 }
 

@@ -15,7 +15,7 @@ static const struct drawbar_measurement nothing_measured = {
 /* The value, or NaN where it is not finite: missing. */
 static inline double if_finite(double value)
 {
-    return isfinite(value) ? value : NAN;
+    return isfinite(value) ? value : (double)NAN;
 }
 
 /* The measured quantities, which are outputs of both models; what is not finite is missing. */

@@ -73,7 +73,7 @@ static inline void body_lag_begin(struct body_lag *body, double angle)
 static inline void body_lag_pass(struct body_lag *body)
 {
     memmove(body->angles + 1, body->angles, (ANGLES - 1) * sizeof *body->angles);
-    body->angles[0] = NAN;
+    body->angles[0] = (double)NAN;
 }
 
 /* Let the newest angle (rad) tell those that are missing just before it: till then the wheels turned evenly. */

@@ -112,7 +112,7 @@ static struct steerings acting_in_the_mean(const struct component *component, do
     struct steerings mean = *later;
 
     if (component->sent <= whole) {
-        mean.tractor = mean.trailer = NAN;
+        mean.tractor = mean.trailer = (double)NAN;
     } else if (component->sent > whole + 1) {
         mean.tractor += share * (earlier->tractor - later->tractor);
         mean.trailer += share * (earlier->trailer - later->trailer);

@@ -85,7 +85,7 @@ static inline double fix_deviation(const struct fix_deviations *known, struct co
     if (quality == DRAWBAR_QUALITY_NONE || (!isnan(told) && !(told > 0.0)))
         return -1.0;
     if (!(least > 0.0))
-        return isnan(told) ? NAN : fmax(known->optimism * told, known->floor);
+        return isnan(told) ? (double)NAN : fmax(known->optimism * told, known->floor);
     const double deviation = isnan(told) ? least : fmax(told, known->floor);
     coarse_update(noise, off, deviation);
     return coarse_factor(noise, known->lasting) * fmax(deviation, least);

@@ -166,12 +166,12 @@ static inline double bank_offset(const struct lag_bank *bank, const struct lag_g
 static double bank_unexplained(const struct lag_bank *bank, double measured)
 {
     const double known = bank->weight > KNOWN_ZERO ? 1.0 : 0.0, weight = known > 0.0 ? bank->weight : 1.0;
-    double nearest[LAGS], least = INFINITY;
+    double nearest[LAGS], least = (double)INFINITY;
 
     if (!isfinite(measured))
         return 0.0;
     for (int l = 0; l < LAGS; ++l)
-        nearest[l] = INFINITY;
+        nearest[l] = (double)INFINITY;
     for (int d = 0; d < DEAD_TIMES; ++d)
         for (int l = 0; l < LAGS; ++l) {
             const double off = fabs(measured - bank->angle[d * LAGS + l] - known * (bank->error[d * LAGS + l] / weight));
@@ -223,7 +223,7 @@ struct bank_sums {
 static struct bank_sums bank_sum(const double *log_probability, int rows, const double *values, const double *log_lags)
 {
     struct bank_sums sums = {0.0, {0.0, 0.0}, {0.0, 0.0}};
-    double most = -INFINITY;
+    double most = -(double)INFINITY;
 
     for (int i = 0; i < rows * LAGS; ++i)
         most = log_probability[i] > most ? log_probability[i] : most;

@@ -80,7 +80,7 @@ static inline double lean_of(const struct lean_row *row, const double *state)
 static inline void lean_bank_angle(struct lean_bank *bank, int body, int angle, double yaw, double told, double way)
 {
     const struct lean_row row = lean_row(body, angle, yaw);
-    double gain[LEANS], variance = bank->spread * fmax(LEAN_ALIKE / way, 1.0), least = INFINITY;
+    double gain[LEANS], variance = bank->spread * fmax(LEAN_ALIKE / way, 1.0), least = (double)INFINITY;
 
     for (int i = 0; i < LEANS; ++i)
         gain[i] = lean_of(&row, bank->covariance[i]);

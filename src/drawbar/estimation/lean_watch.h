@@ -61,7 +61,7 @@ static inline void lean_watch_move(struct lean_watch *watch, double moved)
         lean_bank_begin(&watch->bank);
         for (int i = 0; i < LEANING; ++i) {
             watch->ways[i] = LEAN_ALIKE;
-            watch->still[i].roll = NAN;
+            watch->still[i].roll = (double)NAN;
         }
     }
     lean_bank_move(&watch->bank, moved);
@@ -83,7 +83,7 @@ static inline void lean_watch_attitude(struct lean_watch *watch, int body, doubl
 
     still->since = roll == still->roll ? still->since + elapsed : 0.0;
     still->roll = roll;
-    lean_bank_take(&watch->bank, body, yaw, lean_is_still(still) ? NAN : roll, pitch, watch->ways[body]);
+    lean_bank_take(&watch->bank, body, yaw, lean_is_still(still) ? (double)NAN : roll, pitch, watch->ways[body]);
     watch->ways[body] = 0.0;
     still->slope = lean_bank_roll(&watch->bank, body, yaw);
     span_take(&still->slopes, still->slope, lean_is_still(still));

@@ -15,7 +15,7 @@ static inline double leap_masked(struct leap *leap, double most, double value)
 {
     leap->masked = leap->begun && !leap->masked && fabs(value - leap->last) > most;
     if (leap->masked || !isfinite(value))
-        return NAN;
+        return (double)NAN;
     leap->last = value;
     leap->begun = 1;
     return value;

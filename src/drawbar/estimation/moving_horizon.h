@@ -60,7 +60,7 @@ static void disbelieve(struct component *component, int antenna)
 
     for (int k = first; k < newest; ++k) {
         double *y = component->rti.y[k];
-        y[tractor ? Y_TRACTOR_X : Y_TRAILER_X] = y[tractor ? Y_TRACTOR_Y : Y_TRAILER_Y] = NAN;
+        y[tractor ? Y_TRACTOR_X : Y_TRAILER_X] = y[tractor ? Y_TRACTOR_Y : Y_TRAILER_Y] = (double)NAN;
     }
 }
 

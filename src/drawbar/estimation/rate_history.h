@@ -29,7 +29,7 @@ static inline double rate_history_brought_up(const struct rate_history *history,
     if (age == 0.0 || isnan(age))
         return told;
     if (age < 0.0 || !(samples < RATES_KEPT))
-        return NAN;
+        return (double)NAN;
     const int k = (int)samples;
     const double newer = k > 0 ? history->rates[k - 1] : now;
     return told + now - newer - (samples - k) * (history->rates[k] - newer);

@@ -221,9 +221,9 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
     struct drawbar_measurement *believed = &screened->measurement;
 
     if (screened->fixes[0] != DRAWBAR_FIX_ACCEPTED)
-        believed->tractor_x = believed->tractor_y = NAN;
+        believed->tractor_x = believed->tractor_y = (double)NAN;
     if (screened->fixes[1] != DRAWBAR_FIX_ACCEPTED)
-        believed->trailer_x = believed->trailer_y = NAN;
+        believed->trailer_x = believed->trailer_y = (double)NAN;
     for (int i = 0; i < 2; ++i)
         if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED && !(told[i] > COARSE * s->deviation)) {
             s->receivers[i].accepted = measurement->time;
@@ -268,7 +268,7 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 static inline void screening_hitch(const struct screening *s, double expected, struct screened *screened)
 {
     if (!(fabs(wrapped(screened->measurement.hitch_angle - expected)) <= s->hitch))
-        screened->measurement.hitch_angle = NAN;
+        screened->measurement.hitch_angle = (double)NAN;
 }
 
 /* Let the estimate say what became of the fixes. */

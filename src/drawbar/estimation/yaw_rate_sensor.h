@@ -186,7 +186,7 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
     sensor->doubted = fmax(sensor->doubted - fmax(elapsed, 0.0), 0.0);
     if (!isfinite(told + wheels) || !(elapsed > 0.0)) {
         sensor->follows = 0;
-        return NAN;
+        return (double)NAN;
     }
     const int sudden = yaw_rate_sudden(sensor, yaw_rate_right(sensor, told) - wheels, elapsed);
     if (sudden && !sensor->sudden && sensor->follows && fabs(told - sensor->before) > LEAP_RATE)
@@ -205,7 +205,7 @@ static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double to
     const int known = sensor->covariance[BIAS][BIAS] < BIAS_KNOWN * BIAS_KNOWN;
     const int alike = known && yaw_rate_alike(sensor, right, wheels, elapsed);
     if (!alike || sudden || sensor->doubted > 0.0)
-        return NAN;
+        return (double)NAN;
     yaw_rate_reckon(sensor, elapsed);
     return right;
 }

@@ -30,7 +30,7 @@ static inline double yaw_believed(struct yaw_sensor *sensor, double told, double
     const double off = wrapped(told + sensor->error - expected), error = wrapped(shown - told) - sensor->error;
 
     if (!(fabs(off) <= sensor->gate))
-        return NAN;
+        return (double)NAN;
     if (fabs(error) <= YAW_SHOWN) {
         sensor->samples += sensor->samples < YAW_MEMORY;
         sensor->error += error / (sensor->samples + YAW_UNPROVED);

@@ -5,8 +5,10 @@ times. A call that raises, or that kills every worker it meets, ends in a Failur
 """
 
 import logging
+import signal
+import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any, TypeVar
@@ -58,12 +60,27 @@ def open_cluster(address: str = "", jobs: int | None = None) -> Iterator[Client]
         with _connect(address) as client:
             yield client
         return
-    with (
-        dask.config.set(_CONFIGURATION),
-        LocalCluster(n_workers=jobs or CPU_COUNT, **_LOCAL) as local,
-        Client(local) as client,
-    ):
+    with dask.config.set(_CONFIGURATION), ExitStack() as opened:
+        with _uninterrupted():
+            local = opened.enter_context(LocalCluster(n_workers=jobs or CPU_COUNT, **_LOCAL))
+            client = opened.enter_context(Client(local))
         yield client
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ignore the keyboard's interrupt for the second or two in which the cluster starts.
+
+    Dask cannot close a cluster that is half started, and workers that are being started inherit what is ignored.
+    """
+    if threading.current_thread() is not threading.main_thread():  # which alone is interrupted
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _connect(address: str) -> Client:

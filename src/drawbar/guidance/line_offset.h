@@ -116,7 +116,7 @@ static inline void offset_forget(struct line_offset *offset, double hindmost)
 static inline void offset_advance(struct line_offset *offset, double curvature, double rate, double foremost,
                                   double hindmost)
 {
-    double last = -INFINITY, change = offset->wished;
+    double last = -(double)INFINITY, change = offset->wished;
 
     offset_forget(offset, hindmost);
     change -= offset->passed;

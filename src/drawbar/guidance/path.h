@@ -112,7 +112,7 @@ static inline int32_t path_nearest_node(const struct path *path, double x, doubl
 {
     const int32_t before = path_nodes_before(path, low, 0), after = path_nodes_before(path, high, 0);
     const int32_t first = before > 0 ? before - 1 : 0, last = after < path->count ? after : path->count - 1;
-    double shortest = INFINITY;
+    double shortest = (double)INFINITY;
     int32_t nearest = first;
 
     for (int32_t i = first; i <= last; ++i) {
@@ -196,7 +196,7 @@ static inline int path_has_beside(const struct path *path, double offset, double
 static inline double path_nearest(const struct path *path, double x, double y, double yaw, double reach, int both_ways,
                                   int *against)
 {
-    double shortest[2] = {INFINITY, INFINITY};  /* of all nodes, of those that lead along the vehicle */
+    double shortest[2] = {(double)INFINITY, (double)INFINITY};  /* of all nodes, of those that lead along the vehicle */
     int32_t first[2] = {0, 0};
 
     for (int32_t i = 0; i < path->count; ++i) {

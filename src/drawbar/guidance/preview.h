@@ -31,7 +31,7 @@ struct component {
 int UNIT(begin)(struct component *component, const struct path *path, double start,
                 const struct drawbar_measurement *first, double *distance)
 {
-    component->furthest[TRACTOR] = component->furthest[TRAILER] = -INFINITY;
+    component->furthest[TRACTOR] = component->furthest[TRAILER] = -(double)INFINITY;
     component->approach.count = 0;
     return guidance_begin(&component->guidance, path, start, first, distance);
 }
@@ -44,7 +44,7 @@ int UNIT(change)(struct component *component, const struct path *path, double st
 
     if (status != DRAWBAR_GUIDANCE_FINE)
         return status;
-    component->furthest[TRACTOR] = component->furthest[TRAILER] = -INFINITY;
+    component->furthest[TRACTOR] = component->furthest[TRAILER] = -(double)INFINITY;
     component->approach.count = 0;
     return status;
 }

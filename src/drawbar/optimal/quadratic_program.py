@@ -17,7 +17,7 @@ _UNIT = """
 #define NC 0
 #define CROSS 1
 #define FREE_INITIAL {free}
-#include "interior_point.h"
+#include "optimise.h"
 #include "fields.h"
 struct workspace {{ struct qp qp; union bounds_work work; }};
 int64_t drawbar_size = sizeof(struct workspace);

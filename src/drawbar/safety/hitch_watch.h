@@ -80,7 +80,7 @@ static inline double hitch_stuck(struct hitch_watch *watch, double reported, dou
     still_take(&watch->still, reported, estimated, speed);
     const double unusual = still_unusual(still);
     if (unusual >= 1.0 && still_missed(still, HITCH_SHIFTED) > HITCH_SHIFTED / fmin(unusual, HITCH_SURE))
-        return INFINITY;
+        return (double)INFINITY;
     return still->most - still->least > least && away > 0.5 * least ? watch->stuck + elapsed : 0.0;
 }
 
@@ -91,7 +91,7 @@ static inline int hitch_look(struct hitch_watch *watch, double reported, const s
     if (!watch->begun) {
         watch->usual = HITCH_FIRST * HITCH_FIRST;
         watch->known = HITCH_FIRST_TIME;
-        watch->still.value = NAN;
+        watch->still.value = (double)NAN;
         watch->begun = 1;
     }
     const int differs = hitch_contradicts(watch, m, estimate, elapsed);

@@ -81,7 +81,7 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
     sanity->way = kept * sanity->way + way;
     for (int i = 0; i < 2; ++i) {
         if ((isnan(told[i]) ? sanity->position : told[i]) > sanity->fine)   /* the noise of a coarse fix is no motion */
-            fixes[2 * i] = NAN;
+            fixes[2 * i] = (double)NAN;
         const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
         const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(way);
         sanity->moved[i] = kept * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);

@@ -54,7 +54,7 @@ static void dynamics(struct rti *work, int first, int count)
             attempt(work, carried, base, base + stages);
         for (int j = 0; j < stages; ++j)
             for (int i = 0; i < SHARE_LEFT && carried[j][SHARE_LEFT] > 0.0; ++i)
-                carried[j][i] = NAN;
+                carried[j][i] = (double)NAN;
         arrive(work, (const double (*)[CARRIED])carried, base, base + stages);
     }
 }

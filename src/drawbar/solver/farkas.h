@@ -32,12 +32,12 @@ static double farkas_bounds(const struct qp *restrict s, struct farkas *restrict
     double crossed = 0.0;
 
     for (int i = 0; i < NZ; ++i) {
-        f->low[i] = !FREE_INITIAL && i < NX ? s->initial[i] : -INFINITY;
-        f->high[i] = !FREE_INITIAL && i < NX ? s->initial[i] : INFINITY;
+        f->low[i] = !FREE_INITIAL && i < NX ? s->initial[i] : -(double)INFINITY;
+        f->high[i] = !FREE_INITIAL && i < NX ? s->initial[i] : (double)INFINITY;
     }
     for (int i = 0; i < NB; ++i) {
         const int at = s->bound[i];
-        if (s->soft_linear[i] < INFINITY)
+        if (s->soft_linear[i] < (double)INFINITY)
             continue;
         f->low[at] = s->lower[i] > f->low[at] ? s->lower[i] : f->low[at];
         f->high[at] = s->upper[i] < f->high[at] ? s->upper[i] : f->high[at];
@@ -62,7 +62,7 @@ static inline void farkas_least(struct farkas *f, double slope, double size, dou
     f->largest[kind] = largest(f->largest[kind], size);
     if (slope == 0.0)
         return;
-    if (fabs(end) < INFINITY)
+    if (fabs(end) < (double)INFINITY)
         farkas_add(f, slope * end);
     else {
         f->slope[f->open] = fabs(slope);
@@ -76,7 +76,7 @@ static inline void farkas_side(const struct qp *restrict s, struct farkas *restr
 {
     const int at = s->bound[i], first = FREE_INITIAL ? NX : 0;
 
-    if (lambda == 0.0 || s->soft_linear[i] < INFINITY || at < first || at >= (N + 1) * NX)
+    if (lambda == 0.0 || s->soft_linear[i] < (double)INFINITY || at < first || at >= (N + 1) * NX)
         return;
     ++f->sides;
     f->net[at] += lambda;

@@ -46,14 +46,14 @@ static inline int held_narrow(const struct qp *s, int i, int side, double base, 
 
     if (beyond > 0) {                      /* it may come back as far as to its limit */
         low = high;
-        high = INFINITY;
+        high = (double)INFINITY;
     } else if (beyond < 0) {
         high = low;
-        low = -INFINITY;
+        low = -(double)INFINITY;
     }
     if (low > room->high || high < room->low) {
         const int past = low > room->high ? -outward : outward;
-        return beyond != 0 ? 0 : s->soft_linear[i] < INFINITY ? past * BEYOND : HELD;
+        return beyond != 0 ? 0 : s->soft_linear[i] < (double)INFINITY ? past * BEYOND : HELD;
     }
     if (low > room->low) {
         room->low = low;
@@ -92,7 +92,7 @@ static inline int held_stays(const struct qp *s, const struct held_set *h, int k
 /* Bring an input to where it may be. Returns how many of its bounds have changed, or -1 where a hard one leaves no room. */
 static int held_clip(const struct qp *restrict s, struct held_set *restrict h, int k, int a, const pack *x, double *restrict u)
 {
-    struct held_room room = {-INFINITY, INFINITY, -1, -1};
+    struct held_room room = {-(double)INFINITY, (double)INFINITY, -1, -1};
     int changes = 0, end = 0, by = h->by[k][a];
 
     for (int i = h->first[k][a]; i >= 0; i = h->next[i]) {

@@ -8,11 +8,8 @@
 #ifndef DRAWBAR_INTERIOR_POINT_H
 #define DRAWBAR_INTERIOR_POINT_H
 
-#include "active_set.h"
 #include "farkas.h"
-#include "held_again.h"
 #include "ip_start.h"
-#include "lent.h"
 
 #ifndef IP_ITERATIONS
 #define IP_ITERATIONS 80                   /* a unit whose time is short says less */
@@ -282,7 +279,7 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
     if (near == 0.0)
         return NOT_FINITE;
     ip_start(s, ip, near);
-    best->kkt = ip->before = INFINITY;
+    best->kkt = ip->before = (double)INFINITY;
     if (kkt_check(s, 1, ip->gradient, ip->defect) == NOT_FINITE)
         return NOT_FINITE;
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS && *left > 0; ++s->iterations) {
@@ -307,116 +304,6 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
             return INFEASIBLE;
     }
     return ip_end(s, ip, MAXIMUM_ITERATIONS);
-}
-
-/* Once more where the sweep without bounds was not the answer: damped, from its own start. */
-static int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
-{
-    s->factored = 0;
-    if (!ip_damp(s, ip))
-        return reason;
-    const int status = qp_interior_point(s, ip, left);
-    return status == SOLVED || status == INFEASIBLE ? status : reason;
-}
-
-/* Back to the solution without bounds. */
-static void qp_afresh(struct qp *s)
-{
-    memset(s->multiplier, 0, sizeof s->multiplier);
-    memset(s->violation, 0, sizeof s->violation);
-    if (!s->factored)
-        s->factored = qp_factor(s, NULL, N + 1);
-    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-}
-
-/* The held set, from the bounds that are kept or from none, and the judge. Nothing is kept but what solves the problem. */
-static enum held_outcome qp_judged(struct qp *s, struct held_set *held)
-{
-    double gradient[NZ], defect[N][NX];
-    enum held_outcome outcome = qp_held(s, held);
-
-    memset(s->kept, 0, sizeof s->kept);
-    if (outcome != HELD_SETTLED)
-        return outcome;
-    if (kkt_check(s, 1, gradient, defect) == SOLVED) {
-        held_keep(s, held);
-        return HELD_SETTLED;
-    }
-    memset(s->multiplier, 0, sizeof s->multiplier);
-    memset(s->violation, 0, sizeof s->violation);
-    return HELD_UNSETTLED;
-}
-
-/* Both active sets; returns whether one of them has the solution. Else s holds the one without bounds. */
-static int qp_active(struct qp *s, union bounds_work *work)
-{
-    double gradient[NZ], defect[N][NX];
-    enum held_outcome held = HELD_FOREIGN;
-
-    if (!FREE_INITIAL) {
-        held = qp_judged(s, &work->held);
-        if (held == HELD_SETTLED)
-            return 1;
-        qp_afresh(s);
-    }
-    if (COLUMNS && held == HELD_FOREIGN && qp_active_set(s, &work->active)) {
-        if (kkt_check(s, 1, gradient, defect) == SOLVED)
-            return 1;
-        qp_afresh(s);
-    }
-    return 0;
-}
-
-/* Solve without bounds or, where all of them are those of a free first state, with them. Returns whether the solution
- * respects all bounds; where not, s holds the one without bounds. */
-static int qp_solve_free(struct qp *s, struct active_set *active)
-{
-    int violated = 0;
-
-    if (bounds_at_first(s))
-        return qp_first_set(s, active);
-    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    for (int i = 0; i < NB; ++i) {
-        const double value = s->z[s->bound[i]];
-        violated |= (value < s->lower[i]) | (value > s->upper[i]);
-    }
-    return !violated;
-}
-
-/* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that settles, the interior
- * point otherwise; the answer is judged by kkt_check. */
-static int qp_optimise(struct qp *s, struct lent *lent)
-{
-    union bounds_work *work = lent->memory;
-    double gradient[NZ], defect[N][NX];
-    int invalid = !bounds_exist(s);
-
-    s->iterations = 0;
-    s->kkt = INFINITY;
-    memset(s->multiplier, 0, sizeof s->multiplier);
-    memset(s->violation, 0, sizeof s->violation);
-    for (int i = 0; i < NB; ++i)
-        invalid |= !(s->lower[i] <= s->upper[i]) | !(s->soft_linear[i] > 0.0) | !(s->soft_quadratic[i] >= 0.0)
-            | !(s->soft_quadratic[i] < INFINITY);
-    if (invalid)
-        return BAD_INPUT;
-    if (!FREE_INITIAL && s->factored == FACTORED_KEPT && qp_judged(s, &work->held) == HELD_SETTLED)
-        return SOLVED;
-    memset(s->kept, 0, sizeof s->kept);
-    s->iterations = 0;
-    if (!s->factored && !qp_factor(s, NULL, N + 1))
-        return qp_damped(s, &work->ip, &lent->iterations, NOT_FINITE);
-    s->factored = FACTORED;
-    if (qp_solve_free(s, &work->active)) {
-        const int status = kkt_check(s, s->iterations > 0, gradient, defect);
-        if (status == SOLVED || s->iterations == 0)
-            return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, &lent->iterations, status);
-        qp_afresh(s);
-    } else if (!bounds_at_first(s) && qp_active(s, work))
-        return SOLVED;
-    s->factored = 0;                       /* the barrier changes it */
-    work->ip.damping.on = 0;
-    return qp_interior_point(s, &work->ip, &lent->iterations);
 }
 
 #endif

@@ -119,7 +119,7 @@ static int ip_far_out(const struct qp *restrict s, double *restrict out, double 
     for (int m = 0; m < NSIDES; ++m) {
         const int kind = kind_of(s->bound[m / 2]);
         const double distance = bound_distance(s, s->z, m);
-        if (!(fabs(ip_bound(s, m)) < INFINITY))
+        if (!(fabs(ip_bound(s, m)) < (double)INFINITY))
             continue;
         out[kind] = largest(out[kind], distance < 0.0 ? distance : 0.0);
         span[kind] = largest(span[kind], ip_bound(s, m));
@@ -144,7 +144,7 @@ static double ip_approach(struct qp *restrict s, struct interior_point *restrict
     memcpy(gradient, s->g, sizeof gradient);
     for (int m = 0; m < NSIDES; ++m) {
         const int i = s->bound[m / 2], kind = kind_of(i);
-        if (!(fabs(ip_bound(s, m)) < INFINITY) || !(span[kind] > 0.0))
+        if (!(fabs(ip_bound(s, m)) < (double)INFINITY) || !(span[kind] > 0.0))
             continue;
         const double weight = curve[kind] * out[kind] / span[kind];
         ip->barrier[i] += weight;
@@ -171,7 +171,7 @@ static void ip_start(struct qp *restrict s, struct interior_point *restrict ip, 
     for (int m = 0; m < NSIDES; ++m) {
         const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
         const double bound = ip_bound(s, m);
-        if (!(fabs(bound) < INFINITY) || is_given(s, m / 2))
+        if (!(fabs(bound) < (double)INFINITY) || is_given(s, m / 2))
             continue;
         const double distance = bound_distance(s, s->z, m);
         ip->exists[slot] = 1.0;
@@ -193,7 +193,7 @@ static void ip_start(struct qp *restrict s, struct interior_point *restrict ip, 
         ip->t[slot] = distance > margin ? distance : margin;
         ip->ease[slot] = 1.0 / (curve[kind] > flat ? curve[kind] : flat);
         lambda = margin * margin * (curvature > flat ? curvature : flat) / ip->t[slot];
-        if (price < INFINITY) {            /* starts where its own multipliers add up to the violation's price */
+        if (price < (double)INFINITY) {            /* starts where its own multipliers add up to the violation's price */
             lambda = lambda < 0.5 * price ? lambda : 0.5 * price;
             ip->soft[slot] = 1.0;
             ip->linear[slot] = price;

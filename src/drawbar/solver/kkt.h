@@ -25,7 +25,7 @@ static inline int all_finite(const double *restrict values, size_t count)
 {
     int bad = 0;
     for (size_t i = 0; i < count; ++i)
-        bad |= !(fabs(values[i]) < INFINITY);
+        bad |= !(fabs(values[i]) < (double)INFINITY);
     return !bad;
 }
 
@@ -98,7 +98,7 @@ static inline int kind_of(int i)
 /* Is bounded variable i a hard bound of a given first state? No multiplier can act there. */
 static inline int is_given(const struct qp *s, int i)
 {
-    return !FREE_INITIAL && s->bound[i] < NX && !(s->soft_linear[i] < INFINITY);
+    return !FREE_INITIAL && s->bound[i] < NX && !(s->soft_linear[i] < (double)INFINITY);
 }
 
 /* The least step of a state or input that is judged by its own size. */
@@ -233,7 +233,7 @@ static double kkt_bounds(const struct qp *restrict s, struct kkt_scale *restrict
         const double lambda = s->multiplier[m], slack = s->violation[m], distance = bound_distance(s, s->z, m) + slack;
         if (lambda == 0.0 && slack == 0.0 && distance >= 0.0)
             continue;
-        const int kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < INFINITY;
+        const int kind = kind_of(s->bound[i]), soft = s->soft_linear[i] < (double)INFINITY;
         gradient[s->bound[i]] -= m % 2 == 0 ? lambda : -lambda;
         outside[kind] = largest(outside[kind], distance < 0.0 ? distance : 0.0);
         outside[kind] = largest(outside[kind], slack < 0.0 || !soft ? slack : 0.0);

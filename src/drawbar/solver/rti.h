@@ -11,8 +11,8 @@
 #ifndef DRAWBAR_RTI_H
 #define DRAWBAR_RTI_H
 
-#include "interior_point.h"
 #include "lanes.h"
+#include "optimise.h"
 
 struct rti {
     double z[NZ];                          /* the trajectory: linearisation point before, solution after a step */

@@ -34,7 +34,7 @@ static int window_restart(struct window *window, struct rti *rti, const double *
         memcpy(STATE(rti->z, k), prior, NX * sizeof(double));
     memset(INPUT(rti->z, 0), 0, N * NU * sizeof(double));
     for (int i = 0; i < (N + 1) * NY; ++i)
-        y[i] = NAN;
+        y[i] = (double)NAN;
     rti->open_end = rti->linearised = 0;
     return rti_prepare(rti);
 }
@@ -44,7 +44,7 @@ static void window_drop_refused(struct rti *rti, int row)
 {
     for (int i = 0; i < NY; ++i)
         if (!(fabs(rti->y[row][i]) <= LARGEST_INPUT))
-            rti->y[row][i] = NAN;
+            rti->y[row][i] = (double)NAN;
 }
 
 /* Make room for the next sample. When the oldest stage cannot be absorbed, the arrival cost starts anew: the first

@@ -27,6 +27,8 @@
 
 struct component;                          /* another one in each unit */
 
+/* What there can be; a library has the functions of its own components. */
+
 int drawbar_alignment_initialise(struct component *component);
 int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
                             struct drawbar_measurement *aligned);
@@ -43,7 +45,6 @@ int drawbar_estimator_update(struct component *component, const struct drawbar_m
 int drawbar_estimator_ready(struct component *component, const struct drawbar_command *acting);
 int drawbar_estimator_skip(struct component *component, const struct drawbar_command *acting);
 
-#ifdef DRAWBAR_IDENTIFIED
 int drawbar_estimator_actuation(struct component *component, const struct drawbar_actuation *known);
 int drawbar_actuation_initialise(struct component *component);
 int drawbar_actuation_measured(struct component *component, const struct drawbar_measurement *measurement);
@@ -53,15 +54,10 @@ int drawbar_actuation_adapt(const struct component *component, const struct draw
                             double *trailer);
 int drawbar_actuation_tell(const struct component *component, struct drawbar_actuation *told);
 int drawbar_predictor_actuation(struct component *component, const struct drawbar_actuation *known);
-#ifdef DRAWBAR_CENTRALISED
 int drawbar_controller_actuation(struct component *component, const struct drawbar_actuation *known);
-#else
 int drawbar_tractor_actuation(struct component *component, const struct drawbar_actuation *known);
 int drawbar_trailer_actuation(struct component *component, const struct drawbar_actuation *known);
-#endif
-#endif
 
-#ifdef DRAWBAR_DEAD_TIME
 int drawbar_predictor_initialise(struct component *component);
 int drawbar_predictor_ahead(struct component *component, const struct drawbar_estimate *now,
                             struct drawbar_estimate *then);
@@ -69,7 +65,6 @@ int drawbar_predictor_measured(struct component *component, const struct drawbar
                                struct drawbar_measurement *measurement, struct drawbar_actuation *told);
 int drawbar_predictor_sent(struct component *component, const struct drawbar_command *newest,
                            struct drawbar_command *acting);
-#endif
 
 int drawbar_guidance_initialise(struct component *component);
 int drawbar_guidance_begin(struct component *component, const struct path *path, double start,
@@ -81,7 +76,6 @@ int drawbar_guidance_reference(struct component *component, const struct path *p
                                struct drawbar_body_reference *trailer, void *work);
 int drawbar_guidance_finished(struct component *component, const struct path *path);
 
-#ifdef DRAWBAR_CENTRALISED
 int drawbar_controller_initialise(struct component *component);
 int drawbar_controller_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                 const struct drawbar_body_reference *tractor_reference,
@@ -89,7 +83,6 @@ int drawbar_controller_feedback(struct component *component, const struct drawba
                                 struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer, struct lent *lent);
 int drawbar_controller_ready(struct component *component);
 int drawbar_controller_skip(struct component *component, int samples);
-#else
 int drawbar_tractor_initialise(struct component *component);
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
@@ -102,7 +95,6 @@ int drawbar_trailer_feedback(struct component *component, const struct drawbar_e
                              struct drawbar_body_plan *plan, struct lent *lent);
 int drawbar_trailer_ready(struct component *component);
 int drawbar_trailer_skip(struct component *component, int samples);
-#endif
 
 int drawbar_tractor_law_initialise(struct component *component);
 int drawbar_tractor_law_apply(const struct component *component, const struct drawbar_body_plan *plan,

@@ -61,7 +61,7 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     initialise_components(a);
     offset_begin(&a->offset);
     drawbar_alignment_begin(COMPONENT(a->alignment), reported, &first);
-    a->diagnostics.start_distance = NAN;
+    a->diagnostics.start_distance = (double)NAN;
     if (drawbar_estimator_begin(COMPONENT(a->estimator), &first) == BAD_INPUT)
         return DRAWBAR_POSITION;
     a->diagnostics.guidance = drawbar_guidance_begin(COMPONENT(a->guidance), &a->path, a->start, &first,

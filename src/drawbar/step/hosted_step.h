@@ -45,7 +45,7 @@ struct drawbar_record {
 static void unknown(double *values, size_t bytes)
 {
     for (size_t i = 0; i < bytes / sizeof *values; ++i)
-        values[i] = NAN;
+        values[i] = (double)NAN;
 }
 
 /* The nearest of so many places in one, a power of two: what has few digits takes few bytes of a log. */
@@ -57,7 +57,7 @@ static double on_grid(double value, double places)
 static void record_prediction(float *recorded, const double *made, size_t bytes)
 {
     for (size_t i = 0; i < bytes / sizeof *recorded; ++i)
-        recorded[i] = (float)(made != NULL ? on_grid(made[i], PREDICTED) : NAN);
+        recorded[i] = (float)(made != NULL ? on_grid(made[i], PREDICTED) : (double)NAN);
 }
 
 static void record_place(const struct autopilot *a, int i, struct recorded_place *place)
@@ -78,7 +78,7 @@ static void record_place(const struct autopilot *a, int i, struct recorded_place
 
 static void record_plan(const struct autopilot *a, int i, struct recorded_plan *plan)
 {
-    static const struct drawbar_body_plan none = {.steering = NAN, .status = BAD_INPUT};
+    static const struct drawbar_body_plan none = {.steering = (double)NAN, .status = BAD_INPUT};
     const struct drawbar_body_plan *made = a->reached < WITH_PLANS ? &none : &a->made.plans[i];
 
     plan->steering = made->steering;

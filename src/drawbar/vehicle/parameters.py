@@ -5,10 +5,15 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drawbar.settings import Angle, Length, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
+from drawbar.settings import Length, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
+
+
+_ASKEW = math.radians(30.0)
+MountingAngle = Annotated[float, Field(ge=-_ASKEW, le=_ASKEW, allow_inf_nan=False)]
+"""How askew an attitude sensor may be mounted: more is a value in degrees, or a sensor that lies on its side."""
 
 
 class Mast(Settings):
@@ -20,9 +25,9 @@ class Mast(Settings):
     """m"""
     up: NonNegativeLength = 0.0
     """height above the ground; 0: it is not known, and roll and pitch are not corrected for, m"""
-    roll_offset: Angle = 0.0
+    roll_offset: MountingAngle = 0.0
     """what the body's attitude sensor shows as roll while the body stands level, rad"""
-    pitch_offset: Angle = 0.0
+    pitch_offset: MountingAngle = 0.0
     """what it shows as pitch, rad"""
     roll_deviation: Annotated[float, Field(ge=0.0, le=math.radians(5.0), allow_inf_nan=False)] = math.radians(0.7)
     """standard deviation of `roll_offset`, which is corrected while driving as far as turns on slopes show it; 0: it is

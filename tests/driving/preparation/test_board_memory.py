@@ -55,7 +55,7 @@ def test_a_board_stores_all_values(board):
 
 
 def test_a_board_that_may_not_be_steered_is_not_written_to(board, monkeypatch):
-    taken = Finding(device="tractor board", heard=True, problems=["another computer commands it"])
+    taken = Finding(device="tractor board", received=True, problems=["another computer commands it"])
     monkeypatch.setattr(board_memory, "listen_to_board", lambda name, settings, seconds: taken)
     with running(board) as devices:
         (found,) = board_memory.store_board_memories(devices)
@@ -63,17 +63,17 @@ def test_a_board_that_may_not_be_steered_is_not_written_to(board, monkeypatch):
     assert board.settings.gain == 40
 
 
-def test_a_board_that_is_not_heard_is_told(board):
+def test_a_board_that_does_not_reply_is_told(board):
     with running(board) as devices:
         gone = devices.tractor_board.model_copy(update={"address": "127.0.0.1:1"})
         (found,) = board_memory.store_board_memories(devices.model_copy(update={"tractor_board": gone}))
-    assert not found.heard
+    assert not found.received
     assert found.problems[-1] == "nothing was written to it"
 
 
 @contextmanager
 def sensor_board(speed):
-    """Let the wheels' encoder be heard at a speed, m/s; None: its board is silent. Yield its settings."""
+    """Let the wheels' encoder report a speed, m/s; None: its board is silent. Yield its settings."""
     own = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     port, stop = free_ports(socket.SOCK_DGRAM, 1)[0], threading.Event()
 

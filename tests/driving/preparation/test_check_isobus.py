@@ -52,7 +52,7 @@ def test_what_is_silent_or_locked_out_is_told_with_what_to_do(monkeypatch):
     yard.machine.valves["trailer"].silent = True
     found = yard.findings()
     assert "display" in found["tractor valve"].problems[0]
-    assert not found["trailer valve"].heard
+    assert not found["trailer valve"].received
     assert "check its power" in found["trailer valve"].problems[0]
 
 
@@ -60,7 +60,7 @@ def test_what_is_silent_or_locked_out_is_told_with_what_to_do(monkeypatch):
 def test_a_bus_without_anybody_is_told(monkeypatch, device):
     yard = Yard(monkeypatch)
     yard.on = False
-    assert not yard.findings()[device].heard
+    assert not yard.findings()[device].received
 
 
 def test_a_bus_that_cannot_be_opened_is_told_with_what_to_do():

@@ -155,7 +155,9 @@ def test_a_receiver_on_a_board_that_is_sent_no_corrections_is_told(monkeypatch, 
         corrections=CorrectionsSettings(host="127.0.0.1", mount="VRS", forward=forward),
     )
     fixed = quality is FixQuality.FIXED
-    monkeypatch.setattr(check, "check_receiver", lambda name, *_, **__: Finding(device=name, heard=True, fixed=fixed))
+    monkeypatch.setattr(
+        check, "check_receiver", lambda name, *_, **__: Finding(device=name, received=True, fixed=fixed)
+    )
     tractor, trailer = list(check.check(devices, devices.origin.frame(), 0.01, 0.2))[:2]
     assert len(tractor.problems) == told
     assert all(f"{sender or 'ADDRESS'}:2233" in problem for problem in tractor.problems)

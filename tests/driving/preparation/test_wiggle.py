@@ -167,7 +167,7 @@ def test_a_service_without_a_home_keeps_it_in_the_folder_that_systemd_gives_it(m
 def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeypatch):
     file = tmp_path / "my.toml"
     file.write_text(machine.to_toml(), "utf-8")
-    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", heard=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", received=True)])
     monkeypatch.setattr(wiggle, "wiggle_both", lambda configuration: pytest.fail("it was moved"))
     monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
     result = CliRunner().invoke(app, ["check", str(file), "--wiggle"], input="y\ny\n")
@@ -175,11 +175,11 @@ def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeyp
     assert "set STATE_DIRECTORY" in str(result.exception)
 
 
-@pytest.mark.parametrize("answers", ["n\n", "y\nn\n", "y\ny\n"])
+@pytest.mark.parametrize("answers", ["n\n", "y\nn\n", "y\n", "y\ny\n"])
 def test_the_command_asks_twice(machine, tmp_path, monkeypatch, answers):
     file, moved = tmp_path / "my.toml", []
     file.write_text(machine.to_toml(), "utf-8")
-    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", heard=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", received=True)])
 
     def both(configuration):
         moved.append(configuration)
@@ -191,6 +191,7 @@ def test_the_command_asks_twice(machine, tmp_path, monkeypatch, answers):
     result = CliRunner().invoke(app, ["check", str(file), "--wiggle"], input=answers)
     agreed = answers.count("y") == 2
     assert (len(moved) == 1, result.exit_code) == (agreed, 0 if agreed else 1), result.output
+    assert agreed or result.output.endswith("nothing was moved\n")
     assert wiggle_record.has_passed(machine)
 
 

@@ -17,7 +17,7 @@ from drawbar.driving.operator.front_end import FrontEnd
 from drawbar.driving.preparation.check import check
 from drawbar.driving.preparation.wiggle import wiggle_both
 from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
-from drawbar.driving.stand_in.demonstration import free_ports, with_stand_ins
+from drawbar.driving.stand_in.demonstration import free_ports, with_isobus, with_stand_ins
 from drawbar.driving.stand_in.lines import BoardLine
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
@@ -65,6 +65,17 @@ def test_the_wiggle_test_is_passed_against_a_stand_in(configuration, tmp_path):
         found = dict(wiggle_both(configuration[0]))
     assert all(each.passed for each in found.values()), found
     assert found.keys() == {"front wheels", "joint"}
+
+
+def test_a_second_stand_in_of_the_same_bus_ends_with_one_message(tmp_path):
+    file = tmp_path / CONFIGURATION_NAME
+    file.write_text(with_isobus(load_configuration("articulated")).to_toml(), "utf-8")
+    with served(file, tmp_path):
+        command = [sys.executable, "-m", "drawbar", "stand-in", str(file)]
+        second = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60.0)
+    assert second.returncode == 2
+    told = "stand-in: another stand-in of these devices runs (Address already in use); end it"
+    assert second.stderr.splitlines() == [told]
 
 
 def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent(configuration, tmp_path):
@@ -188,7 +199,7 @@ def received(computer, most):
 def heard(look):
     """Look at a device until its program has begun; return what was found."""
     end = time.monotonic() + ENGAGE
-    while not (finding := look()).heard:
+    while not (finding := look()).received:
         assert time.monotonic() < end
     return finding
 

@@ -253,5 +253,7 @@ def test_unknown_names_types_and_files_are_refused(tmp_path: Path) -> None:
         load_line(written(tmp_path, "line.csv", "0,0\n1,1\n"), "other")
     with pytest.raises(PathError, match=r"neither an AgOpenGPS field folder nor .*\.csv, \.geojson"):
         load_line(written(tmp_path, "line.shp", "x"), None)
+    with pytest.raises(PathError, match="home: does not exist; give an AgOpenGPS field folder or a file of type"):
+        load_line(tmp_path / "fields" / "home", None)
     with pytest.raises(PathError, match="cannot be read: No such file"):
         load_line(tmp_path / "missing.csv", None)

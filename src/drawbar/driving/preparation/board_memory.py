@@ -21,7 +21,7 @@ _STANDING = 0.05
 
 
 def store_board_memories(devices: DeviceSettings) -> Iterator[Finding]:
-    """Yield what became of each board; one that is not heard, steers, or obeys another computer is not written to."""
+    """Yield what became of each board; one that does not reply, steers, or obeys another computer is not written to."""
     wheels = _wheels(devices.sensors) if devices.sensors is not None else None
     if wheels is not None and wheels.problems:
         yield wheels
@@ -56,8 +56,8 @@ def _wheels(sensors: SensorBoardSettings) -> Finding | None:
         line.poll()
     line.close()
     speed = line.last.wheel_speed
-    found = Finding(device="wheels", heard=math.isfinite(speed))
-    if not found.heard:
+    found = Finding(device="wheels", received=math.isfinite(speed))
+    if not found.received:
         found.problems.append("their encoder reports nothing, so that nothing shows that they stand: mend it")
     elif abs(speed) > _STANDING:
         found.problems.append("they turn: stand")

@@ -1,4 +1,4 @@
-"""Check: listens to every device of a configuration for a few seconds, and says what was heard and what is missing.
+"""Check: listens to every device of a configuration for a few seconds, and says what was received and what is missing.
 
 Nothing is moved: boards are asked where they are, boards and valves told that nobody steers, which makes boards answer.
 """
@@ -63,7 +63,7 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
         finding = finding_of(
             name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections, alone=alone)
         )
-        if finding.heard and not finding.fixed:
+        if finding.received and not finding.fixed:
             finding.problems += not_forwarded(settings, devices)
         return finding
 
@@ -88,7 +88,7 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
         corrections.close()
         problems = [status.message] if status.message else []
         facts = [f"RTCM {', '.join(map(str, sorted(status.types)))}"] if status.types else []
-        yield Finding(device="corrections", heard=bool(status.types), facts=facts, problems=problems)
+        yield Finding(device="corrections", received=bool(status.types), facts=facts, problems=problems)
 
 
 def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[Finding]:
@@ -101,12 +101,12 @@ def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[F
         answers = [reply for source, reply in replies.items() if board.actuator().is_board(source)]
         finding.facts += [f"scan: {reply.kind} {reply.address}" for reply in answers]
         finding.problems += [_elsewhere(reply) for reply in answers if not reply.address.startswith(f"{reply.subnet}.")]
-        if not finding.heard:
+        if not finding.received:
             finding.problems += [_perhaps(reply) for reply in strangers.values() if reply.board == STEER_BOARD]
         yield finding
     if strangers:
         facts = [f"{reply.kind} {reply.address}" for reply in strangers.values()]
-        yield Finding(device="other boards that answer the scan", heard=True, facts=sorted(facts))
+        yield Finding(device="other boards that answer the scan", received=True, facts=sorted(facts))
 
 
 def _scan(boards: list[SteerBoardSettings], seconds: float) -> dict[str, ScanReply]:
@@ -152,12 +152,12 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
             for frame in board.send(now, _OFF):
                 transport.write(frame)
     report = board.report(time.monotonic())
-    finding.heard = math.isfinite(report.angle_time)
-    if finding.heard:
+    finding.received = math.isfinite(report.angle_time)
+    if finding.received:
         finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
     else:
         tell_silence(finding, transport)
-    if finding.heard and report.readiness.name != "READY":
+    if finding.received and report.readiness.name != "READY":
         finding.problems.append(report.readiness.value)
     transport.close()
     return finding
@@ -187,11 +187,11 @@ def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterat
 
 def _on_the_bus(name: str, readiness: Readiness, facts: list[str]) -> Finding:
     ready = readiness is Readiness.READY
-    heard = readiness not in (Readiness.SILENT, Readiness.ADDRESS_LOST)
+    received = readiness not in (Readiness.SILENT, Readiness.ADDRESS_LOST)
     return Finding(
         device=name,
-        heard=heard,
-        facts=[*facts, readiness.name.lower()] if heard else [],
+        received=received,
+        facts=[*facts, readiness.name.lower()] if received else [],
         problems=[] if ready else [readiness.value],
     )
 
@@ -201,8 +201,8 @@ def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
     for _ in poll_times(seconds):
         line.poll()
     report = line.last
-    finding.heard = math.isfinite(report.time)
-    if not finding.heard:
+    finding.received = math.isfinite(report.time)
+    if not finding.received:
         tell_silence(finding, line.transport, line.board.dropped)
     if math.isfinite(report.hitch_angle):
         finding.facts.append(f"hitch angle {math.degrees(report.hitch_angle):.1f}°")
@@ -221,7 +221,7 @@ def _bare_valve(settings: BareValveSettings, seconds: float) -> Finding:
         for received in transport.read()
         for report in board.push(received.data, received.time)
     ]
-    finding.heard = bool(reports)
+    finding.received = bool(reports)
     if not reports:
         tell_silence(finding, transport, board.dropped)
     else:

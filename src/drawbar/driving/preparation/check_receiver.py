@@ -76,7 +76,7 @@ def check_receiver(
         versions.ask(receiver.kinds)
         if corrections is not None:
             correct(corrections, now, receiver, [receiver])
-    finding.heard = bool(epochs)
+    finding.received = bool(epochs)
     if not epochs:
         tell_silence(finding, receiver.transport, receiver.dropped)
     else:

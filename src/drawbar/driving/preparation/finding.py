@@ -18,7 +18,7 @@ class Finding:
     """What was found out about one device."""
 
     device: str
-    heard: bool = False
+    received: bool = False
     facts: list[str] = field(default_factory=list)
     """what it said"""
     problems: list[str] = field(default_factory=list)
@@ -47,7 +47,7 @@ def poll_times(seconds: float, *watched: Transport) -> Iterator[float]:
 
 
 def tell_silence(finding: Finding, transport: Transport, dropped: Mapping[str, int] | None = None) -> None:
-    """Note that nothing was heard, or nothing but what was dropped (by kind), and what to do."""
+    """Note that nothing was received, or nothing but what was dropped (by kind), and what to do."""
     if dropped:
         what = ", ".join(f"{count} {kind}" for kind, count in dropped.items())
         finding.problems.append(

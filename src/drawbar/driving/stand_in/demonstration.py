@@ -11,7 +11,7 @@ from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS, PULSES
-from drawbar.protocols.agopengps.heard import LARGEST_ANGLE
+from drawbar.protocols.agopengps.board_replies import LARGEST_ANGLE
 from drawbar.protocols.gnss.settings import AntennaSettings
 
 _GROUP = "239.74.163.2"

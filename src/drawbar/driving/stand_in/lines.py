@@ -65,7 +65,7 @@ class DataLine:
         return came
 
     @property
-    def is_heard(self) -> bool:
+    def is_writable(self) -> bool:
         """Whether it takes in what is sent to it."""
         return self._listens
 
@@ -78,7 +78,7 @@ class DataLine:
 class SerialLine:
     """A pseudo-terminal under the name of a serial line: whoever opens that name talks to the stand-in."""
 
-    is_heard = True
+    is_writable = True
 
     def __init__(self, address: str) -> None:
         """Open it, and give it the name.

@@ -85,7 +85,7 @@ class StandIns:
         """Let the receivers that can be sent corrections need them, and be the caster where it is to be here."""
         for body in BODIES:
             line = self._lines.get(body)
-            if line is not None and not isinstance(line, CanLine) and line.is_heard:
+            if line is not None and not isinstance(line, CanLine) and line.is_writable:
                 self._corrected[body] = (line, RtcmFramer())
                 self._machine.corrected[body] = -math.inf
         if is_loopback(settings.host):
@@ -171,35 +171,33 @@ def serve(
     configuration = load_configuration(options.configuration)
     path, _ = build_path(configuration)
     clock, isobus = options.clock.from_now(), configuration.devices.isobus if configuration.devices else None
-    bus = open_can(isobus.bus, clock) if isobus else None
-    machine = stand_in_machine(configuration, path, local_frame(configuration), SEED, bus, firmware)
-    machine.driver.wait = Driver.WAIT if options.stand_ins else Driver.WAIT_UNTOLD
-    plan = FaultPlan(faults, machine)
-    shutdown, seen = ShutdownRequest(), -math.inf
-    try:
-        endpoint = _driver_endpoint(options, configuration)
-        stand_ins = StandIns(configuration, machine, options.pace)
-    except HardwareError as error:
-        print(f"stand-in: {error}", file=sys.stderr)
-        return 2
-    begun()
-    schedule_first(_PRIORITY)
-    while not shutdown.asked:
-        for data in endpoint.receive():
-            state = decode(data, GateState)
-            if isinstance(state, GateState):
-                _tell(machine.driver, state)
-                seen = clock()
-        now = clock()
-        machine.driver.attend(now, attended=now - max(seen, stand_ins.commanded) < _GONE)
-        stand_ins.advance(now)
-        for words in plan.look():
-            tell(words)
-        descriptors = [endpoint.fileno(), *(line.fileno() for line in stand_ins.boards.values())]
-        clock.wait(descriptors, min(machine.next_time - clock(), 0.05))
-    for each in (stand_ins, endpoint, bus):
-        if each is not None:
-            each.close()
+    with ExitStack() as opened:
+        bus = opened.enter_context(closing(open_can(isobus.bus, clock))) if isobus else None
+        machine = stand_in_machine(configuration, path, local_frame(configuration), SEED, bus, firmware)
+        machine.driver.wait = Driver.WAIT if options.stand_ins else Driver.WAIT_UNTOLD
+        plan = FaultPlan(faults, machine)
+        try:
+            endpoint = opened.enter_context(closing(_driver_endpoint(options, configuration)))
+            stand_ins = opened.enter_context(closing(StandIns(configuration, machine, options.pace)))
+        except HardwareError as error:
+            print(f"stand-in: {error}", file=sys.stderr)
+            return 2
+        shutdown, seen = ShutdownRequest(), -math.inf
+        begun()
+        schedule_first(_PRIORITY)
+        while not shutdown.asked:
+            for data in endpoint.receive():
+                state = decode(data, GateState)
+                if isinstance(state, GateState):
+                    _tell(machine.driver, state)
+                    seen = clock()
+            now = clock()
+            machine.driver.attend(now, attended=now - max(seen, stand_ins.commanded) < _GONE)
+            stand_ins.advance(now)
+            for words in plan.look():
+                tell(words)
+            descriptors = [endpoint.fileno(), *(line.fileno() for line in stand_ins.boards.values())]
+            clock.wait(descriptors, min(machine.next_time - clock(), 0.05))
     return 0
 
 

@@ -25,7 +25,8 @@ def load_line(path: Path, track: str | None, extension: float = 0.0) -> Recorded
         return read_agopengps(path.parent, track, extension)
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        raise PathError(
-            f"{path}: is neither an AgOpenGPS field folder nor a file of type {', '.join(_READERS)}; give one of these"
-        )
+        types = ", ".join(_READERS)
+        if not path.exists():
+            raise PathError(f"{path}: does not exist; give an AgOpenGPS field folder or a file of type {types}")
+        raise PathError(f"{path}: is neither an AgOpenGPS field folder nor a file of type {types}; give one of these")
     return reader(path, track)

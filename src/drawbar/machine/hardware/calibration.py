@@ -231,7 +231,10 @@ class Calibration:
         if sensed.time - self._started < _AVERAGED:
             return ""
         if not self._curved:
-            return "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; check the receiver"
+            return (
+                "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; give the tractor's "
+                "receiver a sensor of it (docs/receivers.md)"
+            )
         newest = [each for t, each in self._curved if sensed.time - t <= _AVERAGED] or [self._curved[-1][1]]
         mean = sum(newest) / len(newest)
         if math.isnan(self._apart):

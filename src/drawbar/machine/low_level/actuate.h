@@ -68,7 +68,7 @@ static int nothing(struct drawbar_actuate_output *output, int status)
 {
     memset(output, 0, sizeof *output);
     for (int i = 0; i < DRAWBAR_ACTUATORS; ++i) {
-        output->positions[i] = NAN;
+        output->positions[i] = (double)NAN;
         output->statuses[i] = status;
     }
     return status;

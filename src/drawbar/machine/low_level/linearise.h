@@ -78,7 +78,7 @@ static double table_at(const struct drawbar_sensor *sensor, double counts)
 static double linearised(const struct drawbar_sensor *sensor, double counts)
 {
     if (!(counts >= sensor->lowest && counts <= sensor->highest))
-        return NAN;
+        return (double)NAN;
     const double value = sensor->points == 0 ? cubic_at(sensor->cubic, counts) : table_at(sensor, counts);
     return isfinite(value) ? value : (double)NAN;
 }

@@ -3,7 +3,7 @@
 A board begins to steer when the status goes from 0 to 1, and has habits that must never meet a status 1 nobody asked
 for: an AIO v4 that starts while it hears status 1 steers by itself, both go on where they were after a silence, and an
 AIO v4 whose operator took over keeps the motor on until the next frame. So status 1 is sent only after an edge of the
-request, to a board that has been heard for a second and was off during three frames with status 0; and whatever is
+request, to a board that has replied for a second and was off during three frames with status 0; and whatever is
 wrong, status 0 is sent at once and from then on, until the request has been taken back.
 """
 
@@ -12,8 +12,8 @@ from collections.abc import Collection
 
 from drawbar.errors import ConfigurationError
 from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport, SteeringRequest
+from drawbar.protocols.agopengps.board_replies import LARGEST_ANGLE, BoardReplies
 from drawbar.protocols.agopengps.frame import COMPUTER, PREFIX, Pgn, Refusal, parse
-from drawbar.protocols.agopengps.heard import LARGEST_ANGLE, HeardBoard
 from drawbar.protocols.agopengps.network import HELLO, HELLO_PERIOD
 from drawbar.protocols.agopengps.steering import SteerCommand, decode_steer_reply
 
@@ -50,7 +50,7 @@ class SteerBoard(SteeringActuator[bytes]):
     """One board behind one address.
 
     Set points go out at 10 to 22 Hz, however often `send` is called; a let-go goes out with the next call, and so does
-    a new set point to a board that steers, below 40 Hz in the mean. While another computer is heard sending set points
+    a new set point to a board that steers, below 40 Hz in the mean. While another computer is seen to send set points
     to the board, drawbar lets go for a second and then keeps silent: its zeros between the other's ones would be edges
     that make the board steer again after its operator took over.
     """
@@ -74,7 +74,7 @@ class SteerBoard(SteeringActuator[bytes]):
         self.dropped: dict[str, int] = {}
         self.let_go: dict[str, int] = {}
         """how often the steering was let go unasked, by cause"""
-        self._heard = HeardBoard(address=board, inverted=inverted, own=frozenset(own))
+        self._replies = BoardReplies(address=board, inverted=inverted, own=frozenset(own))
         self._max_angle = max_angle
         self._sign = -1.0 if inverted else 1.0
         self._asked = False
@@ -93,15 +93,15 @@ class SteerBoard(SteeringActuator[bytes]):
 
     def is_board(self, source: str) -> bool:
         """Return whether `source`, an `address:port`, is the board."""
-        return self._heard.is_board(source)
+        return self._replies.is_board(source)
 
     # What comes in
 
     def receive(self, time: float, frame: bytes, source: str = "") -> None:
         """Take in one datagram of any content from `source`, an `address:port`."""
         if frame[:4] == SET_POINT:  # whatever follows: AIO v4 obeys broken ones too
-            self._count_unless(self._heard.take_master(time, source), "set point for another network")
-        elif not self._heard.is_board(source):
+            self._count_unless(self._replies.take_master(time, source), "set point for another network")
+        elif not self._replies.is_board(source):
             self._count_unless(False, "other sender")
         else:
             self._take_reply(time, frame)
@@ -115,8 +115,8 @@ class SteerBoard(SteeringActuator[bytes]):
         if reply is None:
             self._count_unless(message.pgn in _EXPECTED, "unknown message")
             return
-        was_on = not self._heard.steer_off and self._heard.time >= self._edge
-        plausible = self._heard.take_reply(time, reply)
+        was_on = not self._replies.steer_off and self._replies.time >= self._edge
+        plausible = self._replies.take_reply(time, reply)
         if not reply.steer_off:
             self._off_frames = 0
         if self._steering and not plausible:
@@ -153,29 +153,29 @@ class SteerBoard(SteeringActuator[bytes]):
         """Return why steering cannot go on, or None."""
         if not (math.isfinite(request.angle) and abs(request.speed) <= FASTEST):
             return "set point or speed not allowed", Readiness.NOT_READY
-        if self._heard.master_within(time, MASTER_GONE):
+        if self._replies.master_within(time, MASTER_GONE):
             return "another computer commands", Readiness.OTHER_MASTER
         if time - self._sent >= OWN_GAP:
             return "own gap", Readiness.NOT_READY
-        if self._heard.silent(time, self._interval):
+        if self._replies.silent(time, self._interval):
             return "no reply", Readiness.SILENT
         waited = time - self._edge > PATIENCE
-        if waited and (self._heard.steer_off or self._heard.time < self._edge):
+        if waited and (self._replies.steer_off or self._replies.time < self._edge):
             return "did not begin", Readiness.NOT_READY
         return None
 
     def _readiness(self, time: float) -> Readiness:
         """Return whether an edge would be followed now."""
-        heard = self._heard
-        if heard.master_within(time, MASTER_GONE):
+        replies = self._replies
+        if replies.master_within(time, MASTER_GONE):
             return Readiness.OTHER_MASTER
-        if not heard.fresh(time):
+        if not replies.fresh(time):
             return Readiness.SILENT
-        if heard.duration(time) < OFF_TIME:
+        if replies.duration(time) < OFF_TIME:
             return Readiness.TOO_NEW
-        if not heard.plausible:
+        if not replies.plausible:
             return Readiness.FAULT
-        if not heard.steer_off:
+        if not replies.steer_off:
             return Readiness.SWITCHED_ON
         if not abs(self._speed) <= FASTEST:
             return Readiness.NOT_READY
@@ -203,7 +203,7 @@ class SteerBoard(SteeringActuator[bytes]):
             return True
         if self._status and self._sent == self._edge:
             return time - self._sent >= EDGE_PERIOD
-        news = self._status and not self._heard.steer_off and abs(angle - self._told) >= NEWS
+        news = self._status and not self._replies.steer_off and abs(angle - self._told) >= NEWS
         if news and time - self._sent + self._interval >= NEWS_PERIOD:
             return time - self._sent >= NEWS_GAP
         return time - self._sent >= PERIOD
@@ -211,12 +211,12 @@ class SteerBoard(SteeringActuator[bytes]):
     def _yields(self, time: float) -> bool:
         """Whether another computer has the board, and drawbar has told it to let go for long enough, or need not."""
         letting_go = self._status or time - self._released < OFF_TIME
-        return self._heard.master_within(time, MASTER_GONE) and not self._steering and not letting_go
+        return self._replies.master_within(time, MASTER_GONE) and not self._steering and not letting_go
 
     def _set_point(self, request: SteeringRequest) -> SteerCommand:
         speed = request.speed if abs(request.speed) <= 0xFFFF / 36.0 else 0.0
         if not self._steering:  # where the wheel is: a board that steered all the same would not move it
-            return SteerCommand(steer=False, angle=self._heard.wire_angle, speed=speed)
+            return SteerCommand(steer=False, angle=self._replies.wire_angle, speed=speed)
         angle = min(max(request.angle, -self._max_angle), self._max_angle)
         return SteerCommand(steer=True, angle=self._sign * angle, speed=speed)
 
@@ -229,17 +229,17 @@ class SteerBoard(SteeringActuator[bytes]):
             self._released = time if self._status else self._released
             if self._status or gap >= OWN_GAP:
                 self._off_since, self._off_frames = time, 0
-            self._off_frames += self._heard.steer_off and self._heard.fresh(time)
-        self._heard.ask(time)
+            self._off_frames += self._replies.steer_off and self._replies.fresh(time)
+        self._replies.ask(time)
         self._sent, self._interval, self._status = time, gap, self._steering
 
     def report(self, time: float) -> SteeringReport:
         """Return what is known now. `engaged`: asked for, said to the board, and confirmed by it."""
-        heard = self._heard
-        confirmed = not heard.steer_off and heard.time >= self._edge
+        replies = self._replies
+        confirmed = not replies.steer_off and replies.time >= self._edge
         return SteeringReport(
-            angle=heard.angle,
-            angle_time=heard.time,
+            angle=replies.angle,
+            angle_time=replies.time,
             engaged=self._steering and self._status and confirmed,
             overridden=self._cause is Readiness.OVERRIDDEN,
             readiness=self._cause or (Readiness.READY if self._steering else self._readiness(time)),

@@ -78,14 +78,14 @@ class AddressClaim:
     def hear(self, time: float, message: Message) -> None:
         """Take in one message of another device."""
         if message.pgn == CLAIM and len(message.data) == 8:
-            self._hear_claim(time, message.source, int.from_bytes(message.data, "little"))
+            self._receive_claim(time, message.source, int.from_bytes(message.data, "little"))
             return
         if message.source <= _LAST_ADDRESS:
             self._owners.setdefault(message.source, None)
             if message.source == self.address:
-                self._hear_duplicate(time)
+                self._receive_duplicate(time)
         if message.pgn == REQUEST and message.data[:3] == _CLAIM_BYTES:
-            self._hear_request(time, message.destination)
+            self._receive_request(time, message.destination)
 
     def send(self, time: float) -> list[CanFrame]:
         """Return the frames that are due: request, claim, or "cannot claim"."""
@@ -102,7 +102,7 @@ class AddressClaim:
         self._claim_at = math.inf
         return [encode(Message(pgn=CLAIM, source=self.address, destination=GLOBAL, data=self.name.data))]
 
-    def _hear_claim(self, time: float, address: int, name: int) -> None:
+    def _receive_claim(self, time: float, address: int, name: int) -> None:
         self._owners = {at: owner for at, owner in self._owners.items() if owner != name}
         if address <= _LAST_ADDRESS:
             self._owners[address] = name
@@ -118,13 +118,13 @@ class AddressClaim:
             self.losses += 1
             self._take(time, self._other())
 
-    def _hear_duplicate(self, time: float) -> None:
+    def _receive_duplicate(self, time: float) -> None:
         self.duplicates += 1
         self._duplicate_time = time
         if time - self._duplicate_answer >= _DUPLICATE_ANSWER:
             self._duplicate_answer = self._claim_at = time
 
-    def _hear_request(self, time: float, destination: int) -> None:
+    def _receive_request(self, time: float, destination: int) -> None:
         if destination not in (GLOBAL, self.address):
             return
         if self.state in (ClaimState.CLAIMING, ClaimState.CLAIMED):

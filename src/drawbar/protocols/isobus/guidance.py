@@ -75,7 +75,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         """"not intended" is to be said out of turn"""
         self._source: int | None = address
         self._info_time = self._second_valve_time = self._other_master_time = -math.inf
-        self._heard_since = self._steering_since = math.inf
+        self._received_since = self._steering_since = math.inf
         self._losses = node.claim.losses
         node.attach(self)
 
@@ -86,7 +86,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     def hear(self, time: float, message: Message) -> None:
         """Take in what the valve says of itself, and who else commands it."""
         if message.pgn == MACHINE_INFO:
-            self._hear_info(time, message)
+            self._receive_info(time, message)
         elif message.pgn == SYSTEM_COMMAND and message.destination in (GLOBAL, self._source):
             command = decode_command(message.data)
             if command is None:
@@ -119,7 +119,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             readiness=self._cause or conditions,
         )
 
-    def _hear_info(self, time: float, message: Message) -> None:
+    def _receive_info(self, time: float, message: Message) -> None:
         if self._address is None and time - self._info_time > _GAP:
             self._source = message.source
         if message.source != self._source:
@@ -132,7 +132,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             self.dropped["length"] += 1
             return
         if time - self._info_time > _GAP:
-            self._heard_since = time
+            self._received_since = time
             if self._phase is _Phase.STEERING:
                 self._leave(Readiness.SILENT)
         self.machine, self._info_time = info, time
@@ -189,7 +189,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             return Readiness.ADDRESS_LOST
         if self.machine is None or not (time - self._info_time <= _GAP):
             return Readiness.SILENT
-        if not (time - self._heard_since >= _SETTLED):
+        if not (time - self._received_since >= _SETTLED):
             return Readiness.TOO_NEW
         if time - self._other_master_time <= _OTHER_MASTER_HOLD:
             return Readiness.OTHER_MASTER

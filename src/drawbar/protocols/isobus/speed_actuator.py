@@ -36,7 +36,7 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         self._node, self._tractor, self._command = node, Tractor(), SpeedCommand(node, limit)
         self._set_point: float | None = None
         self._asked = -math.inf
-        self._driving_since = self._heard_since = math.inf
+        self._driving_since = self._received_since = math.inf
         self._overridden = False
         node.attach(self)
 
@@ -50,7 +50,7 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         self._tractor.hear(time, message)
         reading = self._tractor.reading(_FACILITY, time)
         if lost and reading is not None:
-            self._heard_since = time
+            self._received_since = time
         if self._set_point is not None and _state(reading) is Readiness.OVERRIDDEN:
             self._set_point, self._overridden = None, True
 
@@ -85,7 +85,7 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
             return Readiness.ADDRESS_LOST
         if not isinstance(reading, SelectedSpeed):
             return Readiness.SILENT
-        return Readiness.TOO_NEW if time - self._heard_since < _SETTLED else _state(reading)
+        return Readiness.TOO_NEW if time - self._received_since < _SETTLED else _state(reading)
 
 
 def _state(reading: object) -> Readiness:

@@ -103,7 +103,7 @@ class Nmea2000Receiver(Component):
         """Take in one message."""
         if message.pgn in (POSITION_RAPID, GNSS_POSITION) or message.pgn in _JOINED:
             if self._listens_to(time, message):
-                self._hear(time, message)
+                self._receive(time, message)
             else:
                 self.dropped["other receiver"] += 1
 
@@ -132,7 +132,7 @@ class Nmea2000Receiver(Component):
         self._heard = time if position else self._heard
         return True
 
-    def _hear(self, time: float, message: Message) -> None:
+    def _receive(self, time: float, message: Message) -> None:
         self._finish_due(time)
         if message.pgn == GNSS_POSITION:
             packet = self._packets.join(time, message)

@@ -1,4 +1,4 @@
-"""Heard board: what is known of one steer board, and of other computers that command it, from what they send."""
+"""Board replies: what is known of one steer board, and of other computers that command it, from what they send."""
 
 import math
 
@@ -11,7 +11,7 @@ LARGEST_JUMP = math.radians(5.0)
 _JUMP_RATE = math.radians(50.0)
 """between replies further apart, rad/s: no steering is as fast"""
 _FRESH = 0.5
-"""age of a reply after which the board is no longer heard, s"""
+"""age of a reply after which the board counts as silent, s"""
 _SILENCE = 0.2
 """age of a reply after which a board that steers is let go, s"""
 _SLOWEST = 0.2
@@ -20,7 +20,7 @@ _ANSWER = 0.05
 """for a set point and its reply to travel, s"""
 
 
-class HeardBoard:
+class BoardReplies:
     """One board's replies."""
 
     def __init__(self, *, address: str, inverted: bool, own: frozenset[str]) -> None:
@@ -73,11 +73,11 @@ class HeardBoard:
         self._asked = min(self._asked, time)
 
     def fresh(self, time: float) -> bool:
-        """Return whether the board is heard."""
+        """Return whether the board replies."""
         return time - self.time <= _FRESH
 
     def duration(self, time: float) -> float:
-        """Return how long the board has been heard without a break, s."""
+        """Return how long the board has replied without a break, s."""
         return time - self._since
 
     def silent(self, time: float, interval: float) -> bool:
