@@ -22,7 +22,7 @@ def test_every_branch_is_taken(tmp_path):
 
 
 def measure(folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run the fast tests of the gate, without those of real processes and the longest, and report what they did not reach."""
+    """Run the tests of the gate without real processes and the two longest, and report what they did not reach."""
     sources = ",".join(f"*/drawbar/safety/{name}.py" for name in COVERED)
     environment = {**os.environ, "COVERAGE_FILE": str(folder / "coverage")}
     tests = [str(ROOT / "tests" / "safety" / f"test_{name}.py") for name in TESTS]
