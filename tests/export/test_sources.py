@@ -133,14 +133,15 @@ def test_a_public_header_needs_no_other_before_it(
 def test_a_private_header_needs_what_its_component_defines_alone(
     exported, case: tuple[str, ...], tmp_path: Path
 ) -> None:
-    folder = exported(*case) / "src"
+    """Those that the product has too are tried with the product."""
+    folder, product = exported(*case) / "src", exported("articulated") / "src"
     texts = {file.name: file.read_text("utf-8") for file in (*folder.glob("*"), *folder.glob("../include/*"))}
     arguments = ("-std=c99", "-w", "-Werror=implicit-function-declaration", f"-I{folder}", f"-I{folder}/../include")
 
     def below(name: str) -> set[str]:
         return {name}.union(*map(below, INCLUDE.findall(texts[name])))
 
-    checked = FRAGMENTS.union(PUBLIC)
+    checked = FRAGMENTS.union(PUBLIC, () if folder == product else (file.name for file in product.iterdir()))
     for unit in sorted(name for name in texts if name.endswith(".c")):
         for include in INCLUDE.finditer(texts[unit]):
             before = texts[unit][: include.start()]
