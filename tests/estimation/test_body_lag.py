@@ -98,14 +98,15 @@ def test_ground_that_creeps_delays_the_path_of_the_rear_axle_as_masses_and_tyres
 
 
 def steadily(
-    angles, yaw_rates, speed: float, per_speed: float = 0.02, slower: float = 1.0
+    angles, yaw_rates, speed: float, per_speed: float = 0.02, slower: float = 1.0, rate: float = 1.0
 ) -> tuple[list[float], list[Actuation]]:
     """Return the angles that turn the tractor, rad, and what is told, of measured angles and yaw rates at each sample.
 
-    slower: lag of the wheels per stated lag.
+    slower, rate: lag and rate of the wheels per stated ones.
     """
     predictor, lag = DeadTimePredictor(VEHICLE, articulated(VEHICLE), SAMPLE, per_speed), VEHICLE.steering_lag
-    predictor.known(Actuation(tractor_lag=slower * lag, trailer_lag=slower * lag, tractor_rate=0.4, trailer_rate=0.4))
+    rates = {f"{body}_rate": rate * getattr(VEHICLE, f"{body}_steering_rate") for body in ("tractor", "trailer")}
+    predictor.known(Actuation(tractor_lag=slower * lag, trailer_lag=slower * lag, **rates))
     estimate, turning, told = replace(ESTIMATE, speed=speed), [], []
     for k, (angle, rate) in enumerate(zip(angles, yaw_rates, strict=True)):
         predictor.ahead(estimate)
@@ -129,11 +130,14 @@ def shown(true: float, speed: float, bent: float = 1.0) -> list[Actuation]:
     return steadily(swinging(TIMES) + noise[0], yaw_rates + np.radians(1.0) + noise[1], speed)[1]
 
 
-@pytest.mark.parametrize(("slower", "late"), [(1.0, 0.07), (0.5, 0.07), (2.0, 0.035)])
-def test_the_angle_that_counts_is_the_one_before_the_lag(slower, late) -> None:
+@pytest.mark.parametrize(
+    ("slower", "rate", "late"),
+    [(1.0, 1.0, 0.07), (0.5, 1.0, 0.07), (2.0, 1.0, 0.035), (2.0, 0.25, 0.0175), (1.0, 0.5, 0.035)],
+)
+def test_the_angle_that_counts_is_the_one_before_the_lag(slower, rate, late) -> None:
     """By less where the wheels are slower than stated."""
     angles = 0.05 * TIMES[:20]
-    turning, told = steadily(angles, 20 * [math.nan], 3.5, slower=slower)
+    turning, told = steadily(angles, 20 * [math.nan], 3.5, slower=slower, rate=rate)
     assert told[-1].body_lag == pytest.approx(0.07)
     np.testing.assert_allclose(turning[2:], angles[2:] - 0.05 * late, atol=1e-12)
 

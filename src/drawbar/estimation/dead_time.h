@@ -22,7 +22,8 @@ struct steerings {
 };
 
 struct component {
-    double dead_time, stated_lag;          /* the latter of both actuators, s */
+    double dead_time;                      /* s */
+    double stated_lag, stated_rate;        /* of the front wheels, s, rad/s */
     struct body_lag body;                  /* by how much the tractor turns later than its wheels stand */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double constants[CONSTANTS];           /* of the model with its actuators */
@@ -35,8 +36,8 @@ struct component {
 
 #define COMPONENT_FIELDS                                                                                               \
     SETTING(component, dead_time, 0, 1, 0, 0) SETTING(component, stated_lag, 0, 1, 0, 0)                               \
-    BODY_LAG_FIELDS(component, body) SETTING(component, sign, 0, 1, 0, 0)                                              \
-    SETTING(component, constants, 0, CONSTANTS, 0, 0)
+    SETTING(component, stated_rate, 0, 1, 0, 0) BODY_LAG_FIELDS(component, body)                                       \
+    SETTING(component, sign, 0, 1, 0, 0) SETTING(component, constants, 0, CONSTANTS, 0, 0)
 
 /* From a command until it turns the tractor, s. */
 static inline double ahead_by(const struct component *component)
@@ -142,7 +143,8 @@ int UNIT(sent)(struct component *component, const struct drawbar_command *newest
 int UNIT(measured)(struct component *component, const struct drawbar_estimate *last,
                    struct drawbar_measurement *measurement, struct drawbar_actuation *told)
 {
-    const double share = fmin(component->stated_lag / component->constants[FIRST_LAG], 1.0);
+    const double *const found = component->constants + FIRST_LAG;
+    const double share = fmin(fmin(component->stated_lag / found[0], found[2] / component->stated_rate), 1.0);
 
     body_lag_take(&component->body, last, share, measurement);
     told->body_lag = component->body.lag;

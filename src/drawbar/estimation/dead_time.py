@@ -85,6 +85,7 @@ def found_dead_time_unit(
     settings = {
         "dead_time": vehicle.dead_time,
         "stated_lag": vehicle.steering_lag,
+        "stated_rate": vehicle.tractor_steering_rate,
         "body.per_speed": body_lag_per_speed,
         "body.wheelbase": vehicle.wheelbase,
         "body.sample_time": sample_time,
