@@ -40,7 +40,7 @@ def drive(speed: float, change: Callable[[Measurement], Measurement], *settings:
     [
         ("tractor_steering", 0.5, (), 4.5, 8.0, 0.06),
         ("tractor_steering", 1.0, (), 3.0, 4.0, 0.07),
-        ("tractor_steering", 2.0, (), 1.7, 3.0, 0.12),
+        ("tractor_steering", 2.0, (), 1.7, 3.0, 0.13),
         ("tractor_steering", 1.0, FINE, 1.8, 3.0, 0.07),
         ("tractor_steering", 2.0, FINE, 1.4, 2.0, 0.12),
         ("trailer_steering", 3.0, FINE, 1.8, 4.0, 0.12),
