@@ -114,10 +114,10 @@ REFUSALS_DE: Mapping[str, str] = {
         "durchgegangen: dreht ohne Ansteuerung, {0}°; das Ventil leckt, oder etwas anderes steuert an",
     "runaway: it has turned {}° against the drive; check for a swapped sensor":
         "durchgegangen: {0}° gegen die Ansteuerung gedreht; prüfen, ob der Sensor vertauscht ist",
-    "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; give the tractor's receiver a sensor "
-    "of it (docs/receivers.md)":
+    "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; let the tractor's receiver report it "
+    "(docs/receivers.md)":
         "die Drehrate des Fahrzeugs fehlt: ein hängender Sensor fiele nicht auf; der Empfänger des Traktors "
-        "braucht einen Sensor dafür (docs/receivers.md)",
+        "muss sie melden (docs/receivers.md)",
     "runaway: by its yaw rate the vehicle is steered {}° further than the sensor says; the sensor is stuck or its "
     "lever is loose":
         "durchgegangen: nach der Drehrate lenkt das Fahrzeug um {0}° anders, als der Sensor sagt; der Sensor hängt, "

@@ -80,10 +80,13 @@ static int is_stuck(struct component *actuation, int i, double measured, double 
     const struct lag_bank *bank = &actuation->banks[i];
     still_take(still, measured, bank->angle[bank_likeliest(bank, &actuation->grid)], speed);
     const double least = STUCK_SHARE * actuation->odd, missed = still_missed(still, least) / least;
-    actuation->stuck_for[i] += fmin(missed, STUCK_FAR) * actuation->sample_time;
-    if (missed <= 1.0)
+
+    if (!(missed > 1.0)) {
         actuation->stuck_for[i] = 0.0;
-    return missed > 1.0 && (actuation->stuck_for[i] > actuation->patience || still_unusual(still) >= 1.0);
+        return 0;
+    }
+    actuation->stuck_for[i] += fmin(missed, STUCK_FAR) * actuation->sample_time;
+    return actuation->stuck_for[i] > actuation->patience || still_unusual(still) >= 1.0;
 }
 
 /* Do what can be done before the next measurement. A bank is judged here, one after the other: what the last angles say

@@ -232,8 +232,8 @@ class Calibration:
             return ""
         if not self._curved:
             return (
-                "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; give the tractor's "
-                "receiver a sensor of it (docs/receivers.md)"
+                "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; let the tractor's "
+                "receiver report it (docs/receivers.md)"
             )
         newest = [each for t, each in self._curved if sensed.time - t <= _AVERAGED] or [self._curved[-1][1]]
         mean = sum(newest) / len(newest)
