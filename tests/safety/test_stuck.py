@@ -1,4 +1,7 @@
-"""Sensors that get stuck while driving: how soon a run ends, how far from the line, and that it names the sensor."""
+"""Sensors that get stuck while driving: how soon a run ends, how far from the line, and that it names the sensor.
+
+Run as a program it prints the table of docs/faults.md.
+"""
 
 import math
 from collections.abc import Callable
@@ -35,6 +38,31 @@ def drive(speed: float, change: Callable[[Measurement], Measurement], *settings:
         return simulation.log()
 
 
+def stuck(sensor: str, speed: float, settings: tuple[str, ...]) -> tuple[list[float], list[float]]:
+    """Return how soon six runs end whose sensor gets stuck somewhere, s, and how far off either body has been, m."""
+    times, distances = [], []
+    for seed in range(6):
+        begins, held = round((28.0 + 3.3 * seed) / speed / 0.2) * 0.2, []
+
+        def fail(m: Measurement, begins: float = begins, held: list[float] = held) -> Measurement:
+            if m.time < begins - 0.01:
+                return m
+            held.append(getattr(m, sensor))
+            return replace(m, **{sensor: held[0]})
+
+        log = drive(speed, fail, *settings, seed=seed)
+        assert SENSORS[sensor] in log.outcome.reason
+        errors = true_path_errors(log)
+        times.append(log.records[-1].measurement.time - begins)
+        distances += [float(np.nanmax(np.abs(each.error))) for each in (errors.tractor, errors.trailer)]
+    return times, distances
+
+
+def told(sensor: str, speed: float, times: list[float], distances: list[float]) -> str:
+    """Return the line that says so."""
+    return f"{sensor} {speed:g} m/s: {np.median(times):.1f} ({max(times):.1f}) s; {100.0 * max(distances):.0f} cm"
+
+
 @pytest.mark.parametrize(
     ("sensor", "speed", "settings", "usually", "at_most", "distance"),
     [
@@ -52,24 +80,8 @@ def drive(speed: float, change: Callable[[Measurement], Measurement], *settings:
 def test_a_stuck_sensor_ends_the_run_and_is_named(
     sensor: str, speed: float, settings: tuple[str, ...], usually: float, at_most: float, distance: float
 ) -> None:
-    times, distances = [], []
-    for seed in range(6):
-        begins, held = round((28.0 + 3.3 * seed) / speed / 0.2) * 0.2, []
-
-        def fail(m: Measurement, begins: float = begins, held: list[float] = held) -> Measurement:
-            if m.time < begins - 0.01:
-                return m
-            held.append(getattr(m, sensor))
-            return replace(m, **{sensor: held[0]})
-
-        log = drive(speed, fail, *settings, seed=seed)
-        assert SENSORS[sensor] in log.outcome.reason
-        errors = true_path_errors(log)
-        times.append(log.records[-1].measurement.time - begins)
-        distances += [float(np.nanmax(np.abs(each.error))) for each in (errors.tractor, errors.trailer)]
-    print(
-        f"{sensor} {speed:g} m/s: {np.median(times):.1f} s, at most {max(times):.1f}, {100.0 * max(distances):.0f} cm"
-    )
+    times, distances = stuck(sensor, speed, settings)
+    print(told(sensor, speed, times, distances))
     assert np.median(times) <= usually
     assert max(times) <= at_most
     assert max(distances) <= distance
@@ -112,3 +124,10 @@ def test_of_a_fine_hitch_sensor_few_repetitions_in_motion_are_enough() -> None:
     assert set(statuses(0.001, 0.5 * DEGREE)) == {0}  # it hardly moves
     assert set(statuses(1.5 * DEGREE, 1.5 * DEGREE)) == {0}  # it moves within the sensor's resolution
     assert set(statuses(0.001, 1.5 * DEGREE, count=45, stuck=30)) == {0}  # the sensor is not known yet
+
+
+if __name__ == "__main__":
+    for which, how in (("tractor_steering", FINE), ("trailer_steering", FINE), ("hitch_angle", ())):
+        for fineness in dict.fromkeys(((), how)):
+            for fast in (0.5, 1.0, 2.0, 3.0):
+                print("fine" if fineness else "usual", told(which, fast, *stuck(which, fast, fineness)), flush=True)
