@@ -68,6 +68,74 @@ def test_a_steering_that_moves_away_is_reversed(sign):
     assert not off.stuck
 
 
+def stands_off(off, slow=lambda t: 0.0):
+    """Return what is said of a steering that is so far (degrees) off the set point that it follows, then rests.
+
+    It moves away from straight by 2° within 1 s, then back, and rests there; its set point goes on by `slow`.
+    """
+
+    def angle(t):
+        return math.copysign(max(2.0 - 2.0 * abs(t - 1.0), 0.0), off)
+
+    return followed(lambda t: angle(t) + off, lambda t: angle(t) - slow(max(t - 2.0, 0.0)), 6.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_has_followed_while_it_stood_off_may_be_further_off_by_that(sign):
+    def further(by):
+        return lambda t: sign * by * min(t, 1.0)
+
+    assert not stands_off(sign * 2.3, further(2.2)).stuck, "2.3° off, then 2.2 further, which is not 2.33"
+    assert stands_off(sign * 2.3, further(2.4)).stuck
+    assert stands_off(sign * 1.2, further(2.4)).stuck
+    assert not stands_off(sign * 1.2, further(2.2)).stuck
+    assert stands_off(sign * 3.0, further(1.7)).stuck, "no more than 2.33° is forgiven"
+    assert not stands_off(sign * 3.0, further(1.6)).stuck
+
+    def rests(t):
+        return sign * (3.0 if t > 0.5 else 0.0)
+
+    assert followed(lambda t: 0.0, rests, 3.2).stuck, "it has gone nowhere: nothing is forgiven"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_stands_off_and_is_stuck_far_off_is_seen_as_soon(sign):
+    def angle(t):
+        return sign * (3.0 + min(t, 1.0))
+
+    def stuck(gap, seconds):
+        return followed(angle, lambda t: sign * (min(t, 1.0) - (gap - 3.0 if t > 1.0 else 0.0)), seconds).stuck
+
+    assert stuck(5.9, 1.7)
+    assert not stuck(5.9, 1.5), "not yet for long enough"
+    assert not stuck(5.8, 3.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_follows_is_forgiven_nothing(sign):
+    def stuck(angle, set_point, until, gap=3.6):
+        """Return whether it is stuck 0.65 s after it stays, so far from its set point."""
+        rest = angle(until)
+        return followed(
+            lambda t: sign * (angle(t) if t <= until else rest),
+            lambda t: sign * (set_point(t) if t <= until else rest + gap),
+            until + 0.65,
+        ).stuck
+
+    assert stuck(lambda t: 3.0 * t, lambda t: 3.0 * t + 2.0, 1.5), "it goes towards its set point"
+    assert stuck(lambda t: t, lambda t: t - (2.0 if t > 0.5 else -2.0), 1.0), "it goes on for a moment of dead time"
+    assert stuck(lambda t: 0.7 * t, lambda t: 0.7 * t - 2.0, 1.5), "it hardly moves"
+    assert stuck(lambda t: 2.0 * min(t, 0.4) - max(t - 0.4, 0.0), lambda t: -2.0, 0.61), "it has turned round"
+
+
+def test_how_far_it_stands_off_is_forgotten_as_well():
+    following = stands_off(2.3)
+    following.reset()
+    for tick in range(14):
+        following.add(6.0 + 0.05 * tick, 3.6 * DEGREE, 0.0, 6.0 + 0.05 * tick)
+    assert following.stuck
+
+
 def test_what_was_seen_stays_until_it_is_forgotten():
     following = followed(lambda t: 0.0, lambda t: 5.0)
     following.add(2.05, 0.0, 0.0, 2.05)

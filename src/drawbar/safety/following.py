@@ -6,6 +6,10 @@ rests: a steering that always stands off moves as its set point does, one within
 point is on the same side all the time, and which goes away from it, and still does, is reversed; the last because a
 steering with dead time goes on for a moment after its set point has changed sides.
 
+One that goes away from its set point for as long as a stuck one rests, and still does, is told more than is measured:
+it follows, and stands off. How far it does is remembered, and it may be further off by that, within a bound, before it
+is stuck. A steering that is stuck goes nowhere, and a sound one goes towards its set point: neither is forgiven any.
+
 An angle that goes further from one reading to the next than any steering turns, and stays there, is that of a sensor
 that has slipped: the board's own loop has followed it.
 """
@@ -17,7 +21,8 @@ from statistics import fmean
 from drawbar.safety.settings import DriveSettings
 
 _LONGER, _NEARER, _STILLER = 4.0, 2.0 / 3.0, 0.2
-"""time, distance and movement of a stuck steering that is less far off, as shares of those in the settings"""
+"""time, distance and movement of a stuck steering that is less far off, as shares of those in the settings; that
+distance is also the most by which one that stands off is forgiven"""
 _ASIDE = math.radians(1.0)
 """a set point so far from the measured angle is on one side of it for certain, rad"""
 _LATEST = 0.12
@@ -38,6 +43,7 @@ class Following:
         """Forget: the steering is not asked for anything."""
         self._samples.clear()
         self._read, self._leapt = (math.nan, math.nan), False  # the newest reading: s, rad
+        self._off = 0.0  # how far it stands off its set point while it follows, rad
         self.stuck = self.reversed = self.jumped = False
 
     def add(self, time: float, set_point: float, measured: float, read: float) -> None:
@@ -47,8 +53,8 @@ class Following:
         self._samples.append((time, set_point - measured, measured))
         while len(self._samples) > 1 and time - self._samples[1][0] > self._longest:
             self._samples.popleft()
-        moved, _ = self._moved(settings.stuck_time, settings.stuck_angle)
-        self.stuck |= moved < settings.stuck_move or self._rests()
+        self._learn()
+        self.stuck |= self._rests()
         moved, apart = self._moved(settings.reversed_time, _ASIDE)
         # what stays apart by the same moves away only because its set point does
         self.reversed |= max(moved, -apart) < -settings.reversed_angle and self._moved(_LATEST, _ASIDE)[0] < 0.0
@@ -62,10 +68,18 @@ class Following:
         self.jumped |= self._leapt and not leaps
         self._leapt = leaps and not self._leapt
 
+    def _learn(self) -> None:
+        """Learn how far it stands off, where it goes away from a set point that is on one side of it all the time."""
+        time, apart, move = self._settings.stuck_time, self._settings.stuck_angle, self._settings.stuck_move
+        if self._moved(time, 0.0)[0] <= -move and self._moved(_LATEST, 0.0)[0] < 0.0:
+            self._off = min(fmean(abs(gap) for _, gap, _ in self._window(time)), _NEARER * apart)
+
     def _rests(self) -> bool:
         """Return whether it hardly moved while it was far from its set point, or rested while it was less far."""
         time, apart, move = self._settings.stuck_time, self._settings.stuck_angle, self._settings.stuck_move
-        return self._stays(time, apart, move) or self._stays(_LONGER * time, _NEARER * apart, _STILLER * move)
+        far, less_far = apart + self._off, _NEARER * apart + self._off
+        hardly = self._moved(time, far)[0] < move or self._stays(time, far, move)
+        return hardly or self._stays(_LONGER * time, less_far, _STILLER * move)
 
     def _stays(self, span: float, least: float, move: float) -> bool:
         """Return whether it moved less either way over a span while it was so far from its set point, on the average.

@@ -31,9 +31,14 @@ class Actuation:
         return self.steering if self.speed is None else [*self.steering, self.speed]
 
     @property
+    def bodies(self) -> tuple[SteeringReport | None, SteeringReport | None]:
+        """Those of the steering of tractor and trailer."""
+        return (self.tractor, self.trailer)
+
+    @property
     def steering(self) -> list[SteeringReport | SpeedReport]:
         """Those of the steering actuators that there are."""
-        return [report for report in (self.tractor, self.trailer) if report is not None]
+        return [report for report in self.bodies if report is not None]
 
     @property
     def angles(self) -> tuple[float, float]:

@@ -135,18 +135,14 @@ class Gate:
         troubles.device |= self.wires.failed
 
     def _ask_switches(self, actuation: Actuation) -> None:
-        for actuator, report in enumerate((actuation.tractor, actuation.trailer)):
+        for actuator, report in enumerate(actuation.bodies):
             self._desk.switch(actuator, None if report is None else report.switch)
 
     def _causes(self, now: float, actuation: Actuation) -> tuple[Cause, ...]:
         reports = actuation.reports
         lost = any(index in self._taken and not report.engaged for index, report in enumerate(self._asked(actuation)))
-        seen = self.watch.observe(
-            now,
-            self.engagement.state,
-            (actuation.tractor, actuation.trailer),
-            tuple(report.readiness for report in reports),
-        )
+        readiness = tuple(report.readiness for report in reports)
+        seen = self.watch.observe(now, self.engagement.state, actuation.bodies, readiness)
         observation = replace(
             seen,
             clips=self._clips_in_a_row,
@@ -191,12 +187,10 @@ class Gate:
 
     def _tell(self, now: float, actuation: Actuation) -> None:
         steers, speed, angles = self.engagement.steers, self.watch.speeds.last, self._envelope.angles
-        tractor = SteeringRequest(steer=steers, angle=angles[0], speed=speed)
-        trailer = SteeringRequest(steer=steers, angle=angles[1], speed=speed)
+        tractor, trailer = (SteeringRequest(steer=steers, angle=angle, speed=speed) for angle in angles)
         if not self.wires.send(now, (tractor, trailer), self._speed_request(now)):
             self.watch.troubles.unsent = now
-        reports = actuation.tractor, actuation.trailer
-        for following, report, angle in zip(self._followings, reports, angles, strict=True):
+        for following, report, angle in zip(self._followings, actuation.bodies, angles, strict=True):
             # some actuators do not move while the vehicle stands
             if steers and report is not None and report.engaged and abs(speed) >= self._settings.engage.speed:
                 following.add(now, angle, report.angle, report.angle_time)

@@ -12,6 +12,7 @@ from drawbar.transports.base import CanBus, Transport
 
 Result = TypeVar("Result")
 Given = ParamSpec("Given")
+Report = TypeVar("Report", SteeringReport, SpeedReport)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,22 +77,20 @@ class Wires:
 
     def steering(self, time: float) -> tuple[SteeringReport | None, SteeringReport | None]:
         """Return what is known of the steering of tractor and trailer; None: there is no such actuator."""
-        tractor, trailer = ([getattr(wire, body) for wire in self._wires] for body in ("tractor", "trailer"))
-        return self._report(time, tractor), self._report(time, trailer)
+        return self._report(time, "tractor", SteeringReport()), self._report(time, "trailer", SteeringReport())
 
     def speed(self, time: float) -> SpeedReport | None:
         """Return what is known of the speed actuator; None: there is none."""
-        device = next((wire.speed for wire in self._wires if wire.speed is not None), None)
-        return None if device is None else self._guarded(device.report, time) or SpeedReport()
+        return self._report(time, "speed", SpeedReport())
 
     def close(self) -> None:
         """Give all devices back."""
         for wire in self._wires:
             self._guarded(wire.transport.close)
 
-    def _report(self, time: float, devices: list[SteeringActuator[Any] | None]) -> SteeringReport | None:
-        device = next((device for device in devices if device is not None), None)
-        return None if device is None else self._guarded(device.report, time) or SteeringReport()
+    def _report(self, time: float, name: str, unknown: Report) -> Report | None:
+        device = next((each for wire in self._wires if (each := getattr(wire, name)) is not None), None)
+        return None if device is None else self._guarded(device.report, time) or unknown
 
     def _guarded(self, call: Callable[Given, Result], *args: Given.args, **names: Given.kwargs) -> Result | None:
         """Return the result of a call; where it raises, None, and it is said, once for each kind of error."""
