@@ -1,6 +1,8 @@
 """A small experiment on a short path, and one local cluster for the whole session."""
 
+import resource
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import dask
@@ -35,6 +37,22 @@ def cluster() -> Iterator[Client]:
     # a worker's death fails its call at once: Dask may leave workers that die in quick succession dead
     with dask.config.set({"distributed.scheduler.allowed-failures": 0}), open_cluster(jobs=2) as client:
         yield client
+
+
+@pytest.fixture
+def room() -> Callable[[int], AbstractContextManager[None]]:
+    """Return what lets no file grow beyond so many bytes in a context, as on a disk that becomes full."""
+
+    @contextmanager
+    def limited(size: int) -> Iterator[None]:
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+    return limited
 
 
 @pytest.fixture

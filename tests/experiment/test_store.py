@@ -1,10 +1,12 @@
 """Finished results on disk: whole, never stale."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import DrawbarError, StorageError
 from drawbar.experiment.store import ResultStore
 from drawbar.experiment.task import Result, Task
 
@@ -33,6 +35,17 @@ def test_results_of_other_code_are_forgotten(
     monkeypatch.setattr("drawbar.experiment.store.source_digest", lambda: "another")
     assert ResultStore(tmp_path).get(short_task) is None
     assert [folder.name for folder in tmp_path.iterdir()] == ["another"]
+
+
+def test_a_result_that_cannot_be_kept_is_told_with_its_file_and_the_cause(
+    tmp_path: Path, short_task: Task, short_result: Result, room: Callable[[int], AbstractContextManager[None]]
+) -> None:
+    store = ResultStore(tmp_path)
+    with room(100), pytest.raises(StorageError, match=r"msgpack: cannot be written \(.+\); free space"):
+        store.put(short_task, short_result)
+    assert not list(tmp_path.glob("*/*"))
+    store.put(short_task, short_result)
+    assert store.get(short_task) is not None
 
 
 def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:

@@ -100,6 +100,18 @@ def test_an_export_that_fails_leaves_the_earlier_one(drawbar: Drawbar, tmp_path,
     assert left_behind(tmp_path / "library") == before
 
 
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), CompilerError("refused")])
+def test_an_export_that_ends_early_leaves_no_folder(drawbar: Drawbar, tmp_path, monkeypatch, error) -> None:
+    def ended(_target: Target, _folder: Path) -> None:
+        raise error
+
+    monkeypatch.setattr(export, "build_target", ended)
+    (tmp_path / "mine").mkdir()
+    for folder in ("new/library", "mine/library"):
+        assert drawbar("articulated", "--out", folder, "--target", "cortex-m7")[0] in (2, 130)
+    assert [each.name for each in tmp_path.rglob("*")] == ["mine"]
+
+
 REFUSED = {
     "no folder": ((), "--out"),
     "unknown target": (("--out", "library", "--target", "sparc"), "'sparc'"),

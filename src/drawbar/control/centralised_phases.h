@@ -66,13 +66,10 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     return status;
 }
 
-/* Shift the plan by one sample and linearise along it. */
+/* Make the next sample's problem. */
 int UNIT(ready)(struct component *component)
 {
-    WATCHED(WATCHED_SHIFT, rti_shift(&component->rti));
-    WATCHED(WATCHED_PREPARE, rti_prepare(&component->rti));
-    iteration_judge(&component->centralised.iteration, &component->rti);
-    return SOLVED;
+    return iteration_ready(&component->centralised.iteration, &component->rti);
 }
 
 /* Let samples pass that were left out: the plan goes on, but where the model gets is not known. */

@@ -1,12 +1,13 @@
 /* Iteration of a controller's solver from sample to sample: started anew where it must be, and judged. Around the
  * solver's phases:
  *
- *     feedback: iteration_enter, rti_feedback, iteration_leave; preparation: rti_shift, rti_prepare, iteration_judge
+ *     feedback: iteration_enter, rti_feedback, iteration_leave; preparation: iteration_ready
  */
 #ifndef DRAWBAR_ITERATION_H
 #define DRAWBAR_ITERATION_H
 
 #include "rti.h"
+#include "unit.h"
 
 #define TORN 0.5                           /* gap in a plan, m or rad, from which on a full step cannot be believed */
 
@@ -49,16 +50,19 @@ static inline int iteration_leave(struct iteration *iteration, const struct rti 
     return iteration->torn ? CHECK_FAILED : solver->status;
 }
 
-/* Look at the plan along which the solver is linearised. One whose intervals do not nearly meet is none: the next one
+/* Shift the plan by one sample and linearise along it. One whose intervals do not nearly meet is none: the next one
  * starts afresh, and says so in its status. */
-static inline void iteration_judge(struct iteration *iteration, const struct rti *solver)
+static inline int iteration_ready(struct iteration *iteration, struct rti *solver)
 {
     const double *gaps = &solver->qp.c[0][0];
 
+    WATCHED(WATCHED_SHIFT, rti_shift(solver));
+    WATCHED(WATCHED_PREPARE, rti_prepare(solver));
     iteration->torn = 0;
     for (int i = 0; i < N * NX; ++i)
         iteration->torn |= !(fabs(gaps[i]) <= TORN);
     iteration->usable &= !iteration->torn;
+    return SOLVED;
 }
 
 /* Where the model gets by the first sample's state, input and parameters: F(x_0, u_0, p_0), NX values. Between feedback

@@ -9,6 +9,7 @@ import msgspec
 from drawbar.benchmark.figures import machine
 from drawbar.experiment.elements import Element, markdown_table
 from drawbar.experiment.measured import REPORT_NAME, MeasuredExperiment
+from drawbar.experiment.writing import writing
 
 RESULTS_NAME = "results.md"
 SUMMARY_NAME = "summary.json"
@@ -43,9 +44,11 @@ def write_results(measured: MeasuredExperiment, elements: Sequence[Element]) -> 
     title = f"# {measured.experiment.settings.title}"
     origin = f"Made by `drawbar experiment {folder.name}`; [README.md](README.md) says what is compared."
     text = "\n\n".join([title, origin, *_sections(measured, elements)])
-    (folder / RESULTS_NAME).write_text(f"{text}\n", "utf-8")
+    with writing(file := folder / RESULTS_NAME):
+        file.write_text(f"{text}\n", "utf-8")
     content = msgspec.json.format(msgspec.json.encode(_summary(measured)), indent=2)
-    (folder / SUMMARY_NAME).write_bytes(content + b"\n")
+    with writing(file := folder / SUMMARY_NAME):
+        file.write_bytes(content + b"\n")
 
 
 def _summary(measured: MeasuredExperiment) -> Summary:
@@ -72,7 +75,8 @@ def write_report(folder: Path) -> None:
     }
     blocks = ["# Experiments", "Made by `drawbar experiment`, anew after each of them; do not edit."]
     blocks += [*_opening(summaries.values()), "## All experiments", _overview(summaries), _machines(summaries.values())]
-    (folder / REPORT_NAME).write_text("\n\n".join(blocks) + "\n", "utf-8")
+    with writing(file := folder / REPORT_NAME):
+        file.write_text("\n\n".join(blocks) + "\n", "utf-8")
 
 
 def _opening(summaries: Iterable[Summary]) -> list[str]:

@@ -9,6 +9,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from drawbar.experiment.writing import writing
 from drawbar.report import style
 
 _LOOK: dict[Any, Any] = {
@@ -60,7 +61,8 @@ class Table:
 
     def write(self, folder: Path) -> None:
         """Write the CSV file into the folder."""
-        with (folder / f"{self.name}.csv").open("w", encoding="utf-8", newline="") as stream:
+        file = folder / f"{self.name}.csv"
+        with writing(file), file.open("w", encoding="utf-8", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([self.header, *self.rows])
 
     def markdown(self) -> str:
@@ -85,7 +87,8 @@ class Picture:
         with rc_context(_LOOK):
             figure = Figure(figsize=self.size, layout="constrained")
             self.draw(figure)
-            figure.savefig(folder / f"{self.name}.svg", metadata={"Date": None, "Creator": None})
+            with writing(file := folder / f"{self.name}.svg"):
+                figure.savefig(file, metadata={"Date": None, "Creator": None})
 
     def markdown(self) -> str:
         """Return the picture with its caption."""

@@ -8,6 +8,7 @@ import msgspec
 
 from drawbar.errors import DrawbarError
 from drawbar.experiment.task import Result, Task, decode_result, encode_result, source_digest
+from drawbar.experiment.writing import writing
 
 
 class ResultStore:
@@ -37,12 +38,19 @@ class ResultStore:
             return None
 
     def put(self, task: Task, result: Result) -> None:
-        """Keep the result of a task; a process killed meanwhile leaves no half of it."""
+        """Keep the result of a task; a process killed meanwhile leaves no half of it.
+
+        Raises StorageError: it cannot be written.
+        """
         file = self._file(task)
         part = file.with_suffix(f".{os.getpid()}")
-        self._folder.mkdir(parents=True, exist_ok=True)  # drawbar with other code may have deleted it meanwhile
-        part.write_bytes(encode_result(result))
-        os.replace(part, file)
+        with writing(file):
+            self._folder.mkdir(parents=True, exist_ok=True)  # drawbar with other code may have deleted it meanwhile
+            try:
+                part.write_bytes(encode_result(result))
+                os.replace(part, file)
+            finally:
+                part.unlink(missing_ok=True)
 
     def _file(self, task: Task) -> Path:
         return self._folder / f"{task.key}.msgpack"

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import astuple
 from pathlib import Path
 from typing import Any
@@ -60,6 +61,7 @@ def export_library(
         "example/measurements.csv": measurement_table(record(simulation)),
     }
     unfinished = folder / _UNFINISHED
+    new = [each for each in (folder, *folder.parents) if not each.exists()]
     try:
         shutil.rmtree(unfinished, ignore_errors=True)
         for name, text in files.items():
@@ -72,6 +74,9 @@ def export_library(
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
+        with suppress(OSError):  # they are not empty: the export is whole
+            for each in new:
+                each.rmdir()
 
 
 def _require_room(folder: Path) -> None:

@@ -8,7 +8,7 @@ A killed process leaves a last chunk that says it is endless: readers (stream.py
 
 import struct
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from io import SEEK_END, BytesIO
 from typing import BinaryIO
 
@@ -44,6 +44,8 @@ BESIDE, VOID = 0x80, 0x81
 """operation codes, of those that are left to applications: of records that stand behind the chunks of older logs, with
 columns for the report; and of one that tells nothing"""
 COMPRESSION = "zstd"
+Message = tuple[bytes, int, int, int]
+"""data, sequence, and the times when it was measured and written, ns"""
 LEVEL = -10
 """of the compression: of what a step holds this leaves three quarters for a fifth of the time that level 1 takes for
 three fifths"""
@@ -55,7 +57,8 @@ _COMPRESSED = struct.Struct("<Q")
 """size compressed"""
 _HEADED = CHUNK_HEAD.size + _COMPRESSED.size - FRAME.size
 _MESSAGE = struct.Struct("<BQHIQQ")
-_MESSAGE_SIZE = _MESSAGE.size
+_AROUND = _MESSAGE.size - FRAME.size
+"""bytes of a message's content beside its data"""
 _MESSAGE_CODE = int(Opcode.MESSAGE)  # looking up a member of the enumeration is slow, and messages are many
 
 
@@ -112,16 +115,18 @@ class ChunkedWriter:
         offset, length = self._put(Metadata(name=name, metadata=dict(data)))
         self._indices[Opcode.METADATA_INDEX].append(MetadataIndex(offset=offset, length=length, name=name))
 
-    def add_message(
-        self, channel: int, data: bytes, *, sequence: int, log_time: int, publish_time: int, before: bytes = b""
-    ) -> None:
-        """Append a message of data, behind what comes before it, times in ns; it may stay in memory until flush()."""
-        if self._chunk is None:
-            self._chunk = _Chunk(self._stream, self._compressor, self._records)
-        size = _MESSAGE_SIZE + len(before) + len(data)
-        head = _MESSAGE.pack(_MESSAGE_CODE, size - FRAME.size, channel, sequence, log_time, publish_time)
-        if self._chunk.add((head, before, data), size, channel, log_time) >= CHUNK_BYTES:
-            self._end_chunk()
+    def add_message(self, channel: int, data: bytes, *, sequence: int, log_time: int, publish_time: int) -> None:
+        """Append a message; it may stay in memory until flush(). Times in ns."""
+        self.add_messages(channel, [(data, sequence, log_time, publish_time)])
+
+    def add_messages(self, channel: int, messages: Sequence[Message], *, before: bytes = b"") -> None:
+        """Append messages, the same bytes before the data of each; they may stay in memory until flush()."""
+        while messages:
+            if self._chunk is None:
+                self._chunk = _Chunk(self._stream, self._compressor, self._records)
+            messages = messages[self._chunk.add(channel, messages, before) :]
+            if self._chunk.size >= CHUNK_BYTES:
+                self._end_chunk()
 
     def flush(self) -> None:
         """Let all that was added reach the operating system."""
@@ -223,13 +228,19 @@ class _Chunk:
         self.size = 0
         """bytes, uncompressed"""
 
-    def add(self, record: Iterable[bytes], size: int, channel: int, log_time: int) -> int:
-        """Append a message by the pieces of its record, size bytes in all; return the chunk's size."""
-        begin = self.size
-        self._records.writelines(record)
-        self.size = begin + size
-        self._messages.setdefault(channel, []).extend((log_time, begin))
-        return self.size
+    def add(self, channel: int, messages: Iterable[Message], before: bytes) -> int:
+        """Append messages until the chunk is full; return how many."""
+        pieces, places, size = list[bytes](), self._messages.setdefault(channel, []), self.size
+        for data, sequence, log_time, publish_time in messages:
+            length = _AROUND + len(before) + len(data)
+            pieces += _MESSAGE.pack(_MESSAGE_CODE, length, channel, sequence, log_time, publish_time), before, data
+            places += log_time, size
+            size += FRAME.size + length
+            if size >= CHUNK_BYTES:
+                break
+        self._records.writelines(pieces)
+        self.size = size
+        return len(pieces) // 3
 
     @property
     def is_begun(self) -> bool:
@@ -257,7 +268,7 @@ class _Chunk:
         with self._records.getbuffer() as records:
             content = self._compressor.compress(self._by_channel(records[: self.size]))
         head = _chunk_head(_HEADED + len(COMPRESSION) + len(content), span, self.size, COMPRESSION, len(content))
-        start = self._put(head + content)
+        start = self._put(head, content)
         behind = start + len(head) + len(content)
         indices, offsets = list[bytes](), {}
         for channel, entries in self._messages.items():
@@ -289,13 +300,13 @@ class _Chunk:
                 entries[i], place = place, place + FRAME.size + length
         return b"".join(together)
 
-    def _put(self, record: bytes) -> int:
+    def _put(self, head: bytes, content: bytes) -> int:
         """Write the complete chunk; return where it begins."""
         if self.is_begun:
             self.flush()  # what takes its place is shorter then, and nothing stays void
-            return _replace(self._stream, self._start, record)
+            return _replace(self._stream, self._start, head + content)
         start = self._stream.tell()
-        self._stream.write(record)
+        self._stream.writelines((head, content))
         return start
 
 

@@ -23,9 +23,8 @@ _LATEST = 2**64 - 1
 STEP_NAME, DEFINITION, CDR = "drawbar/msg/StepRecord", "ros2msg", "cdr"
 """name of a step's schema, how that is written, and how a step is"""
 _HELD_BACK = 20_000_000
-"""how long a step may wait before it reaches the operating system, ns"""
-_TOGETHER = 128
-"""most steps that wait: adding them in a go is quicker than one by one between other work"""
+"""how long a step may wait before it reaches the operating system, ns; adding those of a fast simulation in a go is
+quicker than one by one between other work"""
 
 
 class Recorder:
@@ -79,15 +78,13 @@ class Recorder:
             StorageError: it cannot be written; what was flushed before is.
             SignalError: the record holds what is no number.
         """
-        data, now = packed(record), time.monotonic_ns()
+        data, now = packed(record), time.time_ns()
+        self._waiting.append((data, record.step, record.measurement.time, now))
         try:
             if not self._channel:
                 self._channel = self._open_steps(len(record.plan.tractor.steerings))
-            self._waiting.append((data, record.step, record.measurement.time, time.time_ns()))
-            is_due = now - self._flushed >= _HELD_BACK
-            if is_due or len(self._waiting) >= _TOGETHER:
+            if abs(now - self._flushed) >= _HELD_BACK:
                 self._hand_over()
-            if is_due:
                 self._writer.flush()
                 self._flushed, self._kept = now, self._steps
         except OSError as error:
@@ -96,15 +93,8 @@ class Recorder:
     def _hand_over(self) -> None:
         """Give the writer the steps that wait."""
         waiting, self._waiting = self._waiting, []
-        for data, step, seconds, wall in waiting:
-            self._writer.add_message(
-                self._channel,
-                data,
-                before=HEAD,
-                sequence=step,
-                log_time=self._log_time(seconds),
-                publish_time=wall,
-            )
+        messages = [(data, step, self._log_time(seconds), wall) for data, step, seconds, wall in waiting]
+        self._writer.add_messages(self._channel, messages, before=HEAD)
         self._steps += len(waiting)
 
     def _open_steps(self, stages: int) -> int:

@@ -4,14 +4,15 @@ import math
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
 import optuna
 import pytest
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import DrawbarError, StorageError
 from drawbar.experiment.cluster import Failure
 from drawbar.experiment.tuning.parameters import Parameter, Values
 from drawbar.experiment.tuning.study import BATCH, Score, Trial, front, importances, open_study, search, told
@@ -98,6 +99,17 @@ def test_a_killed_search_goes_on_as_if_it_had_not_been_killed(thirty: list[Trial
 
     assert told(run(file, 30, evaluate=evaluate)) == thirty
     assert drawn == list(range(2 * BATCH, 30))
+
+
+def test_a_search_on_a_full_disk_names_the_journal_and_goes_on_once_there_is_room(
+    thirty: list[Trial], tmp_path: Path, room: Callable[[int], AbstractContextManager[None]]
+) -> None:
+    file = tmp_path / "journal"
+    run(file, BATCH)
+    with room(file.stat().st_size + 700), pytest.raises(StorageError, match=r"journal: cannot be written \(.+\); free"):
+        run(file, 30)
+    assert file.read_bytes().endswith(b"}\n")
+    assert told(run(file, 30)) == thirty
 
 
 def test_more_trials_go_on_where_fewer_stopped(thirty: list[Trial], tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
-"""Hostile problems, all classes tried with drawbar and its peers: `python -m drawbar.benchmark.hostile [PROBLEMS]`."""
+"""Hostile problems, all classes tried with drawbar and its peers: `python -m drawbar.benchmark.hostile`."""
 
-import sys
+from argparse import ArgumentParser
 
 from drawbar.benchmark.hostile.collection import CLASSES
 from drawbar.benchmark.hostile.solvers import SOLVERS
@@ -11,9 +11,12 @@ PROBLEMS = 20_000
 
 
 def main() -> None:
-    """Try about as many problems as the first argument says, the same number of each class."""
-    problems = int(sys.argv[1]) if len(sys.argv) > 1 else PROBLEMS
-    Output().print(hostile_table(all_verdicts(-(-problems // len(CLASSES)), list(SOLVERS))))
+    """Try the same number of problems of each class."""
+    parser = ArgumentParser(prog="python -m drawbar.benchmark.hostile", description=main.__doc__)
+    parser.add_argument("problems", type=int, nargs="?", default=PROBLEMS, help="about how many in all (20000)")
+    parser.add_argument("--first", type=int, default=0, help="number of each class's first problem (0): others again")
+    given = parser.parse_args()
+    Output().print(hostile_table(all_verdicts(-(-given.problems // len(CLASSES)), list(SOLVERS), given.first)))
 
 
 main()

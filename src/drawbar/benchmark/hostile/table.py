@@ -24,9 +24,9 @@ def verdicts(name: str, count: int, solvers: Sequence[str], first: int = 0) -> l
     ]
 
 
-def all_verdicts(count: int, solvers: Sequence[str]) -> dict[str, list[Verdicts]]:
-    """Return the verdicts of `count` problems of every class, by class."""
-    return {name: verdicts(name, count, solvers) for name in track(CLASSES, "hostile problems", transient=True)}
+def all_verdicts(count: int, solvers: Sequence[str], first: int = 0) -> dict[str, list[Verdicts]]:
+    """Return the verdicts of problems `first` to `first + count` of every class, by class."""
+    return {name: verdicts(name, count, solvers, first) for name in track(CLASSES, "hostile problems", transient=True)}
 
 
 def share_of_peers(found: Iterable[Verdicts], solver: str) -> tuple[int, int]:

@@ -14,6 +14,7 @@ from drawbar.experiment.tuning.comparison import Candidate, Comparison
 from drawbar.experiment.tuning.parameters import SearchSpace, to_toml
 from drawbar.experiment.tuning.pictures import draw_front, draw_parameters, picture_height
 from drawbar.experiment.tuning.study import Score, Trial, front
+from drawbar.experiment.writing import writing
 from drawbar.report.tables import number
 from drawbar.terminal import FittedTable
 
@@ -38,7 +39,8 @@ def write_findings(folder: Path, findings: Findings) -> Path:
     for element in elements:
         element.write(folder)
     file = folder / RESULTS_NAME
-    file.write_text("\n\n".join(["# Tuning", *(element.markdown() for element in elements)]) + "\n", "utf-8")
+    with writing(file):
+        file.write_text("\n\n".join(["# Tuning", *(element.markdown() for element in elements)]) + "\n", "utf-8")
     return file
 
 

@@ -7,10 +7,12 @@ of its own: the same seed gives the same study, however many processes there are
 """
 
 import math
+import os
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import optuna
@@ -24,6 +26,7 @@ from optuna.trial import FrozenTrial, TrialState
 from drawbar.errors import DrawbarError
 from drawbar.experiment.cluster import Failure
 from drawbar.experiment.tuning.parameters import Parameter, Values
+from drawbar.experiment.writing import writing
 
 BATCH = 8
 """trials that are drawn before any of them is measured"""
@@ -65,6 +68,21 @@ Evaluate = Callable[[Sequence[tuple[int, Values]]], Sequence[Score | Failure]]
 """scores a batch of numbered trials, in their order"""
 
 
+class _Journal(JournalFileBackend):
+    """Optuna's journal in a file; of what a full disk cut off nothing stays, which would make the file unreadable."""
+
+    def append_logs(self, logs: list[dict[str, Any]]) -> None:
+        """Append records. Raises StorageError: they cannot be written."""
+        file = Path(self._file_path)
+        with writing(file):
+            size = file.stat().st_size
+            try:
+                super().append_logs(logs)
+            except OSError:
+                os.truncate(file, size)
+                raise
+
+
 def open_study(file: Path, name: str) -> optuna.Study:
     """Create the study of this name in Optuna's journal file, or find it there.
 
@@ -72,7 +90,7 @@ def open_study(file: Path, name: str) -> optuna.Study:
     """
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     try:
-        storage = JournalStorage(JournalFileBackend(str(file)))
+        storage = JournalStorage(_Journal(str(file)))
         return optuna.create_study(
             storage=storage, study_name=name, directions=["minimize"] * len(_OBJECTIVES), load_if_exists=True
         )
