@@ -1,20 +1,26 @@
 """The tutorial's examples run, do what the tutorial says, and are what the tutorial shows; other scripts run."""
 
 import importlib.util
+import itertools
+import math
 import re
 import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
 
 from drawbar import build_autopilot, build_path, drive, read_log, replay
+from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats, nearest_branch
 from drawbar.optimal import ControlSolver, EstimationSolver
-from drawbar.signals import SolverStatus
+from drawbar.signals import Measurement, SolverStatus
 from drawbar.vehicle.model import integrate
 
 ROOT = Path(__file__).parents[1]
@@ -233,6 +239,52 @@ def test_the_own_machine_truly_stays_on_its_line_and_is_stopped(seed: int) -> No
     assert np.abs(errors).max() < 0.08
     assert machine.clock == pytest.approx(7060.0, abs=3.0)
     assert machine.wanted[2] == 0.0
+
+
+def _end_of(alter: Callable[[Measurement, int], Any]) -> DrawbarError:
+    """Return with what a drive of the own machine ends whose measurements are altered, given how many there were."""
+    example, count = _imported(OWN_MACHINE), itertools.count()
+
+    class Altered(example.OwnMachine):  # type: ignore[misc,name-defined]
+        def read(self) -> Any:
+            return alter(super().read(), next(count))
+
+    path, autopilot = build_path(example.CONFIGURATION)[0], build_autopilot(example.CONFIGURATION)
+    autopilot.begin(path)
+    with pytest.raises(DrawbarError) as raised:
+        list(drive(Altered(), autopilot, time_limit=60.0))
+    return raised.value
+
+
+def _row(begins: str) -> str:
+    """Return what the page's table says of a machine."""
+    (row,) = (line for line in ITS_PAGE.read_text("utf-8").splitlines() if line.startswith(f"| {begins}"))
+    return row
+
+
+NAN = math.nan
+FAILS: dict[str, Callable[[Measurement, int], Any]] = {
+    "returns something else": lambda measurement, count: None,
+    "returns a text": lambda measurement, count: replace(measurement, speed="1.0"),
+    "has no position": lambda measurement, count: replace(measurement, tractor_x=NAN),
+    "repeats a time stamp": lambda measurement, count: replace(measurement, time=7000.0 + 0.2 * min(count, 20)),
+    "reports steering angles": lambda measurement, count: replace(
+        measurement, tractor_steering=-measurement.tractor_steering
+    ),
+}
+
+
+@pytest.mark.parametrize("row", FAILS)
+def test_the_page_names_the_error_of_a_machine_that_fails(row: str) -> None:
+    assert f"`{type(_end_of(FAILS[row])).__name__}`" in _row(row)
+
+
+def test_the_page_says_how_long_is_driven_without_a_fix() -> None:
+    end = _end_of(
+        lambda measurement, count: replace(measurement, tractor_x=NAN, trailer_x=NAN) if count else measurement
+    )
+    limits = re.findall(r"limits are (\d+ s), .* of ([\d.]+ m)", str(end))[0]
+    assert all(limit in _row("reports NaN later on") for limit in (*limits, "`RunAborted`"))
 
 
 def test_the_page_quotes_the_own_machine() -> None:

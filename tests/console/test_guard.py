@@ -94,6 +94,15 @@ def test_another_language_is_chosen_on_the_same_page_of_the_console_alone(page, 
     assert "<title>Felder und Linien · drawbar</title>" in text
 
 
+def test_a_page_that_does_not_exist_leads_to_the_drive_page():
+    async def test(stage, browser):
+        http = browser().user.http_client
+        page, file = await get(http, "/set-up", accept="text/html,*/*;q=0.8"), await get(http, "/drawbar/no.css")
+        return page.status_code, page.headers.get("location"), file.status_code
+
+    assert asking(test) == (303, "/", 404)
+
+
 def test_long_polling_is_refused():
     async def test(stage, browser):
         return (await get(browser().user.http_client, "/_nicegui_ws/socket.io/?transport=polling")).status_code

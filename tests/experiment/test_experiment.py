@@ -121,6 +121,19 @@ WRONG = {
         'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { at_least = 1.0, at_most = 0.0 }',
         "at_least belongs to an at_most that is more",
     ),
+    "column that no run has": (
+        'title = "x"\ncolumns = ["step", "measurement.tim", "plan.tractor.deviation.2", "measurement"]\n'
+        'cases = [{ name = "paper" }]',
+        "columns has what no run has: 'measurement.tim' (did you mean measurement.time?), 'measurement' (did you mean",
+    ),
+    "body that there is not": (
+        'title = "x"\ncolumns = ["error.plough"]\ncases = [{ name = "paper" }]',
+        "'error.plough'",
+    ),
+    "column of a plain run in a rehearsal": (
+        'title = "x"\nrehearsed = true\ncolumns = ["watch.speed", "error.tractor"]\ncases = [{ name = "paper" }]',
+        "columns has what no run has: 'error.tractor' (did you mean watch.tractor?); a column is watch.NAME",
+    ),
     "two expectations": (
         'title = "x"\ncases = [{ name = "paper" }]\nexpected.paper.x = { value = 1.0, within = 0.1, at_most = 1.0 }',
         "either value and within, or at_most",

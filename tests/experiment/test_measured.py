@@ -52,8 +52,9 @@ def test_results_are_those_of_the_same_tasks_here_and_never_measured_twice(
 def test_a_run_without_a_result_is_told_and_tried_again(
     cluster: Client, write_experiment: Write, two_cases: str, progress: RunsProgress
 ) -> None:
-    text = two_cases.replace('"error.tractor"', '"error.plough"') + 'expected.slow."trailer all" = { at_most = 5.0 }'
-    experiment = write_experiment(text)
+    experiment = write_experiment(two_cases + 'expected.slow."trailer all" = { at_most = 5.0 }')
+    wrong = experiment.settings.model_copy(update={"columns": ("error.plough",)})  # that no file can say
+    experiment = dataclasses.replace(experiment, settings=wrong)
     runs = measure(cluster, experiment, 1, progress)
     assert all(not each.results for each in runs.values())
     assert files(experiment) == {}
@@ -87,6 +88,22 @@ def test_verdicts_and_misses(measured: MeasuredExperiment) -> None:
     (miss,) = measured.misses()
     assert miss.startswith("slow: trailer all is ")
     assert miss.endswith("expected ≤ 0.001")
+
+
+def test_a_misspelt_figure_is_told_as_such(write_experiment: Write, two_cases: str, short_result) -> None:
+    runs = {case: Runs(results=[short_result], failures=[]) for case in ("articulated", "slow")}
+    experiment = write_experiment(two_cases + 'expected.slow."trailer al" = { at_most = 5.0 }')
+    (miss,) = measured_of(experiment, runs, 1).misses()
+    assert miss == "slow: trailer al is –, expected ≤ 5; no run has this figure (did you mean trailer all?)"
+
+
+def test_results_point_to_what_is_compared_where_that_is_written(measured: MeasuredExperiment) -> None:
+    folder = measured.experiment.folder
+    write_results(measured, [])
+    assert "Made by `drawbar experiment small`.\n" in (folder / "results.md").read_text("utf-8")
+    (folder / "README.md").write_text("", "utf-8")
+    write_results(measured, [])
+    assert "`drawbar experiment small`; [README.md](README.md) says" in (folder / "results.md").read_text("utf-8")
 
 
 def test_an_expected_case_must_come_to_the_end(measured: MeasuredExperiment, short_result) -> None:

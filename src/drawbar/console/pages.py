@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from nicegui import app, core, ui
 from nicegui.client import Client
 from starlette.requests import Request
-from starlette.responses import FileResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
 
 from drawbar.console.audit import Audit
 from drawbar.console.drawing import Lines
@@ -76,6 +76,7 @@ class Pages:
         """Put everything into the application; to be called once, before it runs."""
         core.app.config.socket_io_js_transports = ["websocket"]
         app.add_middleware(Guard, **self._guard)  # type: ignore[arg-type]
+        app.add_exception_handler(404, _lead_back)
         app.add_static_files("/drawbar", str(_STATIC), max_cache_age=0)
         app.add_api_route("/login", self._form, methods=["GET"])
         app.add_api_route("/login", self._attempt, methods=["POST"])
@@ -171,6 +172,13 @@ class Pages:
     def _file_of_run(self, name: str, file: str) -> Response:
         path = file_of(Path(self._options.runs), name, file)
         return FileResponse(path) if path is not None else RedirectResponse(ADDRESSES["runs"], 303)
+
+
+def _lead_back(request: Request, error: Exception) -> Response:
+    """Lead a browser that asks for a page that does not exist to the drive page, which can stop the vehicle."""
+    if "text/html" in request.headers.get("accept", ""):
+        return RedirectResponse(ADDRESSES["drive"], 303)
+    return PlainTextResponse("there is nothing here", 404)
 
 
 def _choose_language(language: str, page: str = "") -> Response:

@@ -42,13 +42,18 @@ def write_results(measured: MeasuredExperiment, elements: Sequence[Element]) -> 
     for element in elements:
         element.write(folder)
     title = f"# {measured.experiment.settings.title}"
-    origin = f"Made by `drawbar experiment {folder.name}`; [README.md](README.md) says what is compared."
+    origin = f"Made by `drawbar experiment {folder.name}`{_compared(folder)}."
     text = "\n\n".join([title, origin, *_sections(measured, elements)])
     with writing(file := folder / RESULTS_NAME):
         file.write_text(f"{text}\n", "utf-8")
     content = msgspec.json.format(msgspec.json.encode(_summary(measured)), indent=2)
     with writing(file := folder / SUMMARY_NAME):
         file.write_bytes(content + b"\n")
+
+
+def _compared(folder: Path) -> str:
+    """Return where is said what is compared; empty where nobody has written it."""
+    return "; [README.md](README.md) says what is compared" if (folder / "README.md").is_file() else ""
 
 
 def _summary(measured: MeasuredExperiment) -> Summary:

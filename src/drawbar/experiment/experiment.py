@@ -15,6 +15,7 @@ from pydantic import Field, ValidationError, model_validator
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.alteration import Alteration, find_alteration
+from drawbar.experiment.columns import unknown_columns
 from drawbar.experiment.task import Task
 from drawbar.misspelt import meant
 from drawbar.settings import Positive, Settings
@@ -116,6 +117,17 @@ class ExperimentSettings(Settings):
                     f"case {case.name!r} names no variant: {', '.join(strangers)}; "
                     f"variants: {', '.join(known) or 'none'}"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _columns_exist(self) -> Self:
+        if unknown := unknown_columns(self.columns, rehearsed=self.rehearsed):
+            there = (
+                "watch.NAME, for runs are rehearsed"
+                if self.rehearsed
+                else ("a number of a StepRecord as in estimate.tractor.x, error.BODY, progress.BODY, deviation.NAME")
+            )
+            raise ValueError(f"columns has what no run has: {', '.join(unknown)}; a column is {there}")
         return self
 
 

@@ -9,6 +9,7 @@ from drawbar.errors import ConfigurationError
 from drawbar.experiment.experiment import FIGURE, Expectation, Experiment, named_figures
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.statistics import Statistic
+from drawbar.misspelt import meant
 
 _Value = TypeVar("_Value")
 REPORT_NAME = "REPORT.md"
@@ -143,7 +144,13 @@ class MeasuredExperiment:
         ]
         missed = [
             f"{verdict.case}: {verdict.figure} is {verdict.statistic.text(2)}, expected {verdict.expected}"
+            f"{self._no_such(verdict.figure)}"
             for verdict in self.verdicts()
             if not verdict.holds
         ]
         return [*failures, *lost, *missed]
+
+    def _no_such(self, figure: str) -> str:
+        """Say where runs have figures, but none of this name."""
+        names = self.figure_names
+        return f"; no run has this figure{meant(figure, names)}" if names and figure not in names else ""
