@@ -31,10 +31,11 @@ TOLERANCES = {
     "PACK": ("4", "1"),
     "PATH_CONVERGED": ("1e-6", "1e-3"),
     "PATH_FARTHEST": ("1e7", "1e4"),
+    "QUAD": ("4", "1"),
     "ROUNDING": ("1e-6", "1e-3"),
     "WHOLE_SAMPLES": ("1e-9", "1e-4"),
 }
-"""what a header defines, in double and in single precision; PACK is how many doubles an AVX register holds"""
+"""what a header defines, in double and in single precision; PACK and QUAD are how many doubles a register holds"""
 _LARGEST, _SMALLEST = "3e38", "1.2e-38"
 """numbers that a float can still hold"""
 _FUNCTIONS = (

@@ -18,14 +18,11 @@
 #pragma GCC diagnostic ignored "-Wpsabi"   /* packs are passed between inlined functions only */
 #endif
 typedef double pack __attribute__((vector_size(8 * PACK)));
-typedef int64_t pack_bits __attribute__((vector_size(8 * PACK)));
 typedef double pack_in_memory __attribute__((vector_size(8 * PACK), aligned(8), may_alias));
 #define LANE_OF(value, l) ((value)[l])
-#define pack_size(value) ((pack)((pack_bits)(value) & INT64_MAX))
 #else
 typedef double pack, pack_in_memory;
 #define LANE_OF(value, l) (value)
-#define pack_size(value) fabs(value)
 #endif
 
 /* gcc 12 may take a large struct on the stack for aligned to whole registers without seeing to it: say so. */
@@ -163,36 +160,6 @@ static inline pack mask_from(int state, int b)
 #else
     return b >= state;
 #endif
-}
-
-/* The largest absolute value so far, number by number; a NaN is passed over. */
-static inline void grow(pack *restrict most, const pack *restrict values)
-{
-    EACH_PACK(b) {
-#if PACK == 1
-        const double size = pack_size(values[b]);
-        most[b] = size > most[b] ? size : most[b];
-#else
-        const pack size = pack_size(values[b]);
-        const pack_bits above = size > most[b];
-        most[b] = (pack)((above & (pack_bits)size) | (~above & (pack_bits)most[b]));
-#endif
-    }
-}
-
-/* The diagonal of a matrix with padded rows. */
-static inline void read_diagonal(pack *restrict to, const double (*restrict M)[WIDTH])
-{
-#define ON_DIAGONAL(j) ((j) < NX ? M[(j) < NX ? (j) : 0][(j)] : 0.0)
-    EACH_PACK(b) {
-#if PACK == 1
-        to[b] = M[b][b];
-#else
-        const int j = b * PACK;
-        to[b] = (pack){ON_DIAGONAL(j), ON_DIAGONAL(j + 1), ON_DIAGONAL(j + 2), ON_DIAGONAL(j + 3)};
-#endif
-    }
-#undef ON_DIAGONAL
 }
 
 /* start + row' vector */

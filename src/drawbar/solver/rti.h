@@ -47,15 +47,21 @@ static void dynamics(struct rti *work, int first, int count);   /* qp.A, qp.B, a
 static void hessian(struct rti *work, int first, int count);
 static void gradient(struct rti *work, int first, int count);
 
+/* Whether a measurement is missing; a reference never is. */
+static inline int rti_is_missing(const struct rti *s, int k, int i)
+{
+    return FREE_INITIAL && isnan(s->y[k][i]);
+}
+
 /* A missing measurement counts as zero, with a weight of zero. */
 static inline double rti_target(const struct rti *s, int k, int i)
 {
-    return isnan(s->y[k][i]) ? 0.0 : s->y[k][i];
+    return rti_is_missing(s, k, i) ? 0.0 : s->y[k][i];
 }
 
 static inline double rti_weight(const struct rti *s, int k, int i)
 {
-    return isnan(s->y[k][i]) ? 0.0 : s->w[k][i];
+    return rti_is_missing(s, k, i) ? 0.0 : s->w[k][i];
 }
 
 /* Note what is missing. Returns 1 when it was something else at the last call. */
@@ -64,8 +70,8 @@ static int rti_note_missing(struct rti *s)
     const double *y = &s->y[0][0];
     int changed = 0;
 
-    for (int i = 0; i < (N + 1) * NY; ++i) {
-        const uint8_t now = (uint8_t)(isnan(y[i]) != 0);
+    for (int i = 0; i < (FREE_INITIAL ? (N + 1) * NY : 1); ++i) {
+        const uint8_t now = (uint8_t)(FREE_INITIAL && isnan(y[i]));
         changed |= now != s->missing[i];
         s->missing[i] = now;
     }
