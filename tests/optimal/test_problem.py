@@ -114,7 +114,10 @@ def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
     [
         *WRONG,
         ({"weights": without(SENSORS, "speed")}, "weights: 'speed' is missing"),
-        ({"prior_deviation": without(DEVIATIONS, "hitch_angle")}, "prior_deviation: 'hitch_angle' is missing"),
+        (
+            {"prior_deviation": without(DEVIATIONS, "hitch_angle")},
+            "prior_deviation: 'hitch_angle' is missing; give how far off",
+        ),
         ({"prior_deviation": DEVIATIONS | {"speed": 0.0}}, "prior_deviation must be positive"),
         ({"process_deviation": DEVIATIONS | {"speed": math.inf}}, "process_deviation must be finite"),
         ({"process_deviation": TERMINAL}, "process_deviation: there is no 'x', 'y'; the names are tractor_x"),

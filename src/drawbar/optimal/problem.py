@@ -202,8 +202,8 @@ class EstimationProblem:
         _check_time(self)
         model, estimated = self.model, self.estimated
         _check_values("weights", self.weights, model.outputs)
-        _check_values("prior_deviation", self.prior_deviation, estimated)
-        _check_values("process_deviation", self.process_deviation, estimated)
+        _check_values("prior_deviation", self.prior_deviation, estimated, advice="give how far off it may be at first")
+        _check_values("process_deviation", self.process_deviation, estimated, advice="give 0.0 to what stays as it is")
         _check_values("common_deviation", self.common_deviation, estimated, required=())
         if not all(deviation > 0.0 for deviation in self.prior_deviation.values()):
             raise SolverError(f"prior_deviation must be positive, got {dict(self.prior_deviation)}.")
@@ -275,6 +275,7 @@ def _check_values(
     values: Mapping[str, float],
     declared: Iterable[Variable],
     required: Iterable[Variable] | None = None,
+    advice: str = "give 0.0 to what shall not count",
 ) -> None:
     """Refuse values that are not by name, of unknown names, not complete (required None: all), negative or infinite."""
     names = [variable.name for variable in declared]
@@ -289,7 +290,7 @@ def _check_values(
     needed = names if required is None else [variable.name for variable in required]
     missing = [name for name in needed if name not in values]
     if missing:
-        raise SolverError(f"{what}: {', '.join(map(repr, missing))} is missing; give 0.0 to what shall not count.")
+        raise SolverError(f"{what}: {', '.join(map(repr, missing))} is missing; {advice}.")
     if not all(0.0 <= value < math.inf for value in values.values()):
         raise SolverError(f"{what} must be finite and not negative, got {dict(values)}.")
 
