@@ -15,6 +15,11 @@ typedef double quad_in_memory __attribute__((vector_size(8 * QUAD), aligned(8), 
 #define QUAD_PLACE(b, width) ((b) * QUAD + QUAD <= (width) ? (b) * QUAD : (width) - QUAD)
 #define quad_size(value) ((quad)((quad_bits)(value) & INT64_MAX))
 #define read_quad(values) (*(const quad_in_memory *)(values))
+#if defined(__clang__)
+#define ROLLED _Pragma("clang loop unroll(disable)")   /* all stages one behind the other are 10 KiB of code */
+#else
+#define ROLLED _Pragma("GCC unroll 1")
+#endif
 #endif
 
 static inline double largest(double bound, double value)
@@ -35,7 +40,7 @@ static inline void largest_of_kinds(const double *restrict values, int stages, i
             side[b] = (quad){0.0};
         for (int b = 0; b * QUAD < width && together == 1; ++b)
             side[b] = read_quad(most + QUAD_PLACE(b, width));
-        for (int k = 0; k < stages; k += together) {
+        ROLLED for (int k = 0; k < stages; k += together) {
             const double *at = values + (k + together <= stages ? k : stages - together) * kinds;
             for (int b = 0; b * QUAD < width; ++b) {
                 const quad size = quad_size(read_quad(at + QUAD_PLACE(b, width)));
@@ -66,7 +71,7 @@ static inline void add_products(const double *restrict a, const double *restrict
 
 #if defined(QUADS)
     quad sums = {0.0}, of_sizes = {0.0};
-    for (; i + QUAD <= count; i += QUAD) {
+    ROLLED for (; i + QUAD <= count; i += QUAD) {
         const quad product = read_quad(a + i) * read_quad(b + i);
         sums += product;
         of_sizes += quad_size(product);
