@@ -1,6 +1,5 @@
 """A small experiment on a short path, and one local cluster for the whole session."""
 
-import resource
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -42,6 +41,7 @@ def cluster() -> Iterator[Client]:
 @pytest.fixture
 def room() -> Callable[[int], AbstractContextManager[None]]:
     """Return what lets no file grow beyond so many bytes in a context, as on a disk that becomes full."""
+    resource = pytest.importorskip("resource", reason="Windows knows no such limit")
 
     @contextmanager
     def limited(size: int) -> Iterator[None]:

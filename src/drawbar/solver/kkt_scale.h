@@ -1,5 +1,4 @@
-/* Scales of the residuals of the optimality conditions: the sizes of what they are sums of, and the cost's own size.
- */
+/* Scales of the residuals of the optimality conditions: the sizes of what they are sums of, and the cost's own size. */
 #ifndef DRAWBAR_KKT_SCALE_H
 #define DRAWBAR_KKT_SCALE_H
 
