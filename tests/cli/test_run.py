@@ -157,7 +157,7 @@ def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
     )
     assert ended.returncode == 2
     assert "Traceback" not in ended.stderr
-    assert ("CC='/nonexistent/cc'" if chosen else "-m pip install 'ziglang>=0.13'") in ended.stderr
+    assert ("CC='/nonexistent/cc'" if chosen else "-m pip install 'ziglang>=0.17'") in ended.stderr
 
 
 def test_a_lost_run_ends_with_code_1_and_a_report(drawbar: Drawbar, tmp_path: Path) -> None:

@@ -63,7 +63,7 @@ def test_blank_choice_counts_as_none(monkeypatch: pytest.MonkeyPatch, tmp_path: 
 def test_nothing_found_says_how_to_get_one(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(CompilerError, match=re.escape(f"Try: {sys.executable} -m pip install 'ziglang>=0.13'")):
+    with pytest.raises(CompilerError, match=re.escape(f"Try: {sys.executable} -m pip install 'ziglang>=0.17'")):
         find_compiler()
 
 
