@@ -37,6 +37,7 @@ struct component {
     struct chain chain;
     double to_axle;                        /* from the trailer's tracked point back to its axle, m */
     double fix_age;                        /* of positions whose receiver does not tell, s */
+    double fix_deviation;                  /* of fixes whose receiver does not tell, m */
     struct attitude_track tracks[ALIGNED];
     double local[ALIGNED];                 /* share of what was recorded nearby, see ground_slope */
     struct ground_record ground;
@@ -52,6 +53,7 @@ struct component {
     MAST_FIELDS(component, masts[ALIGNED_TRACTOR]) MAST_FIELDS(component, masts[ALIGNED_TRAILER])                      \
     FIX_DEVIATIONS_FIELDS(component, deviations) CHAIN_FIELDS(component, chain)                                        \
     SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
+    SETTING(component, fix_deviation, 0, 1, 0, 0)                                                                      \
     SETTING(component, ground.spacing, 0, 1, 0, 0) SETTING(component, yaw.gate, 0, 1, 0, 0)                            \
     FIELD(component, leans.doubts, 1, LEANING, 0, 0)                                                                   \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.doubted, 0, 1, 0, 0)                             \
@@ -168,13 +170,14 @@ static inline void watch_swing(struct component *alignment, int body, const stru
     const struct mast *mast = &alignment->masts[body];
     const struct attitude_track *track = &alignment->tracks[body];
     const double antenna[] = {fix[0] + arm[0] - now->x, fix[1] + arm[1] - now->y};
+    const double noise = isnan(deviation) ? alignment->fix_deviation : deviation;
     double roll, pitch;
 
     if (!attitude_is_new(track, since->now))
         return;
     attitude_at(track, since->now - age, &roll, &pitch);
     swing_take(&alignment->leans.swings[body], to_left(now->yaw, antenna) - mast->left * cos(roll), -mast->up * sin(roll),
-               deviation, !lean_is_still(&alignment->leans.still[body]), since->elapsed);
+               noise, !lean_is_still(&alignment->leans.still[body]), since->elapsed);
 }
 
 /* Align one body's fix in place; NaN where it is too old or none. deviation: of the fix, as it is told, m. */
