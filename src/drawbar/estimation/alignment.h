@@ -318,8 +318,7 @@ static inline void complete_trailer(const struct chain *chain, struct drawbar_me
 }
 
 /* The measurement that a run begins with: of a vehicle at rest, so that only the masts matter. Its yaws follow from where
- * both points are, and these from the yaws: the arms are short, three rounds are enough. A trailer without a position is
- * where the tractor's yaw and the angles put it. */
+ * both antennas are. A trailer without a position is where the tractor's yaw and the angles put it. */
 int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *first,
                 struct drawbar_measurement *aligned)
 {
@@ -343,16 +342,18 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
         complete_trailer(&alignment->chain, aligned);
         return 0;
     }
-    for (int round = 0; round < 3; ++round) {
-        if (!yaws_at_rest(&alignment->chain, aligned, &yaws[ALIGNED_TRACTOR], &yaws[ALIGNED_TRAILER]))
-            return 0;
-        for (int i = 0; i < ALIGNED; ++i)
-            lever_arm(&alignment->masts[i], yaws[i], lean[2 * i], lean[2 * i + 1], arms + 2 * i);
-        aligned->tractor_x = reported.tractor_x - arms[0];
-        aligned->tractor_y = reported.tractor_y - arms[1];
-        aligned->trailer_x = reported.trailer_x - arms[2];
-        aligned->trailer_y = reported.trailer_y - arms[3];
-    }
+    const struct mast *tractor = &alignment->masts[ALIGNED_TRACTOR], *trailer = &alignment->masts[ALIGNED_TRAILER];
+    lever_arm(tractor, gamma_at_rest(&reported), lean[0], lean[1], arms);
+    lever_arm(trailer, 0.0, lean[2], lean[3], arms + 2);
+    const double beyond[] = {arms[0] - arms[2], arms[1] - arms[3]};
+    if (!yaws_apart(&alignment->chain, &reported, beyond, &yaws[ALIGNED_TRACTOR], &yaws[ALIGNED_TRAILER]))
+        return 0;
+    lever_arm(tractor, yaws[ALIGNED_TRACTOR], lean[0], lean[1], arms);
+    lever_arm(trailer, yaws[ALIGNED_TRAILER], lean[2], lean[3], arms + 2);
+    aligned->tractor_x = reported.tractor_x - arms[0];
+    aligned->tractor_y = reported.tractor_y - arms[1];
+    aligned->trailer_x = reported.trailer_x - arms[2];
+    aligned->trailer_y = reported.trailer_y - arms[3];
     return 0;
 }
 
