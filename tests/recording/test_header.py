@@ -12,4 +12,8 @@ def test_off_tracking_that_no_controller_takes_away_is_told() -> None:
     weak = load_configuration("articulated", ["vehicle.trailer_steering_limit=0.1"])
     (note,) = path_notes(weak, path, None)
     assert "in curves of 0.15 1/m the trailer runs 0.08 m beside the tractor's track" in note
+    assert "the tractor takes 0.03 m of it by leaving its own line (controller.sharing)" in note
     assert run_header(weak, path, None).path_note == note
+    for changes in (["controller.sharing.share=0.0"], ["controller.structure=centralised"]):
+        alone = load_configuration("articulated", ["vehicle.trailer_steering_limit=0.1", *changes])
+        assert "tractor takes" not in path_notes(alone, path, None)[0]

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from drawbar.config import Configuration, demand_configuration
+from drawbar.control.settings import ArticulatedControllerSettings
 from drawbar.errors import PathError, demand
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.demands import largest_off_tracking
@@ -77,10 +78,21 @@ def _deviation_note(configuration: Configuration, drivable: "DrivablePath") -> s
 
 
 def _off_tracking_note(configuration: Configuration, off_tracking: float, curvature: float) -> str:
-    """Return how far apart the tracks of both bodies stay in the tightest curve."""
+    """Return how far apart the tracks of both bodies stay in the tightest curve, and who leaves the line for it."""
     limit = math.degrees(configuration.vehicle.trailer_steering_limit)
+    taken = _taken_by_the_tractor(configuration, off_tracking)
+    shared = f"; the tractor takes {taken:.2f} m of it by leaving its own line (controller.sharing)" if taken else ""
     return (
         f"in curves of {curvature:.3g} 1/m the trailer runs {off_tracking:.2f} m beside the tractor's track even with "
         f"its steering at its limit of {limit:.0f}° (vehicle.trailer_steering_limit); no controller takes that away, "
-        f"wider curves or a larger limit do"
+        f"wider curves or a larger limit do{shared}"
     )
+
+
+def _taken_by_the_tractor(configuration: Configuration, off_tracking: float) -> float:
+    """Return how far the tractor leaves its line for a trailer that is so far beside it, m."""
+    controller = configuration.controller
+    if not isinstance(controller, ArticulatedControllerSettings) or controller.structure == "centralised":
+        return 0.0
+    sharing = controller.sharing
+    return min(sharing.share * max(off_tracking - sharing.accepted_error, 0.0), 0.5 * off_tracking)
