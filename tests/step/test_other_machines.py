@@ -15,3 +15,22 @@ def test_a_slow_quick_reacting_steering_follows_its_line(simulate):
         "path.radii=[12.0]",
     )
     assert np.abs(run.true_errors("tractor").error).max() <= 0.12
+
+
+def test_a_slow_steering_comes_back_to_its_line_with_the_horizon_that_is_advised(simulate):
+    beside = (
+        "sample_time=0.1",
+        "start.left=1.2",
+        "start.yaw=0.2",
+        "vehicle.tractor_steering_rate=0.2",
+        "machine.actuators.tractor_rate=0.2",
+        "vehicle.curvature_limit=0.12",
+        "path.radii=[15.0]",
+    )
+    swinging, advised = simulate("articulated", *beside), simulate("articulated", *beside, "controller.horizon=32")
+    worst = [
+        np.abs(run.true_errors("tractor").error[run.column("measurement", "time") > 25.0]).max()
+        for run in (swinging, advised)
+    ]
+    assert worst[0] > 0.3
+    assert worst[1] <= 0.08

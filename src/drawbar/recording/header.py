@@ -57,15 +57,18 @@ def run_header(
 
 _TOLD = 0.05
 """m; off-tracking that is told"""
+_LITTLE, _ENOUGH = 0.345, 0.5
+"""rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
+begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
 
 
 def path_notes(configuration: Configuration, path: Path, drivable: "DrivablePath | None") -> list[str]:
-    """Return what a user should know of a path before it is driven, in sentences."""
+    """Return what a user should know before a path is driven, in sentences."""
     notes = [_deviation_note(configuration, drivable)] if drivable else []
     off_tracking, curvature = largest_off_tracking(path, configuration.vehicle)
     if off_tracking > _TOLD:
         notes.append(_off_tracking_note(configuration, off_tracking, curvature))
-    return notes
+    return [*notes, *_horizon_notes(configuration)]
 
 
 def _deviation_note(configuration: Configuration, drivable: "DrivablePath") -> str:
@@ -96,3 +99,19 @@ def _taken_by_the_tractor(configuration: Configuration, off_tracking: float) -> 
         return 0.0
     sharing = controller.sharing
     return min(sharing.share * max(off_tracking - sharing.accepted_error, 0.0), 0.5 * off_tracking)
+
+
+def _horizon_notes(configuration: Configuration) -> list[str]:
+    """Return what is to be said of a horizon within which the front wheels hardly turn."""
+    controller, vehicle = configuration.controller, configuration.vehicle
+    if not isinstance(controller, ArticulatedControllerSettings):
+        return []
+    scale = (vehicle.wheelbase / configuration.speed) ** (2.0 / 3.0)
+    turned = vehicle.tractor_steering_rate * configuration.sample_time
+    if turned * controller.horizon >= _LITTLE * scale:
+        return []
+    return [
+        f"plans reach {controller.horizon * configuration.sample_time:.2g} s ahead, in which the front wheels turn by "
+        f"{controller.horizon * turned:.2g} rad: from 1 m beside its line the vehicle may swing about it or lose it; "
+        f"begin on the line, or raise controller.horizon to {math.ceil(_ENOUGH * scale / turned)}"
+    ]
