@@ -28,3 +28,4 @@ def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_told() -> None:
     assert "plans reach 2 s ahead, in which the front wheels turn by 0.4 rad" in note
     assert note.endswith("raise controller.horizon to 32")
     assert path_notes(load_configuration("articulated", [*slow, "controller.horizon=32"]), path, None) == []
+    assert path_notes(load_configuration("articulated", [*slow, "speed=0.4"]), path, None) == []

@@ -60,6 +60,8 @@ _TOLD = 0.05
 _LITTLE, _ENOUGH = 0.345, 0.5
 """rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
 begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
+_FAST = 1.0
+"""m/s; at less than half of it none of these vehicles swung"""
 
 
 def path_notes(configuration: Configuration, path: Path, drivable: "DrivablePath | None") -> list[str]:
@@ -108,7 +110,7 @@ def _horizon_notes(configuration: Configuration) -> list[str]:
         return []
     scale = (vehicle.wheelbase / configuration.speed) ** (2.0 / 3.0)
     turned = vehicle.tractor_steering_rate * configuration.sample_time
-    if turned * controller.horizon >= _LITTLE * scale:
+    if configuration.speed < _FAST or turned * controller.horizon >= _LITTLE * scale:
         return []
     return [
         f"plans reach {controller.horizon * configuration.sample_time:.2g} s ahead, in which the front wheels turn by "
