@@ -93,6 +93,8 @@ WRONG_VALUES = {
     "start.ahead=1e300": ("start.ahead = 1e+300", "less than or equal to 1000"),
     "start.left=-1001.0": ("start.left = -1001.0", "greater than or equal to -1000"),
     "sample_time=0.001": ("controller.tractor.steering_rate = 1 ", "sample_time = 0.001 s"),
+    "sample_time=0.04": ("a correction would take 0.434 s", "raise horizon (to 22) or sample_time"),
+    "vehicle.wheelbase=0.01": ("too far for vehicle.wheelbase = 0.01 m", "at most 0.0075 m"),
     "start.yaw=-90": ("start.yaw = -90", "radians", "-1.5708 rad"),
     "estimator.window=0": ("estimator.window = 0", "greater than or equal to 2"),
     "estimator.window=1": ("estimator.window = 1", "greater than or equal to 2"),
@@ -309,7 +311,8 @@ def test_another_model_brings_its_own_defaults() -> None:
 @given(st.floats(allow_nan=True, allow_infinity=True, width=32), st.sampled_from(["wheelbase", "steering_lag"]))
 def test_no_number_passes_but_positive_sane_ones(value: float, key: str) -> None:
     changes = [f"vehicle.{key}={value!r}"]
-    if 1e-12 <= value <= {"wheelbase": 30.0, "steering_lag": 1e9}[key]:
+    least, most = {"wheelbase": (0.2 / 0.75, 30.0), "steering_lag": (1e-12, 1e9)}[key]
+    if least <= value <= most:
         assert getattr(load_configuration("articulated", changes).vehicle, key) == value
     else:
         assert f"vehicle.{key}" in refusal("articulated", *changes)
@@ -339,6 +342,13 @@ def test_an_empty_section_takes_back_what_the_extended_file_says(write: Write) -
     mine = load_configuration(write('extends = "articulated"\nname = "mine"\n[tube]\ntrailer = {}\n'))
     assert mine.tube.trailer == TubeSettings().trailer != load_configuration("articulated").tube.trailer
     assert mine.tube.tractor == load_configuration("articulated").tube.tractor
+
+
+@pytest.mark.parametrize("name", ["articulated", "paper"])
+def test_a_vehicle_that_drives_its_wheelbase_between_two_samples_is_refused(name: str) -> None:
+    fast = ("machine.hydrostat.full_speed=6.0", "sample_time=0.5")
+    load_configuration(name, [*fast, "speed=2.0"])
+    assert "drives the vehicle 1.1 m in each sample_time = 0.5 s" in refusal(name, *fast, "speed=2.2")
 
 
 def test_steering_that_weighs_too_much_against_the_papers_position_is_refused() -> None:

@@ -12,7 +12,7 @@ from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 
 from drawbar.bounded import BoundedErrors
 from drawbar.configurations import shipped_names, shipped_text
-from drawbar.control.plausibility import demand_weights_that_steer
+from drawbar.control.plausibility import demand_samples_that_steer, demand_weights_that_steer
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     ExternalControllerSettings,
@@ -157,11 +157,11 @@ class Configuration(Settings):
         return self
 
     @model_validator(mode="after")
-    def _weights_that_steer(self) -> Self:
+    def _samples_and_weights_that_steer(self) -> Self:
         if isinstance(self.controller, ArticulatedControllerSettings | TricycleControllerSettings):
-            demand_weights_that_steer(
-                self.controller, wheelbase=self.vehicle.wheelbase, speed=self.speed, sample_time=self.sample_time
-            )
+            pace = {"wheelbase": self.vehicle.wheelbase, "speed": self.speed, "sample_time": self.sample_time}
+            demand_samples_that_steer(**pace)
+            demand_weights_that_steer(self.controller, **pace)
         return self
 
     @model_validator(mode="after")

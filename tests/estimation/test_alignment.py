@@ -235,8 +235,9 @@ def test_a_repeated_fix_stays_a_repetition() -> None:
     assert len(seen) == 1
 
 
-def test_a_run_begins_on_the_ground() -> None:
-    masts = Masts(tractor=Mast(forward=0.3, left=0.2, up=2.5), trailer=Mast(left=-0.3, up=2.0))
+@pytest.mark.parametrize("forward", [-1.5, 0.3, 2.4])
+def test_a_run_begins_on_the_ground(forward: float) -> None:
+    masts = Masts(tractor=Mast(forward=forward, left=0.2, up=2.5), trailer=Mast(left=-0.3, up=2.0))
     yaw, joint, lean = 0.7, 0.2, (0.08, -0.03)
     hitch = 0.3
     trailer_yaw = yaw - hitch - joint
@@ -251,8 +252,8 @@ def test_a_run_begins_on_the_ground() -> None:
     )
     first = measurement(0.0, (*tractor, *trailer), hitch_angle=hitch, trailer_steering=joint, **attitude)
     aligned = Alignment(VehicleParameters(masts=masts)).begin(first)
-    assert (aligned.tractor_x, aligned.tractor_y) == pytest.approx((100.0, 50.0), abs=0.005)
-    assert (aligned.trailer_x, aligned.trailer_y) == pytest.approx(point, abs=0.005)
+    assert (aligned.tractor_x, aligned.tractor_y) == pytest.approx((100.0, 50.0), abs=1e-9)
+    assert (aligned.trailer_x, aligned.trailer_y) == pytest.approx(point, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from drawbar.geometry import arm_offset
 from drawbar.signals import Measurement, Pose, Status
 from drawbar.simulation import Simulation
 from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
+from drawbar.vehicle.sensors import SensorNoise
 
 SAMPLE = 0.2
 UP = 2.5
@@ -53,6 +54,8 @@ class Drive:
     speed: float = 1.0
     zeros: tuple[float, float] = (0.0, 0.0)
     """of both roll sensors, rad"""
+    noise: float = 0.02
+    """of the fixes, m"""
     seed: int = 0
 
     def measurements(self) -> Iterator[tuple[Measurement, list[Pose]]]:
@@ -71,7 +74,7 @@ class Drive:
                 mast = getattr(self.vehicle.masts, body)
                 roll, pitch = self.slope * math.cos(yaw) + beside, self.slope * math.sin(yaw)
                 arm = arm_offset(yaw, roll, pitch, (mast.forward, mast.left, mast.up))
-                fix = np.array([pose.x, pose.y]) + arm + rng.normal(0.0, 0.02, 2)
+                fix = np.array([pose.x, pose.y]) + arm + rng.normal(0.0, self.noise, 2)
                 values |= {f"{body}_x": fix[0], f"{body}_y": fix[1]}
                 values[f"{body}_roll"] = roll + zero + rng.normal(0.0, NOISE)
                 values[f"{body}_pitch"] = pitch + rng.normal(0.0, NOISE)
@@ -99,7 +102,7 @@ def watched(
     drive: Drive, change: Callable[[Measurement], Measurement] = lambda m: m, lasts: float = 60.0
 ) -> tuple[float, list[int]]:
     """Return when the run is ended for a roll, s, inf: it is not, and what is doubted of both bodies."""
-    alignment = Alignment(drive.vehicle)
+    alignment = Alignment(drive.vehicle, SensorNoise(position=max(drive.noise, 0.03)))
     states = drive.measurements()
     for (_, before), (m, now) in pairwise(states):
         past = believed(*before, time=m.time - SAMPLE, speed=drive.speed)
@@ -161,6 +164,15 @@ def test_a_roll_that_stands_still_is_stuck(drive: Drive, bodies: tuple[str, ...]
     named = {body for body, doubt in zip(("tractor", "trailer"), doubts, strict=True) if doubt}
     assert named <= set(bodies)
     assert set(doubts) <= {0, STUCK}
+
+
+def test_what_is_stated_of_fixes_counts_where_receivers_tell_nothing() -> None:
+    tall = VehicleParameters(masts=Masts(tractor=Mast(up=3.7), trailer=Mast(up=3.7)))
+    for seed in range(40):
+        coarse = Drive(vehicle=tall, slope=0.01, noise=0.05, seed=seed)
+        assert watched(coarse, lasts=15.0)[0] == math.inf
+    swinging = Drive(vehicle=tall, tractor=wavy, trailer=wavy, noise=0.05)
+    assert watched(swinging, reversed_rolls("tractor"))[0] <= 12.0
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -12,4 +12,20 @@ def test_off_tracking_that_no_controller_takes_away_is_told() -> None:
     weak = load_configuration("articulated", ["vehicle.trailer_steering_limit=0.1"])
     (note,) = path_notes(weak, path, None)
     assert "in curves of 0.15 1/m the trailer runs 0.08 m beside the tractor's track" in note
+    assert "the tractor takes 0.03 m of it by leaving its own line (controller.sharing)" in note
     assert run_header(weak, path, None).path_note == note
+    for changes in (["controller.sharing.share=0.0"], ["controller.structure=centralised"]):
+        alone = load_configuration("articulated", ["vehicle.trailer_steering_limit=0.1", *changes])
+        assert "tractor takes" not in path_notes(alone, path, None)[0]
+
+
+def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_told() -> None:
+    plain = load_configuration("articulated", ["sample_time=0.05"])
+    path, _ = build_path(plain)
+    assert path_notes(plain, path, None) == []
+    slow = ["sample_time=0.1", "vehicle.tractor_steering_rate=0.2"]
+    (note,) = path_notes(load_configuration("articulated", slow), path, None)
+    assert "plans reach 2 s ahead, in which the front wheels turn by 0.4 rad" in note
+    assert note.endswith("raise controller.horizon to 32")
+    assert path_notes(load_configuration("articulated", [*slow, "controller.horizon=32"]), path, None) == []
+    assert path_notes(load_configuration("articulated", [*slow, "speed=0.4"]), path, None) == []

@@ -228,6 +228,17 @@ def test_a_single_false_angle_is_no_contradiction(name: str, false: float) -> No
         assert sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0] == 0
 
 
+@pytest.mark.parametrize("period", [0.5, 1.0])
+def test_samples_that_come_slowly_contradict_no_sooner_than_three_in_a_row(period: float) -> None:
+    for wrong, ends in ((2, False), (6, True)):
+        sanity, statuses = Sanity(), []
+        for k in range(30):
+            angle = 0.3 if 20 <= k < 20 + wrong else 0.0
+            seen = replace(measurement(k), time=period * k, hitch_angle=angle)
+            statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+        assert (Status.HITCH in statuses) is ends
+
+
 @pytest.mark.parametrize(("told", "position"), [(0.6, 0.03), (math.nan, 0.6)])
 def test_a_coarse_fix_that_scatters_is_no_motion(told: float, position: float) -> None:
     rng, sanity = np.random.default_rng(2), Sanity(position=position)

@@ -276,8 +276,13 @@ ERRORS_DE: Mapping[str, str] = {
     "track = {} is given without a file; give path.file too, or leave track out":
         "Linie {0} ohne Datei; path.file auch angeben",
     "{} is too large against the weights on the errors: a correction would take {} s, at most {} s is allowed with "
-    "controller.horizon = {} and sample_time = {} s; lower the weight, raise the others, or raise horizon or "
-    "sample_time":
+    "controller.horizon = {} and sample_time = {} s; raise horizon (to {}) or sample_time, lower the weight, or raise "
+    "the others":
         "{0} ist zu groß gegenüber den Gewichten der Fehler: eine Korrektur würde {1} s dauern, höchstens {2} s sind "
-        "mit controller.horizon = {3} und sample_time = {4} s erlaubt; anderes Tempo wählen, oder das Gewicht ändern",
+        "mit controller.horizon = {3} und sample_time = {4} s erlaubt; horizon (auf {5}) oder sample_time erhöhen, "
+        "oder das Gewicht ändern",
+    "speed = {} m/s drives the vehicle {} m in each sample_time = {} s, which is too far for vehicle.wheelbase = {} m: "
+    "at most {} m is allowed; lower speed or sample_time, or correct the wheelbase":
+        "mit {0} m/s fährt das Fahrzeug {1} m je sample_time = {2} s, zu weit für den Radstand von {3} m: höchstens "
+        "{4} m sind erlaubt; Tempo oder sample_time senken, oder den Radstand richtigstellen",
 }  # fmt: skip

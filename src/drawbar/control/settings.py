@@ -208,6 +208,9 @@ class BodyTubeSettings(AncillaryGain):
     increments: Declared = Field(default_factory=dict)
     """largest part of a new estimate that the last one did not foretell, by state, in its unit; where not given it
     follows from `estimation` as if the errors of successive estimates had nothing to do with each other"""
+    kept_rate: Share = 0.0
+    """part of the steering rate that plans keep: where the declared bounds leave less, `disturbances.steering_rate`
+    counts as what the cylinder then falls short; articulated models only"""
 
 
 class TubeWorkRange(Settings):

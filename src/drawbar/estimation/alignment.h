@@ -37,6 +37,7 @@ struct component {
     struct chain chain;
     double to_axle;                        /* from the trailer's tracked point back to its axle, m */
     double fix_age;                        /* of positions whose receiver does not tell, s */
+    double fix_deviation;                  /* of fixes whose receiver does not tell, m */
     struct attitude_track tracks[ALIGNED];
     double local[ALIGNED];                 /* share of what was recorded nearby, see ground_slope */
     struct ground_record ground;
@@ -52,6 +53,7 @@ struct component {
     MAST_FIELDS(component, masts[ALIGNED_TRACTOR]) MAST_FIELDS(component, masts[ALIGNED_TRAILER])                      \
     FIX_DEVIATIONS_FIELDS(component, deviations) CHAIN_FIELDS(component, chain)                                        \
     SETTING(component, to_axle, 0, 1, 0, 0) SETTING(component, fix_age, 0, 1, 0, 0)                                    \
+    SETTING(component, fix_deviation, 0, 1, 0, 0)                                                                      \
     SETTING(component, ground.spacing, 0, 1, 0, 0) SETTING(component, yaw.gate, 0, 1, 0, 0)                            \
     FIELD(component, leans.doubts, 1, LEANING, 0, 0)                                                                   \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.doubted, 0, 1, 0, 0)                             \
@@ -168,13 +170,14 @@ static inline void watch_swing(struct component *alignment, int body, const stru
     const struct mast *mast = &alignment->masts[body];
     const struct attitude_track *track = &alignment->tracks[body];
     const double antenna[] = {fix[0] + arm[0] - now->x, fix[1] + arm[1] - now->y};
+    const double noise = isnan(deviation) ? alignment->fix_deviation : deviation;
     double roll, pitch;
 
     if (!attitude_is_new(track, since->now))
         return;
     attitude_at(track, since->now - age, &roll, &pitch);
     swing_take(&alignment->leans.swings[body], to_left(now->yaw, antenna) - mast->left * cos(roll), -mast->up * sin(roll),
-               deviation, !lean_is_still(&alignment->leans.still[body]), since->elapsed);
+               noise, !lean_is_still(&alignment->leans.still[body]), since->elapsed);
 }
 
 /* Align one body's fix in place; NaN where it is too old or none. deviation: of the fix, as it is told, m. */
@@ -315,8 +318,7 @@ static inline void complete_trailer(const struct chain *chain, struct drawbar_me
 }
 
 /* The measurement that a run begins with: of a vehicle at rest, so that only the masts matter. Its yaws follow from where
- * both points are, and these from the yaws: the arms are short, three rounds are enough. A trailer without a position is
- * where the tractor's yaw and the angles put it. */
+ * both antennas are. A trailer without a position is where the tractor's yaw and the angles put it. */
 int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *first,
                 struct drawbar_measurement *aligned)
 {
@@ -340,16 +342,18 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
         complete_trailer(&alignment->chain, aligned);
         return 0;
     }
-    for (int round = 0; round < 3; ++round) {
-        if (!yaws_at_rest(&alignment->chain, aligned, &yaws[ALIGNED_TRACTOR], &yaws[ALIGNED_TRAILER]))
-            return 0;
-        for (int i = 0; i < ALIGNED; ++i)
-            lever_arm(&alignment->masts[i], yaws[i], lean[2 * i], lean[2 * i + 1], arms + 2 * i);
-        aligned->tractor_x = reported.tractor_x - arms[0];
-        aligned->tractor_y = reported.tractor_y - arms[1];
-        aligned->trailer_x = reported.trailer_x - arms[2];
-        aligned->trailer_y = reported.trailer_y - arms[3];
-    }
+    const struct mast *tractor = &alignment->masts[ALIGNED_TRACTOR], *trailer = &alignment->masts[ALIGNED_TRAILER];
+    lever_arm(tractor, gamma_at_rest(&reported), lean[0], lean[1], arms);
+    lever_arm(trailer, 0.0, lean[2], lean[3], arms + 2);
+    const double beyond[] = {arms[0] - arms[2], arms[1] - arms[3]};
+    if (!yaws_apart(&alignment->chain, &reported, beyond, &yaws[ALIGNED_TRACTOR], &yaws[ALIGNED_TRAILER]))
+        return 0;
+    lever_arm(tractor, yaws[ALIGNED_TRACTOR], lean[0], lean[1], arms);
+    lever_arm(trailer, yaws[ALIGNED_TRAILER], lean[2], lean[3], arms + 2);
+    aligned->tractor_x = reported.tractor_x - arms[0];
+    aligned->tractor_y = reported.tractor_y - arms[1];
+    aligned->trailer_x = reported.trailer_x - arms[2];
+    aligned->trailer_y = reported.trailer_y - arms[3];
     return 0;
 }
 

@@ -33,6 +33,7 @@ def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
         **chain_settings(vehicle),
         "to_axle": vehicle.trailer_antenna,
         "fix_age": fixes.age,
+        "fix_deviation": sensors.position,
         "yaw.gate": YAW_GATE,
         "ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,
     }

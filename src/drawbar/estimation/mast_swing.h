@@ -33,12 +33,14 @@ struct mast_swing {
     double covariance[SWUNG][SWUNG];
     double expected[2];                    /* where the ground point was expected, m */
     double usual, lately;                  /* mean squares of what is unexpected, in variances */
+    double averaged;                       /* time over which the usual one has been, s */
+    double least;                          /* usual one that SWING_NOISE makes */
     int32_t begun;
 };
 
 static inline void swing_begin(struct mast_swing *swing, const double *expected)
 {
-    *swing = (struct mast_swing){.state = {[SWING_SHARE] = 1.0}, .usual = 1.0, .begun = 1};
+    *swing = (struct mast_swing){.state = {[SWING_SHARE] = 1.0}, .usual = 1.0, .averaged = SWING_LATELY, .begun = 1};
     swing->covariance[SWING_OFFSET][SWING_OFFSET] = OFFSET_FIRST * OFFSET_FIRST;
     swing->covariance[SWING_DRIFT][SWING_DRIFT] = DRIFT_FIRST * DRIFT_FIRST;
     swing->covariance[SWING_SHARE][SWING_SHARE] = SHARE_FIRST * SHARE_FIRST;
@@ -63,7 +65,7 @@ static inline void swing_move(struct mast_swing *swing, const double *expected, 
 }
 
 /* Take in how far left of its expected ground point an antenna is (m), where the roll would put it so far to the left (m).
- * deviation: of the fix, m; NaN: not told; learns: what is unexpected may become usual; elapsed: since the last sample, s. */
+ * deviation: of the fix, m; learns: what is unexpected may become usual; elapsed: since the last sample, s. */
 static inline void swing_take(struct mast_swing *swing, double beside, double rolled, double deviation, int learns,
                               double elapsed)
 {
@@ -78,7 +80,9 @@ static inline void swing_take(struct mast_swing *swing, double beside, double ro
     }
     variance += gain[SWING_OFFSET] + rolled * gain[SWING_SHARE];
     const double odd = fmin(error * error / variance, SWING_JUMP * SWING_JUMP);
-    swing->usual -= learns * expm1(-elapsed / SWING_USUAL) * (odd - swing->usual);
+    swing->least = SWING_NOISE / noise * SWING_NOISE / noise;
+    swing->averaged = fmin(swing->averaged + learns * elapsed, SWING_USUAL);
+    swing->usual -= learns * expm1(-elapsed / swing->averaged) * (odd - swing->usual);
     swing->lately -= expm1(-elapsed / SWING_LATELY) * (odd - swing->lately);
     if (odd >= SWING_JUMP * SWING_JUMP) {  /* the place is another one */
         swing->covariance[SWING_OFFSET][SWING_OFFSET] += OFFSET_FIRST * OFFSET_FIRST;
@@ -102,7 +106,7 @@ static inline int swing_reversed(const struct mast_swing *swing)
 /* Whether the antenna swings more than it usually is off. */
 static inline int swing_odd(const struct mast_swing *swing)
 {
-    return swing->lately > SWING_ODD * fmax(swing->usual, 1.0);
+    return swing->lately > SWING_ODD * fmax(swing->usual, swing->least);
 }
 
 #endif

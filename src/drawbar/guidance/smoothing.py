@@ -216,7 +216,7 @@ def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_r
         if not values[worst] <= limit:
             raise PathError(
                 f"line {name!r} cannot be made drivable: near ({samples[worst, 0]:z.1f}, "
-                f"{samples[worst, 1]:z.1f}) m its {what} stays at {values[worst]:.2f} {unit}; at most "
+                f"{samples[worst, 1]:z.1f}) m its {what} stays at {values[worst]:.4g} {unit}; at most "
                 f"{limit:g} {unit} is allowed: redraw the line without this turn"
             )
 

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from drawbar.config import Configuration, demand_configuration
+from drawbar.control.settings import ArticulatedControllerSettings
 from drawbar.errors import PathError, demand
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.demands import largest_off_tracking
@@ -56,15 +57,20 @@ def run_header(
 
 _TOLD = 0.05
 """m; off-tracking that is told"""
+_LITTLE, _ENOUGH = 0.345, 0.5
+"""rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
+begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
+_FAST = 1.0
+"""m/s; at less than half of it none of these vehicles swung"""
 
 
 def path_notes(configuration: Configuration, path: Path, drivable: "DrivablePath | None") -> list[str]:
-    """Return what a user should know of a path before it is driven, in sentences."""
+    """Return what a user should know before a path is driven, in sentences."""
     notes = [_deviation_note(configuration, drivable)] if drivable else []
     off_tracking, curvature = largest_off_tracking(path, configuration.vehicle)
     if off_tracking > _TOLD:
         notes.append(_off_tracking_note(configuration, off_tracking, curvature))
-    return notes
+    return [*notes, *_horizon_notes(configuration)]
 
 
 def _deviation_note(configuration: Configuration, drivable: "DrivablePath") -> str:
@@ -77,10 +83,37 @@ def _deviation_note(configuration: Configuration, drivable: "DrivablePath") -> s
 
 
 def _off_tracking_note(configuration: Configuration, off_tracking: float, curvature: float) -> str:
-    """Return how far apart the tracks of both bodies stay in the tightest curve."""
+    """Return how far apart the tracks of both bodies stay in the tightest curve, and who leaves the line for it."""
     limit = math.degrees(configuration.vehicle.trailer_steering_limit)
+    taken = _taken_by_the_tractor(configuration, off_tracking)
+    shared = f"; the tractor takes {taken:.2f} m of it by leaving its own line (controller.sharing)" if taken else ""
     return (
         f"in curves of {curvature:.3g} 1/m the trailer runs {off_tracking:.2f} m beside the tractor's track even with "
         f"its steering at its limit of {limit:.0f}° (vehicle.trailer_steering_limit); no controller takes that away, "
-        f"wider curves or a larger limit do"
+        f"wider curves or a larger limit do{shared}"
     )
+
+
+def _taken_by_the_tractor(configuration: Configuration, off_tracking: float) -> float:
+    """Return how far the tractor leaves its line for a trailer that is so far beside it, m."""
+    controller = configuration.controller
+    if not isinstance(controller, ArticulatedControllerSettings) or controller.structure == "centralised":
+        return 0.0
+    sharing = controller.sharing
+    return min(sharing.share * max(off_tracking - sharing.accepted_error, 0.0), 0.5 * off_tracking)
+
+
+def _horizon_notes(configuration: Configuration) -> list[str]:
+    """Return what is to be said of a horizon within which the front wheels hardly turn."""
+    controller, vehicle = configuration.controller, configuration.vehicle
+    if not isinstance(controller, ArticulatedControllerSettings):
+        return []
+    scale = (vehicle.wheelbase / configuration.speed) ** (2.0 / 3.0)
+    turned = vehicle.tractor_steering_rate * configuration.sample_time
+    if configuration.speed < _FAST or turned * controller.horizon >= _LITTLE * scale:
+        return []
+    return [
+        f"plans reach {controller.horizon * configuration.sample_time:.2g} s ahead, in which the front wheels turn by "
+        f"{controller.horizon * turned:.2g} rad: from 1 m beside its line the vehicle may swing about it or lose it; "
+        f"begin on the line, or raise controller.horizon to {math.ceil(_ENOUGH * scale / turned)}"
+    ]

@@ -23,6 +23,7 @@
 #define HITCH_MOVES 0.1                    /* speed below which nothing is learned, m/s */
 #define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not, */
 #define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)    /* and an angle, where the sensor hardly ever repeats itself, rad, */
+#define HITCH_OF_PATIENCE 0.5              /* share of the patience that one sample counts for at most */
 #define HITCH_SURE 1.5                     /* and so many times less, the more often it does */
 
 struct hitch_watch {
@@ -56,7 +57,7 @@ static inline int hitch_contradicts(struct hitch_watch *watch, const struct draw
         known ? hitch_difference(m->hitch_angle, estimate->hitch_angle, limit) : 0.0,
         known ? hitch_difference(m->trailer_steering, estimate->trailer_steering, limit) : 0.0,
     };
-    const double share = -expm1(-elapsed / HITCH_MEAN);
+    const double share = fmin(-expm1(-elapsed / HITCH_MEAN), 1.0 / HITCH_SHARP);
 
     for (int i = 0; i < 2; ++i)
         watch->means[i] += share * (now[i] - watch->means[i]);
@@ -95,12 +96,13 @@ static inline int hitch_look(struct hitch_watch *watch, double reported, const s
         watch->begun = 1;
     }
     const int differs = hitch_contradicts(watch, m, estimate, elapsed);
+    const double counts = fmin(elapsed, HITCH_OF_PATIENCE * watch->patience);
     if (!isfinite(reported) || estimate->status != SOLVED) {   /* there is nothing to compare */
         watch->contradicts = watch->stuck = 0.0;
         return 0;
     }
-    watch->contradicts = differs ? watch->contradicts + elapsed : 0.0;
-    watch->stuck = hitch_stuck(watch, reported, estimate->hitch_angle, m->speed, elapsed);
+    watch->contradicts = differs ? watch->contradicts + counts : 0.0;
+    watch->stuck = hitch_stuck(watch, reported, estimate->hitch_angle, m->speed, counts);
     return fmax(watch->contradicts, watch->stuck) > watch->patience ? DRAWBAR_HITCH : 0;
 }
 

@@ -96,9 +96,10 @@ def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
     stuck = _live(autopilot, "sanity", "hitch.stuck") > 0.0
     worst = "hitch_angle" if stuck else max(names, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
     measured, found = pairs[worst]
+    why = "it is stuck" if stuck else "it is stuck, has the wrong sign or is off, or a stated length is"
     return (
         f"the sensor of the {names[worst]} shows {measured:.1f}°, which contradicts the motion of both bodies "
-        f"({found:.1f}° are estimated): it is stuck{'' if stuck else ', has the wrong sign or is off'}."
+        f"({found:.1f}° are estimated): {why}."
     )
 
 

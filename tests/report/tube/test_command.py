@@ -54,6 +54,20 @@ def test_sets_bounds_and_sources_are_printed_and_drawn(tube, tmp_path):
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")  # nothing is fetched
 
 
+def test_a_steering_rate_that_counts_as_more_than_declared_is_told(tube):
+    slow = ("sample_time=0.1", "vehicle.steering_lag=0.13", "vehicle.tractor_steering_rate=0.12")
+    left, said = tube("articulated", *slow)
+    assert left
+    assert "disturbances.steering_rate counts as 0.353 rad/s instead of 0.18" in " ".join(said.split())
+    assert "counts as" not in tube("articulated")[1]
+
+
+def test_a_missing_log_is_refused_before_anything_is_printed(tmp_path, capsys):
+    with pytest.raises(DrawbarError, match=r"missing\.mcap: cannot be read"):
+        show_tubes(Console(), load_configuration("articulated"), tmp_path / "out", [tmp_path / "missing.mcap"])
+    assert capsys.readouterr().out == ""
+
+
 def test_a_gain_on_yaw_alone_says_plainly_what_has_no_bound(tube):
     left, said = tube(
         "paper", "tube.nominal=propagated", "tube.tractor.disturbances={yaw_rate=0.05, lateral_rate=0.05}"

@@ -178,6 +178,13 @@ def _command_limit(model: ErrorModel, limit: float) -> Limit:
     return Limit(name="command", unit="rad", value=limit, reach=limit, state=np.zeros(n), command=1.0)
 
 
+def falling_short_by(body: Body, work: Work, falling_short: float) -> Body:
+    """Return a body of the articulated model with another declared disturbance of its steering rate, rad/s."""
+    *others, rate = body.limits
+    reach = followed_rate(rate.value, falling_short, work.vehicle.steering_lag, work.sample_time)
+    return replace(body, limits=(*others, replace(rate, reach=reach)))
+
+
 def _lagging_limits(
     work: Work, model: ErrorModel, limit: float, rate: float, falling_short: float
 ) -> tuple[Limit, ...]:

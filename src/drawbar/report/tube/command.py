@@ -7,13 +7,15 @@ from rich.console import Console
 from rich.text import Text
 
 from drawbar.config import Configuration
-from drawbar.control.settings import ArticulatedControllerSettings, TricycleControllerSettings
-from drawbar.control.tube.bodies import Body, Work
+from drawbar.control.settings import ArticulatedControllerSettings, BodyTubeSettings, TricycleControllerSettings
+from drawbar.control.tube.bodies import Body
+from drawbar.control.tube.kept_rate import with_kept_rates
 from drawbar.control.tube.tube import bodies_of, overdrawn_bounds, tube_of
 from drawbar.errors import ConfigurationError
 from drawbar.report.tube.console import findings_text, proposal, tube_text
 from drawbar.report.tube.page import write_page
 from drawbar.report.tube.recorded import Recording, findings, recordings
+from drawbar.step.build import tube_work
 
 BODIES = ("tractor", "trailer")
 
@@ -27,34 +29,50 @@ def show_tubes(console: Console, configuration: Configuration, out: Path, logs: 
     Raises:
         DrawbarError: the configuration has no tube, a log cannot be used, or the folder cannot be written.
     """
+    declared, configuration = configuration.tube, _kept(configuration)
     bodies = dict(zip(BODIES, _bodies(configuration), strict=True))
     settings = {name: getattr(configuration.tube, name) for name in BODIES}
     tubes = {name: tube_of(name, body, settings[name], configuration.tube.nominal) for name, body in bodies.items()}
+    recorded = {name: recordings(logs, configuration, name, body) for name, body in bodies.items()}
     console.print(Text(f"{configuration.name}, nominal state {configuration.tube.nominal}"))
     advice = {name: overdrawn_bounds(name, body, settings[name], tubes[name]) for name, body in bodies.items()}
     for name, tube in tubes.items():
-        console.print(tube_text(name, tube, advice[name]))
-    recorded = {name: recordings(logs, configuration, name, body) for name, body in bodies.items()}
+        console.print(tube_text(name, tube, advice[name], _raised(name, getattr(declared, name), settings[name])))
     if logs:
         _compare(console, configuration, bodies, recorded)
     console.print(f"\n{write_page(out, configuration, tubes, advice, recorded)}", soft_wrap=True)
     return not any(advice.values())
 
 
+def _kept(configuration: Configuration) -> Configuration:
+    """Return the configuration with the declared bounds that its control step is built from."""
+    controller, work = _controller(configuration), tube_work(configuration)
+    return configuration.model_copy(update={"tube": with_kept_rates(controller, work, configuration.tube)})
+
+
+def _raised(name: str, declared: BodyTubeSettings, counted: BodyTubeSettings) -> str:
+    """Say by how much the steering rate's disturbance counts as more than it is declared, "" where it does not."""
+    before, now = (settings.disturbances.get("steering_rate", 0.0) for settings in (declared, counted))
+    if now == before:
+        return ""
+    return (
+        f"disturbances.steering_rate counts as {now:.3g} rad/s instead of {before:.3g}: less would not leave plans the "
+        f"steering rate that tube.{name}.kept_rate = {declared.kept_rate:g} asks for."
+    )
+
+
 def _bodies(configuration: Configuration) -> tuple[Body, Body]:
+    return bodies_of(_controller(configuration), tube_work(configuration), configuration.tube)
+
+
+def _controller(configuration: Configuration) -> ArticulatedControllerSettings | TricycleControllerSettings:
     controller = configuration.controller
     if not isinstance(controller, ArticulatedControllerSettings | TricycleControllerSettings):
         raise ConfigurationError(
             f"{configuration.name}: controller.model = {controller.model!r} follows no nominal state and has no tube; "
             f"'articulated' and 'tricycle' have one"
         )
-    work = Work(
-        vehicle=configuration.vehicle,
-        ranges=configuration.tube.work,
-        speed=configuration.speed,
-        sample_time=configuration.sample_time,
-    )
-    return bodies_of(controller, work, configuration.tube)
+    return controller
 
 
 def _compare(

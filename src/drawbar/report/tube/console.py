@@ -34,13 +34,13 @@ def _table(title: str, columns: Iterable[str], rows: list[Row], width: int = 34)
     return FittedTable(title, [(name, "") for name in columns], styled, title_width=width, column_width=9)
 
 
-def tube_text(body: str, tube: SubsystemTube, advice: Iterable[str]) -> RenderableType:
-    """Return the tube of one body for the console, as wide as that is."""
+def tube_text(body: str, tube: SubsystemTube, advice: Iterable[str], raised: str = "") -> RenderableType:
+    """Return the tube of one body for the console, as wide as that is; `raised`: what counts as more than declared."""
     parts: list[RenderableType] = ["", Text(body, f"bold {_COLOURS[body]}"), law_text(tube)]
     if tube.invariant_set is not None:
         parts += ["", _table("set", SET_COLUMNS, set_rows(tube))]
         parts += ["", _table("bounds", bound_columns(tube), bound_rows(tube))]
-    notes = [note for note in (unbounded_text(tube), undeclared_text(tube)) if note]
+    notes = [note for note in (raised, unbounded_text(tube), undeclared_text(tube)) if note]
     return Group(*parts, "", *notes, *(Text(text, "bold red") for text in advice))
 
 

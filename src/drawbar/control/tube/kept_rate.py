@@ -1,0 +1,76 @@
+"""Kept rate: the steering rate that plans keep on a machine for which the tube's bounds were not declared.
+
+What a tube takes off the steering rate follows from absolute errors, an estimated steering angle that is off for one,
+and grows as the lag gets shorter; a slow cylinder has little to give. A vehicle whose plans keep a tenth of its rate
+does not follow its line, though no bound is overdrawn. But the bound protects the model, not the cylinder, which cannot
+turn faster anyway: so the disturbance by which the cylinder falls short is taken to be larger, and the set with it.
+"""
+
+from drawbar.control.settings import (
+    ArticulatedControllerSettings,
+    BodyTubeSettings,
+    Nominal,
+    TricycleControllerSettings,
+    TubeSettings,
+)
+from drawbar.control.tube.bodies import Body, Work, falling_short_by
+from drawbar.control.tube.tube import bodies_of, tube_of
+from drawbar.errors import TubeError
+
+_RATE = "steering_rate"
+_DOUBLINGS = 8
+"""of the steering's rate, after which more falling short leaves no more of it"""
+_EXACT = 1e-3
+"""of what is searched"""
+
+
+def with_kept_rates(
+    controller: ArticulatedControllerSettings | TricycleControllerSettings, work: Work, tube: TubeSettings
+) -> TubeSettings:
+    """Return the tube's settings with disturbances of the steering rates that leave what shall be kept of them.
+
+    Raises:
+        TubeError: nothing leaves so much of a rate.
+    """
+    if isinstance(controller, TricycleControllerSettings):
+        return tube
+    tractor, trailer = bodies_of(controller, work, tube)
+    return tube.model_copy(
+        update={
+            "tractor": _kept("tractor", tractor, work, tube.tractor, tube.nominal),
+            "trailer": _kept("trailer", trailer, work, tube.trailer, tube.nominal),
+        }
+    )
+
+
+def _kept(name: str, body: Body, work: Work, settings: BodyTubeSettings, nominal: Nominal) -> BodyTubeSettings:
+    """Return the settings of one body's tube, its steering rate disturbed by as much as leaves what is kept."""
+    declared, rate = settings.disturbances.get(_RATE, 0.0), body.limits[-1].value
+
+    def left(falling_short: float) -> tuple[float, float]:
+        """Return what is left of the rate beyond what is kept, and of the bound of which least is left."""
+        slow = falling_short_by(body, work, falling_short)
+        bounds = tube_of(name, slow, _falling_short(settings, falling_short), nominal).bounds
+        others = min(bound.tightened for quantity, bound in bounds.items() if quantity != _RATE)
+        return bounds[_RATE].tightened - settings.kept_rate * rate, others
+
+    beyond, others = left(declared)
+    if not settings.kept_rate or beyond >= 0.0 or not others > 0.0:
+        return settings
+    tries = (declared + rate * 0.1 * 2.0**i for i in range(_DOUBLINGS))
+    enough = next((size for size in tries if min(left(size)) >= 0.0), None)
+    if enough is None:
+        raise TubeError(
+            f"the tube of the {name} cannot leave tube.{name}.kept_rate = {settings.kept_rate:g} of the steering rate, "
+            f"{rate:.3g} rad/s, at speed = {work.speed:g} m/s and sample_time = {work.sample_time:g} s: what its gain "
+            f"makes of the declared errors takes more; lower speed, sample_time or the gain in tube.{name}"
+        )
+    little = declared
+    while enough - little > _EXACT * enough:
+        middle = 0.5 * (little + enough)
+        enough, little = (middle, little) if min(left(middle)) >= 0.0 else (enough, middle)
+    return _falling_short(settings, enough)
+
+
+def _falling_short(settings: BodyTubeSettings, size: float) -> BodyTubeSettings:
+    return settings.model_copy(update={"disturbances": {**settings.disturbances, _RATE: size}})

@@ -1,0 +1,53 @@
+"""The steering rate that plans keep on machines for which the shipped bounds were not declared."""
+
+import pytest
+
+from drawbar.config import load_configuration
+from drawbar.control.tube.kept_rate import with_kept_rates
+from drawbar.control.tube.tube import tubes_of
+from drawbar.errors import TubeError
+from drawbar.step.build import build_tubes, tube_work
+
+SLOW = ("sample_time=0.1", "vehicle.steering_lag=0.13", "vehicle.tractor_steering_rate=0.12")
+
+
+def kept(*changes):
+    configuration = load_configuration("articulated", changes)
+    work = tube_work(configuration)
+    return configuration, work, with_kept_rates(configuration.controller, work, configuration.tube)
+
+
+def test_the_shipped_machine_keeps_its_rate_with_what_is_declared():
+    configuration, _, tube = kept()
+    assert tube == configuration.tube
+
+
+def test_a_slow_steering_keeps_its_rate_and_falls_short_by_no_more_than_that_takes():
+    configuration, work, tube = kept(*SLOW)
+    declared = configuration.tube.tractor.disturbances["steering_rate"]
+    counted = tube.tractor.disturbances["steering_rate"]
+    assert counted > declared
+    for size, enough in ((declared, False), (0.99 * counted, False), (counted, True)):
+        tractor = tube.tractor.model_copy(update={"disturbances": {**tube.tractor.disturbances, "steering_rate": size}})
+        tubes = tubes_of(
+            work.vehicle,
+            configuration.controller,
+            tube.model_copy(update={"tractor": tractor}),
+            speed=work.speed,
+            sample_time=work.sample_time,
+        )
+        assert (tubes.tractor.bounds["steering_rate"].tightened >= work.vehicle.tractor_steering_rate) is enough
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_the_part_that_is_kept_is_what_is_left(share):
+    bounds = build_tubes(load_configuration("articulated", [*SLOW, f"tube.tractor.kept_rate={share}"])).tractor.bounds
+    left = bounds["steering_rate"].tightened / bounds["steering_rate"].original
+    assert left < 0.01 if share == 0.0 else left == pytest.approx(share, abs=0.01)
+
+
+def test_where_the_gain_takes_the_rate_it_is_said():
+    with pytest.raises(
+        TubeError, match=r"tractor cannot leave tube\.tractor\.kept_rate = 1 .*lower speed, sample_time"
+    ):
+        build_tubes(load_configuration("articulated", ["tube.tractor.yaw=-5.0"]))
