@@ -44,7 +44,8 @@ class RealTimeIteration(Guarded):
         self.y: Floats = array("y")[:, :outputs]
         """(M+1, ny) references or measurements"""
         self.w: Floats = array("w")[:, :outputs]
-        """(M+1, ny) weights; new ones count from the next prepare() or advance()"""
+        """(M+1, ny) weights, zero or more; new ones count from the next prepare() or advance(). With a negative one, or
+        NaN, the phases return BAD_INPUT and move nothing"""
         places = transcription.places
         self._free_initial = transcription.free_initial
         self.lower = StageBounds({name: array("lower")[place] for name, place in places.items()})

@@ -48,9 +48,11 @@ static void window_drop_refused(struct rti *rti, int row)
 }
 
 /* Make room for the next sample. When the oldest stage cannot be absorbed, the arrival cost starts anew: the first
- * prior's deviations around the present estimate of the window's new first state. */
+ * prior's deviations around the present estimate of the window's new first state. With negative weights nothing moves. */
 static int window_slide(struct window *window, struct rti *rti)
 {
+    if (!rti_weights_valid(rti))
+        return window->absorbed = BAD_INPUT;
     window->absorbed = SOLVED;
     window_drop_refused(rti, window->newest);
     if (window->newest < N) {

@@ -105,6 +105,27 @@ def test_weights_that_are_no_numbers_never_pass_as_solved(case: Any) -> None:
         np.testing.assert_array_equal(solver.x, x)
 
 
+@pytest.mark.parametrize("value", [-1e-9, np.nan])
+def test_negative_weight_is_refused_moves_nothing_and_can_be_put_right(case: Any, value: float) -> None:
+    solver, other = settled(case), settled(case)
+    right = solver.w[-1, -1]
+    solver.w[-1, -1] = value
+    work = [solver.x, solver.u, solver.y]
+    if isinstance(solver, EstimationSolver):
+        work += [solver.root, solver.prior, solver.workspace.array("window.newest")]
+    before = [array.copy() for array in work]
+    if isinstance(solver, EstimationSolver):
+        assert solver.advance() == SolverStatus.BAD_INPUT
+    assert solver.prepare() == SolverStatus.BAD_INPUT
+    assert solver.feedback() == SolverStatus.BAD_INPUT
+    assert solver.solve().status == SolverStatus.BAD_INPUT
+    for array, kept in zip(work, before, strict=True):
+        np.testing.assert_array_equal(array, kept)
+    solver.w[-1, -1] = right
+    assert (solver.prepare(), solver.feedback()) == (other.prepare(), other.feedback()) == (0, 0)
+    np.testing.assert_array_equal(solver.x, other.x)
+
+
 def test_failing_step_leaves_the_trajectory_untouched_and_recovers(case: Any) -> None:
     solver = settled(case)
     solver.prepare()
