@@ -25,7 +25,7 @@ struct rti {
                                             * each state alone, and of one noise that moves all of them at once */
     int32_t status, open_end;              /* open_end: x_N is still to be predicted */
     int32_t linearised;                    /* as it will be after the next shift, and the stage that leaves behind it */
-    int32_t weighed;                       /* whether the weights that the Hessian is made of are zero or more */
+    int32_t valid_weights;                 /* whether the weights that the Hessian is made of are zero or more */
     uint8_t missing[(N + 1) * NY];         /* measurements, as rti_note_missing last saw them */
     struct qp qp;
     double constants[CONSTANTS];           /* of the model, and the sample time, s */
@@ -99,7 +99,7 @@ static int rti_weights_valid(const struct rti *s)
 
 static void rti_hessian(struct rti *s)
 {
-    s->weighed = rti_weights_valid(s);
+    s->valid_weights = rti_weights_valid(s);
 #if FREE_INITIAL
     memset(s->qp.Q[0], 0, sizeof s->qp.Q[0]);
     hessian(s, 0, N + 1);
@@ -139,7 +139,7 @@ static int rti_prepare(struct rti *s)
     rti_linearise(s);
     rti_note_missing(s);
     rti_hessian(s);
-    if (!s->weighed)
+    if (!s->valid_weights)
         return s->status = BAD_INPUT;
     if (!FREE_INITIAL && held_factor(&s->qp))
         s->qp.factored = FACTORED_KEPT;
@@ -209,7 +209,7 @@ static int rti_feedback(struct rti *s, struct lent *lent)
         return s->status = BAD_INPUT;
     if (changed)
         rti_hessian(s);
-    if (!s->weighed)
+    if (!s->valid_weights)
         return s->status = BAD_INPUT;
     rti_gradient(s);
     rti_least_step(s);
