@@ -34,12 +34,28 @@ def jump_of_5_m(trial):
     receivers(trial, lambda report, since: shifted(report, trial, 5.0))
 
 
+def slowest_drift(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.02 * since))
+
+
 def slow_drift(trial):
     trial.device("fixes-drift-slowly")
 
 
 def fast_drift(trial):
     trial.device("fixes-drift")
+
+
+def fast_drift_of_one(trial):
+    trial.device("fix-drifts")
+
+
+def slow_drift_of_one(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.05 * since), ["tractor"])
+
+
+def fast_drift_of_the_trailer(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.3 * since), ["trailer"])
 
 
 def far_away(trial):

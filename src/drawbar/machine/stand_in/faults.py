@@ -132,7 +132,7 @@ FAULTS = {
         begin=_drift(0.3),
     ),
     "fixes-drift-slowly": DeviceFault(
-        text="both receivers' positions drift to the left by 0.05 m/s, which nothing shows",
+        text="both receivers' positions drift to the left by 0.05 m/s",
         begin=_drift(0.05),
     ),
     "fix-drifts": DeviceFault(
