@@ -279,3 +279,11 @@ def test_in_a_curve_a_slow_drift_to_the_inside_is_not_learned_as_lag(side):
         drift.hear(epoch(time, radius=radius, noise=inside * 2))
         found = min(found, time - begin) if drift.drifts_slowly(**FOLLOWED) else found
     assert 6.0 < found <= 8.2
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_speeds_that_come_in_knots_in_a_curve_are_no_slow_drift(side):
+    drift = PositionDrift()
+    for time in times(40.0):
+        drift.hear(epoch(time, radius=8.0 * side, told=1.0 if time < 20.0 else 3600.0 / 1852.0))
+        assert not drift.drifts_slowly(**FOLLOWED), time

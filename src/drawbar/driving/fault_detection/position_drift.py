@@ -49,6 +49,8 @@ _ALONE = 1.4
 """times that, by which the only one that is known is aside"""
 _SLOWLY, _SLOW_SHARE = 0.20, 0.01
 """m, and of the way: the same over the longer time, in which noise counts less"""
+_AHEAD = 0.05
+"""of the way, by which positions may be ahead of the velocities, or behind; more tells of speeds in a wrong unit"""
 _LAG = 0.15
 """by which a receiver's filter lets the velocity's direction lag in a curve at most, s"""
 _DOUBT = 2.0
@@ -109,6 +111,8 @@ class _Aside:
     """m"""
     way: float
     """m"""
+    ahead: float
+    """m"""
     per_lag: float
     """by how much more for each second by which the velocity's direction lags, m/s"""
 
@@ -154,10 +158,12 @@ class _Window:
         if last.time - first.time < self._span - _SAME or way < _LEAST * self._span:
             return None
         turned = (last.velocity[0] - first.velocity[0], last.velocity[1] - first.velocity[1])
+        x, y = last.x - first.x, last.y - first.y
         return _Aside(
-            (east * (last.y - first.y) - north * (last.x - first.x)) / way,
-            way,
-            (east * turned[1] - north * turned[0]) / way,
+            left=(east * y - north * x) / way,
+            way=way,
+            ahead=(east * x + north * y) / way - way,
+            per_lag=(east * turned[1] - north * turned[0]) / way,
         )
 
 
@@ -222,8 +228,12 @@ class _Antenna:
         place = _Place(time, x, y, velocity, self._way(time, velocity))
         self._window.add(place)
         self._long.add(place)
-        self._look_long(time)
-        return self._look(time)
+        aside = self._window.aside()
+        if aside is None:
+            self._lately.clear()
+            return math.nan
+        self._look_long(time, fits=abs(aside.ahead) <= max(_SLOWLY, _AHEAD * aside.way))
+        return self._look(time, aside)
 
     def _begin_anew(self) -> None:
         self._window.clear()
@@ -246,18 +256,16 @@ class _Antenna:
         east, north = last.way
         return east + half * (last.velocity[0] + velocity[0]), north + half * (last.velocity[1] + velocity[1])
 
-    def _look(self, time: float) -> float:
-        aside = self._window.aside()
-        if aside is None:
-            return math.nan
+    def _look(self, time: float, aside: _Aside) -> float:
         share = aside.share_of(_ASIDE, _SHARE, self._lag.longest)
         for lag in (self._lag, self._late_lag):
             lag.add(time, aside.left, aside.per_lag)
         return share
 
-    def _look_long(self, time: float) -> None:
+    def _look_long(self, time: float, *, fits: bool) -> None:
+        """Look at the longer time, if the speeds fit the way of the shorter one."""
         aside = self._long.aside()
-        if aside is None:
+        if aside is None or not fits:
             self._lately.clear()
             return
         self._lately.append((time, aside.share_of(_SLOWLY, _SLOW_SHARE, self._late_lag.longest)))
