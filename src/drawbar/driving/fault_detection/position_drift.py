@@ -49,7 +49,7 @@ _ALONE = 1.4
 """times that, by which the only one that is known is aside"""
 _SLOWLY, _SLOW_SHARE = 0.20, 0.01
 """m, and of the way: the same over the longer time, in which noise counts less"""
-_AHEAD = 0.05
+_AHEAD = 0.15
 """of the way, by which positions may be ahead of the velocities, or behind; more tells of speeds in a wrong unit"""
 _LAG = 0.15
 """by which a receiver's filter lets the velocity's direction lag in a curve at most, s"""
