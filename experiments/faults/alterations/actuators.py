@@ -2,7 +2,7 @@
 
 import math
 
-from drawbar.machine.stand_in.faults import steer_otherwise
+from drawbar.machine.stand_in.breaking import steer_otherwise
 from drawbar.protocols.agopengps.steering import SteerCommand
 
 
@@ -15,15 +15,15 @@ def tractor_stuck(trial):
 
 
 def trailer_stuck(trial):
-    actuator(trial, "trailer", lambda wanted, true: true)
+    trial.device("joint-stuck")
 
 
 def tractor_reversed(trial):
-    actuator(trial, "tractor", lambda wanted, true: true - 4.0 * (wanted - true))
+    trial.device("wheels-reversed")
 
 
 def tractor_off_3(trial):
-    actuator(trial, "tractor", lambda wanted, true: wanted + math.radians(3.0))
+    trial.device("wheels-off")
 
 
 def tractor_slow(trial):
@@ -41,17 +41,11 @@ def clipped(value, limit):
 
 
 def board_restarts(trial):
-    def begin():
-        trial.rehearsal.machine.boards["trailer"][0].restart(trial.rehearsal.time, outage=0.5)
-
-    trial.begin = begin
+    trial.device("board-restarts")
 
 
 def operator_takes_over(trial):
-    def begin():
-        trial.rehearsal.machine.boards["tractor"][0].override()
-
-    trial.begin = begin
+    trial.device("operator-steers")
 
 
 def other_master(trial):

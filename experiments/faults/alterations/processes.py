@@ -3,6 +3,7 @@
 import math
 
 from drawbar.driving.stand_in.rehearsal import Part
+from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.messages import Action
 
 
@@ -107,7 +108,7 @@ def emergency(trial):
 
 def driver_ignores_the_stop(trial):
     def begin():
-        trial.rehearsal.machine.driver.REACTION = 1e9
+        FAULTS["driver-stays"].begin(trial.rehearsal.machine)
         trial.rehearsal.ask(Action.STOP)
 
     trial.begin = begin

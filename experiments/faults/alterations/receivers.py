@@ -3,7 +3,7 @@
 from dataclasses import replace
 from datetime import timedelta
 
-from drawbar.machine.stand_in.faults import freeze, moved, report_otherwise
+from drawbar.machine.stand_in.breaking import freeze, moved, report_otherwise
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.machine.stand_in.receiver import of_quality
 from drawbar.signals import FixQuality
@@ -23,7 +23,7 @@ def jump_of_10_cm(trial):
 
 
 def jump_of_one_antenna(trial):
-    receivers(trial, lambda report, since: shifted(report, trial, 1.0), ["tractor"])
+    trial.device("fix-jumps")
 
 
 def jump_of_both(trial):
@@ -34,12 +34,28 @@ def jump_of_5_m(trial):
     receivers(trial, lambda report, since: shifted(report, trial, 5.0))
 
 
+def slowest_drift(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.02 * since))
+
+
 def slow_drift(trial):
-    receivers(trial, lambda report, since: shifted(report, trial, 0.05 * since))
+    trial.device("fixes-drift-slowly")
 
 
 def fast_drift(trial):
-    receivers(trial, lambda report, since: shifted(report, trial, 0.3 * since))
+    trial.device("fixes-drift")
+
+
+def fast_drift_of_one(trial):
+    trial.device("fix-drifts")
+
+
+def slow_drift_of_one(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.05 * since), ["tractor"])
+
+
+def fast_drift_of_the_trailer(trial):
+    receivers(trial, lambda report, since: shifted(report, trial, 0.3 * since), ["trailer"])
 
 
 def far_away(trial):
@@ -55,7 +71,7 @@ def both_frozen(trial):
 
 
 def no_fix(trial):
-    quality(trial, FixQuality.NONE)
+    trial.device("fixes-lost")
 
 
 def no_fix_for_1_s(trial):
@@ -64,13 +80,6 @@ def no_fix_for_1_s(trial):
 
 def floating(trial):
     trial.device("fixes-float")
-
-
-def quality(trial, quality):
-    def begin():
-        trial.rehearsal.machine.quality = dict.fromkeys(BODIES, quality)
-
-    trial.begin = begin
 
 
 def float_flips(trial):
@@ -83,7 +92,7 @@ def old_corrections(trial):
 
 
 def speed_in_knots(trial):
-    receivers(trial, lambda report, since: replace(report, speed=report.speed * 3600.0 / 1852.0))
+    trial.device("speed-in-knots")
 
 
 def zero_deviation(trial):
@@ -91,24 +100,7 @@ def zero_deviation(trial):
 
 
 def antennas_swapped(trial):
-    def begin():
-        encoders = trial.rehearsal.machine.encoders
-        last = {}
-
-        def swapped(body, other):
-            before = encoders[body]
-
-            def encode(report):
-                last[body] = report
-                there = last.get(other, report)
-                return before(replace(there, time=report.time))
-
-            return encode
-
-        one, two = BODIES
-        encoders[one], encoders[two] = swapped(one, two), swapped(two, one)
-
-    trial.begin = begin
+    trial.device("receivers-swapped")
 
 
 def midnight(trial):

@@ -1,61 +1,33 @@
 """What the sensor board says of hitch and wheels' speed."""
 
-from drawbar.protocols.sensor_board import sentence
-
-
-def sensed(trial, change):
-    """Change what the sensor board says: change(counts of the hitch, pulses, seconds since the fault)."""
-
-    def make(chance, start):
-        def fault(now, data):
-            milliseconds, counts, pulses = data[1:].partition(b"*")[0].split(b",")[1:]
-            return [(0.0, sentence(int(milliseconds), *change(int(counts), int(pulses), now - start)))]
-
-        return fault
-
-    trial.alter_links(["sensors"], make)
+from drawbar.machine.stand_in.breaking import scale_wheel_speed
 
 
 def hitch_stuck(trial):
-    kept = []
-
-    def change(counts, pulses, since):
-        kept.append(counts)
-        return kept[0], pulses
-
-    sensed(trial, change)
+    trial.device("hitch-stuck")
 
 
 def hitch_reversed(trial):
-    sensed(trial, lambda counts, pulses, since: (4096 - counts, pulses))
+    trial.device("hitch-reversed")
 
 
 def hitch_broken(trial):
-    sensed(trial, lambda counts, pulses, since: (0, pulses))
+    trial.device("hitch-broken")
 
 
 def hitch_missing(trial):
-    sensed(trial, lambda counts, pulses, since: (None, pulses))
+    def begin():
+        trial.rehearsal.machine.hitch_counts = lambda right: None
+
+    trial.begin = begin
 
 
 def wheel_speed_zero(trial):
-    kept = []
-
-    def change(counts, pulses, since):
-        kept.append(pulses)
-        return counts, kept[0]
-
-    sensed(trial, change)
+    trial.device("wheel-speed-zero")
 
 
 def wheel_speed_tenfold(trial):
-    kept = []
-
-    def change(counts, pulses, since):
-        kept.append(pulses)
-        return counts, kept[0] + 10 * (pulses - kept[0])
-
-    sensed(trial, change)
+    trial.begin = lambda: scale_wheel_speed(trial.rehearsal.machine, 10)
 
 
 def sensors_silent(trial):

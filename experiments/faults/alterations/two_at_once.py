@@ -1,6 +1,7 @@
 """Two faults in one drive, the second while drawbar still steers the vehicle to its stop, or slower, for the first."""
 
-from drawbar.machine.stand_in.faults import FAULTS, moved, report_otherwise
+from drawbar.machine.stand_in.breaking import moved, report_otherwise
+from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.machine.stand_in.receiver import of_quality
 from drawbar.protocols.sensor_board import sentence

@@ -5,7 +5,7 @@ import random
 from dataclasses import replace
 
 from drawbar.geometry import wrap
-from drawbar.machine.stand_in.faults import report_otherwise
+from drawbar.machine.stand_in.breaking import report_otherwise
 from drawbar.machine.stand_in.receiver import of_quality
 from drawbar.signals import FixQuality
 

@@ -6,7 +6,7 @@ from recorded_rehearsal import recorded_rehearsal
 from drawbar.config import load_configuration
 from drawbar.driving.evaluation.replay import replay_drive
 from drawbar.driving.stand_in.demonstration import with_stand_ins
-from drawbar.machine.stand_in.faults import moved, report_otherwise
+from drawbar.machine.stand_in.breaking import moved, report_otherwise
 from drawbar.messages import CommandMessage, SupervisorState
 from drawbar.protocols.sensor_board import sentence
 

@@ -11,7 +11,8 @@ from ordinary import measured
 from drawbar.config import load_configuration
 from drawbar.driving.fault_detection.notices import MOST, Notices
 from drawbar.driving.stand_in.rehearsal import Rehearsal
-from drawbar.machine.stand_in.faults import FAULTS, moved, report_otherwise
+from drawbar.machine.stand_in.breaking import moved, report_otherwise
+from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.messages import Fixes, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.signals import FixStatus

@@ -213,3 +213,77 @@ def test_from_where_they_were_before_the_velocities_lead_on():
     assert found == pytest.approx((true.tractor_x, true.tractor_y, true.trailer_x, true.trailer_y), abs=0.01)
     drift.hear(epoch(9.0))
     assert math.isnan(drift.dead_reckoned(measured).tractor_x), "an epoch was lost"
+
+
+FOLLOWED = {"tractor": True, "trailer": True}
+
+
+def slowly(rates, *, speed=2.0, begin=12.0, **followed):
+    """Return after which time a slow drift of both antennas (m/s each) is seen, s; infinite: within 20 s it is not."""
+    drift = PositionDrift()
+    for time in times(begin + 20.0):
+        since = max(time - begin, 0.0)
+        aside = (rates[0] * since, rates[1] * since)
+        drift.hear(epoch(time, speed=speed, aside=aside))
+        if drift.drifts_slowly(**(FOLLOWED | followed)):
+            return time - begin
+    return math.inf
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_slow_drift_of_both_antennas_is_seen_within_five_seconds(speed, side):
+    assert 3.5 < slowly((0.05 * side, 0.05 * side), speed=speed) <= 5.0
+    assert slowly((0.02 * side, 0.02 * side), speed=speed) == math.inf
+
+
+@pytest.mark.parametrize("rates", [(0.05, 0.0), (0.0, 0.05)])
+def test_an_antenna_that_drifts_slowly_alone_is_seen_unless_the_estimate_rejects_it(rates):
+    drifting, right = ("tractor", "trailer") if rates[0] else ("trailer", "tractor")
+    alone = slowly(rates)
+    assert 5.0 < alone <= 6.5
+    assert slowly(rates, **{drifting: False}) == math.inf
+    assert slowly(rates, **{right: False}) <= alone - 1.0, "the estimate follows the one that drifts"
+    assert slowly(rates, **{drifting: False, right: False}) == math.inf
+
+
+def test_noise_of_positions_and_velocities_is_no_slow_drift():
+    rng, kept = np.random.default_rng(2), math.exp(-PERIOD / 0.3)
+    drift, velocity = PositionDrift(), np.zeros(2)
+    for time in times(3600.0):
+        velocity = kept * velocity + math.sqrt(1.0 - kept**2) * rng.normal(0.0, 0.03, 2)
+        heard_now = epoch(time, noise=tuple(rng.normal(0.0, 0.02, 4)))
+        courses = {f"{body}_course": velocity[i] / 2.0 for i, body in enumerate(("tractor", "trailer"))}
+        drift.hear(replace(heard_now, **courses))
+        assert not drift.drifts_slowly(**FOLLOWED), time
+
+
+def test_after_a_slow_drift_the_velocities_lead_from_where_it_had_hardly_begun():
+    drift, begin = PositionDrift(), 12.0
+    for time in times(40.0):
+        off = 0.05 * max(time - begin, 0.0)
+        drift.hear(epoch(time, aside=(off, off)))
+        if drift.drifts_slowly(**FOLLOWED):
+            break
+    drift.begin_dead_reckoning()
+    led = drift.dead_reckoned(Measurement(time=0.0, **dict.fromkeys(UNUSED, 0.0)))
+    assert (led.tractor_y, led.trailer_y) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_in_a_curve_a_slow_drift_to_the_inside_is_not_learned_as_lag(side):
+    drift, begin, radius, found = PositionDrift(), 14.0, 8.0 * side, math.inf
+    for time in times(begin + 12.0):
+        off, turned = 0.05 * max(time - begin, 0.0), 2.0 * time / radius
+        inside = (-off * side * math.sin(turned), off * side * math.cos(turned))
+        drift.hear(epoch(time, radius=radius, noise=inside * 2))
+        found = min(found, time - begin) if drift.drifts_slowly(**FOLLOWED) else found
+    assert 6.0 < found <= 8.2
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_speeds_that_come_in_knots_in_a_curve_are_no_slow_drift(side):
+    drift = PositionDrift()
+    for time in times(40.0):
+        drift.hear(epoch(time, radius=8.0 * side, told=1.0 if time < 20.0 else 3600.0 / 1852.0))
+        assert not drift.drifts_slowly(**FOLLOWED), time

@@ -13,6 +13,7 @@ from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.driving.stand_in.rehearsal import Part, Rehearsal
 from drawbar.geometry import wrap
 from drawbar.machine.hardware.receiver import ReceiverSettings
+from drawbar.machine.stand_in.breaking import moved, report_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.message_records import decode
@@ -250,6 +251,19 @@ def test_without_good_fixes_the_gate_stops_it_by_how_unsure_it_is_and_it_is_stee
     steps += list(rehearsal.run(10.0))
     assert rehearsal.gate_state.state is SupervisorState.STOPPED
     assert errors(steps, path)[5:].max() < 0.3  # from where the way along the path is found
+
+
+@pytest.mark.parametrize("bodies", [BODIES, BODIES[:1]])
+def test_a_slow_drift_stops_the_vehicle_near_its_line(bodies):
+    rehearsal, path = rehearse("speed=1.0", "path.straight_length=60.0")
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    steps = list(rehearsal.run(12.0))
+    machine, begin = rehearsal.machine, rehearsal.time
+    report_otherwise(machine, lambda report, since: moved(report, machine, 0.05 * since), bodies)
+    steps += rehearsal.run(16.0)
+    assert rehearsal.gate_state.state is SupervisorState.STOPPED, rehearsal.time - begin
+    assert Cause(rehearsal.gate_state.cause) is Cause.POSITION_LOST
+    assert errors(steps, path)[5:].max() < 0.40
 
 
 def test_an_operator_at_a_board_takes_over_at_once_and_for_good():

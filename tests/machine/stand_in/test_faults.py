@@ -136,6 +136,169 @@ def test_stuck_wheels_stay_and_a_stuck_angle_lets_them_run_away() -> None:
     assert machine.boards["tractor"][0].wheel.angle == pytest.approx(0.2, abs=0.02)
 
 
+def places(heard: Heard, line: str) -> dict[bytes, tuple[float, float]]:
+    """Return where a receiver said that it was, m, by the epoch's time."""
+    east = math.cos(math.radians(50.87))
+    return {
+        each[1]: (1852.0 * (float(each[4]) % 100.0) * east, 1852.0 * (float(each[2]) % 100.0))
+        for each in heard.fields(line, b"GGA")
+    }
+
+
+def twins(name: str, seconds: float = 3.0) -> tuple[Heard, Heard]:
+    """Return what a machine says after seven seconds with a fault, and what it would say without."""
+    told = []
+    for fault in (name, ""):
+        machine = machine_of()
+        driven(machine, 7.0)
+        if fault:
+            FAULTS[fault].begin(machine)
+        told.append(driven(machine, seconds))
+    return told[0], told[1]
+
+
+def asides(name: str, line: str) -> list[float]:
+    """Return how far a receiver's positions are from those of the same machine without a fault, m, epoch by epoch."""
+    (spoilt, right) = (places(each, line) for each in twins(name))
+    assert spoilt.keys() == right.keys()
+    assert len(right) > 10
+    return [math.dist(spoilt[time], right[time]) for time in right]
+
+
+@pytest.mark.parametrize(
+    ("name", "rate", "of_the_trailer"),
+    [("fixes-drift", 0.3, 1.0), ("fixes-drift-slowly", 0.05, 1.0), ("fix-drifts", 0.3, 0.0)],
+)
+def test_positions_drift_at_their_rate(name: str, rate: float, of_the_trailer: float) -> None:
+    for line, share in (("tractor", 1.0), ("trailer", of_the_trailer)):
+        found = asides(name, line)
+        assert found[-1] - found[1] == pytest.approx(share * rate * 0.2 * (len(found) - 2), abs=0.005)
+        assert found == sorted(found)
+
+
+def test_the_tractors_positions_alone_jump() -> None:
+    assert asides("fix-jumps", "tractor")[1:] == pytest.approx([1.0] * 14, abs=0.01)
+    assert asides("fix-jumps", "trailer") == [0.0] * 15
+
+
+def test_swapped_receivers_report_each_others_places() -> None:
+    swapped, right = twins("receivers-swapped")
+    assert places(swapped, "trailer") == places(right, "tractor")
+    after, before = places(swapped, "tractor"), list(places(right, "trailer").values())
+    assert list(after.values())[1:] == before[:-1], "an epoch later, as the tractor's receiver reports first"
+
+
+def test_late_epochs_leave_two_epochs_later() -> None:
+    late, right = twins("receivers-late")
+    for line in ("tractor", "trailer"):
+        assert [*places(late, line)] == [*places(right, line)][:-2]
+
+
+def test_a_fifth_of_the_epochs_are_lost_of_each_receiver_by_itself() -> None:
+    spoilt, right = twins("epochs-lost", 40.0)
+    heard = [set(places(spoilt, line)) for line in ("tractor", "trailer")]
+    assert [len(each) / len(places(right, "tractor")) for each in heard] == pytest.approx([0.8, 0.8], abs=0.07)
+    assert heard[0] != heard[1]
+
+
+def test_a_speed_in_knots_is_almost_twice_as_much() -> None:
+    spoilt, right = ([float(field[7]) for field in each.fields("tractor", b"VTG")] for each in twins("speed-in-knots"))
+    assert spoilt[1:] == pytest.approx([each * 3600.0 / 1852.0 for each in right[1:]], rel=0.01)
+
+
+def test_receivers_without_a_position_say_so() -> None:
+    _, after, _ = broken("fixes-lost")
+    assert {each[6] for each in after.fields("tractor", b"GGA")[2:]} == {b"0"}
+
+
+def sensed(heard: Heard) -> tuple[list[int], list[int]]:
+    """Return the counts of the hitch and the pulses of the wheels that a sensor board has told."""
+    told = [each.partition(b"*")[0].split(b",") for each in heard.lines["sensors"]]
+    return [int(each[2]) for each in told], [int(each[3]) for each in told]
+
+
+def test_the_sensor_board_reports_what_its_spoilt_sensors_show() -> None:
+    for name in ("hitch-stuck", "hitch-reversed", "hitch-broken", "wheel-speed-zero"):
+        (spoilt, pulses), (right, true) = (sensed(each) for each in twins(name))
+        shown = {
+            "hitch-stuck": [right[0]] * len(right),
+            "hitch-reversed": [4096 - each for each in right],
+            "hitch-broken": [0] * len(right),
+        }
+        assert spoilt == shown.get(name, right), name
+        assert pulses == ([true[0]] * len(true) if name == "wheel-speed-zero" else true), name
+        assert len(set(right)) > 5
+        assert true[-1] - true[0] > 100
+
+
+def test_two_faults_of_the_sensor_board_go_together() -> None:
+    machine = machine_of()
+    driven(machine, 7.0)
+    for name in ("hitch-broken", "wheel-speed-zero"):
+        FAULTS[name].begin(machine)
+    counts, pulses = sensed(driven(machine, 1.0))
+    assert set(counts) == {0}
+    assert len(set(pulses)) == 1
+
+
+def test_a_board_that_restarts_is_silent_for_a_while_and_lets_go() -> None:
+    machine = machine_of()
+    driven(machine, 7.0)
+    FAULTS["board-restarts"].begin(machine)
+    assert "trailer" not in driven(machine, 0.4).replies
+    assert [machine.boards[body][0].driving for body in ("tractor", "trailer")] == [True, False]
+    assert "trailer" in driven(machine, 0.4).replies
+
+
+def test_an_operator_who_steers_takes_over_at_the_front_wheels_board() -> None:
+    _, _, machine = broken("operator-steers")
+    assert [machine.boards[body][0].driving for body in ("tractor", "trailer")] == [False, True]
+
+
+def turned(name: str) -> tuple[float, float, float, float]:
+    """Return by how much both steerings have turned, and what their boards measure, a second after a new command."""
+    machine = machine_of()
+    driven(machine, 7.0)
+    FAULTS[name].begin(machine)
+    before = machine.world.truth
+    driven(machine, 1.0, datagram=SteerCommand(steer=True, angle=0.1, speed=2.0).encode())
+    after, boards = machine.world.truth, machine.boards
+    return (
+        after.tractor_steering - before.tractor_steering,
+        after.trailer_steering - before.trailer_steering,
+        boards["tractor"][0].wheel.angle,
+        boards["trailer"][0].wheel.angle,
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("wheels-reversed", (0.32, -0.1, 0.52, 0.1)),
+        ("wheels-off", (-0.1 + math.radians(3.0), -0.1, 0.1 + math.radians(3.0), 0.1)),
+        ("joint-stuck", (-0.1, 0.0, 0.1, 0.2)),
+        ("angle-off", (-0.1 - math.radians(5.0), -0.1, 0.1, 0.1)),
+        ("angle-reversed", (0.32, -0.1, -0.52, 0.1)),
+        ("joint-angle-stuck", (-0.1, -math.radians(20.0), 0.1, 0.2)),
+    ],
+)
+def test_steerings_turn_and_boards_measure_as_the_fault_says(name: str, expected: tuple[float, ...]) -> None:
+    assert turned(name) == pytest.approx(expected, abs=0.02)
+
+
+@pytest.mark.parametrize("stays", [False, True])
+def test_a_driver_who_stays_drives_on(stays: bool) -> None:
+    machine = machine_of()
+    driven(machine, 7.0)
+    if stays:
+        FAULTS["driver-stays"].begin(machine)
+    before = machine.driver.speed
+    machine.driver.told_to_stop = True
+    driven(machine, 3.0)
+    assert (machine.driver.speed >= before > 0.5) is stays
+    assert (machine.driver.speed == 0.0) is not stays
+
+
 def test_a_cut_bus_carries_nothing() -> None:
     ends: list[MemoryBus] = []
     bus, machine = MemoryBus(ends, lambda: 0.0), machine_of(isobus=True, ends=ends)

@@ -6,6 +6,9 @@ only: a velocity in a wrong unit is seen elsewhere. Wheels that slip sideways do
 antennas must go to the same side; their mean, of less noise than either, then decides. Where only one of them has a
 fixed solution, it alone does.
 
+A slow drift is seen over a longer time, of each antenna by itself: an estimate that follows one of them takes a drift
+of a few centimetres a second for crab angles, although the other is right.
+
 In a curve the direction of the velocity lags, and the positions go aside of it, to the inside. By how much is learned
 of each receiver.
 
@@ -19,8 +22,8 @@ takes the place of the positions, from where the antennas were before (driving/l
 import math
 from collections import deque
 from dataclasses import dataclass, replace
+from statistics import fmean
 
-from drawbar.geometry import wrap
 from drawbar.messages import Fixes, seconds
 from drawbar.signals import FixQuality, Measurement
 
@@ -32,14 +35,22 @@ _RECENT = 1.0
 """for which a jump is told, s"""
 _GAP = 0.5
 """between two epochs, after which it begins anew, s; as after a jump"""
-_LEAST = 0.5
-"""way that has a direction, m"""
+_LONG = 8.0
+"""over which a slow drift is looked for, s"""
+_LATELY = 1.0
+"""over which that is averaged, s"""
+_LEAST = 0.25
+"""mean speed whose way has a direction, m/s"""
 _ASIDE, _SHARE = 0.15, 0.03
 """m, and of the way; both antennas' mean farther aside is a contradiction"""
 _EACH = 0.65
 """of that, by which each of them is aside at least"""
 _ALONE = 1.4
 """times that, by which the only one that is known is aside"""
+_SLOWLY, _SLOW_SHARE = 0.20, 0.01
+"""m, and of the way: the same over the longer time, in which noise counts less"""
+_AHEAD = 0.15
+"""of the way, by which positions may be ahead of the velocities, or behind; more tells of speeds in a wrong unit"""
 _LAG = 0.15
 """by which a receiver's filter lets the velocity's direction lag in a curve at most, s"""
 _DOUBT = 2.0
@@ -69,8 +80,9 @@ class _Place:
 class _Lag:
     """By how much the direction of a receiver's velocity lags, learned where it turns."""
 
-    def __init__(self) -> None:
-        """Begin with nothing known."""
+    def __init__(self, delay: float) -> None:
+        """Begin with nothing known; what is seen is learned from after `delay`, s."""
+        self._delay = delay
         self._newest = deque[tuple[float, float, float]]()
         self._known = self._product = 0.0
 
@@ -85,18 +97,84 @@ class _Lag:
         A drift would teach a lag before it is seen.
         """
         self._newest.append((time, aside, per_lag))
-        while time - self._newest[0][0] >= _WINDOW:
+        while time - self._newest[0][0] >= self._delay:
             _, before, by = self._newest.popleft()
             self._known += by**2
             self._product += before * by
+
+
+@dataclass(frozen=True, slots=True)
+class _Aside:
+    """How far positions are aside of the velocities, over a time."""
+
+    left: float
+    """m"""
+    way: float
+    """m"""
+    ahead: float
+    """m"""
+    per_lag: float
+    """by how much more for each second by which the velocity's direction lags, m/s"""
+
+    def share_of(self, least: float, share: float, lag: float) -> float:
+        """Return it as a share of the most that a lag (s) and other errors, m and of the way, explain."""
+        inside = self.left * self.per_lag > 0.0
+        return self.left / max(least, share * self.way + inside * lag * abs(self.per_lag))
+
+
+class _Window:
+    """The places of the last seconds."""
+
+    def __init__(self, span: float) -> None:
+        """Begin without a place; `span` in s."""
+        self._span = span
+        self._places = deque[_Place]()
+
+    @property
+    def oldest(self) -> _Place | None:
+        """The first place, None where there is none."""
+        return self._places[0] if self._places else None
+
+    @property
+    def newest(self) -> _Place | None:
+        """The last place, None where there is none."""
+        return self._places[-1] if self._places else None
+
+    def clear(self) -> None:
+        """Forget all places."""
+        self._places.clear()
+
+    def add(self, place: _Place) -> None:
+        """Take in a place."""
+        self._places.append(place)
+        while len(self._places) > 1 and place.time - self._places[1].time >= self._span - _SAME:
+            self._places.popleft()
+
+    def aside(self) -> _Aside | None:
+        """Return how far the newest is aside, as seen from the oldest; None where that is not known."""
+        first, last = self._places[0], self._places[-1]
+        east, north = last.way[0] - first.way[0], last.way[1] - first.way[1]
+        way = math.hypot(east, north)
+        if last.time - first.time < self._span - _SAME or way < _LEAST * self._span:
+            return None
+        turned = (last.velocity[0] - first.velocity[0], last.velocity[1] - first.velocity[1])
+        x, y = last.x - first.x, last.y - first.y
+        return _Aside(
+            left=(east * y - north * x) / way,
+            way=way,
+            ahead=(east * x + north * y) / way - way,
+            per_lag=(east * turned[1] - north * turned[0]) / way,
+        )
 
 
 class _Antenna:
     """The last places of one antenna."""
 
     def __init__(self) -> None:
-        self._places: deque[_Place] = deque()
-        self._lag = _Lag()
+        self._window, self._long = _Window(_WINDOW), _Window(_LONG)
+        self._lag, self._late_lag = _Lag(_WINDOW), _Lag(_LONG)
+        self._lately = deque[tuple[float, float]]()
+        """times, s, and how far aside it was over the longer time, as a share of what is a contradiction"""
         self._right: _Place | None = None
         self._before: _Place | None = None
         """the last place before a jump that came with the newest epoch"""
@@ -110,17 +188,25 @@ class _Antenna:
     @property
     def is_known(self) -> bool:
         """Whether the newest epoch has told its place."""
-        return bool(self._places)
+        return self._window.newest is not None
 
-    def begin_dead_reckoning(self) -> None:
-        """Hold to the oldest place."""
-        self._right = self._places[0] if self._places else None
+    @property
+    def slowly(self) -> float:
+        """How far it was aside over the longer time, to the left, as `add` returns it, on average lately."""
+        if not self._lately or self._lately[-1][0] - self._lately[0][0] < _LATELY - _SAME:
+            return math.nan
+        return fmean(share for _, share in self._lately)
+
+    def begin_dead_reckoning(self, *, slowly: bool) -> None:
+        """Hold to the oldest place, of the longer time where it drifts slowly."""
+        self._right = self._long.oldest if slowly else self._window.oldest
 
     def dead_reckoned(self) -> tuple[float, float]:
         """Return where the velocities have led from there, m; NaN where that is not known."""
-        if self._right is None or not self._places:
+        newest = self._window.newest
+        if self._right is None or newest is None:
             return math.nan, math.nan
-        way, before = self._places[-1].way, self._right.way
+        way, before = newest.way, self._right.way
         return self._right.x + way[0] - before[0], self._right.y + way[1] - before[1]
 
     def add(self, time: float, x: float, y: float, velocity: tuple[float, float]) -> float:
@@ -133,19 +219,26 @@ class _Antenna:
             self._begin_anew()
             self._before = None
             return math.nan
-        last = self._places[-1] if self._places else None
+        last = self._window.newest
         if last is not None and last.leads_to(time, x, y):
             self._before = None
         elif last is not None:
             self._begin_anew()
             self._jump(last, time, x, y)
-        self._places.append(_Place(time, x, y, velocity, self._way(time, velocity)))
-        while len(self._places) > 1 and time - self._places[1].time >= _WINDOW - _SAME:
-            self._places.popleft()
-        return self._aside() if time - self._places[0].time >= _WINDOW - _SAME else math.nan
+        place = _Place(time, x, y, velocity, self._way(time, velocity))
+        self._window.add(place)
+        self._long.add(place)
+        aside = self._window.aside()
+        if aside is None:
+            self._lately.clear()
+            return math.nan
+        self._look_long(time, fits=abs(aside.ahead) <= max(_SLOWLY, _AHEAD * aside.way))
+        return self._look(time, aside)
 
     def _begin_anew(self) -> None:
-        self._places.clear()
+        self._window.clear()
+        self._long.clear()
+        self._lately.clear()
         self._right = None
 
     def _jump(self, last: _Place, time: float, x: float, y: float) -> None:
@@ -156,26 +249,28 @@ class _Antenna:
 
     def _way(self, time: float, velocity: tuple[float, float]) -> tuple[float, float]:
         """Return the velocity's integral until now, m."""
-        if not self._places:
+        last = self._window.newest
+        if last is None:
             return 0.0, 0.0
-        last = self._places[-1]
         half = 0.5 * (time - last.time)
         east, north = last.way
         return east + half * (last.velocity[0] + velocity[0]), north + half * (last.velocity[1] + velocity[1])
 
-    def _aside(self) -> float:
-        first, last = self._places[0], self._places[-1]
-        east, north = last.way[0] - first.way[0], last.way[1] - first.way[1]
-        way = math.hypot(east, north)
-        if way < _LEAST:
-            return math.nan
-        aside = (east * (last.y - first.y) - north * (last.x - first.x)) / way
-        turned = wrap(math.atan2(*reversed(last.velocity)) - math.atan2(*reversed(first.velocity)))
-        per_lag = way * turned / (last.time - first.time)
-        inside = aside * per_lag > 0.0
-        allowed = max(_ASIDE, _SHARE * way + inside * self._lag.longest * abs(per_lag))
-        self._lag.add(last.time, aside, per_lag)
-        return aside / allowed
+    def _look(self, time: float, aside: _Aside) -> float:
+        share = aside.share_of(_ASIDE, _SHARE, self._lag.longest)
+        for lag in (self._lag, self._late_lag):
+            lag.add(time, aside.left, aside.per_lag)
+        return share
+
+    def _look_long(self, time: float, *, fits: bool) -> None:
+        """Look at the longer time, if the speeds fit the way of the shorter one."""
+        aside = self._long.aside()
+        if aside is None or not fits:
+            self._lately.clear()
+            return
+        self._lately.append((time, aside.share_of(_SLOWLY, _SLOW_SHARE, self._late_lag.longest)))
+        while time - self._lately[0][0] > _LATELY + _SAME:
+            self._lately.popleft()
 
 
 class PositionDrift:
@@ -202,10 +297,21 @@ class PositionDrift:
         """Whether both antennas go aside, or the only one that is known."""
         return self._contradictions >= _CONTRADICTIONS
 
+    def drifts_slowly(self, *, tractor: bool, trailer: bool) -> bool:
+        """Return whether both antennas go aside slowly, or one that the estimate believes: tractor's, trailer's.
+
+        Where it does not believe the other, although that goes along with its velocities, less is enough.
+        """
+        one, other = abs(self._tractor.slowly), abs(self._trailer.slowly)
+        tractor_strays = tractor and one > (_ALONE if trailer or other > _EACH else 1.0)
+        trailer_strays = trailer and other > (_ALONE if tractor or one > _EACH else 1.0)
+        return tractor_strays or trailer_strays or _agree(self._tractor.slowly, self._trailer.slowly)
+
     def begin_dead_reckoning(self) -> None:
         """Hold to where both antennas were a moment before they were seen to drift."""
-        self._tractor.begin_dead_reckoning()
-        self._trailer.begin_dead_reckoning()
+        slowly = not self.exists
+        self._tractor.begin_dead_reckoning(slowly=slowly)
+        self._trailer.begin_dead_reckoning(slowly=slowly)
 
     def dead_reckoned(self, measurement: Measurement) -> Measurement:
         """Return a measurement with both antennas where the velocities have led from there; NaN after a lost epoch."""
@@ -223,9 +329,14 @@ class PositionDrift:
 def _contradict(tractor: float, trailer: float) -> bool:
     """Return whether what is known of how far both antennas are aside is a contradiction."""
     if math.isfinite(tractor + trailer):
-        least, mean = min(abs(tractor), abs(trailer)), 0.5 * abs(tractor + trailer)
-        return tractor * trailer > 0.0 and least > _EACH and mean > 1.0
+        return _agree(tractor, trailer)
     return abs(tractor) > _ALONE or abs(trailer) > _ALONE
+
+
+def _agree(tractor: float, trailer: float) -> bool:
+    """Return whether both antennas contradict to the same side."""
+    least, mean = min(abs(tractor), abs(trailer)), 0.5 * abs(tractor + trailer)
+    return tractor * trailer > 0.0 and least > _EACH and mean > 1.0
 
 
 def fixed_motion(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:

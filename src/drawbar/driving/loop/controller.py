@@ -17,7 +17,7 @@ from drawbar.errors import DrawbarError, PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
-from drawbar.signals import Command, FixQuality, Measurement, Status, StepRecord
+from drawbar.signals import Command, FixQuality, FixStatus, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
@@ -173,17 +173,25 @@ class Controller:
         """
         before = self._exclusion.excludes_trailer
         self._jumped = self.engaged and (self._jumped or self._drift.has_jumped)
-        self._exclusion.update(record, engaged=self.engaged, moved=self._drift.exists or self._jumped)
+        drifts = self._drifts(record)
+        self._exclusion.update(record, engaged=self.engaged, moved=drifts or self._jumped)
         if not self.engaged:
             self._dead_reckons = False
             return
-        if self._drift.exists and not (self._dead_reckons or self._jumped):
+        if drifts and not (self._dead_reckons or self._jumped):
             self._recompute(self._exclusion.without_excluded)
             self._drift.begin_dead_reckoning()
             self._dead_reckons = True
         elif self._exclusion.excludes_trailer and not before:
             exclusion = self._exclusion
             self._recompute(exclusion.without_trailer if self._dead_reckons else exclusion.without_excluded)
+
+    def _drifts(self, record: StepRecord) -> bool:
+        """Return whether positions drift: of both antennas, or slowly of one that the estimate follows."""
+        tractor, trailer = record.estimate.tractor_fix, record.estimate.trailer_fix
+        return self._drift.exists or self._drift.drifts_slowly(
+            tractor=tractor is not FixStatus.REJECTED, trailer=trailer is not FixStatus.REJECTED
+        )
 
     def _recompute(self, change: Callable[[Measurement], Measurement]) -> None:
         """Compute the last seconds again; the newest answer takes the place of that which was bent."""

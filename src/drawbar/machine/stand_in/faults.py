@@ -1,94 +1,34 @@
-"""Faults of a stand-in machine: what breaks at a receiver, a board, a steering or the bus, and when.
+"""Faults of a stand-in machine: what breaks at a receiver, a sensor, a board, a steering, the bus or the driver; when.
 
-Each is put in by a function of the machine, once; `drawbar stand-in --fault` and the experiment `faults` use the same.
+`drawbar stand-in --fault` and the experiment `faults` use the same.
 """
 
 import math
 import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from drawbar.errors import ConfigurationError
+from drawbar.machine.stand_in.breaking import (
+    freeze,
+    hold_hitch,
+    lose_epochs,
+    measure_otherwise,
+    measure_the_same,
+    moved,
+    report_otherwise,
+    scale_wheel_speed,
+    send_otherwise,
+    steer_otherwise,
+    swap_receivers,
+)
 from drawbar.machine.stand_in.machine import BODIES, SENSORS, StandInMachine
-from drawbar.machine.stand_in.receiver import Encoder, Report
-from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.signals import FixQuality
 
-ReportChange = Callable[[Report, float], Report]
-"""what a receiver reports instead, given its report and the time since the fault began, s"""
-AngleChange = Callable[[float, float], float]
-"""where a steering turns to, given its set point and its true angle, rad"""
 LIST = "list"
 """in the place of a fault's name: tell which there are"""
-_METRES_PER_DEGREE = 111_200.0
-
-
-def report_otherwise(machine: StandInMachine, change: ReportChange, bodies: Iterable[str] = BODIES) -> None:
-    """Let receivers report something else from now on."""
-    start = machine.time
-
-    def otherwise(before: Encoder) -> Encoder:
-        return lambda report: before(change(report, machine.time - start))
-
-    for body in bodies:
-        machine.encoders[body] = otherwise(machine.encoders[body])
-
-
-def send_otherwise(machine: StandInMachine, change: Callable[[bytes], list[bytes]], bodies: Iterable[str]) -> None:
-    """Let each piece of receivers' bytes be replaced from now on."""
-
-    def otherwise(before: Encoder) -> Encoder:
-        return lambda report: [each for piece in before(report) for each in change(piece)]
-
-    for body in bodies:
-        machine.encoders[body] = otherwise(machine.encoders[body])
-
-
-def moved(report: Report, machine: StandInMachine, left: float) -> Report:
-    """Return a report of a place so many metres to the left of the tractor's way."""
-    yaw = machine.world.truth.tractor.yaw
-    east, north = -left * math.sin(yaw), left * math.cos(yaw)
-    return replace(
-        report,
-        latitude=report.latitude + north / _METRES_PER_DEGREE,
-        longitude=report.longitude + east / _METRES_PER_DEGREE / math.cos(math.radians(report.latitude)),
-    )
-
-
-def freeze(machine: StandInMachine, bodies: Iterable[str]) -> None:
-    """Let receivers report the same again and again from now on, time included."""
-    for body in bodies:
-        kept: list[Report] = []
-
-        def again(report: Report, since: float, kept: list[Report] = kept) -> Report:
-            kept.append(report)
-            return kept[0]
-
-        report_otherwise(machine, again, [body])
-
-
-def steer_otherwise(machine: StandInMachine, body: str, change: AngleChange) -> None:
-    """Let a steering turn to something else than its set point from now on."""
-    world = machine.world
-    before = world.tick
-
-    def tick(tractor: float | None, trailer: float | None, speed: float) -> None:
-        truth = world.truth
-        if body == "tractor" and tractor is not None:
-            tractor = change(tractor, truth.tractor_steering)
-        if body == "trailer" and trailer is not None:
-            trailer = change(trailer, truth.trailer_steering)
-        before(tractor, trailer, speed)
-
-    world.tick = tick  # type: ignore[method-assign]
-
-
-def measure_the_same(machine: StandInMachine, body: str) -> None:
-    """Let a board measure the same angle from now on: its loop turns the wheel until that is right, or to the stop."""
-    board, wheel = machine.boards[body]
-    stuck = wheel.angle
-    machine.boards[body] = (board, HeldWheel(stuck))
-    steer_otherwise(machine, body, lambda wanted, true: true + 4.0 * (wanted - stuck))
+_KNOTS = 3600.0 / 1852.0
+"""of a metre per second"""
 
 
 def _garbage(machine: StandInMachine) -> None:
@@ -96,8 +36,35 @@ def _garbage(machine: StandInMachine) -> None:
     send_otherwise(machine, lambda piece: [chance.randbytes(len(piece))], BODIES)
 
 
-def _float(machine: StandInMachine) -> None:
-    machine.quality = dict.fromkeys(BODIES, FixQuality.FLOAT)
+def _quality(quality: FixQuality) -> Callable[[StandInMachine], None]:
+    def begin(machine: StandInMachine) -> None:
+        machine.quality = dict.fromkeys(BODIES, quality)
+
+    return begin
+
+
+def _drift(rate: float, bodies: Sequence[str] = BODIES) -> Callable[[StandInMachine], None]:
+    """Let positions drift to the left, m/s."""
+    return lambda machine: report_otherwise(machine, lambda report, since: moved(report, machine, rate * since), bodies)
+
+
+def _jump(left: float, bodies: Sequence[str] = BODIES) -> Callable[[StandInMachine], None]:
+    return lambda machine: report_otherwise(machine, lambda report, since: moved(report, machine, left), bodies)
+
+
+def _hitch(change: Callable[[int], int]) -> Callable[[StandInMachine], None]:
+    def begin(machine: StandInMachine) -> None:
+        machine.hitch_counts = change
+
+    return begin
+
+
+def _delay(machine: StandInMachine) -> None:
+    machine.delay = 0.4
+
+
+def _stay_seated(machine: StandInMachine) -> None:
+    machine.driver.reaction = math.inf
 
 
 def _cut(machine: StandInMachine) -> None:
@@ -113,6 +80,10 @@ def _front_board(machine: StandInMachine) -> bool:
     return "tractor" in machine.boards
 
 
+def _joint_board(machine: StandInMachine) -> bool:
+    return "trailer" in machine.boards
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceFault:
     """One that can be put into a stand-in machine."""
@@ -125,45 +96,153 @@ class DeviceFault:
 
 FAULTS = {
     "receivers-silent": DeviceFault(
-        text="both receivers fall silent", begin=lambda machine: send_otherwise(machine, lambda piece: [], BODIES)
+        text="both receivers fall silent",
+        begin=lambda machine: send_otherwise(machine, lambda piece: [], BODIES),
     ),
     "receiver-silent": DeviceFault(
         text="the tractor's receiver falls silent",
         begin=lambda machine: send_otherwise(machine, lambda piece: [], BODIES[:1]),
     ),
-    "receivers-garbage": DeviceFault(text="both receivers send garbage", begin=_garbage),
+    "receivers-garbage": DeviceFault(
+        text="both receivers send garbage",
+        begin=_garbage,
+    ),
+    "receivers-late": DeviceFault(
+        text="both receivers' epochs come 0.4 s later",
+        begin=_delay,
+    ),
+    "receivers-swapped": DeviceFault(
+        text="each receiver reports what the other should",
+        begin=swap_receivers,
+    ),
+    "epochs-lost": DeviceFault(
+        text="a fifth of both receivers' epochs are lost",
+        begin=lambda machine: lose_epochs(machine, 0.2),
+    ),
     "fixes-jump": DeviceFault(
         text="both receivers' positions jump 1 m to the left",
-        begin=lambda machine: report_otherwise(machine, lambda report, since: moved(report, machine, 1.0)),
+        begin=_jump(1.0),
+    ),
+    "fix-jumps": DeviceFault(
+        text="the tractor's positions jump 1 m to the left",
+        begin=_jump(1.0, BODIES[:1]),
+    ),
+    "fixes-drift": DeviceFault(
+        text="both receivers' positions drift to the left by 0.3 m/s",
+        begin=_drift(0.3),
+    ),
+    "fixes-drift-slowly": DeviceFault(
+        text="both receivers' positions drift to the left by 0.05 m/s",
+        begin=_drift(0.05),
+    ),
+    "fix-drifts": DeviceFault(
+        text="the tractor's positions drift to the left by 0.3 m/s",
+        begin=_drift(0.3, BODIES[:1]),
     ),
     "fixes-frozen": DeviceFault(
-        text="both receivers repeat their last epoch", begin=lambda machine: freeze(machine, BODIES)
+        text="both receivers repeat their last epoch",
+        begin=lambda machine: freeze(machine, BODIES),
     ),
-    "fixes-float": DeviceFault(text="both receivers lose their fixed ambiguities: quality float", begin=_float),
+    "fixes-float": DeviceFault(
+        text="both receivers lose their fixed ambiguities: quality float",
+        begin=_quality(FixQuality.FLOAT),
+    ),
+    "fixes-lost": DeviceFault(
+        text="both receivers have no position any more",
+        begin=_quality(FixQuality.NONE),
+    ),
     "corrections-lost": DeviceFault(
         text="corrections come no more: their age grows",
         begin=lambda machine: report_otherwise(
             machine, lambda report, since: replace(report, correction_age=report.correction_age + since)
         ),
     ),
+    "speed-in-knots": DeviceFault(
+        text="both receivers report their speed in knots",
+        begin=lambda machine: report_otherwise(
+            machine, lambda report, since: replace(report, speed=_KNOTS * report.speed)
+        ),
+    ),
     "sensors-silent": DeviceFault(
-        text="the sensor board falls silent", begin=lambda machine: machine.silent.add(SENSORS)
+        text="the sensor board falls silent",
+        begin=lambda machine: machine.silent.add(SENSORS),
+    ),
+    "hitch-stuck": DeviceFault(
+        text="the hitch sensor reports the same angle",
+        begin=hold_hitch,
+    ),
+    "hitch-reversed": DeviceFault(
+        text="the hitch sensor has the wrong sign",
+        begin=_hitch(lambda right: 4096 - right),
+    ),
+    "hitch-broken": DeviceFault(
+        text="the hitch sensor reports the end of its range",
+        begin=_hitch(lambda right: 0),
+    ),
+    "wheel-speed-zero": DeviceFault(
+        text="the wheels' encoder does not count",
+        begin=lambda machine: scale_wheel_speed(machine, 0),
     ),
     "board-silent": DeviceFault(
         text="the front wheels' board says nothing, and steers on",
         begin=lambda machine: machine.silent.add("tractor board"),
         possible=_front_board,
     ),
+    "board-restarts": DeviceFault(
+        text="the joint's board loses its power for half a second",
+        begin=lambda machine: machine.boards["trailer"][0].restart(machine.time, outage=0.5),
+        possible=_joint_board,
+    ),
+    "operator-steers": DeviceFault(
+        text="the operator turns the steering wheel",
+        begin=lambda machine: machine.boards["tractor"][0].override(),
+        possible=_front_board,
+    ),
     "wheels-stuck": DeviceFault(
         text="the front wheels stay where they are",
         begin=lambda machine: steer_otherwise(machine, "tractor", lambda wanted, true: true),
+    ),
+    "wheels-reversed": DeviceFault(
+        text="the front wheels turn the wrong way",
+        begin=lambda machine: steer_otherwise(machine, "tractor", lambda wanted, true: true - 4.0 * (wanted - true)),
+    ),
+    "wheels-off": DeviceFault(
+        text="the front wheels stand 3° to the left of their set point",
+        begin=lambda machine: steer_otherwise(machine, "tractor", lambda wanted, true: wanted + math.radians(3.0)),
+    ),
+    "joint-stuck": DeviceFault(
+        text="the joint stays where it is",
+        begin=lambda machine: steer_otherwise(machine, "trailer", lambda wanted, true: true),
     ),
     "angle-stuck": DeviceFault(
         text="the front wheels' board measures the same angle",
         begin=lambda machine: measure_the_same(machine, "tractor"),
         possible=_front_board,
     ),
-    "bus-off": DeviceFault(text="the ISOBUS is cut", begin=_cut, possible=lambda machine: machine.can is not None),
+    "angle-off": DeviceFault(
+        text="the front wheels' board measures 5° too far to the left",
+        begin=lambda machine: measure_otherwise(machine, "tractor", lambda true: true + math.radians(5.0)),
+        possible=_front_board,
+    ),
+    "angle-reversed": DeviceFault(
+        text="the front wheels' board measures with the wrong sign",
+        begin=lambda machine: measure_otherwise(machine, "tractor", lambda true: -true),
+        possible=_front_board,
+    ),
+    "joint-angle-stuck": DeviceFault(
+        text="the joint's board measures the same angle",
+        begin=lambda machine: measure_the_same(machine, "trailer"),
+        possible=_joint_board,
+    ),
+    "driver-stays": DeviceFault(
+        text="the driver does not stop when told to",
+        begin=_stay_seated,
+    ),
+    "bus-off": DeviceFault(
+        text="the ISOBUS is cut",
+        begin=_cut,
+        possible=lambda machine: machine.can is not None,
+    ),
 }
 
 

@@ -6,6 +6,7 @@ It moves on by the times it is given; the wires, sockets or memory, are its owne
 import datetime
 import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +79,8 @@ class Driver:
     def __init__(self, speed: float) -> None:
         """Take the speed at which to drive, m/s."""
         self._speed, self._let_go, self._came = speed, math.inf, 0.0
+        self.reaction = self.REACTION
+        """after which it stops, s"""
         self.wait = self.WAIT
         """for which it stands at first, s"""
         self.steered = False
@@ -121,7 +124,7 @@ class Driver:
         wish = self._speed if steered or self.steered else self.CREEP if time >= self._came + self.wait else 0.0
         if self.told_to_stop:
             self._let_go = min(self._let_go, time)
-        if time - self._let_go >= self.REACTION:
+        if time - self._let_go >= self.reaction:
             wish = 0.0
         wish = self.PUSHED if pushed and not self.told_to_stop else wish
         wish = wish if commanded is None else commanded
@@ -174,6 +177,12 @@ class StandInMachine:
         """when corrections came last, s, by body; only of receivers that have no RTK fix without"""
         self.silent: set[str] = set()
         """devices that are not heard: `sensors`, `tractor board`, `trailer board`"""
+        self.delay = 0.0
+        """by which what receivers send leaves later than it should, s"""
+        self.hitch_counts: Callable[[int], int | None] = lambda right: right
+        """what the sensor board reports of the hitch, given what is right; None: nothing"""
+        self.pulses: Callable[[int], int] = lambda right: right
+        """the same of the wheels"""
 
     @property
     def time(self) -> float:
@@ -223,7 +232,7 @@ class StandInMachine:
         truth = self.world.truth
         angles = {"tractor": truth.tractor_steering, "trailer": truth.trailer_steering}
         for body, (_, wheel) in self.boards.items():
-            wheel.angle = angles[body]
+            wheel.hold(angles[body])
         if self.can:
             self.can.step(time, angles, truth.speed)
         self._way += TICK * truth.speed
@@ -244,7 +253,8 @@ class StandInMachine:
     def _sense(self, time: float) -> None:
         """Let the sensor board speak."""
         counts = round(2048.0 + 1600.0 * self.world.measurement.hitch_angle)
-        self._leaving.append((time, SENSORS, sentence(round(time * 1e3), counts, int(self._way * PULSES))))
+        said = (self.hitch_counts(counts), self.pulses(int(self._way * PULSES)))
+        self._leaving.append((time, SENSORS, sentence(round(time * 1e3), *said)))
 
     def _report(self, time: float, truth: Truth) -> None:
         """Let both receivers measure now; their bytes leave later."""
@@ -271,7 +281,8 @@ class StandInMachine:
                 correction_age=min(age, _OLDEST),
             )
             report = of_quality(report, self._quality(body, age) if known else FixQuality.NONE)
-            self._leaving += [(time + moved.latency, body, frame) for frame in self.encoders[body](report)]
+            leaves = time + moved.latency + self.delay
+            self._leaving += [(leaves, body, frame) for frame in self.encoders[body](report)]
 
     def _quality(self, body: str, age: float) -> FixQuality:
         """Return how good a receiver says that its fix is, with corrections of an age, s."""

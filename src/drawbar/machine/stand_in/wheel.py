@@ -2,6 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
 
 class Wheel(ABC):
@@ -19,6 +20,12 @@ class HeldWheel(Wheel):
 
     def __init__(self, angle: float = 0.0) -> None:
         self.angle = angle
+        self.shows: Callable[[float], float] = lambda true: true
+        """what its sensor makes of its true angle, rad"""
+
+    def hold(self, true: float) -> None:
+        """Put it at an angle, rad."""
+        self.angle = self.shows(true)
 
     def turn(self, pwm: float, duration: float) -> None:
         """Leave the angle to who sets it."""
