@@ -287,3 +287,13 @@ def test_speeds_that_come_in_knots_in_a_curve_are_no_slow_drift(side):
     for time in times(40.0):
         drift.hear(epoch(time, radius=8.0 * side, told=1.0 if time < 20.0 else 3600.0 / 1852.0))
         assert not drift.drifts_slowly(**FOLLOWED), time
+
+
+@pytest.mark.parametrize(("speed", "radius"), [(1.0, 8.0), (2.0, -8.0), (3.0, 16.0)])
+def test_a_course_that_lags_behind_a_curve_is_no_slow_drift(speed, radius):
+    drift = PositionDrift()
+    for time in times(60.0):
+        straight = time < 20.0
+        drift.hear(epoch(time - 20.0, speed=speed, radius=math.inf if straight else radius, lag=0.25))
+        assert not drift.exists, time
+        assert not drift.drifts_slowly(**FOLLOWED), time

@@ -51,8 +51,9 @@ _SLOWLY, _SLOW_SHARE = 0.20, 0.01
 """m, and of the way: the same over the longer time, in which noise counts less"""
 _AHEAD = 0.15
 """of the way, by which positions may be ahead of the velocities, or behind; more tells of speeds in a wrong unit"""
-_LAG = 0.15
-"""by which a receiver's filter lets the velocity's direction lag in a curve at most, s"""
+_LAG, _LATE_LAG = 0.15, 0.3
+"""by which a receiver's filter lets the velocity's direction lag in a curve at most, s; over the longer time, in which
+a lag counts more than noise"""
 _DOUBT = 2.0
 """weight of that against what curves say of the lag, m²/s²"""
 _SAME = 1e-6
@@ -80,16 +81,16 @@ class _Place:
 class _Lag:
     """By how much the direction of a receiver's velocity lags, learned where it turns."""
 
-    def __init__(self, delay: float) -> None:
-        """Begin with nothing known; what is seen is learned from after `delay`, s."""
-        self._delay = delay
+    def __init__(self, delay: float, most: float) -> None:
+        """Begin with the most that it may be; what is seen is learned from after `delay`; both in s."""
+        self._delay, self._most = delay, most
         self._newest = deque[tuple[float, float, float]]()
         self._known = self._product = 0.0
 
     @property
     def longest(self) -> float:
         """The most that it may be by what is known, s."""
-        return min(max((self._product + _DOUBT * _LAG) / (self._known + _DOUBT), 0.0), _LAG)
+        return min(max((self._product + _DOUBT * self._most) / (self._known + _DOUBT), 0.0), self._most)
 
     def add(self, time: float, aside: float, per_lag: float) -> None:
         """Take in a distance aside, m, and its derivative by the lag, m/s; it is learned from once it is old.
@@ -172,7 +173,7 @@ class _Antenna:
 
     def __init__(self) -> None:
         self._window, self._long = _Window(_WINDOW), _Window(_LONG)
-        self._lag, self._late_lag = _Lag(_WINDOW), _Lag(_LONG)
+        self._lag, self._late_lag = _Lag(_WINDOW, _LAG), _Lag(_LONG, _LATE_LAG)
         self._lately = deque[tuple[float, float]]()
         """times, s, and how far aside it was over the longer time, as a share of what is a contradiction"""
         self._right: _Place | None = None
