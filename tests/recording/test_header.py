@@ -29,3 +29,5 @@ def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_told() -> None:
     assert note.endswith("raise controller.horizon to 32")
     assert path_notes(load_configuration("articulated", [*slow, "controller.horizon=32"]), path, None) == []
     assert path_notes(load_configuration("articulated", [*slow, "speed=0.4"]), path, None) == []
+    (slower,) = path_notes(load_configuration("articulated", [*slow, "vehicle.tractor_steering_rate=0.1"]), path, None)
+    assert slower.endswith("begin on the line"), "a horizon of 63 samples is more than a solver has time for"

@@ -60,6 +60,8 @@ _TOLD = 0.05
 _LITTLE, _ENOUGH = 0.345, 0.5
 """rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
 begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
+_LONGEST = 35
+"""samples; of much longer plans a solver may not find the best in the time of a step"""
 _FAST = 1.0
 """m/s; at less than half of it none of these vehicles swung"""
 
@@ -112,8 +114,10 @@ def _horizon_notes(configuration: Configuration) -> list[str]:
     turned = vehicle.tractor_steering_rate * configuration.sample_time
     if configuration.speed < _FAST or turned * controller.horizon >= _LITTLE * scale:
         return []
+    enough = math.ceil(_ENOUGH * scale / turned)
+    longer = f", or raise controller.horizon to {enough}" if enough <= _LONGEST else ""
     return [
         f"plans reach {controller.horizon * configuration.sample_time:.2g} s ahead, in which the front wheels turn by "
         f"{controller.horizon * turned:.2g} rad: from 1 m beside its line the vehicle may swing about it or lose it; "
-        f"begin on the line, or raise controller.horizon to {math.ceil(_ENOUGH * scale / turned)}"
+        f"begin on the line{longer}"
     ]
