@@ -16,15 +16,18 @@ class Wheel(ABC):
 
 
 class HeldWheel(Wheel):
-    """A wheel whose angle another one sets: a test, or a simulated machine whose steering follows the board."""
+    """A wheel whose angle another one sets: a test, or a simulated machine whose steering follows the board.
+
+    `angle` is what its sensor measures.
+    """
 
     def __init__(self, angle: float = 0.0) -> None:
         self.angle = angle
         self.shows: Callable[[float], float] = lambda true: true
-        """what its sensor makes of its true angle, rad"""
+        """what its sensor measures, given its true angle, rad"""
 
     def hold(self, true: float) -> None:
-        """Put it at an angle, rad."""
+        """Put it at its true angle, rad."""
         self.angle = self.shows(true)
 
     def turn(self, pwm: float, duration: float) -> None:
