@@ -5,8 +5,8 @@ falls on both alike. Times are the processor's own, so that waiting for it does 
 """
 
 import os
-import sys
 import time
+from argparse import ArgumentParser
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -81,8 +81,13 @@ def _driven(steps: Iterator[StepRecord], take: Callable[[StepRecord], None]) -> 
 
 def main() -> None:
     """Print the figures."""
+    parser = ArgumentParser(prog="python -m drawbar.benchmark.log_share")
+    parser.add_argument("stretches", type=int, nargs="?", default=STRETCHES, help=f"pairs of {_STEPS} steps")
+    stretches = parser.parse_args().stretches
+    if stretches < 1:
+        parser.error(f"stretches = {stretches}: must be 1 or more")
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    cost = log_share(int(sys.argv[1]) if len(sys.argv) > 1 else STRETCHES)
+    cost = log_share(stretches)
     print(
         f"log: {1e6 * cost.log:.1f} µs of {1e6 * (cost.step + cost.log):.0f} a step, {100 * cost.share:.1f} % of the "
         f"run; {cost.bytes_per_step:.0f} bytes a step, {cost.bytes_per_step * 18_000 / 1e6:.1f} MB an hour at 5 Hz"
