@@ -52,3 +52,12 @@ def test_fixes_of_half_a_centimetre_do_not_bend_a_vehicle_whose_lengths_are_wron
     assert max(largest(run, body, 15.0) for body in ("tractor", "trailer")) <= 0.28
     fixes = np.concatenate([run.column("estimate", f"{body}_fix") for body in ("tractor", "trailer")])
     assert (fixes == FixStatus.ACCEPTED).all()
+
+
+@pytest.mark.parametrize("aside", ["tractor={left=0.1}", "trailer={left=-0.1}"])
+def test_an_antenna_ten_centimetres_aside_does_not_make_a_fast_vehicle_swing(simulate, aside):
+    fast = ("vehicle.trailer_length=3.0", "vehicle.trailer_steering_limit=0.45", "machine.actuators.trailer_stop=0.5")
+    rig = [each for each in LONG if "trailer_length" not in each and "path" not in each]
+    path = ("path.radii=[25.0]", "path.straight_length=25.0", "sample_time=0.1")
+    run = simulate("articulated", *rig, *fast, *path, f"machine.masts={{{aside}}}")
+    assert max(largest(run, body, 15.0) for body in ("tractor", "trailer")) <= 0.25
