@@ -1,9 +1,6 @@
 """Machines that are not the paper's, on which bounds that were declared for it hold all the same."""
 
 import numpy as np
-import pytest
-
-from drawbar.simulation import RunAborted
 
 
 def test_a_slow_quick_reacting_steering_follows_its_line(simulate):
@@ -39,19 +36,21 @@ def test_a_slow_steering_comes_back_to_its_line_with_the_horizon_that_is_advised
     assert worst[1] <= 0.08
 
 
-def test_a_long_trailer_that_was_measured_wrong_may_be_the_reason_of_a_contradiction(simulate):
-    with pytest.raises(RunAborted, match=r"contradicts the motion of both bodies.*or a stated length is"):
-        simulate(
-            "articulated",
-            "speed=3.0",
-            "sample_time=0.05",
-            "sensors.position=0.01",
-            "machine.sensors.position=0.01",
-            "vehicle.wheelbase=2.6",
-            "vehicle.hitch_length=2.0",
-            "vehicle.drawbar_length=0.8",
-            "vehicle.trailer_length=6.3",
-            "vehicle.curvature_limit=0.12",
-            "path.radii=[15.5]",
-            "machine.lengths.trailer_length=1.04",
-        )
+def test_a_long_trailer_that_was_measured_wrong_is_no_contradiction_to_fixes_of_a_centimetre(simulate):
+    run = simulate(
+        "articulated",
+        "speed=3.0",
+        "sample_time=0.05",
+        "sensors.position=0.01",
+        "machine.sensors.position=0.01",
+        "vehicle.wheelbase=2.6",
+        "vehicle.hitch_length=2.0",
+        "vehicle.drawbar_length=0.8",
+        "vehicle.trailer_length=6.3",
+        "vehicle.curvature_limit=0.12",
+        "path.radii=[15.5]",
+        "machine.lengths.trailer_length=1.04",
+    )
+    for name in ("hitch_angle", "trailer_steering"):
+        found = run.column("estimate", name) - run.column("measurement", name)
+        assert np.abs(found).mean() < 0.03

@@ -44,7 +44,8 @@ class ScreeningSettings(Settings):
     growth: NonNegative = 0.1
     """by how much both grow while neither antenna has a fix, m/s: dead reckoning loses its way"""
     single_growth: NonNegative = 0.0
-    """by how much an antenna's own grow while it has no fix, m/s: for models that do not tie the antennas together"""
+    """by how much an antenna's own grow while it has no fix, m/s: for models that do not tie the antennas together.
+    Unless it is zero, fixes are not moved by what the antennas' distance is wrong"""
     shift: Positive = 2.3
     """mean disagreement of the antennas about where the vehicle is that makes one suspect, deviations"""
     release: Positive = 1.7
