@@ -36,6 +36,21 @@ def test_a_slow_steering_comes_back_to_its_line_with_the_horizon_that_is_advised
     assert worst[1] <= 0.08
 
 
+def test_long_plans_are_found_from_beside_the_line(simulate):
+    run = simulate(
+        "articulated",
+        "controller.horizon=60",
+        "speed=2.0",
+        "start.left=1.2",
+        "start.yaw=0.2",
+        "vehicle.tractor_steering_rate=0.1",
+        "machine.actuators.tractor_rate=0.1",
+        "vehicle.curvature_limit=0.12",
+        "path.radii=[15.0]",
+    )
+    assert run.column("solver_failures").sum() == 0
+
+
 def test_a_long_trailer_that_was_measured_wrong_is_no_contradiction_to_fixes_of_a_centimetre(simulate):
     run = simulate(
         "articulated",

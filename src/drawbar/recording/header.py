@@ -60,7 +60,7 @@ _TOLD = 0.05
 _LITTLE, _ENOUGH = 0.345, 0.5
 """rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
 begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
-_LONGEST = 35
+_LONGEST = 60
 """samples; of much longer plans a solver may not find the best in the time of a step"""
 _FAST = 1.0
 """m/s; at less than half of it none of these vehicles swung"""
