@@ -51,6 +51,19 @@ def test_long_plans_are_found_from_beside_the_line(simulate):
     assert run.column("solver_failures").sum() == 0
 
 
+def test_plans_of_a_vehicle_that_is_sampled_seldom_are_found(simulate):
+    run = simulate(
+        "articulated",
+        "sample_time=1.0",
+        "vehicle.wheelbase=2.8",
+        "vehicle.tractor_steering_limit=0.4",
+        "vehicle.tractor_steering_rate=0.2",
+        "machine.actuators.tractor_rate=0.2",
+        "path.radii=[8.0]",
+    )
+    assert run.column("solver_failures").sum() == 0
+
+
 def test_a_long_trailer_that_was_measured_wrong_is_no_contradiction_to_fixes_of_a_centimetre(simulate):
     run = simulate(
         "articulated",

@@ -50,8 +50,8 @@ from drawbar.vehicle.tricycle import tricycle
 ENDURANCE = 3.0
 """For how long the vehicle may be driven on predictions alone, s; a plan that reaches less far shortens it"""
 
-ITERATIONS = 16
-"""of interior points in a step with a usual horizon"""
+ITERATIONS, USUAL_SAMPLE_TIME = 16, 0.2
+"""Of interior points in a step, where the horizon is a usual one and the sample time no longer than this, s"""
 SHIFT = 0.1
 """Part of vehicle.curvature_limit and guidance.curvature_rate_limit that a shift to another line takes"""
 
@@ -90,12 +90,14 @@ def step_settings(configuration: Configuration) -> StepSettings:
 def _iterations(configuration: Configuration) -> int:
     """Return how many iterations all interior points of a step may take together.
 
-    Where nominal states are optimised, their bounds need them in each step; further ahead more bounds are active.
+    Where nominal states are optimised, their bounds need them in each step. Plans that reach further ahead, in samples
+    or in time, have more active bounds.
     """
     horizon = configuration.controller.horizon
     if configuration.tube.nominal is Nominal.OPTIMISED:
         return ESTIMATION_ITERATIONS + 2 * control_iterations(horizon)
-    return ITERATIONS if horizon <= USUAL_HORIZON else control_iterations(horizon)
+    usual = horizon <= USUAL_HORIZON and configuration.sample_time <= USUAL_SAMPLE_TIME
+    return ITERATIONS if usual else control_iterations(horizon)
 
 
 def units_of(configuration: Configuration) -> list[Unit]:
