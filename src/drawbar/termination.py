@@ -13,12 +13,13 @@ def heeded_termination() -> Iterator[None]:
 
     Signals are the main thread's: in another one nothing changes.
     """
-    if _is_main() and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+    heeds = _is_main() and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    if heeds:
         signal.signal(signal.SIGTERM, _exit)
     try:
         yield
     finally:
-        if _is_main() and signal.getsignal(signal.SIGTERM) is _exit:
+        if heeds and signal.getsignal(signal.SIGTERM) is _exit:
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 

@@ -36,7 +36,9 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
 SAMPLE_TIME = 0.2
-OPEN = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, release=1e9, repetition=1e9, hitch=math.pi)
+OPEN = ScreeningSettings(
+    lateral=1e9, longitudinal=1e9, shift=1e9, release=1e9, repetition=1e9, hitch=math.pi, single_growth=1.0
+)
 """Lets every fix pass: what the estimators themselves do is tested without it."""
 UNKNOWN_SLIDE = SlideSettings(prior=0.0)
 """Nothing is learned beside the estimators' states: they themselves are tested."""

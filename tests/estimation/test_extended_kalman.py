@@ -30,7 +30,9 @@ VEHICLE, NOISE, SAMPLE_TIME = VehicleParameters(), SensorNoise(), 0.2
 L_T, L_I, L, D, C = 1.4, 1.3, 1.1, 0.2, 0.25
 MASKED = dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
 YAWS = {"tricycle": (2, 5), "articulated": (2, 3)}
-CREDULOUS = ScreeningSettings(lateral=1e9, longitudinal=1e9, shift=1e9, repetition=1e9, hitch=math.pi)
+CREDULOUS = ScreeningSettings(
+    lateral=1e9, longitudinal=1e9, shift=1e9, repetition=1e9, hitch=math.pi, single_growth=1.0
+)
 UNKNOWN_SLIDE = SlideSettings(prior=0.0)
 NOTHING = MASKED | dict.fromkeys(("hitch_angle", "speed", "tractor_steering", "trailer_steering"), math.nan)
 

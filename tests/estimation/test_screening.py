@@ -227,6 +227,33 @@ def test_wrong_lengths_are_learned():
     assert sum(result.fixes != (OK, OK) for result in results) <= 6
 
 
+def far_apart(settings, apart):
+    """Return where antennas further apart than expected are believed to be, from their expected places, m."""
+    screening, half = Screening(settings, DEVIATION), 0.5 * apart * np.array([math.cos(0.4), math.sin(0.4)])
+    errors = np.tile([*half, *-half], (LATER, 1))
+    seen = [screening.screen(m, place(k), lengths=True) for k, m in enumerate(drive(LATER, errors, noise=0.005))]
+    believed = np.array([[getattr(each.measurement, name) for name in NAMES] for each in seen])
+    return believed - [np.ravel(place(k)) for k in range(LATER)]
+
+
+@pytest.mark.parametrize("apart", [0.2, -0.2])
+def test_antennas_are_believed_to_be_as_far_apart_as_stated_whatever_their_fixes_say(apart):
+    assert np.abs(far_apart(ScreeningSettings(), apart)).max() < 0.03
+    untied = far_apart(ScreeningSettings(single_growth=0.1), apart)  # nothing says how far they should be
+    assert np.linalg.norm(untied[:, :2] - untied[:, 2:], axis=1) == pytest.approx(abs(apart), abs=0.05)
+
+
+def test_a_fix_that_stands_alone_is_moved_by_as_much_and_one_that_is_missing_stays_so():
+    screening, length = Screening(ScreeningSettings(), DEVIATION), 0.2 * np.array([math.cos(0.4), math.sin(0.4)])
+    measurements = drive(LATER, np.tile([*length, 0.0, 0.0], (LATER, 1)), noise=0.0)
+    measurements[-1] = replace(measurements[-1], trailer_x=math.nan, trailer_y=math.nan)
+    seen = [screening.screen(m, place(k), lengths=True) for k, m in enumerate(measurements)][-1]
+    place_then = np.array(place(LATER - 1)[0])
+    assert [seen.measurement.tractor_x, seen.measurement.tractor_y] == pytest.approx(place_then + 0.5 * length)
+    assert math.isnan(seen.measurement.trailer_x + seen.measurement.trailer_y)
+    assert seen.fixes == (OK, MISSING)
+
+
 def test_after_a_loss_the_gate_is_as_wide_as_dead_reckoning_is_wrong():
     """Ten seconds without a fix make room for one metre more."""
     for offset, accepted in ((0.8, True), (1.5, False)):

@@ -74,6 +74,14 @@ def test_what_is_the_same_in_the_world_is_told_from_what_is_the_same_for_the_veh
     assert creep == pytest.approx(0.3, abs=0.03)
 
 
+def test_an_antenna_aside_is_not_taken_for_soft_ground_before_a_curve_to_the_other_side() -> None:
+    """Ten times around in one curve at 3 m/s, both axles 0.02 rad beside their way: 10 cm in 5 m."""
+    yaws = np.linspace(0.0, 20.0 * math.pi, 5000)
+    creep, constant = found(yaws, np.full(5000, 3.0**2 / 25.0 / 9.81), np.full(5000, -0.02))[2:]
+    assert creep < 0.25
+    assert constant < -0.01
+
+
 def test_side_slips_that_are_no_numbers_are_left_out() -> None:
     yaws, crabs = np.linspace(0.0, 6.0, 40), np.full(40, 0.01)
     crabs[10] = math.nan

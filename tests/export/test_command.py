@@ -1,6 +1,7 @@
 """`drawbar export` as its user sees it."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -74,16 +75,30 @@ from drawbar.cli.main import main
 def killed(target, folder):
     (folder / "lib" / target.name).mkdir(parents=True)
     (folder / "lib" / target.name / "half.o").write_text("half")
-    os.kill(os.getpid(), signal.SIGTERM)
+    os.kill(os.getpid(), signal.SIGKILL)
 export.build_target = killed
 sys.argv = ["drawbar", "export", "articulated", "--out", "library", "--target", "cortex-m7"]
 main()
 """
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=False)
-    assert done.returncode == -signal.SIGTERM
+    assert done.returncode == -signal.SIGKILL
     assert list((tmp_path / "library").rglob("half.o"))
     assert drawbar("articulated", "--out", "library")[0] == 0
     assert not list((tmp_path / "library").rglob("half.o"))
+
+
+def test_an_export_that_is_told_to_stop_leaves_nothing(drawbar: Drawbar, tmp_path, monkeypatch) -> None:
+    assert drawbar("articulated", "--out", "library")[0] == 0
+    before = left_behind(tmp_path / "library")
+
+    def stopped(_target: Target, _folder: Path) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr(export, "build_target", stopped)
+    for folder in ("library", "new/library"):
+        assert drawbar("articulated", "--out", folder, "--target", "cortex-m7")[0] == 128 + signal.SIGTERM
+    assert left_behind(tmp_path / "library") == before
+    assert [each.name for each in tmp_path.iterdir()] == ["library"]
 
 
 def test_an_export_that_fails_leaves_the_earlier_one(drawbar: Drawbar, tmp_path, monkeypatch) -> None:

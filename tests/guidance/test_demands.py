@@ -1,12 +1,13 @@
 """A path that the front wheels cannot follow is refused before it is driven."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
 from drawbar.errors import PathError
-from drawbar.guidance.demands import demand_steering, largest_off_tracking
+from drawbar.guidance.demands import demand_steering, largest_off_tracking, steering_shift
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.path import Path
 from drawbar.vehicle.off_tracking import steady_off_tracking
@@ -35,6 +36,19 @@ def test_rate_must_turn_from_one_curve_to_the_next_and_more_so_when_fast() -> No
         demanded(tractor_steering_rate=0.98 * rate)
     with pytest.raises(PathError, match=r"at 2 m/s"):
         demanded(speed=2.0, tractor_steering_rate=1.02 * rate)
+
+
+def test_a_shift_is_what_is_just_accepted() -> None:
+    """Front wheels that need a reach of s shift the arc of 5 m radius by s^2 / (24 * 5 m)."""
+    reach = 4.0
+    vehicle = VehicleParameters(tractor_steering_rate=ANGLE / reach)
+    shift = partial(steering_shift, EIGHTS, vehicle, tolerance=0.5)
+    assert shift(speed=1.0) == pytest.approx(reach**2 / 120.0, abs=0.005)
+    assert shift(speed=0.5) == pytest.approx(reach**2 / 480.0, abs=0.005)
+    demand_steering(EIGHTS, vehicle, speed=1.0, tolerance=shift(speed=1.0))
+    with pytest.raises(PathError):
+        demand_steering(EIGHTS, vehicle, speed=1.0, tolerance=0.9 * shift(speed=1.0))
+    assert steering_shift(straight_line(), vehicle, speed=9.0, tolerance=0.5) == 0.0
 
 
 def straight_line() -> Path:

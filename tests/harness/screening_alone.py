@@ -29,6 +29,12 @@ int UNIT(judge)(struct component *component, const struct drawbar_measurement *m
     *believed = component->screened.measurement;
     return 0;
 }
+int UNIT(as_long_as_stated)(struct component *component, struct drawbar_measurement *believed)
+{
+    screening_lengths(&component->screening, component->expected, &component->screened);
+    *believed = component->screened.measurement;
+    return 0;
+}
 """
 
 
@@ -46,7 +52,7 @@ class Screening(Alone):
         values = {f"screening.{name}": value for name, value in settings} | {"screening.deviation": deviation}
         super().__init__(Unit(name="screening", source=UNIT, configure=lambda workspace: workspace.write(values)))
 
-    def screen(self, measurement, expected, yaw_rate=0.0):
+    def screen(self, measurement, expected, yaw_rate=0.0, *, lengths=False):
         believed = room(Measurement)
         self.live.array("expected")[:] = expected
         self.live.array("yaw_rate")[:] = yaw_rate
@@ -54,6 +60,8 @@ class Screening(Alone):
         fixes, exposed, restart = (
             self.live.array(f"screened.{name}").tolist() for name in ("fixes", "exposed", "restart")
         )
+        if lengths:
+            self.call("as_long_as_stated", believed)
         return Screened(taken(Measurement, believed), tuple(map(FixStatus, fixes)), exposed[0], bool(restart[0]))
 
 

@@ -31,3 +31,23 @@ def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_told() -> None:
     assert path_notes(load_configuration("articulated", [*slow, "speed=0.4"]), path, None) == []
     (slower,) = path_notes(load_configuration("articulated", [*slow, "vehicle.tractor_steering_rate=0.1"]), path, None)
     assert slower.endswith("begin on the line"), "a horizon of 63 samples is more than a solver has time for"
+
+
+def test_curves_that_slow_front_wheels_round_are_told_with_a_speed_at_which_they_do_not() -> None:
+    eight = ["path.radii=[8.0]", "vehicle.wheelbase=2.8", "controller.horizon=60", "vehicle.tractor_steering_rate=0.1"]
+    path, _ = build_path(load_configuration("articulated", eight))
+    (note,) = path_notes(load_configuration("articulated", [*eight, "speed=2.0"]), path, None)
+    assert "where the path's curves begin or end the tractor leaves its line by 0.24 m or more: at 2 m/s" in note
+    assert note.endswith("; at 0.8 m/s it is 0.04 m")
+    assert path_notes(load_configuration("articulated", [*eight, "speed=0.8"]), path, None) == []
+
+
+def test_samples_far_apart_are_told_with_what_is_near_enough() -> None:
+    plain = load_configuration("articulated")
+    path, _ = build_path(plain)
+    seldom = load_configuration("articulated", ["sample_time=0.5"])
+    (note,) = path_notes(seldom, path, None)
+    assert "a sample comes every 0.50 m, which is more than 0.3 wheelbases (0.42 m)" in note
+    assert note.endswith("lower sample_time to 0.42 s, or speed to 0.84 m/s")
+    for enough in ("sample_time=0.42", "speed=0.84"):
+        assert path_notes(load_configuration("articulated", ["sample_time=0.5", enough]), path, None) == []

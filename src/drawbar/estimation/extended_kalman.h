@@ -53,8 +53,10 @@ static void screen(struct component *component, const struct drawbar_measurement
     model_antennas(&component->model, component->filter.x[0], antennas);
     screening_judge(&component->screening, measurement, antennas,
                     model_yaw_rate(&component->model, component->filter.x[0]), seen);
-    if (!seen->restart)
+    if (!seen->restart) {
         screening_hitch(&component->screening, model_hitch(component->filter.x[0]), seen);
+        screening_lengths(&component->screening, antennas, seen);
+    }
     if (seen->restart && model_new_guess(&component->model, measurement, component->filter.x[0], guess)) {
         memcpy(component->filter.x[0], guess, sizeof guess);
         filter_forget(&component->filter);

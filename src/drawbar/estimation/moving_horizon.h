@@ -74,8 +74,10 @@ static void take_in(struct component *component, const struct drawbar_measuremen
                     model_yaw_rate(&component->model, newest_state(component)), &component->seen);
     if (component->seen.restart)
         overrule(component, measurement);
-    if (!component->seen.restart)
+    if (!component->seen.restart) {
         screening_hitch(&component->screening, model_hitch(newest_state(component)), &component->seen);
+        screening_lengths(&component->screening, antennas, &component->seen);
+    }
     if (component->seen.exposed != NEITHER)
         disbelieve(component, component->seen.exposed);
     model_outputs(&component->model, &component->seen.measurement, component->rti.y[component->window.newest]);

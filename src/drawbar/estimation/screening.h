@@ -264,6 +264,24 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
     screening_accept(s, measurement, screened);
 }
 
+/* Move both fixes along the line through the antennas by half of what their distance is wrong on average: nothing of the chain
+ * explains wrong lengths, and an estimate that has to would bend the chain. Antennas that the model does not tie together
+ * (single_growth) have no distance that is known. */
+static inline void screening_lengths(const struct screening *s, const double *expected, struct screened *screened)
+{
+    struct drawbar_measurement *believed = &screened->measurement;
+    const double length = distance(expected, expected + 2);
+
+    if (s->single_growth > 0.0)
+        return;
+    const double east = 0.5 * s->length_error * (expected[0] - expected[2]) / length;
+    const double north = 0.5 * s->length_error * (expected[1] - expected[3]) / length;
+    believed->tractor_x -= east;
+    believed->tractor_y -= north;
+    believed->trailer_x += east;
+    believed->trailer_y += north;
+}
+
 /* Mask a hitch angle that is too far from the expected one, rad: chain and antennas know it as well. */
 static inline void screening_hitch(const struct screening *s, double expected, struct screened *screened)
 {

@@ -44,7 +44,8 @@ class ScreeningSettings(Settings):
     growth: NonNegative = 0.1
     """by how much both grow while neither antenna has a fix, m/s: dead reckoning loses its way"""
     single_growth: NonNegative = 0.0
-    """by how much an antenna's own grow while it has no fix, m/s: for models that do not tie the antennas together"""
+    """by how much an antenna's own grow while it has no fix, m/s: for models that do not tie the antennas together.
+    Unless it is zero, fixes are not moved by what the antennas' distance is wrong"""
     shift: Positive = 2.3
     """mean disagreement of the antennas about where the vehicle is that makes one suspect, deviations"""
     release: Positive = 1.7
@@ -197,8 +198,9 @@ class SlideSettings(Settings):
     """by which they may change per sample, rad"""
     creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
     """of the side-slip per side acceleration of a curve at first, rad per g; 0: none is looked for"""
-    constant_prior: PositiveAngle = 0.005
-    """of what is the same in all headings, rad"""
+    constant_prior: PositiveAngle = 0.02
+    """of what is the same in all headings, such as an antenna that stands 10 cm further aside than stated, 5 m from
+    the other, rad"""
     noise: PositiveAngle = 0.12
     """of one estimated side-slip, which is much like the one before, rad"""
 

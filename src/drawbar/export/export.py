@@ -24,6 +24,7 @@ from drawbar.export.toolchain import build_target
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
 from drawbar.step.library import StepSettings
+from drawbar.termination import heeded_termination
 
 _FOLDERS = ("include", "src", "example", "lib")
 _UNFINISHED = ".unfinished"
@@ -60,23 +61,30 @@ def export_library(
         "example/path.csv": path_table(simulation.path),
         "example/measurements.csv": measurement_table(record(simulation)),
     }
-    unfinished = folder / _UNFINISHED
     new = [each for each in (folder, *folder.parents) if not each.exists()]
-    try:
-        shutil.rmtree(unfinished, ignore_errors=True)
-        for name, text in files.items():
-            (unfinished / name).parent.mkdir(parents=True, exist_ok=True)
-            (unfinished / name).write_text(text, "utf-8", newline="\n")
-        builds = [build_target(target, unfinished) for target in targets]
-        _write_manifest(unfinished, manifest(configuration, precision, components, memory, builds))
-        _replace(folder, unfinished)
-    except OSError as error:
-        raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
-    finally:
-        shutil.rmtree(unfinished, ignore_errors=True)
-        with suppress(OSError):  # they are not empty: the export is whole
-            for each in new:
-                each.rmdir()
+    unfinished = folder / _UNFINISHED
+    with heeded_termination():
+        try:
+            shutil.rmtree(unfinished, ignore_errors=True)
+            _write(unfinished, files)
+            builds = [build_target(target, unfinished) for target in targets]
+            _write_manifest(unfinished, manifest(configuration, precision, components, memory, builds))
+            _replace(folder, unfinished)
+        except OSError as error:
+            raise DrawbarError(
+                f"{folder}: cannot be written ({error.strerror}); choose another --out folder."
+            ) from error
+        finally:
+            shutil.rmtree(unfinished, ignore_errors=True)
+            with suppress(OSError):  # they are not empty: the export is whole
+                for each in new:
+                    each.rmdir()
+
+
+def _write(folder: Path, files: Mapping[str, str]) -> None:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, "utf-8", newline="\n")
 
 
 def _require_room(folder: Path) -> None:

@@ -12,6 +12,8 @@ from drawbar.vehicle.parameters import TrackedPoints, VehicleParameters
 
 _STEP = 0.05
 """m between the places where a path is looked at"""
+_EXACT = 1e-3
+"""m; of a shift"""
 _ACCEPTED = 0.10
 """which the trailer's tracked point may steadily be beside the line in a curve, m"""
 
@@ -32,7 +34,7 @@ def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tol
         PathError: a curve is too tight, or begins or ends too suddenly; says what of the vehicle does not suffice.
     """
     curvature = _curvature(path)
-    wheels = np.arctan(_axle_curvature(curvature, *vehicle.tracked.tractor.arm) * vehicle.wheelbase)
+    wheels = _wheels(curvature, vehicle)
     tightest, angle = float(np.abs(curvature).max()), float(np.abs(wheels).max())
     if not angle <= vehicle.tractor_steering_limit:
         raise PathError(
@@ -42,14 +44,35 @@ def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tol
         )
     if not tightest > 0.0:
         return
-    reach = max(math.sqrt(24.0 * tolerance / tightest), _STEP)
-    needed = _largest_change(wheels, round(reach / _STEP)) * speed / reach
+    reach = _reach(tolerance, tightest)
+    needed = _needed_rate(wheels, reach, speed)
     if not needed <= vehicle.tractor_steering_rate:
         raise PathError(
             f"the path's curves need {needed:.2g} rad/s of the front wheels at {speed:g} m/s to stay within "
             f"{tolerance:g} m (guidance.path_tolerance); vehicle.tractor_steering_rate = "
             f"{vehicle.tractor_steering_rate:.2g} rad/s is too slow: raise it, or lower speed"
         )
+
+
+def steering_shift(path: Path, vehicle: VehicleParameters, *, speed: float, tolerance: float) -> float:
+    """Return by how much the front wheels' rate shifts a path's curves sideways, as demand_steering reckons, m.
+
+    Args:
+        path: that demand_steering accepts with the same arguments.
+        vehicle: that drives it.
+        speed: set speed, m/s.
+        tolerance: the largest shift that is looked for, m.
+    """
+    curvature = _curvature(path)
+    wheels, tightest = _wheels(curvature, vehicle), float(np.abs(curvature).max())
+    if not tightest > 0.0:
+        return 0.0
+    short, enough = 0.0, tolerance
+    while enough - short > _EXACT:
+        middle = 0.5 * (short + enough)
+        suffices = _needed_rate(wheels, _reach(middle, tightest), speed) <= vehicle.tractor_steering_rate
+        short, enough = (short, middle) if suffices else (middle, enough)
+    return enough
 
 
 def largest_off_tracking(path: Path, vehicle: VehicleParameters) -> tuple[float, float]:
@@ -93,6 +116,21 @@ def demand_trackable(path: Path, vehicle: VehicleParameters) -> None:
             f"vehicle.tracked.tractor, on the line; at most {accepted:.2f} m is allowed: bring these points nearer to "
             f"their axles, or choose a path whose curves are wider"
         )
+
+
+def _wheels(curvature: Floats, vehicle: VehicleParameters) -> Floats:
+    """Return the front wheels' angles (n,) where the tractor's tracked point is on such curvatures (n,), rad."""
+    angles: Floats = np.arctan(_axle_curvature(curvature, *vehicle.tracked.tractor.arm) * vehicle.wheelbase)
+    return angles
+
+
+def _reach(shift: float, curvature: float) -> float:
+    """Return the length over which a wheel angle may be reached so that an arc is shifted by no more, m."""
+    return max(math.sqrt(24.0 * shift / curvature), _STEP)
+
+
+def _needed_rate(wheels: Floats, reach: float, speed: float) -> float:
+    return _largest_change(wheels, round(reach / _STEP)) * speed / reach
 
 
 def _axle_curvature(curvature: Floats, forward: float, left: float) -> Floats:

@@ -9,7 +9,7 @@ from drawbar.config import Configuration, demand_configuration
 from drawbar.control.settings import ArticulatedControllerSettings
 from drawbar.errors import PathError, demand
 from drawbar.geometry import LocalFrame
-from drawbar.guidance.demands import largest_off_tracking
+from drawbar.guidance.demands import largest_off_tracking, steering_shift
 from drawbar.guidance.path import Path
 from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
 
@@ -60,8 +60,12 @@ _TOLD = 0.05
 _LITTLE, _ENOUGH = 0.345, 0.5
 """rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
 begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
-_LONGEST = 35
+_LONGEST = 60
 """samples; of much longer plans a solver may not find the best in the time of a step"""
+_OFTEN = 0.3
+"""wheelbases from one sample to the next, up to which no simulated vehicle strayed (docs/theory/control.md)"""
+_SLOWER = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
+"""of the set speed, which are tried"""
 _FAST = 1.0
 """m/s; at less than half of it none of these vehicles swung"""
 
@@ -72,7 +76,12 @@ def path_notes(configuration: Configuration, path: Path, drivable: "DrivablePath
     off_tracking, curvature = largest_off_tracking(path, configuration.vehicle)
     if off_tracking > _TOLD:
         notes.append(_off_tracking_note(configuration, off_tracking, curvature))
-    return [*notes, *_horizon_notes(configuration)]
+    return [
+        *notes,
+        *_sampling_notes(configuration),
+        *_shift_notes(configuration, path),
+        *_horizon_notes(configuration),
+    ]
 
 
 def _deviation_note(configuration: Configuration, drivable: "DrivablePath") -> str:
@@ -103,6 +112,41 @@ def _taken_by_the_tractor(configuration: Configuration, off_tracking: float) -> 
         return 0.0
     sharing = controller.sharing
     return min(sharing.share * max(off_tracking - sharing.accepted_error, 0.0), 0.5 * off_tracking)
+
+
+def _sampling_notes(configuration: Configuration) -> list[str]:
+    """Return what is to be said of samples that are far apart."""
+    speed, enough = configuration.speed, _OFTEN * configuration.vehicle.wheelbase
+    if not speed * configuration.sample_time > enough:
+        return []
+    return [
+        f"a sample comes every {speed * configuration.sample_time:.2f} m, which is more than {_OFTEN:g} wheelbases "
+        f"({enough:.2f} m): the vehicle may stray by decimetres in curves, or swing; lower sample_time to "
+        f"{_floored(enough / speed):g} s, or speed to {_floored(enough / configuration.sample_time):g} m/s"
+    ]
+
+
+def _floored(value: float) -> float:
+    return math.floor(100.0 * value) / 100.0
+
+
+def _shift_notes(configuration: Configuration, path: Path) -> list[str]:
+    """Return what is to be said of front wheels that take longer for the path's curves than these give them."""
+    vehicle, limit = configuration.vehicle, configuration.guidance.path_tolerance
+
+    def shift(speed: float) -> float:
+        return steering_shift(path, vehicle, speed=speed, tolerance=limit)
+
+    speed, now = configuration.speed, shift(configuration.speed)
+    if not now > _TOLD:
+        return []
+    calm = next((share * speed for share in _SLOWER if not shift(share * speed) > _TOLD), None)
+    slower = f"; at {calm:.2g} m/s it is {shift(calm):.2f} m" if calm else ""
+    return [
+        f"where the path's curves begin or end the tractor leaves its line by {now:.2f} m or more: at {speed:g} m/s "
+        f"front wheels that turn at {vehicle.tractor_steering_rate:.2g} rad/s (vehicle.tractor_steering_rate) are too "
+        f"slow for less{slower}"
+    ]
 
 
 def _horizon_notes(configuration: Configuration) -> list[str]:

@@ -38,7 +38,7 @@ from drawbar.estimation.settings import (
 )
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.guidance.guidance import look_ahead_unit, preview_unit
-from drawbar.optimal.transcription import CONTROL_ITERATIONS, ESTIMATION_ITERATIONS
+from drawbar.optimal.transcription import ESTIMATION_ITERATIONS, USUAL_HORIZON, control_iterations
 from drawbar.safety.gate import PATIENCE, gate_unit
 from drawbar.safety.sanity import sanity_unit
 from drawbar.safety.supervisor import supervisor_unit
@@ -50,8 +50,8 @@ from drawbar.vehicle.tricycle import tricycle
 ENDURANCE = 3.0
 """For how long the vehicle may be driven on predictions alone, s; a plan that reaches less far shortens it"""
 
-ITERATIONS, OPTIMISED_ITERATIONS = 16.0, ESTIMATION_ITERATIONS + 2.0 * CONTROL_ITERATIONS
-"""of interior points in a step; where nominal states are optimised, their bounds need them in each step"""
+ITERATIONS, USUAL_SAMPLE_TIME = 16, 0.2
+"""Of interior points in a step, where the horizon is a usual one and the sample time no longer than this, s"""
 SHIFT = 0.1
 """Part of vehicle.curvature_limit and guidance.curvature_rate_limit that a shift to another line takes"""
 
@@ -83,8 +83,21 @@ def step_settings(configuration: Configuration) -> StepSettings:
         curvature=configuration.vehicle.curvature_limit,
         shift_curvature=SHIFT * configuration.vehicle.curvature_limit,
         shift_rate=SHIFT * configuration.guidance.curvature_rate_limit,
-        iterations=OPTIMISED_ITERATIONS if configuration.tube.nominal is Nominal.OPTIMISED else ITERATIONS,
+        iterations=float(_iterations(configuration)),
     )
+
+
+def _iterations(configuration: Configuration) -> int:
+    """Return how many iterations all interior points of a step may take together.
+
+    Where nominal states are optimised, their bounds need them in each step. Plans that reach further ahead, in samples
+    or in time, have more active bounds.
+    """
+    horizon = configuration.controller.horizon
+    if configuration.tube.nominal is Nominal.OPTIMISED:
+        return ESTIMATION_ITERATIONS + 2 * control_iterations(horizon)
+    usual = horizon <= USUAL_HORIZON and configuration.sample_time <= USUAL_SAMPLE_TIME
+    return ITERATIONS if usual else control_iterations(horizon)
 
 
 def units_of(configuration: Configuration) -> list[Unit]:

@@ -1,5 +1,7 @@
 """The steering rate that plans keep on machines for which the shipped bounds were not declared."""
 
+import re
+
 import pytest
 
 from drawbar.config import load_configuration
@@ -48,6 +50,20 @@ def test_the_part_that_is_kept_is_what_is_left(share):
 
 def test_where_the_gain_takes_the_rate_it_is_said():
     with pytest.raises(
-        TubeError, match=r"tractor cannot leave tube\.tractor\.kept_rate = 1 .*lower speed, sample_time"
+        TubeError,
+        match=r"less of its steering rate, 0\.436 rad/s, than plans need \(tube\.tractor\.kept_rate = 1\); lower",
     ):
         build_tubes(load_configuration("articulated", ["tube.tractor.yaw=-5.0"]))
+
+
+def test_samples_too_far_apart_are_refused_with_a_sample_time_that_is_not():
+    far = (
+        *("vehicle.wheelbase=2.4", "vehicle.steering_lag=0.05", "vehicle.tractor_steering_limit=0.61"),
+        *("speed=3.5", "machine.hydrostat.full_speed=5.0"),
+    )
+    with pytest.raises(TubeError, match="lower sample_time or speed") as refused:
+        kept(*far, "sample_time=0.5")
+    enough = re.search(r"at this speed sample_time = (.+) s is short enough$", str(refused.value))
+    assert enough
+    assert 0.2 < float(enough[1]) < 0.5
+    kept(*far, f"sample_time={enough[1]}")

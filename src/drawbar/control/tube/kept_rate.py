@@ -6,6 +6,8 @@ does not follow its line, though no bound is overdrawn. But the bound protects t
 turn faster anyway: so the disturbance by which the cylinder falls short is taken to be larger, and the set with it.
 """
 
+from dataclasses import replace
+
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
     BodyTubeSettings,
@@ -22,6 +24,8 @@ _DOUBLINGS = 8
 """of the steering's rate, after which more falling short leaves no more of it"""
 _EXACT = 1e-3
 """of what is searched"""
+_SHARES = tuple(0.8**i for i in range(1, 11))
+"""of a sample time that is too long, which are tried in its place"""
 
 
 def with_kept_rates(
@@ -34,6 +38,25 @@ def with_kept_rates(
     """
     if isinstance(controller, TricycleControllerSettings):
         return tube
+    try:
+        return _with_kept(controller, work, tube)
+    except TubeError as error:
+        raise TubeError(f"{error}{_often_enough(controller, work, tube)}") from error
+
+
+def _often_enough(controller: ArticulatedControllerSettings, work: Work, tube: TubeSettings) -> str:
+    """Say with which sample time it could be done at this speed, "" where none of those tried suffices."""
+    for share in _SHARES:
+        tried = float(f"{share * work.sample_time:.2g}")
+        try:
+            _with_kept(controller, replace(work, sample_time=tried), tube)
+        except TubeError:
+            continue
+        return f"; at this speed sample_time = {tried:g} s is short enough"
+    return ""
+
+
+def _with_kept(controller: ArticulatedControllerSettings, work: Work, tube: TubeSettings) -> TubeSettings:
     tractor, trailer = bodies_of(controller, work, tube)
     return tube.model_copy(
         update={
@@ -61,9 +84,10 @@ def _kept(name: str, body: Body, work: Work, settings: BodyTubeSettings, nominal
     enough = next((size for size in tries if min(left(size)) >= 0.0), None)
     if enough is None:
         raise TubeError(
-            f"the tube of the {name} cannot leave tube.{name}.kept_rate = {settings.kept_rate:g} of the steering rate, "
-            f"{rate:.3g} rad/s, at speed = {work.speed:g} m/s and sample_time = {work.sample_time:g} s: what its gain "
-            f"makes of the declared errors takes more; lower speed, sample_time or the gain in tube.{name}"
+            f"from one sample to the next (sample_time = {work.sample_time:g} s, at speed = {work.speed:g} m/s "
+            f"{work.speed * work.sample_time:.2g} m) errors of the {name} may grow so much that steering against them "
+            f"leaves less of its steering rate, {rate:.3g} rad/s, than plans need (tube.{name}.kept_rate = "
+            f"{settings.kept_rate:g}); lower sample_time or speed, or the gain in tube.{name}"
         )
     little = declared
     while enough - little > _EXACT * enough:

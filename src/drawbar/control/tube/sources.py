@@ -110,6 +110,7 @@ def _self_consistent(body: str, own: Floats, others: Floats) -> Floats:
 
 def _unsupported(body: str) -> TubeError:
     return TubeError(
-        f"the tube of the {body} has no invariant set over the whole of tube.work: the error models at its corners "
-        f"differ too much for this gain; narrow the ranges, or give a gain that lets errors decay faster"
+        f"the errors of the {body} have no bounds: while its speed, slip and steering change within tube.work, they "
+        f"may grow by more from one sample to the next than the gain in tube.{body} takes back; lower sample_time or "
+        f"speed, narrow the ranges, or give a gain that lets errors decay faster"
     )
