@@ -44,7 +44,7 @@ def plans(monkeypatch):
 def drive(stage, one, places):
     for x, y in places:
         stage.run(0.1)
-        stage.hear_fixes(float(x), float(y), course=0.0)
+        stage.receive_fixes(float(x), float(y), course=0.0)
         one.refresh()
 
 
@@ -175,7 +175,7 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
 async def test_a_line_that_is_far_away_is_said_to_be(stage, browser):
     far = np.add(FIELD.lines[0].points, (4.5, 0.0))
     stage.workshop.fields.add(Field(name="far", lines=(FieldLine(name="far", points=far),)))
-    stage.hear_fixes(0.0, 0.0)
+    stage.receive_fixes(0.0, 0.0)
     one = await browser().open("/fields")
     await planned(one)
     found = re.search(r"The tractor is (\d+) km away from it", one.text())
@@ -232,7 +232,7 @@ async def test_positions_that_are_not_fixed_make_no_line(stage, browser):
     one.press("● Record a curve")
     for x in range(20):
         stage.run(0.1)
-        stage.hear_fixes(float(x), 0.0, quality=4)
+        stage.receive_fixes(float(x), 0.0, quality=4)
     one.press("■ End and save")
     assert "0.0 m long" in one.told()
     assert stage.link.surveyor.track is not None

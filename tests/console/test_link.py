@@ -44,7 +44,7 @@ def test_a_step_is_drawn_where_its_record_says(record):
     step, _configuration = record
     data = packed(step)
     stage = Stage()
-    stage.link.hear(pack(PackedStep(time=1, data=data)))
+    stage.link.receive(pack(PackedStep(time=1, data=data)))
     place = stage.link.moving
     assert place.tractor == (step.estimate.tractor.x, step.estimate.tractor.y, step.estimate.tractor.yaw)
     assert place.plans[0][-1] == pytest.approx(step.plan.tractor.poses[-1, :2], abs=1e-3)
@@ -57,7 +57,7 @@ def test_a_vehicle_that_stands_leaves_no_trail(record):
     step, _configuration = record
     data, stage = packed(step), Stage()
     for _ in range(50):
-        stage.link.hear(pack(PackedStep(time=1, data=data)))
+        stage.link.receive(pack(PackedStep(time=1, data=data)))
     assert len(stage.link.trail) == 1
 
 
@@ -79,7 +79,7 @@ def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
 def test_garbage_is_no_message():
     stage = Stage()
     for data in (b"", b"DB", bytes(300), b"DBs\0" + bytes(8) + b"{", b"DBs\0" + bytes(8) + b"{}"):
-        stage.link.hear(data)
+        stage.link.receive(data)
     assert stage.link.gate is None
     assert stage.link.refused == 2
 

@@ -190,8 +190,8 @@ def drive_log(tmp_path):
     """Return the log of a drive by the gate's real desk: refused to engage, stopped, acknowledged."""
     stage, file = Stage(), tmp_path / "log.mcap"
     states, asked = [], []
-    hear = stage.link.hear
-    stage.link.hear = lambda data: (hear(data), states.append(stage.link.gate))
+    receive = stage.link.receive
+    stage.link.receive = lambda data: (receive(data), states.append(stage.link.gate))
     stage.run(4.0)
     for action in (Action.ENGAGE, Action.EMERGENCY, Action.ACKNOWLEDGE):
         stage.standing = True

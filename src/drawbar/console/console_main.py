@@ -98,14 +98,14 @@ async def _work(endpoint: "Endpoint", link: "Link", pages: "Pages") -> None:
 
     came = asyncio.Event()
 
-    def hear() -> None:
+    def receive() -> None:
         before = link.version
         for data in endpoint.receive():
-            link.hear(data)
+            link.receive(data)
         if link.version != before:
             came.set()
 
-    asyncio.get_running_loop().add_reader(endpoint.fileno(), hear)
+    asyncio.get_running_loop().add_reader(endpoint.fileno(), receive)
     parent = os.getppid()
     while os.getppid() == parent:
         with contextlib.suppress(TimeoutError):

@@ -109,7 +109,7 @@ class Link:
         """Return how the tractor moves, by its receiver."""
         return self._motion
 
-    def hear(self, data: bytes) -> None:
+    def receive(self, data: bytes) -> None:
         """Take in a datagram."""
         datagram = unpack(data)
         if isinstance(datagram, PackedStep):
@@ -124,12 +124,14 @@ class Link:
         elif isinstance(message, ControllerState):
             self.controller = message
         if isinstance(message, GateState | ControllerState | Fixes):
-            self.devices.hear(message, self.clock())
+            self.devices.receive(message, self.clock())
         if isinstance(message, Fixes):
             self._fixes = message
             self._motion = Motion(1e-9 * message.epoch, message.tractor_speed, message.tractor_yaw_rate)
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
-            self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)
+            self.surveyor.receive_fixes(
+                message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan
+            )
 
     def _receive_step(self, datagram: PackedStep) -> None:
         try:
@@ -140,7 +142,7 @@ class Link:
         self.moving = moving(record)
         self.steps.append(ShownStep(record, self.controller, self._deviations))
         self._deviations = {}
-        self.hand_log.hear(record, engaged=self.is_engaged)
+        self.hand_log.receive_step(record, engaged=self.is_engaged)
         self.version += 1
         self._stepped = self.clock()
         if self.moving is not None and self._has_moved(self.moving.tractor[:2]):
@@ -158,7 +160,7 @@ class Link:
         if self.pushing is not None and self.is_engaged:
             self.pushing.end("drawbar steers now; stop, then begin again")
         for session in self._sessions.values():
-            session.hear(state)
+            session.receive_gate(state)
 
     def pass_time(self) -> None:
         """Ask the gate for its states where they do not come; nobody is present by that."""

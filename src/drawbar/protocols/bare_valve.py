@@ -64,7 +64,7 @@ def drive_sentence(drive: float) -> bytes:
     return own_sentence("PDBD", round(FULL * drive))
 
 
-def drives_told(sentences: SentenceReader, data: bytes) -> list[float]:
+def commanded_drives(sentences: SentenceReader, data: bytes) -> list[float]:
     """Return the drives that a board is told; sentences: a reader of PDBD."""
     drives = []
     for fields in sentences.push(data):

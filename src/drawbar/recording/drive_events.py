@@ -153,7 +153,7 @@ def _told(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Message]]
 
 def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[DriveEvent]:
     """Yield what happened, given messages in the order of their times."""
-    last, heard, status = None, set(), Status.OK
+    last, seen, status = None, set(), Status.OK
     noticed: set[int] = set()
     for time, message in told:
         if isinstance(message, _Controller):
@@ -167,15 +167,15 @@ def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[
                 yield _became(time, message, status)
             if message.is_unrecorded and not (last is not None and last.is_unrecorded):
                 yield Lost(time=time, loss=Loss.UNRECORDED)
-            if message.answered in heard and not (last is not None and last.answered == message.answered):
+            if message.answered in seen and not (last is not None and last.answered == message.answered):
                 yield from (Refused(time=time, cause=cause) for cause in message.objections)
             if not message.steers:
                 noticed.clear()
             last = message
         elif isinstance(message, _Wish):
             action = Action(message.action)
-            if action is not Action.PRESENT and message.nonce not in heard:
-                heard.add(message.nonce)
+            if action is not Action.PRESENT and message.nonce not in seen:
+                seen.add(message.nonce)
                 yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
         elif last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, which is recorded
             yield Lost(time=time, loss=Loss.ENDS)

@@ -56,18 +56,18 @@ def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, clock: Machi
     two ticks, and find actuators that were not told the one before just now. One that does find them so waits for a
     quarter of that time.
     """
-    period, due, over, told = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
+    period, due, over, announced = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
     last = -math.inf
     while True:
         time = clock()
-        urgent = gate.hear(time)
+        urgent = gate.receive(time)
         if urgent or time >= due:
             gate.tick(time, max(time - due, 0.0))
             notifier.feed(time)
             due = next_tick(time, period, time - last, urgent=urgent)
             last = time
-        if gate.engagement.state is not told:
-            told = _announce(notifier, told, gate.engagement.state)
+        if gate.engagement.state is not announced:
+            announced = _announce(notifier, announced, gate.engagement.state)
         if gate.controller.gone or gate.watch.troubles.ended:
             over = min(over, time + settings.timing.off)
         if time >= over:
@@ -89,9 +89,9 @@ def next_tick(time: float, period: float, since: float, *, urgent: bool) -> floa
     return time + (period / 4.0 if since < period / 4.0 else period / 2.0)
 
 
-def _announce(notifier: Notifier, told: SupervisorState, state: SupervisorState) -> SupervisorState:
+def _announce(notifier: Notifier, announced: SupervisorState, state: SupervisorState) -> SupervisorState:
     """Tell the service manager a new state; the gate is ready once it has passed its first self-test."""
-    if state is SupervisorState.STANDBY and told <= SupervisorState.SELFTEST:
+    if state is SupervisorState.STANDBY and announced <= SupervisorState.SELFTEST:
         notifier.tell("READY=1")
     notifier.tell(f"STATUS={state.name}")
     return state

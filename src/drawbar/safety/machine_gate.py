@@ -34,7 +34,7 @@ URGENT = frozenset({Action.RELEASE, Action.STOP, Action.EMERGENCY})
 
 
 class Gate:
-    """All of the gate but its process: `hear` and `tick` are called with the monotonic time, s."""
+    """All of the gate but its process: `receive` and `tick` are called with the monotonic time, s."""
 
     def __init__(
         self,
@@ -57,13 +57,13 @@ class Gate:
         self._counts, self._clips_in_a_row = Counts(), 0
         self._suspended_before = suspended_time()
 
-    def hear(self, now: float) -> bool:
+    def receive(self, now: float) -> bool:
         """Take in all that has arrived; return whether to tick before it is due: a new command does not wait."""
         self.wires.receive()
-        urgent = self._hear_controller(now) | self._hear_desk(now)
+        urgent = self._receive_controller(now) | self._receive_desk(now)
         return self.engagement.steers and (urgent or not self.watch.command_valid(now))
 
-    def _hear_controller(self, now: float) -> bool:
+    def _receive_controller(self, now: float) -> bool:
         most, refused, commanded = self._settings.envelope.flood, 0, False
         records = self.controller.receive(most + 1)
         for record in records[:most]:
@@ -74,7 +74,7 @@ class Gate:
                 self._obey(now, message)
                 commanded = True
             elif isinstance(message, ControllerState):
-                self.watch.hear_controller(now, message)
+                self.watch.receive_controller(now, message)
             else:
                 refused += 1
         refused += len(records) > most
@@ -96,7 +96,7 @@ class Gate:
         # while it is eased a command is limited because that is what easing is
         self._clips_in_a_row = self._clips_in_a_row + 1 if limited.clipped and not eased else 0
 
-    def _hear_desk(self, now: float) -> bool:
+    def _receive_desk(self, now: float) -> bool:
         urgent = False
         for record, sender in self.channel.receive(MOST):
             message = decode(record, OperatorMessage, Heartbeat)
@@ -105,7 +105,7 @@ class Gate:
                 self._desk.receive(now, message)
                 urgent |= message.action in URGENT
             elif isinstance(message, Heartbeat):
-                self.watch.hear_heartbeat(now, message)
+                self.watch.receive_heartbeat(now, message)
             self._counts.dropped += isinstance(message, Flaw)
         return urgent
 

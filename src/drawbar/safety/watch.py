@@ -47,7 +47,7 @@ class Watch:
         self.speeds = Speeds(settings)
         self.troubles = Troubles()
 
-    def hear_controller(self, time: float, state: ControllerState) -> None:
+    def receive_controller(self, time: float, state: ControllerState) -> None:
         """Take in a state of the controller that came at a time, s, unless it or a later one has come before."""
         if self._state is not None and not is_after(state.sequence, self._state.sequence):
             return
@@ -65,7 +65,7 @@ class Watch:
         self.speeds.add(time, "wheels", state.wheel_speed)
         self.speeds.add(time, "receiver", state.receiver_speed)
 
-    def hear_heartbeat(self, time: float, beat: Heartbeat) -> None:
+    def receive_heartbeat(self, time: float, beat: Heartbeat) -> None:
         """Take in a process's word; a recorder that is not healthy is as good as none."""
         if beat.role is Role.RECORDER:
             self._recorded = time if beat.healthy == 1 else -math.inf
@@ -89,7 +89,7 @@ class Watch:
         readiness: tuple[Readiness, ...],
     ) -> Observation:
         """Return what is so now, without what operators, envelope and followings know."""
-        troubles, heard = self.troubles, self._of_controller(time, state)
+        troubles, reported = self.troubles, self._of_controller(time, state)
         return Observation(
             controller_age=time - self._state_time,
             command_valid=self.command_valid(time),
@@ -98,7 +98,7 @@ class Watch:
             run_ended=self.mode is Mode.STOP,
             controller_gone=troubles.gone,
             speed=self.speeds.largest(time) if self.speeds.known(time) else math.nan,
-            speed_heard=bool(self.speeds.fresh(time)),
+            speed_received=bool(self.speeds.fresh(time)),
             speed_known=self.speeds.known(time),
             speeds_contradict=self.speeds.contradict(time),
             drives=self._drives,
@@ -112,7 +112,7 @@ class Watch:
             ended=troubles.ended,
             recording=time - self._recorded <= self._settings.timing.recorder,
             guarded=time - self._guarded <= self._settings.timing.guard,
-            **heard,
+            **reported,
         )
 
     def _of_controller(self, time: float, supervisor: SupervisorState) -> dict[str, Any]:
@@ -134,7 +134,7 @@ class Watch:
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
             # while it stops, the gate may have limited what the controller believes to have commanded
-            "astray": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
+            "not_following": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,
         }
 

@@ -34,21 +34,21 @@ class Guard:
     def __init__(self, timing: TimingSettings) -> None:
         """Begin with a gate that has not been heard, and does not steer."""
         self._patience, self._off = timing.tick + timing.late, timing.off
-        self._heard, self._said, self._steers = -math.inf, -math.inf, False
+        self._received, self._said, self._steers = -math.inf, -math.inf, False
 
-    def hear(self, time: float, state: GateState) -> None:
+    def receive_state(self, time: float, state: GateState) -> None:
         """Take in what the gate has just said."""
-        self._heard, self._said, self._steers = time, -math.inf, bool(state.steers)
+        self._received, self._said, self._steers = time, -math.inf, bool(state.steers)
 
     @property
     def due(self) -> float:
         """When an off frame is to be sent unless the gate is heard; infinity: not at all."""
-        due = max(self._heard + self._patience, self._said + _AGAIN)
-        return due if self._steers and due <= self._heard + self._patience + self._off else math.inf
+        due = max(self._received + self._patience, self._said + _AGAIN)
+        return due if self._steers and due <= self._received + self._patience + self._off else math.inf
 
     def rests(self, time: float) -> bool:
         """Return whether there is nothing to wait for: the gate does not steer, or the boards have been let go of."""
-        return not self._steers or time > self._heard + self._patience + self._off
+        return not self._steers or time > self._received + self._patience + self._off
 
     def says_off(self, time: float) -> bool:
         """Return whether an off frame is to be sent now."""
@@ -75,7 +75,7 @@ def main() -> int:
         for record in endpoint.receive():
             state = decode(record, GateState)
             if isinstance(state, GateState):
-                guard.hear(now, state)
+                guard.receive_state(now, state)
                 heartbeat.state = state.state
         if guard.says_off(now):
             for board in boards:

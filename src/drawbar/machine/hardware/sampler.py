@@ -54,7 +54,7 @@ class Sampler:
         """When to take the next sample without its epoch, ns; None before the first epoch."""
         return None if self._start is None else self._last + self._period + self._wait
 
-    def hear(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Take in what the gate knows of the actuators."""
         self._gate = state
 

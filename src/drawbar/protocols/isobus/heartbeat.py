@@ -22,7 +22,7 @@ class Heartbeat(Component):
         self._count = _FIRST
         node.attach(self)
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Begin when asked to."""
         mine = message.destination in (GLOBAL, self._node.claim.address)
         if message.pgn == REPETITION_RATE and mine and message.data[:3] == HEARTBEAT.to_bytes(3, "little"):

@@ -12,7 +12,7 @@ class Component(ABC):
     """What listens to the messages of a bus, and may answer them."""
 
     @abstractmethod
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in one message of any sender and any content; never raises."""
 
     def frames(self, time: float) -> list[CanFrame]:
@@ -47,9 +47,9 @@ class IsobusNode:
         if message is None:
             self.dropped["not ISO 11783"] += 1
             return
-        self.claim.hear(time, message)
+        self.claim.receive_message(time, message)
         for component in self._components:
-            component.hear(time, message)
+            component.receive_message(time, message)
 
     def send(self, time: float) -> list[CanFrame]:
         """Return the node's own frames that are due: claims, answers, heartbeats."""

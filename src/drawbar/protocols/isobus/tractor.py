@@ -63,7 +63,7 @@ class Tractor(Component):
         self._readings: dict[str, tuple[float, Reading]] = {}
         self._sources: dict[str, int] = {}
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in one message."""
         if message.pgn not in _GROUPS:
             return
@@ -77,7 +77,7 @@ class Tractor(Component):
             return
         self._sources[name] = message.source
         self._readings[name] = time, reading
-        self._facilities.heard(name, time)
+        self._facilities.received(name, time)
 
     def speed(self, name: str) -> SpeedReading:
         """Return the latest "wheel speed", "ground speed" or "selected speed"; its age is for the caller to judge."""
