@@ -9,23 +9,31 @@ from types import FrameType
 
 from drawbar.errors import DrawbarError
 
+STARTER = "DRAWBAR_STARTER"
+"""environment variable with the number of the process that has started this one"""
+
 
 class ShutdownRequest:
     """Whether this process is to end."""
 
     def __init__(self) -> None:
-        """Take over both signals."""
-        self._told, self._starter = False, os.getppid()
+        """Take over both signals. Without STARTER the starter is whoever is the parent now."""
+        self._signalled, self._starter = False, int(os.environ.get(STARTER, os.getppid()))
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._tell)
 
     @property
     def asked(self) -> bool:
         """Whether one of the signals has come, or the process that started this one has ended."""
-        return self._told or os.getppid() != self._starter
+        return self._signalled or os.getppid() != self._starter
 
     def _tell(self, number: int, frame: FrameType | None) -> None:
-        self._told = True
+        self._signalled = True
+
+
+def environment() -> dict[str, str]:
+    """Return the environment for a process that is to end with this one, even if this one ends while that still starts."""
+    return {**os.environ, STARTER: str(os.getpid())}
 
 
 @contextmanager
