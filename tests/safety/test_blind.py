@@ -17,7 +17,7 @@ def lost(start, duration=40.0):
     return f"machine.events=[{{kind='gps_loss', start={start}, duration={duration}}}]"
 
 
-def astray(live):
+def lateral_deviation(live):
     distance, heading, bend = (float(live.array(name)[0]) for name in ("distance", "heading", "bend"))
     return distance * math.hypot(heading, bend * distance)
 
@@ -33,7 +33,7 @@ def test_what_is_reckoned_is_what_the_estimators_covariance_says(build, speed, s
         if record.measurement.time > start + 20.0 or distance > 10.0:
             break
         if distance > 4.0:
-            ratios.append(astray(live) / tell(record.estimate).lateral)
+            ratios.append(lateral_deviation(live) / tell(record.estimate).lateral)
     assert len(ratios) > 5
     assert min(ratios) > 0.55
     assert max(ratios) < 1.6

@@ -32,7 +32,7 @@ class ShutdownRequest:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment for a process that is to end with this one, even if this one ends while that still starts."""
+    """Return the environment for a process that is to end with this one, even where this one ends first."""
     return {**os.environ, STARTER: str(os.getpid())}
 
 
