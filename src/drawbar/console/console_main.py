@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drawbar.driving.messaging.console_options import ConsoleOptions
-from drawbar.driving.processes.shutdown import run_program
+from drawbar.driving.processes.shutdown import run_program, starter
 
 if TYPE_CHECKING:
     from drawbar.console.link import Link
@@ -106,7 +106,7 @@ async def _work(endpoint: "Endpoint", link: "Link", pages: "Pages") -> None:
             came.set()
 
     asyncio.get_running_loop().add_reader(endpoint.fileno(), receive)
-    parent = os.getppid()
+    parent = starter()
     while os.getppid() == parent:
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(came.wait(), PERIOD)

@@ -13,12 +13,17 @@ STARTER = "DRAWBAR_STARTER"
 """environment variable with the number of the process that has started this one"""
 
 
+def starter() -> int:
+    """Return the number of the process that has started this one: by STARTER, else the present parent."""
+    return int(os.environ.get(STARTER, os.getppid()))
+
+
 class ShutdownRequest:
     """Whether this process is to end."""
 
     def __init__(self) -> None:
-        """Take over both signals. Without STARTER the starter is whoever is the parent now."""
-        self._signalled, self._starter = False, int(os.environ.get(STARTER, os.getppid()))
+        """Take over both signals."""
+        self._signalled, self._starter = False, starter()
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._tell)
 
