@@ -18,6 +18,7 @@ from console_stage import Stage
 from drawbar.config import load_configuration
 from drawbar.console.drawing import Lines, moving, standing, tube_widths
 from drawbar.console.thinning import kept_points
+from drawbar.console.visitors import MOST, Rank, Visitors
 from drawbar.driving.messaging.datagrams import PackedStep, pack
 from drawbar.driving.messaging.process_options import CONSOLE
 from drawbar.guidance.figure_eight import figure_eights
@@ -74,6 +75,16 @@ def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
     apart = math.dist(at(place.tractor, shapes["tractorJoint"]), at(place.trailer, shapes["trailerJoint"]))
     assert apart == pytest.approx(vehicle.drawbar_length, abs=0.05)
     assert Lines(path, 0.0)(0.0)["path"][-1] == pytest.approx(path.nodes[-1, 1:3], abs=1e-3)
+
+
+def test_sessions_of_browsers_that_never_come_again_are_forgotten():
+    link, visitors = Stage().link, Visitors()
+    steady = visitors.admit("", Rank.MAINTAINER, 0.0)
+    session = link.session(steady)
+    for _ in range(3 * MOST):
+        link.session(visitors.admit("", Rank.MAINTAINER, 0.0))
+        assert link.session(steady) is session
+    assert len(link._sessions) == MOST
 
 
 def test_garbage_is_no_message():

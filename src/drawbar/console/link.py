@@ -13,7 +13,7 @@ from drawbar.console.hand_log import HandLog
 from drawbar.console.session import Session
 from drawbar.console.signal_history import ShownStep
 from drawbar.console.surveyor import Surveyor
-from drawbar.console.visitors import Visitor
+from drawbar.console.visitors import MOST, Visitor
 from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, unpack
 from drawbar.driving.operator.requests import Operator
 from drawbar.driving.preparation.push_calibration import STOPPED, PushCalibration
@@ -170,10 +170,14 @@ class Link:
             self._own.ask(Action.PRESENT, now)
 
     def session(self, visitor: Visitor) -> Session:
-        """Return a visitor's session; all pages of one browser share it."""
-        if visitor.token not in self._sessions:
-            self._sessions[visitor.token] = Session(visitor.number, visitor.name, self._send, self._nonces)
-        return self._sessions[visitor.token]
+        """Return a visitor's session; all pages of one browser share it. The least recently used ones are forgotten."""
+        session = self._sessions.pop(visitor.token, None)
+        if session is None:
+            session = Session(visitor.number, visitor.name, self._send, self._nonces)
+        self._sessions[visitor.token] = session
+        if len(self._sessions) > MOST:
+            del self._sessions[next(iter(self._sessions))]
+        return session
 
     def drawn(self, visitor: Visitor, sequence: object) -> None:
         """Take a browser's word that it has drawn the state of this sequence; other words mean nothing."""
