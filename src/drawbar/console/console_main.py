@@ -93,7 +93,7 @@ def _build(options: ConsoleOptions) -> "tuple[Endpoint, Link, Pages]":
 
 
 async def _work(endpoint: "Endpoint", link: "Link", pages: "Pages") -> None:
-    """Hear the drive and show it, until whoever started the console is gone, and with it the drive."""
+    """Receive and show the drive, until whoever started the console is gone, and with it the drive."""
     from nicegui import app
 
     came = asyncio.Event()

@@ -1,4 +1,4 @@
-"""Devices as the console hears of them: how often each says something, and how old its last word is. Time is given."""
+"""Device rates: how often each device reports to the console, and the age of its last report. Time is given."""
 
 import math
 from collections import deque
@@ -51,7 +51,7 @@ class DeviceRates:
     """Counts the words of each device by the stamps in the drive's messages."""
 
     def __init__(self) -> None:
-        """Begin with none heard."""
+        """Begin with nothing received."""
         self._stamps: dict[str, deque[int]] = {name: deque() for name in DEVICES}
         self._correction_age = math.nan
 

@@ -1,4 +1,4 @@
-"""Link: the console's end of the drive. Hears gate and controller, keeps what pages draw, carries sessions' words."""
+"""Link: the console's end of the drive. It keeps what pages draw, and sends the sessions' requests."""
 
 import itertools
 import math
@@ -70,13 +70,13 @@ class Link:
         self.wishes: dict[int, str] = {}
         """sessions that ask the holder for control, with their names"""
         self.version = 0
-        """grows with each control step that was heard"""
+        """grows with each control step received"""
         self.refused = 0
         """control steps that could not be read"""
 
     @property
     def is_stale(self) -> bool:
-        """Whether the gate has not been heard for too long."""
+        """Whether nothing has come from the gate for too long."""
         return self.gate is None or self.clock() - self.gate.time > STALE
 
     @property
@@ -86,7 +86,7 @@ class Link:
 
     @property
     def step_age(self) -> float:
-        """Since the newest control step was heard, s."""
+        """Since the newest control step came, s."""
         return 1e-9 * (self.clock() - self._stepped)
 
     @property

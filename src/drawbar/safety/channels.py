@@ -84,10 +84,10 @@ class ControllerChannel:
 
 
 class DeskChannel:
-    """The operators' socket, and who is told of the gate's state: given at the start, or a sender of a message."""
+    """The operators' socket, and the subscribers of the gate's state: given at the start, or senders of a message."""
 
     def __init__(self, desk: socket.socket, subscribers: tuple[str, ...]) -> None:
-        """Take the bound socket, and the paths of sockets that are told from the start and for good."""
+        """Take the bound socket, and the paths of permanent subscribers."""
         desk.setblocking(False)
         self._socket, self._fixed = desk, subscribers
         self._senders: dict[str, None] = {}
@@ -108,7 +108,7 @@ class DeskChannel:
         return records
 
     def subscribe(self, sender: str) -> None:
-        """Tell a sender from now on; one without a path of its own cannot be told."""
+        """Add a subscriber; a sender without a path of its own cannot be one."""
         if sender and sender not in self._fixed:
             self._senders[sender] = None
             if len(self._senders) > SUBSCRIBERS:

@@ -1,8 +1,7 @@
-"""The gate of a real machine: hears everybody, decides, tells the actuators and the world, once a tick.
+"""The gate of a real machine: once a tick it reads all messages, decides, and commands the actuators.
 
-Whatever goes wrong, the actuators are told on the wire to let go; never silence. It runs in a process of its own
-(gate_process.py). It is not `gate.h`, the last part of the control step, whose commands it takes in like those of a
-stranger. Without numpy.
+Whatever goes wrong, the actuators are sent an explicit disengage, never silence. It runs in a process of its own
+(gate_process.py), without numpy. It is not `gate.h`, the last part of the control step, whose commands it distrusts.
 """
 
 import math
@@ -44,7 +43,7 @@ class Gate:
         controller: ControllerChannel,
         desk: DeskChannel,
     ) -> None:
-        """Begin in BOOT, with nothing heard; the actuators are told at the first tick to let go."""
+        """Begin in BOOT, with nothing received; the first tick tells the actuators to let go."""
         self._settings = settings
         self.wires, self.controller, self.channel = Wires(wires), controller, desk
         self.engagement = Engagement(settings, sound=limits_hold(settings, bounds))

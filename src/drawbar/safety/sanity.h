@@ -18,7 +18,7 @@
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 
 struct component {
-    /* settings: safety/sanity.py tells what they mean */
+    /* settings, described in safety/sanity.py */
     double fine, coarse_after, coarse_share, coarse_budget;
     double swing, steering_swing, swing_share;
     struct hitch_watch hitch;

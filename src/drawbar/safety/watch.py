@@ -1,4 +1,4 @@
-"""Watch: what was heard of controller, recorder and actuators, and when; it makes the observation. Pure."""
+"""Watch: the newest of controller, recorder and actuators, and when it came; it makes the observation. Pure."""
 
 import math
 from collections import deque
@@ -15,7 +15,7 @@ from drawbar.safety.speeds import Speeds
 from drawbar.statuses import FixQuality, Status
 
 _SKIPPED = 0.5
-"""for which a receiver may tell nothing, as where epochs are lost on their way, without having lost its RTK fix, s"""
+"""for which a receiver may report nothing, as where epochs are lost in transit, without having lost its RTK fix, s"""
 
 
 @dataclass(slots=True)
@@ -35,7 +35,7 @@ class Watch:
     """The newest of everything that engaging and driving depend on."""
 
     def __init__(self, settings: SafetySettings, *, drives: bool) -> None:
-        """Begin with nothing heard; `drives`: there is a speed actuator."""
+        """Begin with nothing received; `drives`: there is a speed actuator."""
         self._settings, self._drives = settings, drives
         self._fingerprint = settings.fingerprint()
         self._state: ControllerState | None = None
@@ -78,7 +78,7 @@ class Watch:
 
     @property
     def mode(self) -> Mode | None:
-        """What the controller is about; None: it has not been heard."""
+        """What the controller is doing; None: nothing has been received from it."""
         return None if self.command is None else self.command.mode
 
     def observe(
@@ -139,7 +139,7 @@ class Watch:
         }
 
     def _late_steps(self, time: float) -> int:
-        """Return by how many the count of late steps has grown lately; one that fell belongs to another process."""
+        """Return by how many the count of late steps has recently grown; one that fell belongs to another process."""
         recent = [count for at, count in self._overruns if time - at <= self._settings.engage.quiet]
         return max(recent[-1] - recent[0], 0) if recent else 0
 
@@ -152,9 +152,9 @@ class Watch:
 
 
 def agrees(mode: Mode | None, state: SupervisorState) -> bool:
-    """Return whether the controller is about what the gate is about.
+    """Return whether the controller's mode fits the gate's state.
 
-    While engaging it has not yet heard of it; while stopping it may have ended its run.
+    While engaging it may not know yet; while stopping it may have ended its run.
     """
     if state in (SupervisorState.ACTIVE, SupervisorState.DEGRADED):
         return mode is not Mode.IDLE

@@ -1,4 +1,4 @@
-"""Control loop: from what the receivers and the gate say to commands, in the controller's process or a rehearsal.
+"""Control loop: from messages of the receivers and the gate to commands, in the controller's process or a rehearsal.
 
 Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself never waits.
 """

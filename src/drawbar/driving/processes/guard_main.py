@@ -1,7 +1,7 @@
 """The guard's process as a program: lets the boards go when the gate, which steers them, is killed or frozen.
 
-`python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate tells its state at
-each tick; when it steers and is not heard for as long as it may be late, off frames go to the boards until it is heard
+`python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate sends its state at
+each tick; when it steers and sends nothing for as long as it may be late, off frames go to the boards until it sends
 again, for `timing.off` seconds at most. An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate,
 not within, and tells it that it is there: without a guard the gate does not engage.
 """
@@ -32,7 +32,7 @@ class Guard:
     """Says when the boards are to be let go of; times are monotonic, s."""
 
     def __init__(self, timing: TimingSettings) -> None:
-        """Begin with a gate that has not been heard, and does not steer."""
+        """Begin with a gate that has sent nothing, and does not steer."""
         self._patience, self._off = timing.tick + timing.late, timing.off
         self._received, self._said, self._steers = -math.inf, -math.inf, False
 
@@ -42,7 +42,7 @@ class Guard:
 
     @property
     def due(self) -> float:
-        """When an off frame is to be sent unless the gate is heard; infinity: not at all."""
+        """When an off frame is to be sent unless the gate sends its state; infinity: not at all."""
         due = max(self._received + self._patience, self._said + _AGAIN)
         return due if self._steers and due <= self._received + self._patience + self._off else math.inf
 

@@ -43,7 +43,7 @@ class BareValve(CalibratedMachine):
         motion: Callable[[], Motion],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Take the open transport, the wheelbase (m), what tells the tractor's motion, and the monotonic clock (s)."""
+        """Take the open transport, the wheelbase (m), the tractor's motion, and the monotonic clock (s)."""
         self._transport, self._sensor, self._board = transport, settings.sensor(), ValveBoard()
         self._wheelbase, self._motion, self._clock = wheelbase, motion, clock
         self._told, self._rolled = -math.inf, Motion(-math.inf, math.nan, math.nan)

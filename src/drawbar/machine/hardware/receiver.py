@@ -44,7 +44,7 @@ class ReceiverSettings(EpochSettings):
 
     @property
     def has_senders(self) -> bool:
-        """Whether its transport tells who has sent something."""
+        """Whether its transport reports the sender."""
         return self.is_on_can or isinstance(parse_transport(self.transport), UdpAddress)
 
     def is_at(self, place: tuple[str, int]) -> bool:

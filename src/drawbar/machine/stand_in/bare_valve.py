@@ -1,4 +1,4 @@
-"""Stand-in of a bare valve's board: a motor with a dead band turns the front wheels as it is told, at ticks."""
+"""Stand-in of a bare valve's board: a motor with a dead band turns the front wheels as commanded, at ticks."""
 
 import math
 
@@ -31,7 +31,7 @@ class StandInBareValve:
         """the operator holds the switch"""
 
     def receive(self, time: float, data: bytes) -> None:
-        """Take in what it is told at a time, s."""
+        """Take in commands at a time, s."""
         for drive in commanded_drives(self._sentences, data):
             self._drive, self._commanded = drive, time
 

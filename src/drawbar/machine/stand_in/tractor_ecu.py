@@ -1,4 +1,4 @@
-"""Stand-in tractor: the control unit that tells a machine's speeds on its bus, and takes a speed command."""
+"""Stand-in tractor: the control unit that reports a machine's speeds on its bus, and takes a speed command."""
 
 import math
 from collections import Counter

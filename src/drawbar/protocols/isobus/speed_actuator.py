@@ -1,4 +1,4 @@
-"""Machine speed: a tractor that takes its speed over ISOBUS (0xFD43) and tells what it goes by (0xF022)."""
+"""Machine speed: a tractor that takes its speed over ISOBUS (0xFD43) and reports the one in use (0xF022)."""
 
 import math
 from collections import Counter

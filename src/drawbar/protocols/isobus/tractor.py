@@ -1,4 +1,4 @@
-"""Tractor: speeds, hitches and power take-offs that a machine tells on its bus, each with its age."""
+"""Tractor: speeds, hitches and power take-offs that a machine reports on its bus, each with its age."""
 
 import math
 from collections import Counter

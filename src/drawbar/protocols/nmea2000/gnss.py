@@ -50,7 +50,7 @@ _JOINED: dict[int, Callable[[bytes], Joined | None]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nmea2000Epoch:
-    """All that a receiver told of one instant; what it did not is None."""
+    """All that a receiver has reported of one instant; the rest is None."""
 
     time: float
     """monotonic time at which the first frame of it was received, s"""

@@ -1,4 +1,4 @@
-"""Corrections between a caster and receivers: the position that it is told, and what it sends to them."""
+"""Corrections between a caster and receivers: a position for the caster, its stream for the receivers."""
 
 import math
 from collections.abc import Iterable
