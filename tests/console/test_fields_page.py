@@ -88,10 +88,10 @@ async def test_a_line_is_chosen_on_the_map_and_its_pass_is_planned_and_drawn(sta
     assert control(one, "Line").value == "bent"
     assert "Smoothed by at most" in one.text()
     assert "more than 2 cm where it is red" in one.text()
-    assert scene(one)["aside"]
+    assert scene(one)["deviating"]
     one.user.find(FieldMap).trigger("choose", "AB")
     await planned(one)
-    assert scene(one)["aside"] == []
+    assert scene(one)["deviating"] == []
     await chosen(one, "Pass", 2)
     await chosen(one, "Offset to the left", -50)
     driven = np.array(scene(one)["driven"])[:, 0] - scene(one)["lines"][0]["points"][0][0]

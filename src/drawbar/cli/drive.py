@@ -157,7 +157,7 @@ def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrate
         with Terminal(console, processes, front) as terminal, Keyboard() as keyboard:
             while clock() < end and not (demonstrates and front.is_over):
                 front.wait(0.05)
-                interrupts.heed()
+                interrupts.raise_pending()
                 keys = keyboard.pressed()
                 for key in keys:
                     front.press(key)

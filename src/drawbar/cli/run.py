@@ -71,7 +71,7 @@ def _drive(
             for record in simulation.steps():
                 recorder.write(record)
                 live.show(record)
-                interrupts.heed()
+                interrupts.raise_pending()
     except (DrawbarError, KeyboardInterrupt) as error:
         return error
     return None

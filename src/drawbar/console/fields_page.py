@@ -29,7 +29,7 @@ from drawbar.geometry import Floats
 from drawbar.simulation import build_path
 
 _TOLERANCE, _POINTS = 0.005, 8000
-"""m by which what is driven may be drawn aside, as long as it takes no more points"""
+"""m by which what is driven may be drawn off its place, as long as it takes no more points"""
 _OTHERS_TOLERANCE, _OTHERS_POINTS = 0.1, 60_000
 """the same of the lines that may be chosen, all together"""
 _NEAR = 5000.0
@@ -201,7 +201,7 @@ class FieldsPage:
         length = f"{self._planned.drivable.path.length:.0f}"
         centimetres = self._words.number(100.0 * self._planned.largest, 0)
         limit = self._words.number(100.0 * self._workshop.configuration.guidance.path_tolerance, 0)
-        key = "smoothed_marked" if self._planned.aside else "smoothed"
+        key = "smoothed_marked" if self._planned.deviating else "smoothed"
         return f"{self._words(key, length=length, most=centimetres, limit=limit)} {self._distance()}".strip()
 
     def _distance(self) -> str:
@@ -278,14 +278,14 @@ def _drawn_field(field: Field | None) -> dict[str, Any]:
 
 
 def _drawn_plan(planned: PlannedPass | None) -> dict[str, Any]:
-    """Return what is drawn of the chosen pass: as it was recorded, as it will be driven, and where that is aside."""
+    """Return what is drawn of the chosen pass: as it was recorded, as it will be driven, and where these deviate."""
     if planned is None:
-        return {"chosen": [], "driven": [], "aside": []}
+        return {"chosen": [], "driven": [], "deviating": []}
     drivable = planned.drivable
     return {
         "chosen": _rounded(drivable.recorded, _TOLERANCE, _POINTS),
         "driven": _rounded(drivable.path.nodes[:, 1:3], _TOLERANCE, _POINTS),
-        "aside": [_rounded(piece, _TOLERANCE, _POINTS) for piece in planned.aside],
+        "deviating": [_rounded(piece, _TOLERANCE, _POINTS) for piece in planned.deviating],
     }
 
 

@@ -115,7 +115,7 @@ class DeskChannel:
                 del self._senders[next(iter(self._senders))]
 
     def publish(self, record: bytes) -> None:
-        """Send to all; whoever does not read is not waited for, and a sender that is gone is forgotten."""
+        """Send to all without waiting for any of them; a sender that is gone is forgotten."""
         for path in self._fixed:
             _offer(self._socket, record, path)
         for path in [path for path in self._senders if not _offer(self._socket, record, path)]:
@@ -127,7 +127,7 @@ class DeskChannel:
 
 
 def _offer(end: socket.socket, record: bytes, path: str | None) -> bool:
-    """Send without waiting; return whether there is still somebody to send to."""
+    """Send without waiting; return whether the receiver still exists."""
     try:
         if path is None:
             end.send(record)

@@ -72,9 +72,9 @@ class Desk:
         return actions
 
     def age(self, time: float) -> float:
-        """Return the time since the last word of whoever is responsible, s.
+        """Return the time since the responsible operator's last message, s.
 
-        While driving that is who engaged, before that anybody; a switch that is heard is always there.
+        While driving that is who engaged, before that any; a switch that is read is always present.
         """
         if self._engagement.steers and not self._by_switch:
             return time - self._holder_received

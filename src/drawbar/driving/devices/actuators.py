@@ -29,8 +29,8 @@ def board_wires(
     Args:
         boards: their settings.
         clock: of what they say, s.
-        listens: open sockets that hear the boards, and have nobody to send to.
-        sentences: path to hand the boards' sentences to, for receivers on them; empty: nobody hears those.
+        listens: open sockets that receive from the boards, and send nothing.
+        sentences: path to hand the boards' sentences to, for receivers on them; empty: there are none.
 
     Raises:
         HardwareError: a port is taken.

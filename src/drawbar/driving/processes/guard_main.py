@@ -59,7 +59,7 @@ class Guard:
 
 
 def main() -> int:
-    """Guard until told to end, and until nothing is steered that nobody speaks for."""
+    """Guard until told to end, but not while the gate steers or its silence is being answered."""
     options = GateOptions.model_validate_json(sys.stdin.read())
     boards = [each.destination for each in (options.tractor_board, options.trailer_board) if each is not None]
     guard, shutdown, clock = Guard(options.safety.timing), ShutdownRequest(), options.clock

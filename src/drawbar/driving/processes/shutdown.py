@@ -1,4 +1,4 @@
-"""Shutdown of a process: SIGTERM or SIGINT asks for it, or the end of whoever started it; it ends at its next look."""
+"""Shutdown of a process: requested by SIGTERM, SIGINT or the end of its starter; polled by the process's loop."""
 
 import os
 import signal

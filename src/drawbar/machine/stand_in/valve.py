@@ -1,4 +1,4 @@
-"""Stand-in valve: an ISOBUS steering valve's control unit, which judges whoever commands it."""
+"""Stand-in valve: an ISOBUS steering valve's control unit, which checks the sender of its commands."""
 
 import math
 from collections import Counter, deque
@@ -56,7 +56,7 @@ class StandInValve(Component):
         self._node, self._rate, self._reach, self._timeout = node, rate, reach, timeout
         self._cadence = Cadence(_PERIOD)
         self._master: int | None = None
-        """whoever may engage it, or steers"""
+        """the sender that may engage it, or steers"""
         self._target: float | None = None
         self.last_received = -math.inf
         """when it was commanded last, even if only not to steer, s"""

@@ -72,7 +72,7 @@ class AddressClaim:
         return self.state is ClaimState.CLAIMED
 
     def unique(self, time: float) -> bool:
-        """Return whether nobody else has lately talked from our address."""
+        """Return whether no other device has recently sent from our address."""
         return not (time - self._duplicate_time <= _DUPLICATE_HOLD)
 
     def receive_message(self, time: float, message: Message) -> None:

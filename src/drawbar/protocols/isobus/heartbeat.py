@@ -1,4 +1,4 @@
-"""Heartbeat: the counter by which others see that a device is alive, sent once somebody has asked for it (0xF0E4)."""
+"""Heartbeat: the counter by which others see that a device is alive, sent once it has been requested (0xF0E4)."""
 
 from drawbar.protocols.isobus.cadence import Cadence
 from drawbar.protocols.isobus.identifier import GLOBAL, Message

@@ -35,7 +35,7 @@ class IsobusNode:
         self._carrier: object = None
 
     def attach(self, component: Component) -> None:
-        """Let a component hear what comes."""
+        """Let a component receive what comes."""
         self._components.append(component)
 
     def receive(self, time: float, frame: CanFrame, carrier: object = None) -> None:
@@ -57,7 +57,7 @@ class IsobusNode:
         return own + [frame for component in self._components for frame in component.frames(time)]
 
     def usable(self, time: float) -> bool:
-        """Return whether a machine may be moved from this address: it is held, and by nobody else."""
+        """Return whether a machine may be moved from this address: it is ours, and only ours."""
         return self.claim.held and self.claim.unique(time)
 
     def frame(self, pgn: int, data: bytes, destination: int = GLOBAL, priority: int = 3) -> CanFrame:
