@@ -209,7 +209,7 @@ def heard(look):
     [
         (["--fault", "list"], 0, ["fixes-jump: both receivers' positions jump 1 m to the left", "bus-off: "]),
         (["--fault", "nothing@3s"], 1, ["there is no fault 'nothing'", "receivers-silent"]),
-        (["--fault", "bus-off"], 1, ["nothing that could break so"]),
+        (["--fault", "bus-off"], 1, ["needs devices.isobus, which the configuration does not have"]),
     ],
 )
 def test_which_faults_there_are_is_told(configuration, arguments, code, words):

@@ -7,10 +7,12 @@ import pytest
 from isobus_devices import isobus_devices
 
 from drawbar.config import load_configuration
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.driving.stand_in.memory_transports import MemoryBus
 from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
 from drawbar.errors import ConfigurationError
 from drawbar.geometry import LocalFrame
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.stand_in.faults import FAULTS, FaultPlan, PlannedFault, planned_fault
 from drawbar.machine.stand_in.machine import StandInMachine
 from drawbar.protocols.agopengps.steering import SteerCommand
@@ -322,7 +324,7 @@ def test_a_fault_is_named_with_its_time() -> None:
 
 def test_a_plan_waits_until_it_is_steered() -> None:
     machine = machine_of()
-    plan = FaultPlan([planned_fault("sensors-silent@1s"), planned_fault("receiver-silent")], machine)
+    plan = FaultPlan([planned_fault("sensors-silent@1s"), planned_fault("receiver-silent")], machine, board_devices())
     assert plan.look() == ["the tractor's receiver falls silent"]
     begun = {}
     for _ in range(100):
@@ -335,8 +337,23 @@ def test_a_plan_waits_until_it_is_steered() -> None:
     assert plan.look() == []
 
 
-def test_a_fault_of_a_device_that_is_not_there_is_refused() -> None:
-    with pytest.raises(ConfigurationError, match=r"--fault bus-off: .* nothing that could break so"):
-        FaultPlan([planned_fault("bus-off")], machine_of())
-    with pytest.raises(ConfigurationError, match="--fault board-silent"):
-        FaultPlan([planned_fault("board-silent")], machine_of(isobus=True))
+def without(setting: str) -> DeviceSettings:
+    """Return devices without a setting, `section` or `section.key`."""
+    section, _, key = setting.partition(".")
+    devices = board_devices()
+    rest = getattr(devices, section).model_copy(update={key: None}) if key else None
+    return devices.model_copy(update={section: rest})
+
+
+@pytest.mark.parametrize("name", [name for name, fault in FAULTS.items() if fault.needs])
+def test_a_fault_of_a_device_that_is_not_there_is_refused(name: str) -> None:
+    needs = FAULTS[name].needs
+    with pytest.raises(ConfigurationError, match=rf"--fault {name} \(.*\) needs devices\.{needs}, which"):
+        FaultPlan([planned_fault(name)], machine_of(), without(needs))
+    FaultPlan([planned_fault(name)], machine_of(), isobus_devices() if needs == "isobus" else board_devices())
+
+
+def board_devices() -> DeviceSettings:
+    devices = with_stand_ins(load_configuration("articulated")).devices
+    assert devices is not None
+    return devices

@@ -170,12 +170,13 @@ def serve(
     """
     configuration = load_configuration(options.configuration)
     path, _ = build_path(configuration)
-    clock, isobus = options.clock.from_now(), configuration.devices.isobus if configuration.devices else None
+    devices, clock = configuration.devices, options.clock.from_now()
+    assert devices is not None
     with ExitStack() as opened:
-        bus = opened.enter_context(closing(open_can(isobus.bus, clock))) if isobus else None
+        bus = opened.enter_context(closing(open_can(devices.isobus.bus, clock))) if devices.isobus else None
         machine = stand_in_machine(configuration, path, local_frame(configuration), SEED, bus, firmware)
         machine.driver.wait = Driver.WAIT if options.stand_ins else Driver.WAIT_UNTOLD
-        plan = FaultPlan(faults, machine)
+        plan = FaultPlan(faults, machine, devices)
         try:
             endpoint = opened.enter_context(closing(_driver_endpoint(options, configuration)))
             stand_ins = opened.enter_context(closing(StandIns(configuration, machine, options.pace)))

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from drawbar.errors import ConfigurationError
+from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.stand_in.breaking import (
     freeze,
     hold_hitch,
@@ -72,18 +73,6 @@ def _cut(machine: StandInMachine) -> None:
     machine.can.cut()
 
 
-def _any(machine: StandInMachine) -> bool:
-    return True
-
-
-def _front_board(machine: StandInMachine) -> bool:
-    return "tractor" in machine.boards
-
-
-def _joint_board(machine: StandInMachine) -> bool:
-    return "trailer" in machine.boards
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceFault:
     """One that can be put into a stand-in machine."""
@@ -91,7 +80,8 @@ class DeviceFault:
     text: str
     """what happens"""
     begin: Callable[[StandInMachine], None]
-    possible: Callable[[StandInMachine], bool] = _any
+    needs: str = ""
+    """setting of the devices without which nothing could break so"""
 
 
 FAULTS = {
@@ -114,6 +104,7 @@ FAULTS = {
     "receivers-swapped": DeviceFault(
         text="each receiver reports what the other should",
         begin=swap_receivers,
+        needs="trailer_receiver",
     ),
     "epochs-lost": DeviceFault(
         text="a fifth of both receivers' epochs are lost",
@@ -166,37 +157,42 @@ FAULTS = {
     "sensors-silent": DeviceFault(
         text="the sensor board falls silent",
         begin=lambda machine: machine.silent.add(SENSORS),
+        needs="sensors",
     ),
     "hitch-stuck": DeviceFault(
         text="the hitch sensor reports the same angle",
         begin=hold_hitch,
+        needs="sensors.hitch_counts",
     ),
     "hitch-reversed": DeviceFault(
         text="the hitch sensor has the wrong sign",
         begin=_hitch(lambda right: 4096 - right),
+        needs="sensors.hitch_counts",
     ),
     "hitch-broken": DeviceFault(
         text="the hitch sensor reports the end of its range",
         begin=_hitch(lambda right: 0),
+        needs="sensors.hitch_counts",
     ),
     "wheel-speed-zero": DeviceFault(
         text="the wheels' encoder does not count",
         begin=lambda machine: scale_wheel_speed(machine, 0),
+        needs="sensors.pulses_per_metre",
     ),
     "board-silent": DeviceFault(
         text="the front wheels' board says nothing, and steers on",
         begin=lambda machine: machine.silent.add("tractor board"),
-        possible=_front_board,
+        needs="tractor_board",
     ),
     "board-restarts": DeviceFault(
         text="the joint's board loses its power for half a second",
         begin=lambda machine: machine.boards["trailer"][0].restart(machine.time, outage=0.5),
-        possible=_joint_board,
+        needs="trailer_board",
     ),
     "operator-steers": DeviceFault(
         text="the operator turns the steering wheel",
         begin=lambda machine: machine.boards["tractor"][0].override(),
-        possible=_front_board,
+        needs="tractor_board",
     ),
     "wheels-stuck": DeviceFault(
         text="the front wheels stay where they are",
@@ -217,22 +213,22 @@ FAULTS = {
     "angle-stuck": DeviceFault(
         text="the front wheels' board measures the same angle",
         begin=lambda machine: measure_the_same(machine, "tractor"),
-        possible=_front_board,
+        needs="tractor_board",
     ),
     "angle-off": DeviceFault(
         text="the front wheels' board measures 5° too far to the left",
         begin=lambda machine: measure_otherwise(machine, "tractor", lambda true: true + math.radians(5.0)),
-        possible=_front_board,
+        needs="tractor_board",
     ),
     "angle-reversed": DeviceFault(
         text="the front wheels' board measures with the wrong sign",
         begin=lambda machine: measure_otherwise(machine, "tractor", lambda true: -true),
-        possible=_front_board,
+        needs="tractor_board",
     ),
     "joint-angle-stuck": DeviceFault(
         text="the joint's board measures the same angle",
         begin=lambda machine: measure_the_same(machine, "trailer"),
-        possible=_joint_board,
+        needs="trailer_board",
     ),
     "driver-stays": DeviceFault(
         text="the driver does not stop when told to",
@@ -241,7 +237,7 @@ FAULTS = {
     "bus-off": DeviceFault(
         text="the ISOBUS is cut",
         begin=_cut,
-        possible=lambda machine: machine.can is not None,
+        needs="isobus",
     ),
 }
 
@@ -273,20 +269,27 @@ def planned_fault(text: str) -> PlannedFault:
     return PlannedFault(name=name, after=after)
 
 
+def _has(devices: DeviceSettings, setting: str) -> bool:
+    section, _, key = setting.partition(".")
+    found = getattr(devices, section)
+    return bool(getattr(found, key) if key and found else found)
+
+
 class FaultPlan:
     """Puts faults into a machine when they are due."""
 
-    def __init__(self, faults: Sequence[PlannedFault], machine: StandInMachine) -> None:
-        """Take the faults.
+    def __init__(self, faults: Sequence[PlannedFault], machine: StandInMachine, devices: DeviceSettings) -> None:
+        """Take the faults, the machine and the devices that it has.
 
         Raises:
             ConfigurationError: the machine does not have the device that one is a fault of.
         """
         for fault in faults:
-            if not FAULTS[fault.name].possible(machine):
+            needs = FAULTS[fault.name].needs
+            if needs and not _has(devices, needs):
                 raise ConfigurationError(
-                    f"--fault {fault.name}: the configuration's devices have nothing that could break so "
-                    f"({FAULTS[fault.name].text})"
+                    f"--fault {fault.name} ({FAULTS[fault.name].text}) needs devices.{needs}, which the configuration "
+                    "does not have; add it, or choose another fault"
                 )
         self._machine, self._coming = machine, list(faults)
         self._steered = math.inf
