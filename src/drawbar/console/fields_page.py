@@ -105,7 +105,7 @@ class FieldsPage:
                 self._width = self._figure("working_width", 3.0, "m", "%.2f")
                 self._offset = self._figure("offset", 0, "cm", "%.0f")
             ui.label(words("pass_help")).classes("note")
-            self._told = ui.label().classes("note")
+            self._summary = ui.label().classes("note")
             self._flaw = ui.label().classes("flaw").props("role=alert")
             self._take = ui.button(words("take_line"), on_click=self._take_line, color=None)
             self._take.props("no-caps unelevated").classes("action main")
@@ -157,7 +157,7 @@ class FieldsPage:
         """Plan in a thread, which must not hold up the pictures of those who drive, until nothing newer is wanted."""
         try:
             while True:
-                self._told.set_text(self._words("planning"))
+                self._summary.set_text(self._words("planning"))
                 if self._loads:
                     await self._load_field()
                 wanted, planned, drawn, flaw = self._wanted, None, _drawn_plan(None), ""
@@ -173,7 +173,7 @@ class FieldsPage:
             self._plans = False
         self._planned = planned
         self._flaw.set_text(flaw)
-        self._told.set_text(self._said())
+        self._summary.set_text(self._said())
         self._take.set_enabled(self._may_take())
         self._map.show_plan(drawn)
 

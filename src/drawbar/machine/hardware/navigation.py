@@ -33,7 +33,7 @@ class Navigation:
         self._sensors = sensors
         self._receivers = dict(zip(Body, receivers, strict=False))
         self._pairing, self._frame, self._sequence = Pairing(), frame, 0
-        self._spoke, self._told = math.inf, -math.inf
+        self._last_epochs, self._published = math.inf, -math.inf
         """when the receivers last reported, and the time of the sensor board's last report that became a record, s"""
 
     @property
@@ -44,7 +44,7 @@ class Navigation:
     @property
     def _alone_due(self) -> float:
         """When the sensor board's newest report becomes a record of its own, infinite: it is in one already, s."""
-        return self._spoke + _SILENT if self._reported - self._told >= _APART else math.inf
+        return self._last_epochs + _SILENT if self._reported - self._published >= _APART else math.inf
 
     def poll(self, time: float) -> list[Fixes]:
         """Read what has come until this monotonic time (s), and return what is complete."""
@@ -56,7 +56,7 @@ class Navigation:
                 pairs += [self._alone(epoch)] if len(self._receivers) == 1 else self._pairing.add(body, epoch, time)
         pairs += self._pairing.poll(time)
         if pairs:
-            self._spoke = time
+            self._last_epochs = time
         elif time >= self._alone_due:
             pairs = [Pair(tractor=None, trailer=None)]
         return [self._fixes(pair, time) for pair in pairs]
@@ -71,7 +71,7 @@ class Navigation:
         return Pair(tractor=epoch, trailer=None)
 
     def _fixes(self, pair: Pair, time: float) -> Fixes:
-        self._sequence, self._told = (self._sequence + 1) % 2**32, self._reported
+        self._sequence, self._published = (self._sequence + 1) % 2**32, self._reported
         epochs = [epoch for epoch in (pair.tractor, pair.trailer) if epoch is not None]
         values: dict[str, Any] = self._body("tractor", pair.tractor) | self._body("trailer", pair.trailer)
         return Fixes(
