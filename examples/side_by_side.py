@@ -133,7 +133,7 @@ def with_acados() -> Step:
     model.disc_dyn_expr = ca.vertcat(NEXT(x[:2], u), u)
     model.cost_y_expr, model.cost_y_expr_e = ca.vertcat(x[:2], u, u - x[2]), x[:2]
     model.con_h_expr_0 = model.con_h_expr = u - x[2]
-    ocp.model, ocp.solver_options.N_horizon, ocp.solver_options.tf = model, HORIZON, HORIZON * SAMPLE_TIME
+    ocp.model, ocp.dims.N, ocp.solver_options.tf = model, HORIZON, HORIZON * SAMPLE_TIME
     ocp.cost.cost_type, ocp.cost.cost_type_e = "NONLINEAR_LS", "NONLINEAR_LS"
     ocp.cost.W, ocp.cost.W_e = np.diag([1.0, 1.0, 0.1, 0.5]), np.diag([5.0, 5.0])
     ocp.cost.yref, ocp.cost.yref_e = np.zeros(4), np.zeros(2)

@@ -115,3 +115,11 @@ def test_a_drive_that_was_never_steered_has_no_tables_of_dashes(never_steered):
     assert "error, cm" not in text
     assert "yaw error" not in text
     assert not [row for row in text.splitlines() if set(row.split()[1:]) == {"–"}]
+
+
+def test_parts_of_the_path_that_were_not_reached_are_left_out(run):
+    reached = dataclasses.replace(run, records=run.records[: len(run.records) // 50])
+    rows = [row.split()[0] for row in printed(summary(metrics_of(reached))).splitlines() if row]
+    assert "straight" in rows
+    assert "curve" not in rows
+    assert "curve" in [row.split()[0] for row in printed(summary(metrics_of(run))).splitlines() if row]

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -42,7 +43,15 @@ class WholeRun:
     """the same with a log, each step of which reaches the operating system"""
 
 
-def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_peers: bool) -> list[list[Probe]]:
+def probed_runs(
+    name: str,
+    horizons: Sequence[int],
+    steps: int,
+    *,
+    with_peers: bool,
+    changes: Sequence[str] = (),
+    make: Callable[..., Probe] = Probe,
+) -> list[list[Probe]]:
     """Drive a shipped configuration at several horizons in lockstep; return the probes of the solvers of each.
 
     In lockstep the machine's moods fall on all horizons alike, and their ratios mean something.
@@ -53,9 +62,12 @@ def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_peers: b
             same to do.
         steps: samples to measure, from when the longest window is full.
         with_peers: also give some of the stage problems to HPIPM, DAQP and PIQP.
+        changes: KEY=VALUE, to the configuration.
+        make: a probe.
     """
-    simulations = [Simulation(_stretched(name, stages)) for stages in horizons]
-    probes = [_probes(name, simulation.autopilot, with_peers=with_peers) for simulation in simulations]
+    simulations = [Simulation(_stretched(name, stages, changes)) for stages in horizons]
+    make = partial(make, with_peers=with_peers)
+    probes = [_probes(name, simulation.autopilot, make) for simulation in simulations]
     with ExitStack() as stack:
         runs = [stack.enter_context(simulation).steps() for simulation in simulations]
         for _ in range(steps + max(horizons) + 1):  # the first ones only fill the window
@@ -64,25 +76,23 @@ def probed_runs(name: str, horizons: Sequence[int], steps: int, *, with_peers: b
     return probes
 
 
-def _stretched(name: str, stages: int) -> Configuration:
+def _stretched(name: str, stages: int, changes: Sequence[str]) -> Configuration:
     """Return a configuration with so many stages in HORIZON."""
     sample_time = HORIZON / stages
     lengths = [f"controller.horizon={stages}", f"estimator.window={stages}"]
-    return load_configuration(name, [*lengths, f"sample_time={sample_time}", f"machine.step={sample_time / 20}"])
+    times = [f"sample_time={sample_time}", f"machine.step={sample_time / 20}"]
+    return load_configuration(name, [*lengths, *times, *changes])
 
 
-def _probes(name: str, autopilot: Autopilot, *, with_peers: bool) -> list[Probe]:
+def _probes(name: str, autopilot: Autopilot, make: Callable[..., Probe]) -> list[Probe]:
     """Watch what a configuration has to measure.
 
     Beside a centralised controller that is its solver alone: the estimator is the decentralised configuration's.
     """
     library, components = autopilot.library, autopilot.library.components
     if "controller" in components:
-        return [Probe(name, library, components["controller"], with_peers=with_peers)]
-    return [
-        Probe(f"{name}-{body}", library, components[body], with_peers=with_peers)
-        for body in ("tractor", "trailer", "estimator")
-    ]
+        return [make(name, library, components["controller"])]
+    return [make(f"{name}-{body}", library, components[body]) for body in ("tractor", "trailer", "estimator")]
 
 
 def whole_run(name: str) -> WholeRun:

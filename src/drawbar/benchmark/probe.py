@@ -16,7 +16,7 @@ from drawbar.optimal.transcription import transcribe
 from drawbar.signals import SolverStatus
 from drawbar.step.library import StepLibrary
 
-_REPEATS = 5
+REPEATS = 5
 """Runs per measurement in C; the shortest counts."""
 _FREE_RACE_EVERY = 10
 """Steps between problems without active bounds that peers are given; of those with bounds active they are given all."""
@@ -50,10 +50,10 @@ class Probe:
         memory = self.solver.workspace.memory
         self._live = component.live.memory[: memory.size]
         alone = build(transcription.name, self.solver.source + transcription.introspection())
-        self._watch = Stopwatch(alone, memory, repeats=_REPEATS)
+        self._watch = Stopwatch(alone, memory, repeats=REPEATS)
         floor = build_floor(transcription)
         self._floor_data = Workspace(floor)
-        self._floor_watch = Stopwatch(floor, self._floor_data.memory, repeats=_REPEATS)
+        self._floor_watch = Stopwatch(floor, self._floor_data.memory, repeats=REPEATS)
         self.race = Race(free_initial=transcription.free_initial) if with_peers else None
         """the peers on this solver's stage problems"""
         self._solve = self.solver.workspace.function("feedback")
@@ -79,7 +79,12 @@ class Probe:
         self._time_floor()
         self.feedback.append(self._watch.time("feedback"))
         self.prepare.append(0.0)
-        if self.race and len(self.feedback) > self.stages + 1:
+        if len(self.feedback) > self.stages + 1:
+            self._compare()
+
+    def _compare(self) -> None:
+        """Compare the feedback that is about to begin, once the estimator's window is full."""
+        if self.race:
             self._race(self.race)
 
     def _race(self, race: Race) -> None:

@@ -68,6 +68,28 @@ def race_growth_table(rows: Rows) -> RenderableType:
     return _table(title, "problem", _horizon_columns(horizons), shown)
 
 
+def acados_table(rows: Rows, stages: int) -> RenderableType:
+    """Return drawbar's iterations beside those of acados on the same problems, by acados' quadratic solver."""
+    shown, own = [], dict[str, float]()
+    for row in rows:
+        times = row["total_us"]
+        if row["solver"] == "drawbar":
+            own = times
+        ratios = [f"{times[of] / own[of]:.1f}" for of in ("median", "mean", "p99")]
+        rest = (
+            ["", ""] if row["solver"] == "drawbar" else [f"{row['largest_difference']:.0e}", f"{row['unsolved']:.0%}"]
+        )
+        shown.append((_named(row), [*_three(times), *ratios, *rest]))
+    columns = (
+        *(f"total\n{of}" for of in _THREE),
+        *(f"ratio\n{of}" for of in _THREE),
+        "largest\ndifference",
+        "given\nup",
+    )
+    title = f"one iteration, preparation and feedback, N = {stages}, µs; ratio: times drawbar's"
+    return _table(title, "problem", columns, shown)
+
+
 _THREE = ("median", "mean", "99 %")
 
 

@@ -14,7 +14,6 @@ from drawbar.report.tables import (
     body_rows,
     error_name,
     error_rows,
-    is_known,
     number,
     origin,
     time_rows,
@@ -55,6 +54,6 @@ def summary(metrics: Metrics) -> RenderableType:
         ("solver, µs", [(name, "") for name in TIME_COLUMNS], time_rows(metrics)),
     ]
     for title, columns, rows in tables:
-        if is_known(rows):
+        if rows:
             told += ["", _table(title, columns, rows)]
     return Group(*told)

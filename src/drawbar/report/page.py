@@ -24,7 +24,6 @@ from drawbar.report.tables import (
     body_rows,
     error_name,
     error_rows,
-    is_known,
     key_figures,
     origin,
     time_rows,
@@ -58,8 +57,8 @@ def _error_tables(metrics: Metrics) -> Iterator[str]:
 
 
 def _tables(metrics: Metrics) -> str:
-    of_bodies = [*_error_tables(metrics)] if is_known(error_rows(metrics)) else []
-    if is_known(rows := body_rows(metrics)):
+    of_bodies = [*_error_tables(metrics)] if error_rows(metrics) else []
+    if rows := body_rows(metrics):
         of_bodies.append(_table(_body_heads(1), "", rows))
     of_solvers = _table("", _row("th", "Solver, µs", list(TIME_COLUMNS)), time_rows(metrics))
     return "".join(f"<div>{''.join(column)}</div>" for column in (of_bodies, [of_solvers]) if column)

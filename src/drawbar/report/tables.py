@@ -19,9 +19,9 @@ def number(value: float, digits: int = 1, unit: str = "") -> str:
     return _UNKNOWN if math.isnan(value) else f"{value:z.{digits}f}{unit}"
 
 
-def is_known(rows: list[Row]) -> bool:
-    """Return whether any figure of a table is known; none is of a drive that was never steered."""
-    return any(cell != _UNKNOWN for _, cells in rows for cell in cells)
+def _known(rows: list[Row]) -> list[Row]:
+    """Return the rows with a known figure: those of parts of the path that were driven, and of what was measured."""
+    return [row for row in rows if any(cell != _UNKNOWN for cell in row[1])]
 
 
 def class_title(label: str) -> str:
@@ -40,9 +40,9 @@ def error_name(metrics: Metrics) -> str:
 
 
 def error_rows(metrics: Metrics) -> list[Row]:
-    """Return per class of the path the ERROR_COLUMNS of the tractor, then of the trailer, cm."""
+    """Return per class of the path that was driven the ERROR_COLUMNS of the tractor, then of the trailer, cm."""
     error = metrics.error_m
-    return [
+    rows = [
         (
             class_title(label),
             [
@@ -53,6 +53,7 @@ def error_rows(metrics: Metrics) -> list[Row]:
         )
         for label in error.tractor
     ]
+    return _known(rows)
 
 
 def time_rows(metrics: Metrics) -> list[Row]:
@@ -63,7 +64,7 @@ def time_rows(metrics: Metrics) -> list[Row]:
         "tractor": times.tractor,
         "trailer": times.trailer,
     }
-    return [
+    rows = [
         (
             f"{solver}, {phase}",
             [number(1e6 * getattr(getattr(phases, phase), name), 1) for name in TIME_COLUMNS],
@@ -71,6 +72,7 @@ def time_rows(metrics: Metrics) -> list[Row]:
         for solver, phases in solvers.items()
         for phase in ("prepare", "feedback")
     ]
+    return rows if _known(rows) else []
 
 
 def body_rows(metrics: Metrics) -> list[Row]:
@@ -84,10 +86,11 @@ def body_rows(metrics: Metrics) -> list[Row]:
         ("steering at its limit", metrics.at_limit_share, 100.0, 1, " %"),
         ("least tube margin", metrics.tube_margin_min, 100.0, 0, " %"),
     )
-    return [
+    rows = [
         (title, [number(scale * value, digits, unit) for value in (figure.tractor, figure.trailer)])
         for title, figure, scale, digits, unit in figures
     ]
+    return _known(rows)
 
 
 def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
