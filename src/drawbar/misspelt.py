@@ -1,4 +1,4 @@
-"""Misspelt names: for a name that nobody knows, the known ones that may be meant."""
+"""Misspelt names: for an unknown name, the known ones that may be meant."""
 
 from collections.abc import Iterable
 

@@ -31,7 +31,7 @@ from drawbar.signals import Estimate, Measurement, Pose, Status, StepRecord
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.build import build_autopilot, build_tubes
 from drawbar.step.reasons import reason, refusal
-from drawbar.termination import heeded_termination
+from drawbar.termination import termination_as_exit
 
 if TYPE_CHECKING:
     from drawbar.guidance.smoothing import DrivablePath
@@ -73,7 +73,7 @@ def drive(
     if not (isinstance(time_limit, Real) and time_limit > 0.0):
         raise DrawbarError(f"time_limit = {time_limit!r} is not allowed; give a positive number of seconds.")
     begin, before = math.nan, Status.OK
-    with heeded_termination(), machine:
+    with termination_as_exit(), machine:
         while True:
             measurement = _measured(machine)
             if math.isnan(begin):

@@ -8,7 +8,7 @@ from types import FrameType
 
 
 @contextmanager
-def heeded_termination() -> Iterator[None]:
+def termination_as_exit() -> Iterator[None]:
     """Let SIGTERM raise SystemExit within the context, unless the program has a handler of its own.
 
     Signals are the main thread's: in another one nothing changes.

@@ -142,7 +142,7 @@ def look_at_the_other_pages(drive, page):
     points = "<coordinates>4.7,50.87 4.7005,50.87 4.7007,50.8701 4.701,50.8701</coordinates>"
     kml = f"<kml><Placemark><name>bent</name><LineString>{points}</LineString></Placemark></kml>"
     page.locator("input[type=file]").set_input_files({"name": "b.kml", "mimeType": "text/xml", "buffer": kml.encode()})
-    page.locator(".field-map .aside").first.wait_for(state="attached")
+    page.locator(".field-map .deviating").first.wait_for(state="attached")
     page.get_by_text("Smoothed by at most").first.wait_for()
     page.goto(f"{drive}setup")
     see(page, "Set-up")

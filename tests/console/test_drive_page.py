@@ -230,21 +230,21 @@ async def test_nudge_and_speed_reach_the_gate(stage, browser):
 async def test_the_next_line_is_chosen_while_nothing_is_steered_as_the_driver_sees_it(stage, browser):
     one = await browser().open()
     stage.causes = {Cause.OFF_LINE}
-    stage.hear_controller(line_offset=0.0)
+    stage.receive_controller(line_offset=0.0)
     stage.run(0.8, one)
     one.press("pass_left")
-    stage.hear_controller(line_offset=3.0)
+    stage.receive_controller(line_offset=3.0)
     stage.run(0.3, one)
     assert stage.desk.line == 1
     assert "You have control" in one.text()
-    stage.hear_controller(line_offset=3.0, against=1)
+    stage.receive_controller(line_offset=3.0, against=1)
     for _ in range(2):
         one.press("pass_left")
         stage.run(0.3, one)
     assert stage.desk.line == -1
     stage.run(1.2, one)
     assert "-1 ✖ not drivable" in one.text()
-    stage.hear_controller(line_offset=-3.0, against=1)
+    stage.receive_controller(line_offset=-3.0, against=1)
     stage.run(0.3, one)
     assert "not drivable" not in one.text()
     one.press("nudge_left")

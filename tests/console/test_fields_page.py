@@ -44,7 +44,7 @@ def plans(monkeypatch):
 def drive(stage, one, places):
     for x, y in places:
         stage.run(0.1)
-        stage.hear_fixes(float(x), float(y), course=0.0)
+        stage.receive_fixes(float(x), float(y), course=0.0)
         one.refresh()
 
 
@@ -88,10 +88,10 @@ async def test_a_line_is_chosen_on_the_map_and_its_pass_is_planned_and_drawn(sta
     assert control(one, "Line").value == "bent"
     assert "Smoothed by at most" in one.text()
     assert "more than 2 cm where it is red" in one.text()
-    assert scene(one)["aside"]
+    assert scene(one)["deviating"]
     one.user.find(FieldMap).trigger("choose", "AB")
     await planned(one)
-    assert scene(one)["aside"] == []
+    assert scene(one)["deviating"] == []
     await chosen(one, "Pass", 2)
     await chosen(one, "Offset to the left", -50)
     driven = np.array(scene(one)["driven"])[:, 0] - scene(one)["lines"][0]["points"][0][0]
@@ -175,7 +175,7 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
 async def test_a_line_that_is_far_away_is_said_to_be(stage, browser):
     far = np.add(FIELD.lines[0].points, (4.5, 0.0))
     stage.workshop.fields.add(Field(name="far", lines=(FieldLine(name="far", points=far),)))
-    stage.hear_fixes(0.0, 0.0)
+    stage.receive_fixes(0.0, 0.0)
     one = await browser().open("/fields")
     await planned(one)
     found = re.search(r"The tractor is (\d+) km away from it", one.text())
@@ -232,7 +232,7 @@ async def test_positions_that_are_not_fixed_make_no_line(stage, browser):
     one.press("● Record a curve")
     for x in range(20):
         stage.run(0.1)
-        stage.hear_fixes(float(x), 0.0, quality=4)
+        stage.receive_fixes(float(x), 0.0, quality=4)
     one.press("■ End and save")
     assert "0.0 m long" in one.told()
     assert stage.link.surveyor.track is not None

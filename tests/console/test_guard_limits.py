@@ -11,7 +11,7 @@ from console_stage import HOST
 from waiting import FakeClock
 
 from drawbar.console.guard import BURST, LARGEST, PAGE_BURST, PAGE_RATE, PAUSE, SOCKETS, Guard
-from drawbar.console.visitors import COOKIE, Rank, Visitors
+from drawbar.console.visitors import COOKIE, MOST, Rank, Visitors
 
 
 class Line:
@@ -80,6 +80,27 @@ def test_a_socket_is_its_pages_owners_only(guarded):
         Line(one, "page", origin="http://attacker.example"),
     ):
         assert served(guard, line) == ["websocket.close"]
+
+
+def test_whoever_speaks_on_a_socket_stays_known(guarded):
+    guard, inner, _, _ = guarded
+    visitors = guard._visitors = Visitors()
+    speaker = visitors.admit("", Rank.MAINTAINER, 0.0)
+    guard._owns = lambda page, visitor: True
+
+    async def receive_while_others_come():
+        inner.waits = asyncio.Event()
+        line = Line(speaker, "page", messages=[{"type": "websocket.receive", "text": "x"}] * 3)
+        speaks = asyncio.create_task(guard(line.scope, line.receive, line.send))
+        await asyncio.sleep(0)
+        for _ in range(MOST - 1):
+            visitors.admit("", Rank.MAINTAINER, 0.0)
+        inner.waits.set()
+        await speaks
+        visitors.admit("", Rank.MAINTAINER, 0.0)
+
+    asyncio.run(receive_while_others_come())
+    assert speaker.is_known
 
 
 def test_a_flood_and_what_is_too_large_end_their_socket(guarded):

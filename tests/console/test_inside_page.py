@@ -89,8 +89,8 @@ def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(run_log, mo
 
         def step(record):
             stage.run(0.2)
-            stage.hear_controller(lateral_deviation=0.02)
-            stage.link.hear(pack(PackedStep(time=1, data=packed(record))))
+            stage.receive_controller(lateral_deviation=0.02)
+            stage.link.receive(pack(PackedStep(time=1, data=packed(record))))
             one.refresh()
 
         one.refresh()
@@ -114,7 +114,7 @@ def test_chosen_signals_are_drawn_as_steps_come_and_not_while_paused(run_log, mo
         )
         one.page._names.set_value(["measurement.tractor_x"])
         assert plot.values("East · tractor · measured (m)") == [pytest.approx(records[9].measurement.tractor_x, 1e-5)]
-        stage.link.hear(pack(EstimateDeviations({"tractor_slip": 0.25})))
+        stage.link.receive(pack(EstimateDeviations({"tractor_slip": 0.25})))
         one.page._preset.set_value("plot_slips")
         step(records[10])
         value = records[10].estimate.tractor_slip

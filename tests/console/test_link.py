@@ -18,6 +18,7 @@ from console_stage import Stage
 from drawbar.config import load_configuration
 from drawbar.console.drawing import Lines, moving, standing, tube_widths
 from drawbar.console.thinning import kept_points
+from drawbar.console.visitors import MOST, Rank, Visitors
 from drawbar.driving.messaging.datagrams import PackedStep, pack
 from drawbar.driving.messaging.process_options import CONSOLE
 from drawbar.guidance.figure_eight import figure_eights
@@ -44,7 +45,7 @@ def test_a_step_is_drawn_where_its_record_says(record):
     step, _configuration = record
     data = packed(step)
     stage = Stage()
-    stage.link.hear(pack(PackedStep(time=1, data=data)))
+    stage.link.receive(pack(PackedStep(time=1, data=data)))
     place = stage.link.moving
     assert place.tractor == (step.estimate.tractor.x, step.estimate.tractor.y, step.estimate.tractor.yaw)
     assert place.plans[0][-1] == pytest.approx(step.plan.tractor.poses[-1, :2], abs=1e-3)
@@ -57,7 +58,7 @@ def test_a_vehicle_that_stands_leaves_no_trail(record):
     step, _configuration = record
     data, stage = packed(step), Stage()
     for _ in range(50):
-        stage.link.hear(pack(PackedStep(time=1, data=data)))
+        stage.link.receive(pack(PackedStep(time=1, data=data)))
     assert len(stage.link.trail) == 1
 
 
@@ -76,10 +77,20 @@ def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
     assert Lines(path, 0.0)(0.0)["path"][-1] == pytest.approx(path.nodes[-1, 1:3], abs=1e-3)
 
 
+def test_sessions_of_browsers_that_never_come_again_are_forgotten():
+    link, visitors = Stage().link, Visitors()
+    steady = visitors.admit("", Rank.MAINTAINER, 0.0)
+    session = link.session(steady)
+    for _ in range(3 * MOST):
+        link.session(visitors.admit("", Rank.MAINTAINER, 0.0))
+        assert link.session(steady) is session
+    assert len(link._sessions) == MOST
+
+
 def test_garbage_is_no_message():
     stage = Stage()
     for data in (b"", b"DB", bytes(300), b"DBs\0" + bytes(8) + b"{", b"DBs\0" + bytes(8) + b"{}"):
-        stage.link.hear(data)
+        stage.link.receive(data)
     assert stage.link.gate is None
     assert stage.link.refused == 2
 

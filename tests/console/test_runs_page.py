@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 from dataclasses import asdict
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -17,6 +18,7 @@ from console_stage import Stage, console
 
 from drawbar.console.run_comparison import FIGURES, value_of
 from drawbar.console.run_events import run_events
+from drawbar.console.runs_page import list_runs
 from drawbar.console.visitors import Rank
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
@@ -150,6 +152,22 @@ def test_a_run_that_somebody_else_deletes_is_told_and_goes_from_the_list(runs):
     assert "second" not in on_page(runs, test)
 
 
+def test_a_run_that_is_deleted_while_runs_are_listed_is_left_out(tmp_path, monkeypatch):
+    is_file = Path.is_file
+
+    def deleted_then(path):
+        found = is_file(path)
+        if path.parent.name == "gone":
+            shutil.rmtree(path.parent, ignore_errors=True)
+        return found
+
+    for name in ("gone", "stays"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "config.toml").touch()
+    monkeypatch.setattr(Path, "is_file", deleted_then)
+    assert [run.name for run in list_runs(tmp_path)] == ["stays"]
+
+
 def test_a_run_is_deleted_after_asking_and_the_one_that_is_on_never(runs):
     async def test(one):
         names = [each.text for each in one.user.client.elements.values() if getattr(each, "text", "") == "Delete"]
@@ -190,8 +208,8 @@ def drive_log(tmp_path):
     """Return the log of a drive by the gate's real desk: refused to engage, stopped, acknowledged."""
     stage, file = Stage(), tmp_path / "log.mcap"
     states, asked = [], []
-    hear = stage.link.hear
-    stage.link.hear = lambda data: (hear(data), states.append(stage.link.gate))
+    receive = stage.link.receive
+    stage.link.receive = lambda data: (receive(data), states.append(stage.link.gate))
     stage.run(4.0)
     for action in (Action.ENGAGE, Action.EMERGENCY, Action.ACKNOWLEDGE):
         stage.standing = True

@@ -197,8 +197,8 @@ async def test_devices_are_shown_with_rate_and_age(stage, browser):
     for step in range(40):
         stage.run(0.1)
         if step < 35:
-            stage.hear_fixes(0.0, 0.0)
-        stage.hear_controller()
+            stage.receive_fixes(0.0, 0.0)
+        stage.receive_controller()
         one.refresh()
     states = {state.name: state for state in stage.link.devices.states(stage.now)}
     assert states["tractor_receiver"].rate == pytest.approx(10.0, rel=0.05)
@@ -251,7 +251,7 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     assert not one.enabled("■ End and evaluate")
     one.press("● Begin")
     for step in straight_steps(record):
-        stage.link.hand_log.hear(step, engaged=False)
+        stage.link.hand_log.receive_step(step, engaged=False)
         stage.link.steps.append(ShownStep(step, None))
         stage.link.version += 1
     stage.run(1.0)
@@ -272,7 +272,7 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     log = stage.link.hand_log
     log.begin()
     for _ in range(20):
-        log.hear(step, engaged=True)  # drawbar steers: that is no drive by hand
+        log.receive_step(step, engaged=True)  # drawbar steers: that is no drive by hand
     assert log.drive() is None
     log.receive_gate(stage.link.gate)
     assert log.steered == []

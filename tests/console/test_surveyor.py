@@ -19,10 +19,10 @@ EAST, NORTH = 0.0, math.pi / 2.0
 def heard(stage, surveyor, yaw=math.nan, **fixes):
     stage.link.surveyor = surveyor
     stage.link.moving = None
-    surveyor_hear, told = surveyor.hear, []
-    surveyor.hear = lambda message, _: (told.append(message), surveyor_hear(message, yaw))
-    stage.hear_fixes(10.0, 20.0, **fixes)
-    surveyor.hear = surveyor_hear
+    receive_fixes, told = surveyor.receive_fixes, []
+    surveyor.receive_fixes = lambda message, _: (told.append(message), receive_fixes(message, yaw))
+    stage.receive_fixes(10.0, 20.0, **fixes)
+    surveyor.receive_fixes = receive_fixes
     return surveyor.place
 
 

@@ -27,7 +27,7 @@ def stage():
 
 
 def drawn(stage, words=EN, **numbers):
-    stage.hear_controller(**numbers)
+    stage.receive_controller(**numbers)
     return picture(stage.link.gate, stage.link.controller, None, words, stale=False)
 
 
@@ -54,8 +54,8 @@ def test_the_worse_receiver_is_shown(stage):
 
 @pytest.mark.parametrize(("heard", "name"), [((21, 17), "17 sat."), ((21, 0), "21 sat."), ((0, 0), "Position")])
 def test_the_fewest_satellites_are_shown_where_they_are_known(stage, heard, name):
-    stage.hear_fixes(0.0, 0.0, satellites=heard)
-    stage.hear_controller()
+    stage.receive_fixes(0.0, 0.0, satellites=heard)
+    stage.receive_controller()
     shown = picture(stage.link.gate, stage.link.controller, None, EN, stale=False, satellites=stage.link.satellites)
     assert shown["chips"][1]["name"].endswith(name)
     stage.now += 2 * 10**9
@@ -90,7 +90,7 @@ def test_the_driver_is_told_to_brake_until_the_vehicle_stands(stage):
 @pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])
 @pytest.mark.parametrize("state", [SupervisorState.READY, SupervisorState.ACTIVE, SupervisorState.STOPPED])
 def test_what_the_controller_tells_of_sensors_is_said_with_what_to_do(stage, words, state):
-    stage.hear_controller()
+    stage.receive_controller()
     gate = replace(stage.link.gate, state=state, refusals=(0,) * 8)
     told = (Cause.YAW_REJECTED.value, Cause.RECEIVER_SILENT.value, *[0] * 6)
     shown = board(
@@ -104,7 +104,7 @@ def test_what_the_controller_tells_of_sensors_is_said_with_what_to_do(stage, wor
 @pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])
 def test_how_the_controllers_run_has_ended_is_said(stage, words):
     stopped = replace(stage.link.gate, state=SupervisorState.STOPPED, cause=Cause.CONTROLLER_STOPS.value)
-    stage.hear_controller()
+    stage.receive_controller()
     told = set()
     for status in (each for each in Status if each.has_ended):
         heard = replace(stage.link.controller, status=status)

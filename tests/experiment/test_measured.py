@@ -179,7 +179,7 @@ def test_the_report_opens_with_what_was_learned_and_why_figures_were_missed(meas
 
 def test_what_was_learned_names_figures_that_there_are(measured: MeasuredExperiment) -> None:
     with pytest.raises(ConfigurationError, match="no figure 'trailer al' of a case 'slow'; figures: "):
-        measured.told("{slow|trailer al}")
+        measured.filled_in("{slow|trailer al}")
 
 
 @pytest.mark.parametrize("results", [None, []], ids=["not chosen", "failed"])
@@ -193,7 +193,7 @@ def test_what_was_learned_of_a_case_without_a_result_is_left_out_and_that_is_tol
     experiment = write_experiment(learned + two_cases).with_cases(list(runs))
     measured = measured_of(experiment, runs, 1)
     left_out = "`learned` is left out of REPORT.md: no result of slow"
-    assert measured.untold() == [left_out]
+    assert measured.left_out_texts() == [left_out]
     write_results(measured, table_of_means(measured))
     text = (experiment.folder / "results.md").read_text("utf-8")
     assert f"{left_out}.\n" in text

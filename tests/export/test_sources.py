@@ -39,7 +39,7 @@ OTHERS = {
 
 FRAGMENTS = {
     *("bounds_work.h", "packs.h", "householder.h", "first_guess.h", "moving_horizon.h", "extended_kalman.h"),
-    *("subsystem_phases.h", "tricycle_phases.h", "actuated_command.h"),
+    *("subsystem_phases.h", "tricycle_phases.h", "plan_phases.h", "actuated_command.h"),
     *("centralised.h", "centralised_phases.h", "explicit.h"),
 }
 """headers that want more of the one that includes them than the numbers with which a component begins"""

@@ -85,9 +85,21 @@ def test_a_track_keeps_few_points_no_standing_and_no_jumps() -> None:
         Track().line()
 
 
+def test_a_track_goes_on_behind_a_gap_without_positions() -> None:
+    track = Track()
+    for place in [*np.linspace(0.0, 10.0, 51), *np.linspace(18.0, 40.0, 111)]:
+        track.add(float(place), 0.0)
+    line = track.line()
+    assert line[-1, 0] == pytest.approx(40.0, abs=0.6)
+    assert np.diff(line[:, 0]).max() == pytest.approx(8.0, abs=0.6)
+    assert track.lost == 0
+
+
 def test_names_of_a_field_are_one_each_and_can_be_files() -> None:
     points = [(50.0, 4.0), (50.1, 4.0)]
     field = make_field("x", "../a\nb", [("l", points), ("l", points), ("", points)], [*points, (50.0, 4.1), points[0]])
     assert [line.name for line in field.lines] == ["l", "l (2)", "line 3"]
+    numbered = make_field("x", "x", [("l (2)", points), ("l", points), ("l", points)])
+    assert [line.name for line in numbered.lines] == ["l (2)", "l", "l (3)"]
     assert field.name == "a b"
     assert len(field.boundary) == 3

@@ -21,16 +21,16 @@ SOURCE = """
 #include "path.h"
 static struct line_offset offset;
 static struct path line;
-void begin(const struct path *path, double wished)
+void begin(const struct path *path, double wanted)
 {
     const struct line_offset none = {0};
     line = *path;
     line.offset = &offset;
     offset = none;
-    offset.wished = wished;
+    offset.wanted = wanted;
     offset_begin(&offset);
 }
-void wish(double wished) { offset.wished = wished; }
+void wish(double wanted) { offset.wanted = wanted; }
 void advance(double foremost, double hindmost) { offset_advance(&offset, 0.03, 0.03, foremost, hindmost); }
 void sample(double arc_length, double *sample) { path_sample(&line, arc_length, sample); }
 double project(double x, double y, double near, double *error)
@@ -38,7 +38,7 @@ double project(double x, double y, double near, double *error)
     return path_project(&line, x, y, near - 1.0, near + 1.0, error);
 }
 double ahead(double arc_length, double distance) { return path_ahead(&line, arc_length, distance); }
-int has_beside(const struct path *path, double wished) { return path_has_beside(path, wished, 0.3); }
+int has_beside(const struct path *path, double wanted) { return path_has_beside(path, wanted, 0.3); }
 """
 EIGHT = figure_eights((8.0,), 20.0)
 Real, Array = ctypes.c_double, ctypes.c_double * 4
@@ -132,11 +132,11 @@ def test_a_shift_keeps_its_limits(change: float) -> None:
 
 def test_wishes_wait_for_each_other_and_none_jumps() -> None:
     line, rng = Line(EIGHT, 0.0), np.random.default_rng(3)  # seed 3
-    front, back, wished = 0.0, -2.5, 0.0
+    front, back, wanted = 0.0, -2.5, 0.0
     for _ in range(400):
         if rng.random() < 0.2:
-            wished = float(rng.uniform(-1.0, 1.0))
-            line.wish(wished)
+            wanted = float(rng.uniform(-1.0, 1.0))
+            line.wish(wanted)
         line.advance(front, back)
         behind = line.sample([front - 2.5, front - 0.01])[:, 1]
         line.advance(front, back)
@@ -147,7 +147,7 @@ def test_wishes_wait_for_each_other_and_none_jumps() -> None:
         front, back = front + 0.1, back + 0.1
     x, y, yaw, _ = EIGHT.sample(np.array(front)).tolist()
     there = line.sample([front])[0]
-    assert -math.sin(yaw) * (there[0] - x) + math.cos(yaw) * (there[1] - y) == pytest.approx(wished, abs=1e-9)
+    assert -math.sin(yaw) * (there[0] - x) + math.cos(yaw) * (there[1] - y) == pytest.approx(wanted, abs=1e-9)
 
 
 def test_the_way_along_the_line_is_measured_on_the_line() -> None:

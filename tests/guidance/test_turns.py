@@ -38,11 +38,11 @@ int trace(const struct turn_limits *limits, const double *angles, int turns, dou
 int onto_line(const struct turn_limits *limits, double offset, double heading, double room, double (*angles)[TURNS])
 {
     struct onto_line line;
-    struct way way;
+    struct candidate candidate;
     int count = 0;
 
-    for (line_ways(&line, limits, offset, heading, room); line_take(&line, LINE_WAYS, &way); ++count)
-        way_angles(&line, &way, angles[count]);
+    for (line_candidates(&line, limits, offset, heading, room); line_take(&line, LINE_CANDIDATES, &candidate); ++count)
+        candidate_angles(&line, &candidate, angles[count]);
     return count;
 }
 int find(const struct turn_limits *limits, const struct path *path, const struct drawbar_pose *pose, double near,
@@ -57,11 +57,12 @@ double shortest(const struct turn_limits *limits, const struct path *path, const
 {
     const struct beside_path beside = beside_path(path, pose, near, 0.0);
     struct onto_line line;
-    struct way way;
+    struct candidate candidate;
     double angles[TURNS];
 
-    for (line_ways(&line, limits, beside.offset, beside.heading, room); line_take(&line, LINE_WAYS, &way);) {
-        way_angles(&line, &way, angles);
+    line_candidates(&line, limits, beside.offset, beside.heading, room);
+    while (line_take(&line, LINE_CANDIDATES, &candidate)) {
+        candidate_angles(&line, &candidate, angles);
         approach_trace(approach, &beside, limits, angles, TURNS, APPROACH_NODES);
         if (approach_widest(approach) <= room && approach_lay(approach, path, APPROACH_TIGHTER * limits->curvature))
             return approach->nodes[approach->count - 1].arc_length;

@@ -37,7 +37,7 @@ class Hand:
             assert time.monotonic() < end, self.link.gate
             select.select([self._endpoint], [], [], 0.05)
             for data in self._endpoint.receive():
-                self.link.hear(data)
+                self.link.receive(data)
             self.link.pass_time()
             if self.link.gate is not None:
                 self.link.drawn(self._visitor, self.link.gate.sequence)

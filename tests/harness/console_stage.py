@@ -115,9 +115,9 @@ class Stage:
         )
         self.desk.show(state.sequence, state.time)
         if not self.silent:
-            self.link.hear(encode(state))
+            self.link.receive(encode(state))
 
-    def hear_controller(self, **values):
+    def receive_controller(self, **values):
         """Let the controller say where both bodies are."""
         names = ["lateral_deviation", "heading_deviation", "tractor_heading_error", "trailer_heading_error"]
         numbers = dict.fromkeys([*names, "hitch_angle"], 0.0)
@@ -126,9 +126,9 @@ class Stage:
         now = self.now
         counts = dict.fromkeys(["configuration", "wiggled", "status", "flags", "solved", "overruns"], 0)
         qualities = {"tractor_quality": 5, "trailer_quality": 5}
-        self.link.hear(encode(ControllerState(time=now, valid_until=now + 10**9, **counts, **(qualities | numbers))))
+        self.link.receive(encode(ControllerState(time=now, valid_until=now + 10**9, **counts, **(qualities | numbers))))
 
-    def hear_fixes(self, x, y, course=math.nan, quality=5, satellites=(0, 0)):
+    def receive_fixes(self, x, y, course=math.nan, quality=5, satellites=(0, 0)):
         """Let the receivers say where the tractor's antenna is."""
         numbers = {each.name: math.nan for each in fields(Fixes)}
         numbers |= {each: 0 for each in numbers if each.endswith("_time") or each in ("sequence", "valid_until")}
@@ -136,7 +136,7 @@ class Stage:
         numbers |= {"time": self.now, "epoch": self.now, "first_byte": self.now, "trailer_quality": quality}
         numbers |= {"tractor_x": x, "tractor_y": y, "tractor_course": course, "tractor_quality": quality}
         numbers |= dict(zip(("tractor_satellites", "trailer_satellites"), satellites, strict=True))
-        self.link.hear(encode(Fixes(**numbers)))
+        self.link.receive(encode(Fixes(**numbers)))
 
 
 class Watcher:

@@ -199,7 +199,7 @@ class Bench:
 
     # what happens
 
-    def hear(self):
+    def receive(self):
         if self.controller is not None:
             self.channel.waiting.append(self.state_record())
         if self.command is not None:
@@ -214,13 +214,13 @@ class Bench:
             self.desk.waiting.append(encode(beat))
         if self.operator:
             self.ask(Action.PRESENT)
-        return self.gate.hear(self.time)
+        return self.gate.receive(self.time)
 
     def run(self, seconds=0.0):
         """Let ticks pass: at least one."""
         for _ in range(max(round(seconds / TICK), 1)):
             self.time = self.ns(self.time + TICK) / 1e9  # rounded as the gate's own clock is
-            self.hear()
+            self.receive()
             self.gate.tick(self.time, self.late)
         return self
 

@@ -40,18 +40,18 @@ class Bench:
         self.sent: list[tuple[float, Message]] = []
         self._tick = 0
 
-    def hear(self, pgn: int, data: bytes, source: int = VALVE, **identifier: int) -> None:
+    def receive(self, pgn: int, data: bytes, source: int = VALVE, **identifier: int) -> None:
         """Let a message of somebody else arrive now."""
         self.valve.receive(self.time, encode(Message(pgn=pgn, source=source, data=data, **identifier)))
 
     def tell(self, source: int = VALVE, **changes: object) -> None:
         """Let one message of the valve arrive now that differs from `GOOD`."""
-        self.hear(MACHINE_INFO, encode_machine_info(replace(GOOD, **changes)), source)
+        self.receive(MACHINE_INFO, encode_machine_info(replace(GOOD, **changes)), source)
 
     def tick(self, steer: bool = False, angle: float = 0.1) -> list[Message]:
         """Let one tick pass; return what went out in it."""
         if self.info is not None and self._tick % 5 == 0:
-            self.hear(MACHINE_INFO, encode_machine_info(self.info))
+            self.receive(MACHINE_INFO, encode_machine_info(self.info))
         sent = [decode(frame) for frame in self.valve.send(self.time, self.request(steer, angle))]
         out = [message for message in sent if message is not None]
         self.sent += [(self.time, message) for message in out]

@@ -36,10 +36,10 @@ def _note(rehearsal, log, kind, sequence):
 
 def _record_inputs(rehearsal, log):
     """Record the bytes that arrive, the looks at them, and what is found."""
-    hear, poll, arrived = rehearsal._hear, rehearsal._navigation.poll, []
+    receive, poll, arrived = rehearsal._receive, rehearsal._navigation.poll, []
 
-    def hear_recorded(line):
-        device, into = line if line == SENSORS else f"{line}_receiver", hear(line)
+    def receive_recorded(line):
+        device, into = line if line == SENSORS else f"{line}_receiver", receive(line)
 
         def take(data):
             log.add_raw(RawBytes(device=device, time=rehearsal.now, direction=Direction.IN, data=data))
@@ -56,12 +56,17 @@ def _record_inputs(rehearsal, log):
             log.add_message(fixes)
         return found
 
-    rehearsal._hear, rehearsal._navigation.poll = hear_recorded, poll_recorded
+    rehearsal._receive, rehearsal._navigation.poll = receive_recorded, poll_recorded
 
 
 def _record_controller(rehearsal, log, commands):
     """Record what the controller takes in, what it sends, and its steps."""
-    loop, send, record, hear = rehearsal.loop, rehearsal.loop._send, rehearsal.loop._record, rehearsal.loop.hear_gate
+    loop, send, record, receive = (
+        rehearsal.loop,
+        rehearsal.loop._send,
+        rehearsal.loop._record,
+        rehearsal.loop.receive_gate,
+    )
 
     def send_recorded(message):
         log.add_message(decode(encode(message), *KINDS.values()))  # as the recorder hears it
@@ -72,9 +77,9 @@ def _record_controller(rehearsal, log, commands):
         log.add_step(rehearsal.now, step)
         record(step)
 
-    def hear_recorded(state):
+    def receive_recorded(state):
         log.add_message(state)
-        hear(state)
+        receive(state)
 
     loop._tell = lambda kind, sequence: _note(rehearsal, log, kind, sequence)
-    loop._send, loop._record, loop.hear_gate = send_recorded, record_recorded, hear_recorded
+    loop._send, loop._record, loop.receive_gate = send_recorded, record_recorded, receive_recorded

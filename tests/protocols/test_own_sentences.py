@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.errors import HardwareError
-from drawbar.protocols.bare_valve import ValveBoard, ValveReport, drive_sentence, drives_told
+from drawbar.protocols.bare_valve import ValveBoard, ValveReport, commanded_drives, drive_sentence
 from drawbar.protocols.own_sentence import SentenceReader, own_sentence
 from drawbar.protocols.sensor_board import SensorBoard, sentence
 from drawbar.protocols.sensors import Encoder
@@ -15,7 +15,7 @@ def test_a_report_and_a_drive_are_those_bytes():
     assert own_sentence("PDBV", 120, 2048, 1) == b"$PDBV,120,2048,1*20\r\n"
     assert drive_sentence(-0.25) == b"$PDBD,-250*24\r\n"
     assert ValveBoard().push(b"$PDBV,120,2048,1*20\r\n", 3.0) == [ValveReport(3.0, 2048, True)]
-    assert drives_told(SentenceReader("PDBD"), b"$PDBD,-250*24\r\n") == [-0.25]
+    assert commanded_drives(SentenceReader("PDBD"), b"$PDBD,-250*24\r\n") == [-0.25]
 
 
 @pytest.mark.parametrize("drive", [1.01, -1.01, float("nan")])

@@ -17,9 +17,9 @@ def lost(start, duration=40.0):
     return f"machine.events=[{{kind='gps_loss', start={start}, duration={duration}}}]"
 
 
-def astray(live):
-    way, heading, bend = (float(live.array(name)[0]) for name in ("way", "heading", "bend"))
-    return way * math.hypot(heading, bend * way)
+def lateral_deviation(live):
+    distance, heading, bend = (float(live.array(name)[0]) for name in ("distance", "heading", "bend"))
+    return distance * math.hypot(heading, bend * distance)
 
 
 @pytest.mark.parametrize(("speed", "start"), [(0.5, 25.0), (1.0, 5.0), (1.0, 25.0), (2.0, 12.0), (3.0, 8.0)])
@@ -29,11 +29,11 @@ def test_what_is_reckoned_is_what_the_estimators_covariance_says(build, speed, s
     live = run.autopilot.library.components["supervisor"].live
     ratios = []
     for record in run.steps():
-        way = live.array("way")[0]
-        if record.measurement.time > start + 20.0 or way > 10.0:
+        distance = live.array("distance")[0]
+        if record.measurement.time > start + 20.0 or distance > 10.0:
             break
-        if way > 4.0:
-            ratios.append(astray(live) / tell(record.estimate).lateral)
+        if distance > 4.0:
+            ratios.append(lateral_deviation(live) / tell(record.estimate).lateral)
     assert len(ratios) > 5
     assert min(ratios) > 0.55
     assert max(ratios) < 1.6

@@ -27,7 +27,7 @@ class Clock:
         self.waits.append((tuple(descriptors), duration))
         self.time += max(duration, 0.0) + self.jumps.pop(len(self.waits), 0.0)
         self.bench.time = self.time
-        self.bench.hear()
+        self.bench.receive()
 
 
 @pytest.fixture
@@ -44,14 +44,14 @@ def loop(monkeypatch):
 
 def end_at(bench, seconds, how):
     """Let something happen after so many seconds of the loop."""
-    hear = bench.hear
+    receive = bench.receive
 
     def heard():
         if bench.time >= 100.0 + seconds:
             how()
-        return hear()
+        return receive()
 
-    bench.hear = heard
+    bench.receive = heard
 
 
 @pytest.mark.parametrize(("how", "code"), [("signal", ENDED), ("gone", GONE)])
@@ -84,8 +84,8 @@ def test_the_tick_after_a_command_comes_between_it_and_the_next_one_and_soon_aft
     loop, since, following
 ):
     bench, ticks = Bench(), []
-    hear, tick = bench.gate.hear, bench.gate.tick
-    bench.gate.hear = lambda now: hear(now) | (len(ticks) == 10 and now - ticks[-1] >= since)
+    receive, tick = bench.gate.receive, bench.gate.tick
+    bench.gate.receive = lambda now: receive(now) | (len(ticks) == 10 and now - ticks[-1] >= since)
     bench.gate.tick = lambda now, late: ticks.append(now) or tick(now, late)
     end_at(bench, 0.8, lambda: setattr(bench.gate.watch.troubles, "ended", True))
     loop(bench)

@@ -154,22 +154,22 @@ def test_a_refused_record_keeps_from_engaging_for_a_while():
 def test_a_look_is_urgent_only_while_it_steers():
     bench = Bench().ready()
     bench.ask(Action.STOP)
-    assert not bench.hear()
+    assert not bench.receive()
     bench = driving()
-    assert bench.hear(), "a new command does not wait"
-    assert not bench.gate.hear(bench.time)
+    assert bench.receive(), "a new command does not wait"
+    assert not bench.gate.receive(bench.time)
     for action in (Action.STOP, Action.RELEASE, Action.EMERGENCY):
         bench.ask(action)
-        assert bench.gate.hear(bench.time)
-    assert not bench.gate.hear(bench.time)
-    assert not bench.gate.hear(bench.time + 0.19)
-    assert bench.gate.hear(bench.time + 0.21), "the command has expired"
+        assert bench.gate.receive(bench.time)
+    assert not bench.gate.receive(bench.time)
+    assert not bench.gate.receive(bench.time + 0.19)
+    assert bench.gate.receive(bench.time + 0.21), "the command has expired"
     bench = driving()
     bench.channel.waiting.append(b"garbage")
-    assert bench.hear()
+    assert bench.receive()
     bench = driving()
     bench.channel.gone = True
-    assert bench.hear()
+    assert bench.receive()
 
 
 def test_frames_and_records_that_are_dropped_are_counted():
@@ -329,7 +329,7 @@ def test_two_wires_and_their_faults_are_apart():
         [Wire(transport=b.transport, **{n: getattr(b, n)}) for b, n in ((other, "tractor"), (bench, "trailer"))],
         bench.channel, bench.desk,
     )  # fmt: skip
-    gate.hear(bench.time)
+    gate.receive(bench.time)
     gate.tick(bench.time)
     assert gate.engagement.state in (FAULT, SupervisorState.SELFTEST)
     gate.tick(bench.time + TICK)

@@ -1,8 +1,10 @@
 """CAN buses of python-can: frames both ways over each interface without hardware; garbage is dropped and counted."""
 
+import errno
 import os
 import pty
 import socket
+import termios
 import time
 import tty
 from pathlib import Path
@@ -51,6 +53,22 @@ def test_frames_cross_between_two_nodes(kind: str) -> None:
         assert not each.connected
         assert not each.write(CLAIM)
         assert each.unsent == 1
+
+
+def test_an_adapter_that_goes_while_it_is_opened_is_tried_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(**options: object) -> None:
+        raise termios.error(errno.EIO, "Input/output error")
+
+    clock = FakeClock()
+    with monkeypatch.context() as patch:
+        patch.setattr(can, "Bus", gone)
+        bus = PythonCanBus(CanAddress(interface="virtual", channel="an-adapter-of-this-test"), clock)
+    assert not bus.connected
+    assert "cannot be opened" in bus.trouble
+    clock.now += RETRY
+    bus.read()
+    assert bus.connected
+    bus.close()
 
 
 def test_multicast_delivers_the_same_frame_of_another_node() -> None:

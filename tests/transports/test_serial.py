@@ -1,7 +1,9 @@
 """Serial lines on real ptys: bytes both ways, an unplugged device, a line that takes no more; never a wait."""
 
+import errno
 import os
 import pty
+import termios
 import tty
 from collections.abc import Iterator
 from pathlib import Path
@@ -60,6 +62,22 @@ def test_bytes_cross_both_ways_unchanged(line: Line) -> None:
     transport.close()
     assert not transport.connected
     assert transport.fileno() == -1
+
+
+def test_a_device_that_goes_while_it_is_opened_is_tried_again(line: Line, monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(descriptor: int, queue: int) -> None:
+        raise termios.error(errno.EIO, "Input/output error")
+
+    clock = FakeClock()
+    with monkeypatch.context() as patch:
+        patch.setattr(termios, "tcflush", gone)
+        transport = SerialTransport(SerialAddress(device=str(line.path), baud=115200), clock)
+    assert not transport.connected
+    assert transport.trouble == f"{line.path} cannot be opened: Input/output error"
+    clock.now += RETRY
+    transport.read()
+    assert transport.connected
+    transport.close()
 
 
 def test_unplugged_device_is_noticed_and_opened_again(line: Line) -> None:

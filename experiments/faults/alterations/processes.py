@@ -60,13 +60,13 @@ def controller_late_often(trial):
     def make(chance, start):
         trial.rehearsal.machine.advance = advance
 
-        def hear(now, data):
+        def pass_on(now, data):
             until[1] += 1
             if until[1] % 2:
                 until[0] = now + 0.06
             return [(0.01, data)]
 
-        return hear
+        return pass_on
 
     trial.alter_links(["tractor receiver"], make)
 

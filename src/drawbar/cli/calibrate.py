@@ -142,7 +142,7 @@ def _tell(found: "CalibrationResult") -> None:
 
     value = found.value
     if value.accepted:
-        text = f"{found.name}: {value.told} {value.unit}"
+        text = f"{found.name}: {value.text} {value.unit}"
         console.print(Text(text + "".join(f"\n    {key} = {each}" for key, each in found.sets.items())))
     for refusal in value.refusals:
         console.print(Text(f"{found.name}: {refusal}", style="yellow"))

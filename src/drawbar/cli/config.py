@@ -7,7 +7,7 @@ import typer
 from rich.padding import Padding
 from rich.text import Text
 
-from drawbar.cli.options import console
+from drawbar.cli.options import changing, console
 from drawbar.configurations import shipped_names
 
 if TYPE_CHECKING:
@@ -23,10 +23,7 @@ def config(
             f"without it all keys with their defaults",
         ),
     ] = "",
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. vehicle.wheelbase=1.5"),
-    ] = None,
+    changes: Annotated[list[str] | None, changing("vehicle.wheelbase=1.5")] = None,
     toml: Annotated[bool, typer.Option("--toml", help="print the complete configuration as TOML instead")] = False,
 ) -> None:
     """Show every key of a configuration: default or value, unit, what is allowed, and what it means."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, Pace, agreed, console
+from drawbar.cli.options import ConfigurationName, Pace, agreed, changing, console
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from drawbar.driving.preparation.finding import Finding
     from drawbar.machine.hardware.devices import DeviceSettings
 
-Changes = Annotated[
-    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. speed=0.8")
-]
+Changes = Annotated[list[str] | None, changing("speed=0.8")]
 
 
 def check(

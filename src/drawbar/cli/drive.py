@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, Pace, compiling, console, written
+from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
@@ -22,10 +22,7 @@ if TYPE_CHECKING:
 @takes_pages
 def drive(
     configuration: ConfigurationName = "articulated",
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. speed=0.8"),
-    ] = None,
+    changes: Annotated[list[str] | None, changing("speed=0.8")] = None,
     out: Annotated[
         FilePath | None,
         typer.Option(parser=written, metavar="PATH", help="folder for log and report; default: a new one in runs/"),
@@ -157,7 +154,7 @@ def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrate
         with Terminal(console, processes, front) as terminal, Keyboard() as keyboard:
             while clock() < end and not (demonstrates and front.is_over):
                 front.wait(0.05)
-                interrupts.heed()
+                interrupts.raise_pending()
                 keys = keyboard.pressed()
                 for key in keys:
                     front.press(key)

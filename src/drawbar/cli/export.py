@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console, written
+from drawbar.cli.options import ConfigurationName, changing, console, written
 from drawbar.export.targets import TARGETS, Precision, find_target
 
 
@@ -20,10 +20,7 @@ def export(
         Precision,
         typer.Option(help="of the library's numbers; single: float, for a processor with a unit for these alone"),
     ] = Precision.DOUBLE,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. controller.horizon=10"),
-    ] = None,
+    changes: Annotated[list[str] | None, changing("controller.horizon=10")] = None,
 ) -> None:
     """Write the controller as a C library that needs neither Python nor an operating system."""
     machines = [find_target(name) for name in targets or []]

@@ -1,8 +1,8 @@
-"""Interrupts at the keyboard, SIGTERM and SIGHUP while something is driven: heeded between two steps, never within.
+"""Interrupts at the keyboard, SIGTERM and SIGHUP during a drive: handled between two steps, never within one.
 
-The first one asks; the loop ends after its step, and the report is made. Where nothing heeds it for a while, because
-the machine does not answer or the report takes long, the next one raises KeyboardInterrupt at once. Hitting the keys
-many times does no harm.
+The first one is noted; the loop ends after its step, and the report is made. Where it is not handled for a while,
+because the machine does not answer or the report takes long, the next one raises KeyboardInterrupt at once. Hitting the
+keys many times does no harm.
 """
 
 import errno
@@ -16,7 +16,7 @@ from types import FrameType, TracebackType
 from typing import Self
 
 _PATIENCE = 2.0
-"""s that an interrupt may wait to be heeded before another one raises"""
+"""after which a noted interrupt is late and another one raises, s"""
 _HANG_UP = getattr(signal, "SIGHUP", None)
 """which Windows does not have"""
 
@@ -28,7 +28,7 @@ class Interrupts:
         """Nobody has asked yet."""
         self._asked: float | None = None
 
-    def heed(self) -> None:
+    def raise_pending(self) -> None:
         """Raise KeyboardInterrupt if somebody has asked since the last call."""
         if self._asked is not None:
             self._asked = None

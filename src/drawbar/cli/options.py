@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer.models import OptionInfo
 
 from drawbar.configurations import shipped_names
 from drawbar.errors import DrawbarError
@@ -38,6 +39,12 @@ Pace = Annotated[
     int, typer.Option(min=1, max=FASTEST, help="of stand-ins on this computer: so many times as fast as real time")
 ]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
+
+
+def changing(example: str) -> OptionInfo:
+    """Return the option --set KEY=VALUE of a command, with an example."""
+    option: OptionInfo = typer.Option("--set", metavar="KEY=VALUE", help=f"change one value, e.g. {example}")
+    return option
 
 
 def written(text: str) -> FilePath:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, configured, console, refuse_to_replace, written
+from drawbar.cli.options import ConfigurationName, changing, configured, console, refuse_to_replace, written
 from drawbar.errors import DrawbarError
 
 
@@ -19,10 +19,7 @@ def path(
         typer.Option("--path", help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: its own"),
     ] = None,
     track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. path.extension=250"),
-    ] = None,
+    changes: Annotated[list[str] | None, changing("path.extension=250")] = None,
 ) -> None:
     """Write a line, made drivable for a configuration's vehicle, as the path table of the C library."""
     from drawbar.export.recording import path_array, path_table

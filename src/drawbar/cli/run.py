@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, compiling, configured, console, written
+from drawbar.cli.options import ConfigurationName, changing, compiling, configured, console, written
 from drawbar.errors import DrawbarError, StorageError
 
 if TYPE_CHECKING:
@@ -23,10 +23,7 @@ def run(
         typer.Option(help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: figure-eights"),
     ] = None,
     track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. vehicle.wheelbase=1.5"),
-    ] = None,
+    changes: Annotated[list[str] | None, changing("vehicle.wheelbase=1.5")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all randomness in the simulated machine")] = 0,
     out: Annotated[
         FilePath | None,
@@ -71,7 +68,7 @@ def _drive(
             for record in simulation.steps():
                 recorder.write(record)
                 live.show(record)
-                interrupts.heed()
+                interrupts.raise_pending()
     except (DrawbarError, KeyboardInterrupt) as error:
         return error
     return None

@@ -5,15 +5,12 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, console, written
+from drawbar.cli.options import ConfigurationName, changing, console, written
 
 
 def tube(
     configuration: ConfigurationName = "articulated",
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. tube.nominal=propagated"),
-    ] = None,
+    changes: Annotated[list[str] | None, changing("tube.nominal=propagated")] = None,
     logs: Annotated[
         list[FilePath] | None,
         typer.Option("--from-log", metavar="RUN.mcap", help="compare a recorded run with the declared bounds"),

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import Cluster, ConfigurationName, Jobs, console, one_cluster, written
+from drawbar.cli.options import Cluster, ConfigurationName, Jobs, changing, console, one_cluster, written
 
 
 def tune(
@@ -18,10 +18,7 @@ def tune(
         ),
     ] = None,
     trials: Annotated[int, typer.Option(min=1, help="in all; the configuration's own values are the first")] = 64,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="change one value, e.g. tuning.seeds=10"),
-    ] = None,
+    changes: Annotated[list[str] | None, changing("tuning.seeds=10")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of the search")] = 0,
     jobs: Jobs = None,
     cluster: Cluster = "",

@@ -24,12 +24,12 @@ def _surroundings() -> dict[str, str]:
     return {
         "python": f"{platform.python_version()} ({sys.executable})",
         "platform": platform.platform(),
-        "compiler": _told(lambda: " ".join(find_compiler())),
-        "cache": _told(lambda: str(cache_folder())),
+        "compiler": _answer_or_error(lambda: " ".join(find_compiler())),
+        "cache": _answer_or_error(lambda: str(cache_folder())),
     }
 
 
-def _told(ask: Callable[[], str]) -> str:
+def _answer_or_error(ask: Callable[[], str]) -> str:
     """Return an answer, or why there is none: one that is missing must not hide the others."""
     try:
         return ask()

@@ -4,7 +4,7 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 
 _MOST = 256
-"""that are remembered; whoever was not heard for longest is forgotten first"""
+"""that are remembered; the least recently active is forgotten first"""
 
 
 @dataclass(slots=True)

@@ -62,4 +62,4 @@ def _line(found: CalibrationResult, words: Words) -> str:
     value, name = found.value, words.message(found.name)
     if not value.accepted:
         return f"✖ {name}: {'; '.join(map(words.message, value.refusals))}"
-    return f"✓ {name}: {words.decimal(value.told)} {words.message(value.unit)}"
+    return f"✓ {name}: {words.decimal(value.text)} {words.message(value.unit)}"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drawbar.driving.messaging.console_options import ConsoleOptions
-from drawbar.driving.processes.shutdown import run_program
+from drawbar.driving.processes.shutdown import run_program, starter
 
 if TYPE_CHECKING:
     from drawbar.console.link import Link
@@ -93,20 +93,20 @@ def _build(options: ConsoleOptions) -> "tuple[Endpoint, Link, Pages]":
 
 
 async def _work(endpoint: "Endpoint", link: "Link", pages: "Pages") -> None:
-    """Hear the drive and show it, until whoever started the console is gone, and with it the drive."""
+    """Receive and show the drive, until whoever started the console is gone, and with it the drive."""
     from nicegui import app
 
     came = asyncio.Event()
 
-    def hear() -> None:
+    def receive() -> None:
         before = link.version
         for data in endpoint.receive():
-            link.hear(data)
+            link.receive(data)
         if link.version != before:
             came.set()
 
-    asyncio.get_running_loop().add_reader(endpoint.fileno(), hear)
-    parent = os.getppid()
+    asyncio.get_running_loop().add_reader(endpoint.fileno(), receive)
+    parent = starter()
     while os.getppid() == parent:
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(came.wait(), PERIOD)

@@ -1,4 +1,4 @@
-"""Devices as the console hears of them: how often each says something, and how old its last word is. Time is given."""
+"""Device rates: how often each device reports to the console, and the age of its last report. Time is given."""
 
 import math
 from collections import deque
@@ -51,17 +51,17 @@ class DeviceRates:
     """Counts the words of each device by the stamps in the drive's messages."""
 
     def __init__(self) -> None:
-        """Begin with none heard."""
+        """Begin with nothing received."""
         self._stamps: dict[str, deque[int]] = {name: deque() for name in DEVICES}
         self._correction_age = math.nan
 
-    def hear(self, message: Fixes | ControllerState | GateState, now: int) -> None:
+    def receive(self, message: Fixes | ControllerState | GateState, now: int) -> None:
         """Take in a message at a time, ns."""
         if isinstance(message, Fixes):
             none = (FixQuality.UNKNOWN, FixQuality.NONE)
             for body in ("tractor", "trailer"):
-                heard = getattr(message, f"{body}_quality") not in none
-                self._stamp(f"{body}_receiver", message.epoch if heard else 0, now)
+                received = getattr(message, f"{body}_quality") not in none
+                self._stamp(f"{body}_receiver", message.epoch if received else 0, now)
             self._stamp("hitch_sensor", message.hitch_angle_time, now)
             self._stamp("wheel_sensor", message.wheel_speed_time, now)
         elif isinstance(message, ControllerState):

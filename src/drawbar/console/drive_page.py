@@ -33,7 +33,7 @@ class DrivePage:
         self._offset, self._lost = 0.0, False
         self._shown: Board | None = None
         self._taps = Taps()
-        self._told = link.session(visitor).told
+        self._refusal_count = link.session(visitor).refusal_count
         with ui.element("div").classes("cockpit"):
             self._build_bar(login=login)
             if link.controller is not None:
@@ -69,8 +69,8 @@ class DrivePage:
             self._show(shown)
         self._taps.show(self._places(shown), now)
         self._show_wishes(mine=mine, driving=gate is not None and bool(gate.steers))
-        if session.told != self._told and session.refusal is not None:
-            self._told = session.told
+        if session.refusal_count != self._refusal_count and session.refusal is not None:
+            self._refusal_count = session.refusal_count
             cause, advice = words.cause(session.refusal)
             self._notify(words("refused", cause=cause, advice=advice))
         if session.unanswered(now):
@@ -137,10 +137,10 @@ class DrivePage:
         if action not in ALWAYS and not self._taps.counts(action, now):
             return
         session = self._link.session(self._visitor)
-        told = session.told
+        before = session.refusal_count
         if self._link.ask(self._visitor, action, value):
             self._taps.ask(action, now)
-        elif session.told == told:
+        elif session.refusal_count == before:
             self._notify(self._words("too_often"))
 
     def _places(self, shown: Board) -> dict[Action, Hashable]:

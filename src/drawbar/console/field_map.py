@@ -29,7 +29,7 @@ class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.
         self.update()
 
     def show_plan(self, plan: dict[str, Any]) -> None:
-        """Draw the chosen pass, what will be driven, and where that is aside."""
+        """Draw the chosen pass, what will be driven, and where these deviate."""
         self.run_method("showPlan", plan)
 
     @property

@@ -29,7 +29,7 @@ from drawbar.geometry import Floats
 from drawbar.simulation import build_path
 
 _TOLERANCE, _POINTS = 0.005, 8000
-"""m by which what is driven may be drawn aside, as long as it takes no more points"""
+"""m by which what is driven may be drawn off its place, as long as it takes no more points"""
 _OTHERS_TOLERANCE, _OTHERS_POINTS = 0.1, 60_000
 """the same of the lines that may be chosen, all together"""
 _NEAR = 5000.0
@@ -105,7 +105,7 @@ class FieldsPage:
                 self._width = self._figure("working_width", 3.0, "m", "%.2f")
                 self._offset = self._figure("offset", 0, "cm", "%.0f")
             ui.label(words("pass_help")).classes("note")
-            self._told = ui.label().classes("note")
+            self._summary = ui.label().classes("note")
             self._flaw = ui.label().classes("flaw").props("role=alert")
             self._take = ui.button(words("take_line"), on_click=self._take_line, color=None)
             self._take.props("no-caps unelevated").classes("action main")
@@ -157,7 +157,7 @@ class FieldsPage:
         """Plan in a thread, which must not hold up the pictures of those who drive, until nothing newer is wanted."""
         try:
             while True:
-                self._told.set_text(self._words("planning"))
+                self._summary.set_text(self._words("planning"))
                 if self._loads:
                     await self._load_field()
                 wanted, planned, drawn, flaw = self._wanted, None, _drawn_plan(None), ""
@@ -173,7 +173,7 @@ class FieldsPage:
             self._plans = False
         self._planned = planned
         self._flaw.set_text(flaw)
-        self._told.set_text(self._said())
+        self._summary.set_text(self._said())
         self._take.set_enabled(self._may_take())
         self._map.show_plan(drawn)
 
@@ -201,7 +201,7 @@ class FieldsPage:
         length = f"{self._planned.drivable.path.length:.0f}"
         centimetres = self._words.number(100.0 * self._planned.largest, 0)
         limit = self._words.number(100.0 * self._workshop.configuration.guidance.path_tolerance, 0)
-        key = "smoothed_marked" if self._planned.aside else "smoothed"
+        key = "smoothed_marked" if self._planned.deviating else "smoothed"
         return f"{self._words(key, length=length, most=centimetres, limit=limit)} {self._distance()}".strip()
 
     def _distance(self) -> str:
@@ -278,14 +278,14 @@ def _drawn_field(field: Field | None) -> dict[str, Any]:
 
 
 def _drawn_plan(planned: PlannedPass | None) -> dict[str, Any]:
-    """Return what is drawn of the chosen pass: as it was recorded, as it will be driven, and where that is aside."""
+    """Return what is drawn of the chosen pass: as it was recorded, as it will be driven, and where these deviate."""
     if planned is None:
-        return {"chosen": [], "driven": [], "aside": []}
+        return {"chosen": [], "driven": [], "deviating": []}
     drivable = planned.drivable
     return {
         "chosen": _rounded(drivable.recorded, _TOLERANCE, _POINTS),
         "driven": _rounded(drivable.path.nodes[:, 1:3], _TOLERANCE, _POINTS),
-        "aside": [_rounded(piece, _TOLERANCE, _POINTS) for piece in planned.aside],
+        "deviating": [_rounded(piece, _TOLERANCE, _POINTS) for piece in planned.deviating],
     }
 
 

@@ -167,6 +167,7 @@ class Guard:
         async def receive_guarded() -> Message:
             nonlocal over
             message = await receive()
+            self._visitors.find(visitor.token, self._clock())  # whose words on the socket keep it known
             size = len(message.get("text") or "") + len(message.get("bytes") or b"")
             if message["type"] == "websocket.receive" and not (size <= LARGEST and allowance.take(self._clock())):
                 over = True

@@ -54,7 +54,7 @@ class HandLog:
         """Keep nothing more."""
         self.is_on = False
 
-    def hear(self, record: StepRecord, *, engaged: bool) -> None:
+    def receive_step(self, record: StepRecord, *, engaged: bool) -> None:
         """Take in a step."""
         if self.is_on and not engaged:
             self._records.append(record)

@@ -1,4 +1,4 @@
-"""Link: the console's end of the drive. Hears gate and controller, keeps what pages draw, carries sessions' words."""
+"""Link: the console's end of the drive. It keeps what pages draw, and sends the sessions' requests."""
 
 import itertools
 import math
@@ -13,7 +13,7 @@ from drawbar.console.hand_log import HandLog
 from drawbar.console.session import Session
 from drawbar.console.signal_history import ShownStep
 from drawbar.console.surveyor import Surveyor
-from drawbar.console.visitors import Visitor
+from drawbar.console.visitors import MOST, Visitor
 from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, unpack
 from drawbar.driving.operator.requests import Operator
 from drawbar.driving.preparation.push_calibration import STOPPED, PushCalibration
@@ -70,13 +70,13 @@ class Link:
         self.wishes: dict[int, str] = {}
         """sessions that ask the holder for control, with their names"""
         self.version = 0
-        """grows with each control step that was heard"""
+        """grows with each control step received"""
         self.refused = 0
         """control steps that could not be read"""
 
     @property
     def is_stale(self) -> bool:
-        """Whether the gate has not been heard for too long."""
+        """Whether nothing has come from the gate for too long."""
         return self.gate is None or self.clock() - self.gate.time > STALE
 
     @property
@@ -86,7 +86,7 @@ class Link:
 
     @property
     def step_age(self) -> float:
-        """Since the newest control step was heard, s."""
+        """Since the newest control step came, s."""
         return 1e-9 * (self.clock() - self._stepped)
 
     @property
@@ -109,7 +109,7 @@ class Link:
         """Return how the tractor moves, by its receiver."""
         return self._motion
 
-    def hear(self, data: bytes) -> None:
+    def receive(self, data: bytes) -> None:
         """Take in a datagram."""
         datagram = unpack(data)
         if isinstance(datagram, PackedStep):
@@ -124,12 +124,14 @@ class Link:
         elif isinstance(message, ControllerState):
             self.controller = message
         if isinstance(message, GateState | ControllerState | Fixes):
-            self.devices.hear(message, self.clock())
+            self.devices.receive(message, self.clock())
         if isinstance(message, Fixes):
             self._fixes = message
             self._motion = Motion(1e-9 * message.epoch, message.tractor_speed, message.tractor_yaw_rate)
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
-            self.surveyor.hear(message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan)
+            self.surveyor.receive_fixes(
+                message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan
+            )
 
     def _receive_step(self, datagram: PackedStep) -> None:
         try:
@@ -140,7 +142,7 @@ class Link:
         self.moving = moving(record)
         self.steps.append(ShownStep(record, self.controller, self._deviations))
         self._deviations = {}
-        self.hand_log.hear(record, engaged=self.is_engaged)
+        self.hand_log.receive_step(record, engaged=self.is_engaged)
         self.version += 1
         self._stepped = self.clock()
         if self.moving is not None and self._has_moved(self.moving.tractor[:2]):
@@ -158,7 +160,7 @@ class Link:
         if self.pushing is not None and self.is_engaged:
             self.pushing.end("drawbar steers now; stop, then begin again")
         for session in self._sessions.values():
-            session.hear(state)
+            session.receive_gate(state)
 
     def pass_time(self) -> None:
         """Ask the gate for its states where they do not come; nobody is present by that."""
@@ -168,10 +170,14 @@ class Link:
             self._own.ask(Action.PRESENT, now)
 
     def session(self, visitor: Visitor) -> Session:
-        """Return a visitor's session; all pages of one browser share it."""
-        if visitor.token not in self._sessions:
-            self._sessions[visitor.token] = Session(visitor.number, visitor.name, self._send, self._nonces)
-        return self._sessions[visitor.token]
+        """Return a visitor's session; all pages of one browser share it. The least recently used ones are forgotten."""
+        session = self._sessions.pop(visitor.token, None)
+        if session is None:
+            session = Session(visitor.number, visitor.name, self._send, self._nonces)
+        self._sessions[visitor.token] = session
+        if len(self._sessions) > MOST:
+            del self._sessions[next(iter(self._sessions))]
+        return session
 
     def drawn(self, visitor: Visitor, sequence: object) -> None:
         """Take a browser's word that it has drawn the state of this sequence; other words mean nothing."""

@@ -31,7 +31,7 @@ box-sizing:border-box;padding:0 .8rem}}button{{margin-top:1.5rem;font-weight:750
 
 
 class Login:
-    """Shows the form, and admits whoever knows a password."""
+    """Shows the form, and admits those who know a password."""
 
     def __init__(self, users: dict[str, User], visitors: Visitors, audit: Audit, *, secure: bool) -> None:
         """Take who may log in; secure: cookies go over TLS only."""

@@ -18,8 +18,8 @@ def menu(words: Words, *, login: bool, may_leave: Callable[[], bool] = lambda: T
 
     Args:
         words: texts.
-        login: there is somebody to log out.
-        may_leave: returns whether nobody is missed who leaves the page; else that is told, and the page stays.
+        login: visitors have logged in, and may log out.
+        may_leave: returns whether the page may be left; if not, that is shown, and the page stays.
     """
     request = ui.context.client.request
     ui.dark_mode(_LOOKS.get(request.cookies.get("drawbar-look", "") if request is not None else ""))

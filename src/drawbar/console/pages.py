@@ -56,7 +56,7 @@ class Pages:
         users: dict[str, User] | None,
         audit: Audit,
     ) -> None:
-        """Take what they show; users: None: nobody is asked for a password."""
+        """Take what they show; users: None: no password is asked for."""
         self._options, self._link, self._workshop, self._audit = options, link, workshop, audit
         self._standing, self._lines = dict(standing), lines
         self._login = users is not None

@@ -19,23 +19,23 @@ _WAIT = 90_000
 _WATCH = """
 (() => {
   window.painted = [];
-  let heard = null;
+  let received = null;
   const Plain = window.WebSocket;
   window.WebSocket = class extends Plain {
     constructor(...given) {
       super(...given);
       this.addEventListener("message", ({ data }) => {
         const drawn = /runMethod\\(\\d+, \\\\"draw|plotSteps/;
-        if (typeof data === "string" && drawn.test(data)) heard = { text: data, at: performance.now() };
+        if (typeof data === "string" && drawn.test(data)) received = { text: data, at: performance.now() };
       });
     }
   };
   for (const name of ["fillRect", "clearRect"]) {
     const plain = CanvasRenderingContext2D.prototype[name];
     CanvasRenderingContext2D.prototype[name] = function (...given) {
-      if (heard !== null) {
-        const { text, at } = heard;
-        heard = null;
+      if (received !== null) {
+        const { text, at } = received;
+        received = null;
         requestAnimationFrame(() => window.painted.push([text, at, performance.now()]));
       }
       return plain.apply(this, given);
@@ -107,6 +107,6 @@ async def _watched(page: Any, name: str, slower: int, address: str, duration: fl
         slower=slower,
         begin=begin,
         end=end,
-        took=[1e-3 * (at - heard) for _, heard, at in rows],
+        took=[1e-3 * (at - received) for _, received, at in rows],
         places=[(at, place) for place, at in found if place],
     )

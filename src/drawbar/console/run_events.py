@@ -43,14 +43,14 @@ def run_events(log: Path, words: Words, *, is_on: bool = False) -> list[RunEvent
         DrawbarError: the log cannot be read.
     """
     happened = drive_events(log, is_on=is_on)
-    return [RunEvent(time=each.time, text=_told(each, words)) for each in happened if not _is_silent(each)]
+    return [RunEvent(time=each.time, text=_described(each, words)) for each in happened if not _is_silent(each)]
 
 
 def _is_silent(event: DriveEvent) -> bool:
     return isinstance(event, Asked) and event.action not in _ASKED
 
 
-def _told(event: DriveEvent, words: Words) -> str:
+def _described(event: DriveEvent, words: Words) -> str:
     if isinstance(event, Became):
         return _became(event, words)
     if isinstance(event, Asked):

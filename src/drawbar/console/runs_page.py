@@ -5,6 +5,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -50,11 +51,13 @@ class Run:
 
 def list_runs(folder: Path) -> list[Run]:
     """Return the runs in a folder, newest first."""
-    try:
-        found = [each for each in folder.iterdir() if each.is_dir() and (each / CONFIGURATION).is_file()]
-    except OSError:
-        return []
-    runs = [Run(name=each.name, time=each.stat().st_mtime, has_report=(each / REPORT).is_file()) for each in found]
+    runs: list[Run] = []
+    with suppress(OSError):
+        for each in folder.iterdir():
+            with suppress(OSError):  # somebody else has just deleted it
+                if each.is_dir() and (each / CONFIGURATION).is_file():
+                    report = (each / REPORT).is_file()
+                    runs.append(Run(name=each.name, time=each.stat().st_mtime, has_report=report))
     return sorted(runs, key=lambda run: run.time, reverse=True)[:MOST]
 
 

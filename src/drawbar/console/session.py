@@ -34,7 +34,7 @@ class Session:
         self._asked: tuple[int, int, Action] | None = None  # nonce, time, action
         self.refusal: Cause | None = None
         """of what was asked for last; None: it was accepted, or no answer has come yet"""
-        self.told = 0
+        self.refusal_count = 0
         """how often a refusal was found, so that each is shown once"""
 
     @property
@@ -69,7 +69,7 @@ class Session:
         self._asked = (self._operator.ask(action, now, value), now, action)
         return True
 
-    def hear(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Find the gate's answer in its newest state."""
         if self._asked is not None and state.answered == self._asked[0]:
             self._asked = None
@@ -89,4 +89,4 @@ class Session:
 
     def _refuse(self, cause: Cause) -> None:
         self.refusal = cause
-        self.told += 1
+        self.refusal_count += 1

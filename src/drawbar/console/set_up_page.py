@@ -56,7 +56,7 @@ class SetUpPage:
                     self._versions = ui.element("section").classes("card")
             if self._may_change:
                 self._build_calibrations()
-        self._start_anew()
+        self._reset()
 
     def refresh(self) -> None:
         """Show how drive and devices are."""
@@ -117,7 +117,7 @@ class SetUpPage:
             with ui.element("div").classes("line-up"):
                 self._save = ui.button(words("save_version"), on_click=self._keep, color=None)
                 self._save.props("no-caps unelevated").classes("action main")
-                undo = ui.button(words("undo"), on_click=self._start_anew, color=None)
+                undo = ui.button(words("undo"), on_click=self._reset, color=None)
                 undo.props("no-caps unelevated").classes("action")
             ui.label(words("saving_help" if self._may_change else "only_maintainer")).classes("note")
 
@@ -134,7 +134,7 @@ class SetUpPage:
                             ui.label(self._words(name))
                         self._devices[name] = [_cell() for _ in range(3)]
 
-    def _start_anew(self) -> None:
+    def _reset(self) -> None:
         """Show what was saved last."""
         self._fills = True  # each number that is filled in would be checked with all others
         for value, number in self._numbers.items():
@@ -189,7 +189,7 @@ class SetUpPage:
             return
         self._audit.write(self._visitor, "SET_UP", file=str(file))
         tell(self._words("saved_for_next", file=str(file)), good=True)
-        self._start_anew()
+        self._reset()
 
     def _list_versions(self) -> None:
         words = self._words
@@ -211,7 +211,7 @@ class SetUpPage:
             self._workshop.configuration = read_version(version)
         except DrawbarError as error:
             tell(flaws(str(error), self._words))
-        self._start_anew()
+        self._reset()
 
 
 def _cell() -> ui.label:

@@ -29,7 +29,7 @@ class Surveyor:
         self.a: tuple[float, float] | None = None
         """point A, east and north in the drive's frame, m"""
 
-    def hear(self, fixes: Fixes, yaw: float) -> None:
+    def receive_fixes(self, fixes: Fixes, yaw: float) -> None:
         """Take in fixes, with the tractor's yaw as far as the estimator knows it, rad; NaN: not now."""
         self._fixes = fixes
         self._yaw = yaw

@@ -7,7 +7,7 @@ from enum import IntEnum
 
 COOKIE = "drawbar"
 MOST = 64
-"""visitors that are remembered; the one that was not heard for longest is forgotten first"""
+"""visitors that are remembered; the least recently active is forgotten first"""
 LIFE = 12 * 3600.0
 """without a word, after which a visitor is forgotten, s"""
 
@@ -34,7 +34,7 @@ class Visitor:
     name: str
     rank: Rank
     is_known: bool = True
-    """no more once the visitor has logged out, or was not heard for too long: pages that are open then look and stop"""
+    """no more once the visitor has logged out, or was inactive for too long: pages that are open then look and stop"""
 
     @property
     def may_drive(self) -> bool:
@@ -70,7 +70,7 @@ class Visitors:
         return visitor
 
     def find(self, token: str, time: float) -> Visitor | None:
-        """Return who shows this token at a time, s, and is heard by that; None: nobody known."""
+        """Return the visitor with this token, active at a time, s; None: unknown."""
         found = self._known.get(token)
         if found is None:
             return None

@@ -62,17 +62,17 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
 }
 
 /* Let the tractor come back to its targets (m; slopes in rad) beside the line as a critically damped oscillator does: after
- * a way s its offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. It turns to
- * where the targets lead within l as well. Returns 0 where the line is not finite. */
+ * a distance s its offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. It
+ * turns to where the targets lead within l as well. Returns 0 where the line is not finite. */
 static int follow_targets(struct component *component, const struct drawbar_estimate *estimate,
                           const struct drawbar_body_reference *tractor, const double *targets, const double *slopes)
 {
     const double *closest = tractor->samples[0], crab = estimate->tractor_crab;
     const double along = cos(closest[AT_YAW]), across = sin(closest[AT_YAW]);
     const double dx = estimate->tractor.x - closest[AT_X], dy = estimate->tractor.y - closest[AT_Y];
-    const double ahead = along * dx + across * dy, aside = along * dy - across * dx;
+    const double ahead = along * dx + across * dy, left_of = along * dy - across * dx;
     const double steep = tan(clipped(wrapped(estimate->tractor.yaw + crab - closest[AT_YAW]), STEEPEST));
-    const double offset = aside - targets[0], bend = steep - slopes[0] + offset / component->return_length;
+    const double offset = left_of - targets[0], bend = steep - slopes[0] + offset / component->return_length;
     const double step = estimate->longitudinal_slip * estimate->speed * component->interval;
     const double fades = exp(-step / component->return_length);
     double share = 1.0, aims = slopes[0], last = 0.0, sum = 0.0;

@@ -24,9 +24,9 @@
 
 struct centralised {
     struct iteration iteration;
-    int32_t foretells;                     /* the last plan says where the vehicle gets */
-    int32_t solved;                        /* there has been a plan that was solved; the plans below are its */
-    double predicted[NX];                  /* that state */
+    int32_t predicts;                      /* the last plan was solved: `predicted` holds */
+    int32_t solved;                        /* a plan has been solved; the plans below are of the last such */
+    double predicted[NX];                  /* the state one sample after that plan's first */
     /* the plans */
     double tractor_poses[N + 1][3], trailer_poses[N + 1][3];
     double tractor_steerings[N], trailer_steerings[N];

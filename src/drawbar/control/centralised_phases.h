@@ -13,14 +13,14 @@ static void take_in(struct component *component, const struct drawbar_estimate *
     double *estimated = component->rti.initial;
 
     vehicle_state(estimate, estimated);
-    vehicle_deviation(both, estimated, both->foretells ? both->predicted : estimated, tractor_reference,
+    vehicle_deviation(both, estimated, both->predicts ? both->predicted : estimated, tractor_reference,
                       trailer_reference);
     fill(component, estimate, tractor_reference, trailer_reference);
     iteration_enter(&both->iteration, &component->rti);
 }
 
-/* Go on along the last plans that were solved: what they planned for the next sample is now; their ends are repeated. */
-static void live_on(struct centralised *both)
+/* Repeat the last plans that were solved, shifted by one sample; their last values are held. */
+static void repeat_plan(struct centralised *both)
 {
     memmove(both->tractor_poses[0], both->tractor_poses[1], N * sizeof both->tractor_poses[0]);
     memmove(both->trailer_poses[0], both->trailer_poses[1], N * sizeof both->trailer_poses[0]);
@@ -42,15 +42,15 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     take_in(component, estimate, tractor_reference, trailer_reference);
     WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, lent));
     const int status = iteration_leave(&both->iteration, &component->rti);
-    both->foretells = status == SOLVED;
-    both->solved |= both->foretells;
-    if (both->foretells || !both->solved) {
+    both->predicts = status == SOLVED;
+    both->solved |= both->predicts;
+    if (both->predicts || !both->solved) {
         vehicle_command(component, commands);
-        if (both->foretells)
+        if (both->predicts)
             memcpy(both->predicted, iteration_successor(&component->rti), sizeof both->predicted);
         vehicle_plan(component);
     } else {
-        live_on(both);
+        repeat_plan(both);
         vehicle_hold(component, both->tractor_steerings[0], both->trailer_steerings[0], commands);
     }
     *tractor = (struct drawbar_body_plan){
@@ -66,28 +66,7 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     return status;
 }
 
-/* Make the next sample's problem. */
-int UNIT(ready)(struct component *component)
-{
-    return iteration_ready(&component->centralised.iteration, &component->rti);
-}
-
-/* Let samples pass that were left out: the plan goes on, but where the model gets is not known. */
-int UNIT(skip)(struct component *component, int samples)
-{
-    component->centralised.foretells = 0;
-    for (int i = 0; i < samples; ++i)
-        live_on(&component->centralised);
-    for (int i = 1; i < samples; ++i)
-        rti_shift(&component->rti);
-    return UNIT(ready)(component);
-}
-
-/* Plan with what is known of the actuators. */
-int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
-{
-    allow_rates(component, known);
-    return 0;
-}
+#define PLANNER centralised
+#include "plan_phases.h"
 
 #endif

@@ -34,14 +34,14 @@ static inline double off_tracking_remainder(const struct off_tracking *vehicle, 
  *
  * The tractor takes a share of what remains beyond an accepted error, at most half of what remains, and keeps a little
  * outside of every curve, where the trailer's steering has nothing left to correct with. The target changes no faster than
- * the trailer can follow, a first-order lag of the trailer's length along the way. Both controllers compute it: the tractor's
+ * the trailer can follow, a first-order lag of the trailer's length along the path. Both controllers compute it: the tractor's
  * keeps to it, the trailer's knows by it where the tractor will be. */
 struct shared_error {
     struct off_tracking off_tracking;
     double share;                          /* of the error beyond the accepted one */
     double accepted_error;                 /* m */
     double widening;                       /* m^2 */
-    double lag;                            /* way within which the trailer follows, m */
+    double lag;                            /* distance within which the trailer follows, m */
     double sample_time;                    /* s */
 
     double next;                           /* the target where the next call begins, m */

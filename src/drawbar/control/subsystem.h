@@ -33,9 +33,9 @@ struct subsystem {
     double half_widths[NX];                /* optimised: the box around x^ that it is chosen from */
 
     struct iteration iteration;
-    int32_t follows;                       /* the last plan says where the nominal model gets */
-    int32_t solved;                        /* there has been a plan that was solved; poses and steerings are its */
-    double successor[NX];                  /* that state */
+    int32_t predicts;                      /* the last plan was solved: `successor` holds */
+    int32_t solved;                        /* a plan has been solved; poses and steerings are of the last such */
+    double successor[NX];                  /* the nominal state one sample after that plan's first */
     double frame[3];                       /* optimised: pose from which all of this is seen */
 
     double estimated[NX], nominal[NX];     /* x^, and the nominal state beside it */
@@ -44,7 +44,7 @@ struct subsystem {
 
 #define SUBSYSTEM_FIELDS                                                                                    \
     SETTING(component, subsystem.restarts, 1, 1, 0, 0) SETTING(component, subsystem.reach, 0, NX, 0, 0)               \
-    SETTING(component, subsystem.half_widths, 0, NX, 0, 0) FIELD(component, subsystem.follows, 1, 1, 0, 0)            \
+    SETTING(component, subsystem.half_widths, 0, NX, 0, 0) FIELD(component, subsystem.predicts, 1, 1, 0, 0)           \
     FIELD(component, subsystem.successor, 0, NX, 0, 0) FIELD(component, subsystem.frame, 0, 3, 0, 0)                  \
     FIELD(component, subsystem.poses, 0, N + 1, 3, 0) FIELD(component, subsystem.steerings, 0, N, 0, 0)               \
     FIELD(component, subsystem.deviation, 0, DEVIATIONS, 0, 0)

@@ -13,8 +13,8 @@ typedef char states_begin_with_a_pose[(int)X_X == AT_X && (int)X_Y == AT_Y && (i
  * none to go on from. */
 static void nominal_state(struct subsystem *body, const double *closest)
 {
-    memcpy(body->nominal, body->follows ? body->successor : body->estimated, sizeof body->nominal);
-    if (POSE_STATES && body->follows)
+    memcpy(body->nominal, body->predicts ? body->successor : body->estimated, sizeof body->nominal);
+    if (POSE_STATES && body->predicts)
         move_beside(body->nominal, closest);
 }
 
@@ -54,8 +54,8 @@ static void state_deviation(struct subsystem *body, const double *nominal)
     (POSE_STATES ? pose_deviation : plain_deviation)(body->estimated, nominal, NX, body->deviation);
 }
 
-/* Go on along the last plan that was solved: what it planned for the next sample is now; its end is repeated. */
-static void live_on(struct subsystem *body)
+/* Repeat the last plan that was solved, shifted by one sample; its last values are held. */
+static void repeat_plan(struct subsystem *body)
 {
     memmove(body->poses[0], body->poses[1], N * sizeof body->poses[0]);
     memmove(&body->steerings[0], &body->steerings[1], (N - 1) * sizeof body->steerings[0]);
@@ -67,7 +67,7 @@ static void make_plan(struct component *component, struct drawbar_body_plan *pla
     struct subsystem *body = &component->subsystem;
 
     plan->steering = body_command(component);
-    if (body->follows)
+    if (body->predicts)
         memcpy(body->successor, iteration_successor(&component->rti), sizeof body->successor);
     body_plan(component);
     if (FREE_INITIAL && POSE_STATES)
@@ -87,18 +87,18 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     take_in(component, estimate, reference, neighbour);
     WATCHED(WATCHED_FEEDBACK, rti_feedback(solver, lent));
     plan->status = iteration_leave(&body->iteration, solver);
-    body->follows = plan->status == SOLVED;
-    body->solved |= body->follows;
-    if (!body->follows)                    /* of a plan that failed only its begin is known */
+    body->predicts = plan->status == SOLVED;
+    body->solved |= body->predicts;
+    if (!body->predicts)                   /* of a plan that failed only the initial state is known */
         memcpy(first, iteration_begin(solver), NX * sizeof *first);
-    if (body->follows || !body->solved) {
+    if (body->predicts || !body->solved) {
         make_plan(component, plan);
     } else {
-        live_on(body);
+        repeat_plan(body);
         plan->steering = body_hold(component, body->steerings[0]);
     }
     state_deviation(body, FREE_INITIAL ? first : body->nominal);
-    if (!body->follows)
+    if (!body->predicts)
         memset(body->deviation, 0, sizeof body->deviation);
     plan->poses = (const double (*)[3])body->poses;
     plan->steerings = body->steerings;
@@ -107,28 +107,7 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     return plan->status;
 }
 
-/* Make the next sample's problem. */
-int UNIT(ready)(struct component *component)
-{
-    return iteration_ready(&component->subsystem.iteration, &component->rti);
-}
-
-/* Let samples pass that were left out: the plan goes on, but where the nominal model gets is not known. */
-int UNIT(skip)(struct component *component, int samples)
-{
-    component->subsystem.follows = 0;
-    for (int i = 0; i < samples; ++i)
-        live_on(&component->subsystem);
-    for (int i = 1; i < samples; ++i)
-        rti_shift(&component->rti);
-    return UNIT(ready)(component);
-}
-
-/* Plan with what is known of the actuators. */
-int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
-{
-    allow_rates(component, known);
-    return 0;
-}
+#define PLANNER subsystem
+#include "plan_phases.h"
 
 #endif

@@ -85,7 +85,7 @@ def _print_outcome(console: Console, measured: MeasuredExperiment, file: Path) -
     misses = measured.misses()
     for miss in misses:
         console.print(Text(f"missed: {miss}", "red"))
-    for each in measured.untold():
+    for each in measured.left_out_texts():
         console.print(f"{measured.experiment.folder.name}: {each}", soft_wrap=True, markup=False)
     met = sum(verdict.holds for verdict in measured.verdicts())
     console.print(f"{met} of {len(measured.verdicts())} expected figures met: {file}", soft_wrap=True)

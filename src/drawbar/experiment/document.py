@@ -61,8 +61,8 @@ def _summary(measured: MeasuredExperiment) -> Summary:
     missed = sum(not verdict.holds for verdict in measured.verdicts())
     return Summary(
         title=settings.title,
-        learned=measured.told(settings.learned),
-        why_missed=(measured.told(settings.why_missed) or _UNTOLD) if misses and settings.why_missed else "",
+        learned=measured.filled_in(settings.learned),
+        why_missed=(measured.filled_in(settings.why_missed) or _UNTOLD) if misses and settings.why_missed else "",
         cases=len(measured.cases),
         seeds=measured.seeds,
         expected=len(measured.verdicts()),
@@ -135,7 +135,7 @@ def _left_out(measured: MeasuredExperiment) -> list[str]:
     """Say which cases were not driven, and why, and which texts for REPORT.md name some without a result."""
     reasons = measured.experiment.left_out.items()
     not_driven = [f"Not driven: {'; '.join(f'{case} ({reason})' for case, reason in reasons)}."] if reasons else []
-    return [*not_driven, *(f"{each}." for each in measured.untold())]
+    return [*not_driven, *(f"{each}." for each in measured.left_out_texts())]
 
 
 def _judgement(measured: MeasuredExperiment) -> list[str]:

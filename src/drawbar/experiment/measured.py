@@ -107,15 +107,15 @@ class MeasuredExperiment:
         named = dict.fromkeys(case for case, _ in named_figures(text))
         return [case for case in named if case not in self.runs or not self.runs[case].results]
 
-    def told(self, text: str) -> str:
+    def filled_in(self, text: str) -> str:
         """Return a text with measured figures for {case|figure}; empty where one of its cases is unmeasured.
 
         Raises:
             ConfigurationError: a case that it names has no such figure.
         """
-        return "" if self.unmeasured(text) else FIGURE.sub(self._told, text)
+        return "" if self.unmeasured(text) else FIGURE.sub(self._filled_in, text)
 
-    def untold(self) -> list[str]:
+    def left_out_texts(self) -> list[str]:
         """Say which of the texts for REPORT.md are left out, and which cases without a result they name."""
         texts = {name: getattr(self.experiment.settings, name) for name in ("learned", "why_missed")}
         return [
@@ -124,7 +124,7 @@ class MeasuredExperiment:
             if (cases := self.unmeasured(text))
         ]
 
-    def _told(self, place: re.Match[str]) -> str:
+    def _filled_in(self, place: re.Match[str]) -> str:
         case, figure = place.groups()
         if figure not in self.figure_names:
             raise ConfigurationError(

@@ -1,9 +1,9 @@
 """A field: its boundary and its lines, in WGS84 degrees; what every format reads and writes."""
 
 import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 
@@ -88,12 +88,12 @@ def make_field(
     Raises:
         PathError: a coordinate is none on Earth, or points are too few; says which.
     """
-    taken: Counter[str] = Counter()
+    taken: set[str] = set()
     found, besides = [], [*left_out]
     for index, (given, degrees) in enumerate(lines, 1):
         plain = _plain(given) or f"line {index}"
-        taken[plain] += 1
-        unique = plain if taken[plain] == 1 else f"{plain} ({taken[plain]})"
+        unique = plain if plain not in taken else next(n for i in count(2) if (n := f"{plain} ({i})") not in taken)
+        taken.add(unique)
         points = _on_earth(f"{source}: line '{unique}'", degrees)
         if (different := len(np.unique(points, axis=0))) >= _FEWEST_OF_LINE:
             found.append(FieldLine(name=unique, points=points))

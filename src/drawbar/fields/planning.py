@@ -27,7 +27,7 @@ class PlannedPass:
         return float(self.drivable.deviations.max())
 
     @property
-    def aside(self) -> list[Floats]:
+    def deviating(self) -> list[Floats]:
         """The stretches of the pass that the driven line leaves noticeably, each (n, 2) m."""
         far = self.drivable.deviations > NOTICED
         edges = np.flatnonzero(np.diff(far, prepend=False, append=False)).reshape(-1, 2)

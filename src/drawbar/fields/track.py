@@ -11,6 +11,8 @@ _APART = 0.5
 """between two points that are kept, m"""
 _JUMP = 5.0
 """two positions in a row farther apart are no motion, m"""
+_AGREEING = 5
+"""positions in a row that are near each other are believed, however far they are from the ones before"""
 _SHORTEST = 5.0
 """m"""
 _MOST = 20_000
@@ -24,19 +26,38 @@ class Track:
         self.points: list[tuple[float, float]] = []
         self.lost = 0
         """positions that were too far from the one before to be believed"""
+        self._far: list[tuple[float, float]] = []  # the newest of these, as long as they agree
 
     def add(self, east: float, north: float) -> bool:
-        """Take a position, m; return whether it was kept. A vehicle that stands adds nothing."""
+        """Take a position, m; return whether it was kept. A vehicle that stands adds nothing.
+
+        Where positions were missing for a while, as without an RTK fix, the curve continues straight across the gap.
+        """
         if not math.isfinite(east + north) or len(self.points) >= _MOST:
             return False
-        if self.points:
-            step = math.hypot(east - self.points[-1][0], north - self.points[-1][1])
-            if step > _JUMP:
-                self.lost += 1
-                return False
-            if step < _APART:
-                return False
-        self.points.append((east, north))
+        place = (east, north)
+        step = math.dist(place, self.points[-1]) if self.points else math.inf
+        if self.points and step > _JUMP:
+            return self._add_far(place)
+        self._far.clear()
+        if step < _APART:
+            return False
+        self.points.append(place)
+        return True
+
+    def _add_far(self, place: tuple[float, float]) -> bool:
+        """Take a position far from the one before; return whether it and those that agree with it were kept."""
+        if self._far and math.dist(place, self._far[-1]) > _JUMP:
+            self._far.clear()
+        self._far.append(place)
+        self.lost += 1
+        if len(self._far) < _AGREEING:
+            return False
+        agreeing, self._far = self._far, []
+        self.lost -= len(agreeing)
+        self.points.append(agreeing[0])
+        for each in agreeing[1:]:
+            self.add(*each)
         return True
 
     def line(self) -> Floats:

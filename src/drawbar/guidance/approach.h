@@ -1,8 +1,8 @@
-/* The way onto the path for a vehicle that faces away from it: three turns within the vehicle's limits (turns.h).
+/* Approach: the track onto the path for a vehicle that faces away from it, three turns within its limits (turns.h).
  *
  * The turns are found beside a straight line, then laid along the path: a point of theirs is an arc length of the path
  * and a distance to its left. Beside a curved path they become a little tighter or wider by that. Laying is what costs:
- * a way is looked at on its arcs first, where the limits are exceeded if anywhere, and only a few are laid.
+ * a candidate is checked on its arcs first, where the limits are exceeded if anywhere, and only a few are laid.
  */
 #ifndef DRAWBAR_APPROACH_H
 #define DRAWBAR_APPROACH_H
@@ -10,12 +10,12 @@
 #include "onto_line.h"
 #include "signals.h"
 
-#define APPROACH_NODES 256                 /* longest way, in pieces of up to 0.25 m */
+#define APPROACH_NODES 256                 /* longest track, in pieces of up to 0.25 m */
 #define APPROACH_TIGHTER 1.4               /* how much tighter than their limit turns may become beside a curve */
 #define APPROACH_LOOK (DRAWBAR_PI / 4.0)   /* between the directions in which an arc is looked at, rad */
 #define APPROACH_LOOKS 18                  /* of them in a turn, at most */
-#define APPROACH_FOUND 64                  /* ways whose last turn is looked for, at most */
-#define APPROACH_PLACES 448                /* of all ways together, at which one is looked at or traced and laid, at most */
+#define APPROACH_FOUND 64                  /* candidates whose last turn is solved for, at most */
+#define APPROACH_PLACES 448                /* of all candidates together, that are checked or traced and laid, at most */
 
 /* Where a tractor stands, seen from the path. */
 struct beside_path {
@@ -51,14 +51,14 @@ static inline void approach_sample(const struct approach *approach, const struct
         path_sample(&track, arc_length, sample);
 }
 
-/* What a way may do, and what may be spent on looking for one. */
+/* What a track may do, and how much the search for one may cost. */
 struct approach_limits {
     double widest;                         /* distance from the line, m */
     double tightest;                       /* curvature beside the path, 1/m */
-    int32_t places;                        /* left to look at, or to trace */
+    int32_t places;                        /* left to check, or to trace */
 };
 
-/* How far beside the line the way leads, m. */
+/* The track's largest distance from the line, m. */
 static inline double approach_widest(const struct approach *approach)
 {
     double widest = 0.0;
@@ -97,7 +97,7 @@ static inline int approach_join(struct drawbar_path_node *a, double tightest)
     return fabs(2.0 * (piece.x[1] * piece.y[2] - piece.y[1] * piece.x[2])) <= tightest;
 }
 
-/* Lay a way that was found beside a straight line along the path. Returns 0 where it cannot be, or is tighter than the
+/* Lay a track that was found beside a straight line along the path. Returns 0 where it cannot be, or is tighter than the
  * given curvature, 1/m. */
 static inline int approach_lay(struct approach *approach, const struct path *path, double tightest)
 {
@@ -111,7 +111,7 @@ static inline int approach_lay(struct approach *approach, const struct path *pat
         if (i > 0 && !approach_join(&nodes[i - 1], tightest))
             return 0;
     }
-    /* the way ends in the path's direction; whole rounds before that are not the path's */
+    /* the track ends in the path's direction; whole rounds before that are not the path's */
     path_sample(path, approach->joins_at, closest);
     const double rounds = last->yaw - closest[AT_YAW];
     for (int32_t i = 0; i < approach->count; ++i)
@@ -155,7 +155,7 @@ static inline double approach_bend(const double *sample, double left, double dir
     return (curvature * cosine + (nearer * bend + curvature * sine * sine * cosine) / squared) / sqrt(squared);
 }
 
-/* Is a turn within the limits on its arc? It is looked at where it leads furthest aside, along the line, and between. */
+/* Whether a turn is within the limits on its arc: checked where it is furthest from the line, along it, and between. */
 static inline int approach_turn_fits(const struct onto_line *line, const struct path *path, const double *begin,
                                      double angle, struct approach_limits *most)
 {
@@ -197,14 +197,14 @@ static inline int approach_promises(const struct onto_line *line, const struct p
     return 1;
 }
 
-/* Find the shortest way onto the path that stays within the room (m) beside it, or no further off than the tractor is.
+/* Find the shortest track onto the path that stays within the room (m) beside it, or no further off than the tractor is.
  * `line` is memory for the search. Returns 0 where there is none. */
 static inline int approach_find(struct approach *approach, const struct path *path, const struct beside_path *from,
                                 const struct turn_limits *limits, double room, struct onto_line *line)
 {
     struct approach_limits most
         = {fmax(room, fabs(from->offset)), APPROACH_TIGHTER * limits->curvature, APPROACH_PLACES};
-    struct way way;
+    struct candidate candidate;
     double angles[TURNS];
 
     approach_trace(approach, from, limits, NULL, 0, APPROACH_NODES);
@@ -212,9 +212,9 @@ static inline int approach_find(struct approach *approach, const struct path *pa
         return 0;
     const struct drawbar_path_node *straight = &approach->nodes[approach->count - 1];
     const double pose[3] = {straight->x, straight->y, straight->yaw};
-    line_ways(line, limits, pose[1], pose[2], most.widest);
-    while (line_take(line, APPROACH_FOUND, &way)) {
-        way_angles(line, &way, angles);
+    line_candidates(line, limits, pose[1], pose[2], most.widest);
+    while (line_take(line, APPROACH_FOUND, &candidate)) {
+        candidate_angles(line, &candidate, angles);
         if (!approach_promises(line, path, angles, pose, &most))
             continue;
         approach_trace(approach, from, limits, angles, TURNS, most.places);

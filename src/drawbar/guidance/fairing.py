@@ -97,7 +97,7 @@ def limit(
     """Return nodes within the curvature (1/m) and rate (1/m²), close to the recorded points.
 
     nodes (n,): a first guess; free tells whether its first and last nodes may move. The nodes come back as
-    they are when the linear program has no solution; whoever calls checks the result anyway.
+    they are when the linear program has no solution; the caller checks the result anyway.
     """
     for _ in range(_ITERATIONS):
         nodes = equal_steps(nodes, len(nodes))

@@ -33,7 +33,7 @@ struct guidance {
     TRACKED_FIELDS(type, prefix tracked[TRAILER]) FIELD(type, prefix progress, 0, BODIES, 0, 0)           \
     FIELD(type, prefix samples, 0, BODIES, STAGES + 1, 4)
 
-/* Place both bodies (x, y, m) on the path near an arc length (m); the tractor's `distance` from there (m) is told. */
+/* Place both bodies (x, y, m) on the path near an arc length (m); `distance` becomes the tractor's from there (m). */
 static inline int guidance_place(struct guidance *guidance, const struct path *path, double start,
                                  const double *tractor, const double *trailer, double *distance)
 {

@@ -27,7 +27,7 @@ struct offset_shift {
 
 struct line_offset {
     double passed;                         /* what the shifts that are over have come to, m */
-    double wished;                         /* m */
+    double wanted;                         /* m */
     struct offset_shift shifts[OFFSET_SHIFTS];
     int32_t count;                         /* of the shifts */
 };
@@ -93,10 +93,10 @@ static inline double offset_length(double change, double curvature, double rate)
     return fmax(fmax(sqrt(OFFSET_BEND * far / curvature), exp(log(cube) / 3.0)), OFFSET_SHORTEST);
 }
 
-/* Lead along the wished offset at once. */
+/* Lead along the wanted offset at once. */
 static inline void offset_begin(struct line_offset *offset)
 {
-    offset->passed = offset->wished;
+    offset->passed = offset->wanted;
     offset->count = 0;
 }
 
@@ -111,12 +111,12 @@ static inline void offset_forget(struct line_offset *offset, double hindmost)
     }
 }
 
-/* Begin a shift to the wished offset beside the foremost body where it has the last one behind it. A shift curves (1/m),
+/* Begin a shift to the wanted offset beside the foremost body where it has the last one behind it. A shift curves (1/m),
  * and changes its curvature (1/m^2), so much at most; arc lengths of both bodies in m. */
 static inline void offset_advance(struct line_offset *offset, double curvature, double rate, double foremost,
                                   double hindmost)
 {
-    double last = -(double)INFINITY, change = offset->wished;
+    double last = -(double)INFINITY, change = offset->wanted;
 
     offset_forget(offset, hindmost);
     change -= offset->passed;
@@ -125,7 +125,7 @@ static inline void offset_advance(struct line_offset *offset, double curvature, 
         last = offset->shifts[i].start + offset->shifts[i].length;
     }
     if (offset->count == 0 && fabs(change) <= OFFSET_SAME) {
-        offset->passed = offset->wished;
+        offset->passed = offset->wanted;
     } else if (fabs(change) > OFFSET_SAME && foremost >= last && offset->count < OFFSET_SHIFTS) {
         const struct offset_shift next = {foremost, offset_length(change, curvature, rate), change};
         offset->shifts[offset->count++] = next;

@@ -67,7 +67,7 @@ class Path:
     label_of_piece: NDArray[np.int8]
     """(n,): index into label_names"""
     label_names: tuple[str, ...]
-    """the classes a report tells apart, e.g. ("straight", "0.1")"""
+    """the classes that a report distinguishes, e.g. ("straight", "0.1")"""
 
     @classmethod
     def through(

@@ -90,7 +90,7 @@ def make_drivable(
             rate=curvature_rate_limit,
             free=(stretch.start == 0, stretch.stop == len(points)),
         )
-    kink = _spread(tight | _aside(nodes, points), 0, round(_BEHIND / step))
+    kink = _spread(tight | _deviating(nodes, points), 0, round(_BEHIND / step))
     path, arc_length = _path_along(nodes, kink)
     deviations = _deviations(path, line_in_steps.recorded, arc_length[line_in_steps.vertices])
     _require_drivable(path, line.name, curvature_limit, curvature_rate_limit)
@@ -147,12 +147,12 @@ def _judged(line: _Steps, stretch: slice) -> Complexes:
     return judged
 
 
-def _aside(nodes: Complexes, points: Complexes) -> NDArray[np.bool_]:
+def _deviating(nodes: Complexes, points: Complexes) -> NDArray[np.bool_]:
     """Tell where the path runs noticeably beside the recorded points."""
     position, derivative = fairing.knots(nodes)
     offset = ((points - position) / derivative).imag * np.abs(derivative)
-    aside: NDArray[np.bool_] = np.abs(offset) > _NOTICEABLE
-    return aside
+    deviating: NDArray[np.bool_] = np.abs(offset) > _NOTICEABLE
+    return deviating
 
 
 def _path_along(nodes: Complexes, kink: NDArray[np.bool_]) -> tuple[Path, Floats]:

@@ -1,8 +1,8 @@
 /* Tracked points: what a body must do for a point of it, such as a tool's, to follow a line.
  *
- * A point that is `ahead` of its body's axle moves in a direction by which the body turns, d yaw / d way = (direction - yaw)
- * / ahead (small angles). Ahead of the axle that is a lag along the way; behind it, it is one against the way: the line
- * ahead tells today's yaw. So the body's own point gets a line that leads the tracked point along the path, and no
+ * A point that is `ahead` of its body's axle moves in a direction by which the body turns: d yaw / d distance =
+ * (direction - yaw) / ahead (small angles). Ahead of the axle that is a lag in the direction of travel; behind it, one
+ * against it: the line ahead determines today's yaw. So the body's own point gets a line that leads the tracked point along the path, and no
  * controller needs to steer a point that first moves the wrong way (docs/theory/tracked-points.md).
  */
 #ifndef DRAWBAR_TRACKED_H
@@ -43,17 +43,17 @@ static inline void body_place(const double *arm, double x, double y, double yaw,
 
 /* One step of how a body turns whose tracked point, `ahead` (m, not 0) of its axle, moves on: the yaw after a way (m,
  * negative: before it) during which the point's direction goes from one to another (rad), both without the side-slip. It is
- * the exact solution of d yaw / d way = (direction - yaw) / ahead, which small angles and products of `left` are left out
+ * the exact solution of d yaw / d distance = (direction - yaw) / ahead, which small angles and products of `left` are left out
  * of. Stable in the direction in which the axle is behind the point. */
-static inline double tracked_turn(double ahead, double way, double from, double to, double yaw)
+static inline double tracked_turn(double ahead, double distance, double from, double to, double yaw)
 {
-    const double lag = way != 0.0 ? ahead * (to - from) / way : 0.0;
+    const double lag = distance != 0.0 ? ahead * (to - from) / distance : 0.0;
 
-    return to - lag + (yaw - from + lag) * exp(-way / ahead);
+    return to - lag + (yaw - from + lag) * exp(-distance / ahead);
 }
 
 /* How far one sample is from another, m. */
-static inline double tracked_way(const double *from, const double *to)
+static inline double tracked_distance(const double *from, const double *to)
 {
     return hypot(to[AT_X] - from[AT_X], to[AT_Y] - from[AT_Y]);
 }
@@ -65,15 +65,16 @@ static inline void tracked_yaws(double ahead, double yaw, const double *directio
                                 double *yaws)
 {
     const int last = count - 1, first = ahead > 0.0 ? 0 : last, next = ahead > 0.0 ? 1 : -1;
-    const double way = tracked_way(samples[last - 1], samples[last]);
-    const double steady = directions[last] - (way > 0.0 ? ahead * (directions[last] - directions[last - 1]) / way : 0.0);
+    const double distance = tracked_distance(samples[last - 1], samples[last]);
+    const double steady = directions[last]
+        - (distance > 0.0 ? ahead * (directions[last] - directions[last - 1]) / distance : 0.0);
 
     memcpy(yaws, directions, (size_t)count * sizeof *yaws);
     if (ahead == 0.0)
         return;
     yaws[first] = ahead > 0.0 ? yaw : steady;
     for (int k = first; k != last - first; k += next)
-        yaws[k + next] = tracked_turn(ahead, next * tracked_way(samples[k], samples[k + next]), directions[k],
+        yaws[k + next] = tracked_turn(ahead, next * tracked_distance(samples[k], samples[k + next]), directions[k],
                                       directions[k + next], yaws[k]);
 }
 

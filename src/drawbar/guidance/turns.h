@@ -1,4 +1,4 @@
-/* Continuous-curvature turns: the shortest ways to turn for a steering of limited angle and limited rate.
+/* Continuous-curvature turns: the shortest turns for a steering of limited angle and limited rate.
  *
  * A turn's curvature rises at the rate limit, stays at the curvature limit if it gets there, and falls back to zero:
  * clothoid, arc, clothoid (Fraichard and Scheuer 2004). A turn is symmetric about its middle, so it displaces the
@@ -11,7 +11,7 @@
 #include "lanes.h"
 #include "path.h"
 
-#define TURNS 3                            /* in a way, at most */
+#define TURNS 3                            /* in a track onto a line, at most */
 #define TURNS_PIECE 0.25                   /* longest distance of a traced curve's nodes, m */
 #define TURNS_POINT 1e-6                   /* a piece of a curve up to this long is a point, m */
 #define TURNS_NODES 12                     /* of Gauss and Legendre's quadrature */

@@ -64,8 +64,8 @@ class Attitude:
         return self._terrain.height(places[:, 0], places[:, 1])
 
     def _roll(self, axle: Floats, yaw: Floats, track: float) -> Floats:
-        aside = 0.5 * track * _along(yaw + 0.5 * math.pi)
-        rolled: Floats = np.arctan((self._height(axle + aside) - self._height(axle - aside)) / track)
+        half_track = 0.5 * track * _along(yaw + 0.5 * math.pi)
+        rolled: Floats = np.arctan((self._height(axle + half_track) - self._height(axle - half_track)) / track)
         return rolled
 
 

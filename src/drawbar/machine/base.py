@@ -8,7 +8,7 @@ from drawbar.signals import Command, Measurement, Truth
 
 
 class Machine(ABC):
-    """A tractor with a trailer, as a context: whatever happens in it, the machine is told to stop at last.
+    """A tractor with a trailer, as a context: whatever happens in it, `stop` is called at the end.
 
     Each sample: read(), then write() as soon as the command is known. The clock belongs to the machine: it decides when
     a sample is due, and stamps it.

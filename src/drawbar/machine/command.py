@@ -6,7 +6,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 
 def accepted(command: Command, vehicle: VehicleParameters, full_speed: float) -> tuple[float, float, float]:
-    """Return what the actuators are told: angle of the front wheels and of the joint (rad), wheel speed (m/s).
+    """Return what the actuators are commanded: angle of the front wheels and of the joint (rad), wheel speed (m/s).
 
     Raises HardwareError when the command is not finite or beyond the limits.
     """

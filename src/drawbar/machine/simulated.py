@@ -46,7 +46,7 @@ class SimulatedMachine(SampledMachine):
             start: of the tractor.
             seed: of everything random.
             unknown: gives what is added to mu, kappa, b, alpha_r, alpha_i during a sample, and that not even the truth
-                tells.
+                contains.
         """
         super().__init__(vehicle, settings, sample_time, start)
         self._settings, self._flat = settings, settings.terrain.is_flat

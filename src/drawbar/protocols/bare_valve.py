@@ -58,20 +58,20 @@ class ValveBoard:
 
 
 def drive_sentence(drive: float) -> bytes:
-    """Return what the board is told, drive from -1 to 1; raises HardwareError beyond."""
+    """Return the board's command, drive from -1 to 1; raises HardwareError beyond."""
     if not abs(drive) <= 1.0:
         raise HardwareError(f"a valve was to be driven by {drive}; -1 to 1 is allowed")
     return own_sentence("PDBD", round(FULL * drive))
 
 
-def drives_told(sentences: SentenceReader, data: bytes) -> list[float]:
-    """Return the drives that a board is told; sentences: a reader of PDBD."""
+def commanded_drives(sentences: SentenceReader, data: bytes) -> list[float]:
+    """Return the drives in a board's commands; sentences: a reader of PDBD."""
     drives = []
     for fields in sentences.push(data):
         try:
-            (told,) = (whole_number(field, signed=True) for field in fields)
+            (drive,) = (whole_number(field, signed=True) for field in fields)
         except ValueError:
             continue
-        if told is not None and abs(told) <= FULL:
-            drives.append(told / FULL)
+        if drive is not None and abs(drive) <= FULL:
+            drives.append(drive / FULL)
     return drives

@@ -1,4 +1,4 @@
-"""Listened steering: an actuator that is heard and never told anything, for a drive in which drawbar only looks on."""
+"""Listened steering: an actuator whose reports are read and that is never commanded, for shadow drives."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Own sentences: what drawbar's small boards say and are told, in NMEA's form, `$NAME,FIELD,...*hh` CR LF. Pure."""
+"""Own sentences: what drawbar's small boards send and receive, in NMEA's form, `$NAME,FIELD,...*hh` CR LF. Pure."""
 
 from collections import Counter
 from collections.abc import Iterator

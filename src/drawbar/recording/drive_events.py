@@ -133,13 +133,13 @@ def drive_events(log: Path, *, is_on: bool = False) -> list[DriveEvent]:
         with log.open("rb") as stream:
             messages = (each for each in read_records(stream) if isinstance(each, LoggedMessage))
             # a state of the gate may have been recorded behind a newer one
-            told = sorted(_told(messages), key=lambda pair: pair[0])
-        return list(_without_repetitions(_events(told, is_on=is_on)))
+            ordered = sorted(_relevant(messages), key=lambda pair: pair[0])
+        return list(_without_repetitions(_events(ordered, is_on=is_on)))
     except (OSError, DamagedLogError, ValueError) as error:  # what is no message of these, too
         raise DrawbarError(f"{log}: cannot be read ({error})") from error
 
 
-def _told(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Message]]:
+def _relevant(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Message]]:
     """Yield the messages that events are made of, each with its time, and the time of the last message of any kind."""
     decoders = {topic: msgspec.json.Decoder(kind) for topic, kind in _KINDS.items()}
     end = 0.0
@@ -151,11 +151,11 @@ def _told(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Message]]
     yield end, None
 
 
-def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[DriveEvent]:
+def _events(ordered: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[DriveEvent]:
     """Yield what happened, given messages in the order of their times."""
-    last, heard, status = None, set(), Status.OK
+    last, seen, status = None, set(), Status.OK
     noticed: set[int] = set()
-    for time, message in told:
+    for time, message in ordered:
         if isinstance(message, _Controller):
             status = Status(message.status)
             if last is not None and last.steers:
@@ -167,15 +167,15 @@ def _events(told: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[
                 yield _became(time, message, status)
             if message.is_unrecorded and not (last is not None and last.is_unrecorded):
                 yield Lost(time=time, loss=Loss.UNRECORDED)
-            if message.answered in heard and not (last is not None and last.answered == message.answered):
+            if message.answered in seen and not (last is not None and last.answered == message.answered):
                 yield from (Refused(time=time, cause=cause) for cause in message.objections)
             if not message.steers:
                 noticed.clear()
             last = message
         elif isinstance(message, _Wish):
             action = Action(message.action)
-            if action is not Action.PRESENT and message.nonce not in heard:
-                heard.add(message.nonce)
+            if action is not Action.PRESENT and message.nonce not in seen:
+                seen.add(message.nonce)
                 yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
         elif last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, which is recorded
             yield Lost(time=time, loss=Loss.ENDS)

@@ -23,10 +23,10 @@ _ASKED = {
 
 def event_rows(events: Sequence[DriveEvent]) -> list[Row]:
     """Return of each event the time since the first one (s), what happened, and what to do about it."""
-    return [(f"{event.time - events[0].time:.1f} s", list(_told(event))) for event in events]
+    return [(f"{event.time - events[0].time:.1f} s", list(_described(event))) for event in events]
 
 
-def _told(event: DriveEvent) -> Iterator[str]:
+def _described(event: DriveEvent) -> Iterator[str]:
     """Yield what happened, and what to do, which may be nothing."""
     if isinstance(event, Became):
         cause = event.cause

@@ -93,8 +93,8 @@ def _wheel(centre: tuple[float, float, float], radius: float, width: float, yaw:
     """Return a drum that rolls forward, turned by yaw: two rims, then the middles of both sides."""
     angles = 2.0 * math.pi * np.arange(_SPOKES) / _SPOKES
     circle = np.column_stack((radius * np.cos(angles), np.zeros(_SPOKES), radius * np.sin(angles)))
-    aside = np.array([0.0, 0.5 * width, 0.0])
-    corners = np.vstack((circle - aside, circle + aside, -aside, aside)) @ rotation(yaw, 0.0, 0.0).T
+    half_width = np.array([0.0, 0.5 * width, 0.0])
+    corners = np.vstack((circle - half_width, circle + half_width, -half_width, half_width)) @ rotation(yaw, 0.0, 0.0).T
     this = np.arange(_SPOKES)
     following = (this + 1) % _SPOKES
     right, left = np.full(_SPOKES, 2 * _SPOKES), np.full(_SPOKES, 2 * _SPOKES + 1)

@@ -84,10 +84,10 @@ class ControllerChannel:
 
 
 class DeskChannel:
-    """The operators' socket, and who is told of the gate's state: given at the start, or a sender of a message."""
+    """The operators' socket, and the subscribers of the gate's state: given at the start, or senders of a message."""
 
     def __init__(self, desk: socket.socket, subscribers: tuple[str, ...]) -> None:
-        """Take the bound socket, and the paths of sockets that are told from the start and for good."""
+        """Take the bound socket, and the paths of permanent subscribers."""
         desk.setblocking(False)
         self._socket, self._fixed = desk, subscribers
         self._senders: dict[str, None] = {}
@@ -108,14 +108,14 @@ class DeskChannel:
         return records
 
     def subscribe(self, sender: str) -> None:
-        """Tell a sender from now on; one without a path of its own cannot be told."""
+        """Add a subscriber; a sender without a path of its own cannot be one."""
         if sender and sender not in self._fixed:
             self._senders[sender] = None
             if len(self._senders) > SUBSCRIBERS:
                 del self._senders[next(iter(self._senders))]
 
     def publish(self, record: bytes) -> None:
-        """Send to all; whoever does not read is not waited for, and a sender that is gone is forgotten."""
+        """Send to all without waiting for any of them; a sender that is gone is forgotten."""
         for path in self._fixed:
             _offer(self._socket, record, path)
         for path in [path for path in self._senders if not _offer(self._socket, record, path)]:
@@ -127,7 +127,7 @@ class DeskChannel:
 
 
 def _offer(end: socket.socket, record: bytes, path: str | None) -> bool:
-    """Send without waiting; return whether there is still somebody to send to."""
+    """Send without waiting; return whether the receiver still exists."""
     try:
         if path is None:
             end.send(record)

@@ -50,7 +50,7 @@ class Observation:
     """rad"""
     speed: float = math.nan
     """largest recent magnitude, m/s"""
-    speed_heard: bool = False
+    speed_received: bool = False
     """one of its sources is fresh"""
     speed_known: bool = False
     """a source is fresh, and no other fresh one contradicts it"""
@@ -86,7 +86,7 @@ class Observation:
     """since the last word of the operator who engaged; before that, of any"""
     backwards: bool = False
     """the antennas move backwards, by what the controller says"""
-    astray: bool = False
+    not_following: bool = False
     """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
     recording: bool = False
     """the recorder is alive and writes"""
@@ -124,7 +124,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.HITCH_ANGLE: lambda o, s: not (abs(o.hitch_angle) <= s.engage.hitch_angle),
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
     Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
-    Cause.SENSORS_LOST: lambda o, s: not (o.speed_heard or o.fix_age <= s.timing.fix + s.timing.speed),
+    Cause.SENSORS_LOST: lambda o, s: not (o.speed_received or o.fix_age <= s.timing.fix + s.timing.speed),
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
     Cause.SPEED_UNKNOWN: lambda o, s: not o.speed_known,
@@ -132,7 +132,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_OLD: lambda o, s: not (o.angle_age <= s.timing.angle),
     Cause.STEERING_LOST: lambda o, s: not (o.angle_age <= s.timing.angle_lost),
     Cause.STEERING_APART: lambda o, s: not (o.steering_error <= s.engage.steering_error),
-    Cause.STEERING_STUCK: lambda o, s: o.stuck or o.astray,
+    Cause.STEERING_STUCK: lambda o, s: o.stuck or o.not_following,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.STEERING_JUMPED: lambda o, s: o.jumped,
     Cause.LET_GO: lambda o, s: o.let_go,

@@ -29,7 +29,7 @@ class Desk:
         self._settings, self._engagement = settings, engagement
         self._nonces: dict[int, int] = {}
         self._shown: deque[tuple[int, int]] = deque(maxlen=64)
-        self._heard = self._holder_heard = -math.inf
+        self._received = self._holder_received = -math.inf
         self._actions: set[Action] = set()
         self._switched: dict[int, bool] = {}
         self._by_switch = False  # it was a switch that asked last to engage
@@ -72,13 +72,13 @@ class Desk:
         return actions
 
     def age(self, time: float) -> float:
-        """Return the time since the last word of whoever is responsible, s.
+        """Return the time since the responsible operator's last message, s.
 
-        While driving that is who engaged, before that anybody; a switch that is heard is always there.
+        While driving that is who engaged, before that any; a switch that is read is always present.
         """
         if self._engagement.steers and not self._by_switch:
-            return time - self._holder_heard
-        return 0.0 if self._switched else time - self._heard
+            return time - self._holder_received
+        return 0.0 if self._switched else time - self._received
 
     def _refusal(self, time: float, message: OperatorMessage) -> Cause | None:
         action = message.action
@@ -110,7 +110,7 @@ class Desk:
     def _lease_refusal(self, time: float, message: OperatorMessage) -> Cause | None:
         if message.lease == self.lease:
             return None
-        if self.lease and time - self._holder_heard <= self._settings.timing.lease:
+        if self.lease and time - self._holder_received <= self._settings.timing.lease:
             return Cause.LEASE_HELD
         return None if message.action in _TAKE_LEASE else Cause.NOT_ARMED
 
@@ -126,11 +126,11 @@ class Desk:
 
     def _accept(self, time: float, message: OperatorMessage) -> None:
         action = message.action
-        self._heard = time
+        self._received = time
         if action in _TAKE_LEASE:
             self.lease = message.lease
         if message.lease == self.lease:
-            self._holder_heard = time
+            self._holder_received = time
         if action is Action.ARM:
             self._engagement.arm(time)
         elif action is Action.NUDGE:

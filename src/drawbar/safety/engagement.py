@@ -16,7 +16,7 @@ from drawbar.safety.settings import SafetySettings
 
 BOOT, SELFTEST, STANDBY, READY, ENGAGING, ACTIVE, DEGRADED, STOPPING, STOPPED, OVERRIDE, FAULT, ESTOP = SupervisorState
 STEERING = frozenset({ENGAGING, ACTIVE, DEGRADED, STOPPING})
-"""states in which the actuators are asked to steer; in all others they are told that they are not to"""
+"""states in which the actuators are asked to steer; in all others they are told to let go"""
 LATCHED = frozenset({STOPPED, OVERRIDE, FAULT, ESTOP})
 """states that only the operator's acknowledgement ends"""
 FATAL = frozenset({Cause.CONTROLLER_GONE, Cause.ENDED, Cause.DEVICE, Cause.SUSPENDED})
@@ -193,7 +193,7 @@ class Engagement:
 
     def _events(self, time: float, situation: Situation) -> dict[Event, Cause | None]:
         events: dict[Event, Cause | None] = dict(_asked(situation.actions))
-        if self.state is not READY:  # a state that becomes READY in this very update has not been seen by anybody
+        if self.state is not READY:  # nobody has seen a state that becomes READY in this very update
             events.pop(Event.ENGAGE, None)
         if Action.ACKNOWLEDGE in situation.actions and self.answer(time, Action.ACKNOWLEDGE) is None:
             events[Event.ACKNOWLEDGE] = None

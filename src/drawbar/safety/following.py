@@ -1,4 +1,4 @@
-"""Following: whether a steering goes where it is told, and its angle as a steering can. Pure, without numpy.
+"""Following: whether a steering follows its set points, and its angle moves as a steering can. Pure, without numpy.
 
 Judged on a window of the last ticks. A steering that hardly moves while its set point is far from it is stuck, on
 whichever side the set point is: it may change sides meanwhile. So is one that is less far off, but for longer, and

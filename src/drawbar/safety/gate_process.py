@@ -1,6 +1,6 @@
 """The gate's process: runs the gate at its own pace until it is told to end or the controller is gone.
 
-It alone owns the actuators. Before it ends, for whatever reason but a SIGKILL, they have been told to let go.
+It alone owns the actuators. Before it ends, for any reason but SIGKILL, it has disengaged them.
 """
 
 import math
@@ -23,10 +23,10 @@ ASK_AGAIN = 0.01
 
 
 def run(gate: Gate, settings: SafetySettings, clock: MachineClock) -> int:
-    """Run the gate in this process, to which nothing else may be entrusted; return the exit code.
+    """Run the gate in this process, which may do nothing else; return the exit code.
 
-    SIGTERM and SIGINT end it. Before it returns, the actuators have been told for `timing.off` seconds to let go, and
-    the devices are given back. What the system forbids of real time is said on standard error.
+    SIGTERM and SIGINT end it. Before it returns, it tells the actuators to let go for `timing.off` seconds and closes
+    the devices. Real-time scheduling that the system does not allow is reported on standard error.
     """
     for word in prepare(settings.timing.priority):
         say(f"gate: {word}")
@@ -52,22 +52,21 @@ def run(gate: Gate, settings: SafetySettings, clock: MachineClock) -> int:
 def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, clock: MachineClock) -> int:
     """Tick at the gate's pace, counted from the last tick; one that was missed is never caught up in a burst.
 
-    After a new command the next tick comes after half of that time, so that commands at 5, 10 and 20 Hz arrive between
-    two ticks, and find actuators that were not told the one before just now. One that does find them so waits for a
-    quarter of that time.
+    After a new command the next tick comes after half a period, so that commands at 5, 10 and 20 Hz arrive between two
+    ticks and not just after the actuators were commanded. One that does come then waits for a quarter of a period.
     """
-    period, due, over, told = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
+    period, due, over, announced = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
     last = -math.inf
     while True:
         time = clock()
-        urgent = gate.hear(time)
+        urgent = gate.receive(time)
         if urgent or time >= due:
             gate.tick(time, max(time - due, 0.0))
             notifier.feed(time)
             due = next_tick(time, period, time - last, urgent=urgent)
             last = time
-        if gate.engagement.state is not told:
-            told = _announce(notifier, told, gate.engagement.state)
+        if gate.engagement.state is not announced:
+            announced = _announce(notifier, announced, gate.engagement.state)
         if gate.controller.gone or gate.watch.troubles.ended:
             over = min(over, time + settings.timing.off)
         if time >= over:
@@ -89,16 +88,16 @@ def next_tick(time: float, period: float, since: float, *, urgent: bool) -> floa
     return time + (period / 4.0 if since < period / 4.0 else period / 2.0)
 
 
-def _announce(notifier: Notifier, told: SupervisorState, state: SupervisorState) -> SupervisorState:
+def _announce(notifier: Notifier, announced: SupervisorState, state: SupervisorState) -> SupervisorState:
     """Tell the service manager a new state; the gate is ready once it has passed its first self-test."""
-    if state is SupervisorState.STANDBY and told <= SupervisorState.SELFTEST:
+    if state is SupervisorState.STANDBY and announced <= SupervisorState.SELFTEST:
         notifier.tell("READY=1")
     notifier.tell(f"STATUS={state.name}")
     return state
 
 
 def _wait(gate: Gate, clock: MachineClock, now: float, until: float) -> None:
-    """Wait for something to hear, at most until a time, s, or until the last command expires."""
+    """Wait for a message, at most until a time, s, or until the last command expires."""
     descriptors = [*gate.wires.descriptors(), gate.channel.fileno()]
     if not gate.controller.gone:
         descriptors.append(gate.controller.fileno())

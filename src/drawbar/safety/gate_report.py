@@ -18,7 +18,7 @@ COUNTS = 2**32
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Actuation:
-    """What was measured at, heard of and given to the actuators at a tick."""
+    """What was measured at, reported by and sent to the actuators at a tick."""
 
     tractor: SteeringReport | None
     """None: there is no such actuator"""

@@ -1,7 +1,7 @@
 /* Hitch watch: whether the angles that are measured at hitch and joint contradict the motion of both bodies.
  *
  * An estimate follows a wrong hitch angle: yaws and side-slips bend until most of it fits, and both bodies are steered
- * beside the line. What they cannot bend to shows in both angles, a few degrees for long, more than lately on this ground.
+ * beside the line. What they cannot bend to shows in both angles, a few degrees for long, more than usual on this ground.
  * A sensor that is stuck shows sooner by itself: it reports the very same angle while the estimate turns.
  */
 #ifndef DRAWBAR_HITCH_WATCH_H
@@ -27,7 +27,7 @@
 #define HITCH_SURE 1.5                     /* and so many times less, the more often it does */
 
 struct hitch_watch {
-    /* settings: safety/sanity.py tells what they mean */
+    /* settings, described in safety/sanity.py */
     double least, most, patience;
     /* state */
     double means[2];                       /* measured minus estimated angles of hitch and joint, rad */

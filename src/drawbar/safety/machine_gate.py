@@ -1,8 +1,7 @@
-"""The gate of a real machine: hears everybody, decides, tells the actuators and the world, once a tick.
+"""The gate of a real machine: once a tick it reads all messages, decides, and commands the actuators.
 
-Whatever goes wrong, the actuators are told on the wire to let go; never silence. It runs in a process of its own
-(gate_process.py). It is not `gate.h`, the last part of the control step, whose commands it takes in like those of a
-stranger. Without numpy.
+Whatever goes wrong, the actuators are sent an explicit disengage, never silence. It runs in a process of its own
+(gate_process.py), without numpy. It is not `gate.h`, the last part of the control step, whose commands it distrusts.
 """
 
 import math
@@ -34,7 +33,7 @@ URGENT = frozenset({Action.RELEASE, Action.STOP, Action.EMERGENCY})
 
 
 class Gate:
-    """All of the gate but its process: `hear` and `tick` are called with the monotonic time, s."""
+    """All of the gate but its process: `receive` and `tick` are called with the monotonic time, s."""
 
     def __init__(
         self,
@@ -44,7 +43,7 @@ class Gate:
         controller: ControllerChannel,
         desk: DeskChannel,
     ) -> None:
-        """Begin in BOOT, with nothing heard; the actuators are told at the first tick to let go."""
+        """Begin in BOOT, with nothing received; the first tick tells the actuators to let go."""
         self._settings = settings
         self.wires, self.controller, self.channel = Wires(wires), controller, desk
         self.engagement = Engagement(settings, sound=limits_hold(settings, bounds))
@@ -57,13 +56,13 @@ class Gate:
         self._counts, self._clips_in_a_row = Counts(), 0
         self._suspended_before = suspended_time()
 
-    def hear(self, now: float) -> bool:
+    def receive(self, now: float) -> bool:
         """Take in all that has arrived; return whether to tick before it is due: a new command does not wait."""
         self.wires.receive()
-        urgent = self._hear_controller(now) | self._hear_desk(now)
+        urgent = self._receive_controller(now) | self._receive_desk(now)
         return self.engagement.steers and (urgent or not self.watch.command_valid(now))
 
-    def _hear_controller(self, now: float) -> bool:
+    def _receive_controller(self, now: float) -> bool:
         most, refused, commanded = self._settings.envelope.flood, 0, False
         records = self.controller.receive(most + 1)
         for record in records[:most]:
@@ -74,7 +73,7 @@ class Gate:
                 self._obey(now, message)
                 commanded = True
             elif isinstance(message, ControllerState):
-                self.watch.hear_controller(now, message)
+                self.watch.receive_controller(now, message)
             else:
                 refused += 1
         refused += len(records) > most
@@ -96,7 +95,7 @@ class Gate:
         # while it is eased a command is limited because that is what easing is
         self._clips_in_a_row = self._clips_in_a_row + 1 if limited.clipped and not eased else 0
 
-    def _hear_desk(self, now: float) -> bool:
+    def _receive_desk(self, now: float) -> bool:
         urgent = False
         for record, sender in self.channel.receive(MOST):
             message = decode(record, OperatorMessage, Heartbeat)
@@ -105,7 +104,7 @@ class Gate:
                 self._desk.receive(now, message)
                 urgent |= message.action in URGENT
             elif isinstance(message, Heartbeat):
-                self.watch.hear_heartbeat(now, message)
+                self.watch.receive_heartbeat(now, message)
             self._counts.dropped += isinstance(message, Flaw)
         return urgent
 

@@ -12,24 +12,24 @@
 #include "unit.h"
 
 #define MOTION_TIME 1.0                    /* over which motion is averaged, s */
-#define MOTION_LEAST 0.3                   /* way within it that says which way the vehicle moves, m */
+#define MOTION_LEAST 0.3                   /* distance within it that tells the direction of motion, m */
 #define MOTION_SHARP 0.8                   /* of it, backwards, that one sample counts at most: it may be false */
-#define MOTION_SHARE 0.3                   /* of that way, backwards */
+#define MOTION_SHARE 0.3                   /* of that distance, backwards */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 
 struct component {
-    /* settings: safety/sanity.py tells what they mean */
+    /* settings, described in safety/sanity.py */
     double fine, coarse_after, coarse_share, coarse_budget;
     double swing, steering_swing, swing_share;
     struct hitch_watch hitch;
     double wheelbase;                      /* m */
-    double position;                       /* deviation of a fix whose receiver tells none, m */
+    double position;                       /* deviation of a fix whose receiver reports none, m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
     time_stamp time, last_fine;            /* of the last sample, of the last fine fix */
     double fixes[4];                       /* of the last sample, m */
-    double way, moved[2];                  /* lately: by the wheels, and of both points along their bodies, m */
-    double seen[2];                        /* of that way what each point had fixes for, m */
+    double distance, moved[2];             /* recently: by the wheels, and of both points along their bodies, m */
+    double seen[2];                        /* part of that distance for which each point had fixes, m */
     struct swings errors[2], steering;
     int32_t swinging, spells;              /* it oscillates; how often that has begun */
     int32_t begun;
@@ -48,11 +48,11 @@ struct component {
 static inline double without_fine(struct component *sanity, const struct drawbar_measurement *measurement,
                                 const struct drawbar_estimate *estimate)
 {
-    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    const double deviations[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
     const int32_t fixes[] = {estimate->tractor_fix, estimate->trailer_fix};
 
     for (int i = 0; i < 2; ++i)
-        if (fixes[i] == DRAWBAR_FIX_ACCEPTED && !(told[i] > sanity->fine))
+        if (fixes[i] == DRAWBAR_FIX_ACCEPTED && !(deviations[i] > sanity->fine))
             sanity->last_fine = measurement->time;
     return measurement->time - sanity->last_fine;
 }
@@ -60,36 +60,37 @@ static inline double without_fine(struct component *sanity, const struct drawbar
 /* Whether a point has moved against the way that its body faces, and the other as well or without fixes that tell. */
 static inline int moved_back(const struct component *sanity, int i)
 {
-    const double limit = -MOTION_SHARE * sanity->way, seen = 0.5 * sanity->way;
+    const double limit = -MOTION_SHARE * sanity->distance, seen = 0.5 * sanity->distance;
     const int other = 1 - i;
 
     return sanity->moved[i] < limit
-        && (sanity->moved[other] < limit || (!(sanity->seen[other] > seen) && sanity->way > 2.0 * MOTION_LEAST));
+        && (sanity->moved[other] < limit || (!(sanity->seen[other] > seen) && sanity->distance > 2.0 * MOTION_LEAST));
 }
 
 /* Whether both points move against the way their bodies face, although the wheels turn, or the wheels say so themselves.
- * Where only one has fixes, twice the way must show it. */
+ * Where only one has fixes, twice the distance must show it. */
 static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m,
                                   const struct drawbar_estimate *estimate)
 {
     double fixes[] = {m->tractor_x, m->tractor_y, m->trailer_x, m->trailer_y};
     const double yaws[] = {estimate->tractor.yaw, estimate->trailer.yaw};
-    const double told[] = {m->tractor_fix_deviation, m->trailer_fix_deviation};
-    const double elapsed = m->time - sanity->time, kept = exp(-elapsed / MOTION_TIME);
-    const double way = isfinite(m->speed) ? fmax(m->speed * elapsed, -MOTION_SHARP * MOTION_LEAST) : 0.0;
+    const double deviations[] = {m->tractor_fix_deviation, m->trailer_fix_deviation};
+    const double elapsed = m->time - sanity->time, decay = exp(-elapsed / MOTION_TIME);
+    const double distance = isfinite(m->speed) ? fmax(m->speed * elapsed, -MOTION_SHARP * MOTION_LEAST) : 0.0;
 
-    sanity->way = kept * sanity->way + way;
+    sanity->distance = decay * sanity->distance + distance;
     for (int i = 0; i < 2; ++i) {
-        if ((isnan(told[i]) ? sanity->position : told[i]) > sanity->fine)   /* the noise of a coarse fix is no motion */
+        /* the noise of a coarse fix is no motion */
+        if ((isnan(deviations[i]) ? sanity->position : deviations[i]) > sanity->fine)
             fixes[2 * i] = (double)NAN;
         const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
-        const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(way);
-        sanity->moved[i] = kept * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);
-        sanity->seen[i] = kept * sanity->seen[i] + (isfinite(along) ? way : 0.0);
+        const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(distance);
+        sanity->moved[i] = decay * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);
+        sanity->seen[i] = decay * sanity->seen[i] + (isfinite(along) ? distance : 0.0);
     }
     memcpy(sanity->fixes, fixes, sizeof fixes);
-    return sanity->way < -MOTION_LEAST
-        || (sanity->way > MOTION_LEAST && (moved_back(sanity, 0) || moved_back(sanity, 1)));
+    return sanity->distance < -MOTION_LEAST
+        || (sanity->distance > MOTION_LEAST && (moved_back(sanity, 0) || moved_back(sanity, 1)));
 }
 
 /* How many half waves in a row either error or the steering has swung. */

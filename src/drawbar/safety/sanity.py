@@ -53,7 +53,7 @@ def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, positio
     Args:
         vehicle: whose wheelbase is known.
         settings: when to do what.
-        position: standard deviation of one coordinate of a fix whose receiver tells none, m.
+        position: standard deviation of one coordinate of a fix whose receiver reports none, m.
         chain: the estimator knows the exact chain.
     """
     values: dict[str, ArrayLike] = {

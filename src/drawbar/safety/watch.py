@@ -1,4 +1,4 @@
-"""Watch: what was heard of controller, recorder and actuators, and when; it makes the observation. Pure."""
+"""Watch: the newest of controller, recorder and actuators, and when it came; it makes the observation. Pure."""
 
 import math
 from collections import deque
@@ -15,7 +15,7 @@ from drawbar.safety.speeds import Speeds
 from drawbar.statuses import FixQuality, Status
 
 _SKIPPED = 0.5
-"""for which a receiver may tell nothing, as where epochs are lost on their way, without having lost its RTK fix, s"""
+"""for which a receiver may report nothing, as where epochs are lost in transit, without having lost its RTK fix, s"""
 
 
 @dataclass(slots=True)
@@ -35,7 +35,7 @@ class Watch:
     """The newest of everything that engaging and driving depend on."""
 
     def __init__(self, settings: SafetySettings, *, drives: bool) -> None:
-        """Begin with nothing heard; `drives`: there is a speed actuator."""
+        """Begin with nothing received; `drives`: there is a speed actuator."""
         self._settings, self._drives = settings, drives
         self._fingerprint = settings.fingerprint()
         self._state: ControllerState | None = None
@@ -47,7 +47,7 @@ class Watch:
         self.speeds = Speeds(settings)
         self.troubles = Troubles()
 
-    def hear_controller(self, time: float, state: ControllerState) -> None:
+    def receive_controller(self, time: float, state: ControllerState) -> None:
         """Take in a state of the controller that came at a time, s, unless it or a later one has come before."""
         if self._state is not None and not is_after(state.sequence, self._state.sequence):
             return
@@ -65,7 +65,7 @@ class Watch:
         self.speeds.add(time, "wheels", state.wheel_speed)
         self.speeds.add(time, "receiver", state.receiver_speed)
 
-    def hear_heartbeat(self, time: float, beat: Heartbeat) -> None:
+    def receive_heartbeat(self, time: float, beat: Heartbeat) -> None:
         """Take in a process's word; a recorder that is not healthy is as good as none."""
         if beat.role is Role.RECORDER:
             self._recorded = time if beat.healthy == 1 else -math.inf
@@ -78,7 +78,7 @@ class Watch:
 
     @property
     def mode(self) -> Mode | None:
-        """What the controller is about; None: it has not been heard."""
+        """What the controller is doing; None: nothing has been received from it."""
         return None if self.command is None else self.command.mode
 
     def observe(
@@ -89,7 +89,7 @@ class Watch:
         readiness: tuple[Readiness, ...],
     ) -> Observation:
         """Return what is so now, without what operators, envelope and followings know."""
-        troubles, heard = self.troubles, self._of_controller(time, state)
+        troubles, reported = self.troubles, self._of_controller(time, state)
         return Observation(
             controller_age=time - self._state_time,
             command_valid=self.command_valid(time),
@@ -98,7 +98,7 @@ class Watch:
             run_ended=self.mode is Mode.STOP,
             controller_gone=troubles.gone,
             speed=self.speeds.largest(time) if self.speeds.known(time) else math.nan,
-            speed_heard=bool(self.speeds.fresh(time)),
+            speed_received=bool(self.speeds.fresh(time)),
             speed_known=self.speeds.known(time),
             speeds_contradict=self.speeds.contradict(time),
             drives=self._drives,
@@ -112,7 +112,7 @@ class Watch:
             ended=troubles.ended,
             recording=time - self._recorded <= self._settings.timing.recorder,
             guarded=time - self._guarded <= self._settings.timing.guard,
-            **heard,
+            **reported,
         )
 
     def _of_controller(self, time: float, supervisor: SupervisorState) -> dict[str, Any]:
@@ -134,12 +134,12 @@ class Watch:
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
             # while it stops, the gate may have limited what the controller believes to have commanded
-            "astray": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
+            "not_following": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,
         }
 
     def _late_steps(self, time: float) -> int:
-        """Return by how many the count of late steps has grown lately; one that fell belongs to another process."""
+        """Return by how many the count of late steps has recently grown; one that fell belongs to another process."""
         recent = [count for at, count in self._overruns if time - at <= self._settings.engage.quiet]
         return max(recent[-1] - recent[0], 0) if recent else 0
 
@@ -152,9 +152,9 @@ class Watch:
 
 
 def agrees(mode: Mode | None, state: SupervisorState) -> bool:
-    """Return whether the controller is about what the gate is about.
+    """Return whether the controller's mode fits the gate's state.
 
-    While engaging it has not yet heard of it; while stopping it may have ended its run.
+    While engaging it may not know yet; while stopping it may have ended its run.
     """
     if state in (SupervisorState.ACTIVE, SupervisorState.DEGRADED):
         return mode is not Mode.IDLE

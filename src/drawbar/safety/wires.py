@@ -1,4 +1,4 @@
-"""Wires: the transports to the actuators with what speaks on them; only the gate's process opens them."""
+"""Wires: the transports to the actuators with their protocols; only the gate's process opens them."""
 
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -26,7 +26,7 @@ class Wire:
 
 
 class Wires:
-    """All actuators. What one of them does wrong does not keep the others from being told to let go."""
+    """All actuators. An error of one of them does not keep the others from being disengaged."""
 
     def __init__(self, wires: Sequence[Wire]) -> None:
         """Take the wires; each actuator is on one of them."""
@@ -46,7 +46,7 @@ class Wires:
         return sum(sum(device.dropped.values()) for wire in self._wires for device in _devices(wire))
 
     def descriptors(self) -> list[int]:
-        """Return what to wait on; -1 for what must be asked again and again."""
+        """Return the descriptors to wait on; -1 for a transport that must be polled."""
         return [wire.transport.fileno() for wire in self._wires]
 
     def receive(self) -> None:
@@ -57,7 +57,7 @@ class Wires:
                     self._guarded(device.receive, time, frame, source)
 
     def send(self, time: float, steering: tuple[SteeringRequest, SteeringRequest], speed: SpeedRequest) -> bool:
-        """Tell all actuators; return whether all that was to be said was sent."""
+        """Command all actuators; return whether every frame was sent."""
         sent = True
         for wire in self._wires:
             for frame in self._frames(wire, time, steering, speed):

@@ -16,7 +16,7 @@ _MEASUREMENT, _COMMAND, _ESTIMATE = Layout(Measurement), Layout(Command), Layout
 class Autopilot:
     """One vehicle's control step.
 
-    Each sample: feedback(), send the command whatever the status, then prepare(); record() tells of the step.
+    Each sample: feedback(), send the command whatever the status, then prepare(); record() returns its record.
     """
 
     def __init__(self, library: StepLibrary, horizon: int, external: External | None = None) -> None:

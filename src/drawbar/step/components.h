@@ -3,7 +3,7 @@
  * A component's memory is given to it; its content is its own business. `work`, or for those with a solver `lent`, is lent
  * to it for the length of the call, and to all others after it.
  *
- * drawbar_components.h is generated. It tells which components there are (DRAWBAR_CENTRALISED, DRAWBAR_IDENTIFIED,
+ * drawbar_components.h is generated. It defines which components there are (DRAWBAR_CENTRALISED, DRAWBAR_IDENTIFIED,
  * DRAWBAR_DEAD_TIME) and, in an exported library, the bytes that each needs (DRAWBAR_<COMPONENT>_SIZE), the bytes lent to
  * all (DRAWBAR_WORK_SIZE) and the numbers of struct step_settings (DRAWBAR_STEP_SETTINGS). In Python's own library
  * (DRAWBAR_HOSTED) memory and numbers are the caller's; see hosted_step.h.

@@ -18,8 +18,8 @@ static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *
     return status;
 }
 
-/* There is no new command: repeat the last one, as long as that may be done. */
-static int do_without(struct autopilot *a, int32_t status, struct drawbar_command *command)
+/* There is no new command: repeat the last one, as long as that is allowed. */
+static int repeat_command(struct autopilot *a, int32_t status, struct drawbar_command *command)
 {
     a->diagnostics.gate = drawbar_gate_hold(COMPONENT(a->gate), a->time, command);
     return a->begun && a->diagnostics.gate == DRAWBAR_GATE_STOPPED ? end_run(a, DRAWBAR_STOPPED, command) : status;
@@ -53,7 +53,7 @@ static void initialise_components(struct autopilot *a)
     initialise_controllers(a);
 }
 
-/* Let all start from the first measurement. Until it is complete the vehicle stands. */
+/* Initialise everything from the first measurement. Until it is complete the vehicle stands. */
 static int begin_run(struct autopilot *a, const struct drawbar_measurement *reported)
 {
     struct drawbar_measurement first;
@@ -76,13 +76,13 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     return DRAWBAR_OK;
 }
 
-/* Let all who reckon with the actuators know what their angles show of them; returns 0 or the status with which the run
- * ends. */
+/* Identify the actuators from their measured angles, and pass the result to all components that model them; returns 0 or
+ * the status with which the run ends. */
 static int identify(struct autopilot *a, const struct drawbar_measurement *measurement)
 {
 #ifdef DRAWBAR_IDENTIFIED
     struct drawbar_actuation *const known = &a->known;
-    const int odd = drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
+    const int ended = drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
     drawbar_actuation_tell(COMPONENT(a->actuation), known);
     drawbar_estimator_actuation(COMPONENT(a->estimator), known);
     drawbar_predictor_actuation(COMPONENT(a->predictor), known);
@@ -92,15 +92,15 @@ static int identify(struct autopilot *a, const struct drawbar_measurement *measu
     drawbar_tractor_actuation(COMPONENT(a->tractor), known);
     drawbar_trailer_actuation(COMPONENT(a->trailer), known);
 #endif
-    return odd;
+    return ended;
 #else
     (void)a, (void)measurement;
     return 0;
 #endif
 }
 
-/* Where the vehicle is when the next command begins to act, and at what speed plans take it from there. */
-static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
+/* Predict the estimate to when the next command begins to act, with the speed that plans start from. */
+static void predict_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 {
     const double least = pace_planned(a);
 
@@ -113,7 +113,7 @@ static void look_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
         ahead->speed = least;
 }
 
-/* Go on to the line that is wished for, by a shift that begins beside the tractor, or at once where somebody else drives. */
+/* Go over to the wanted line, by a shift that begins beside the tractor, or at once where somebody else drives. */
 static void shift_line(struct autopilot *a)
 {
     const double tractor = a->diagnostics.tractor.progress, trailer = a->diagnostics.trailer.progress;
@@ -124,18 +124,18 @@ static void shift_line(struct autopilot *a)
         offset_advance(&a->offset, a->settings.shift_curvature, a->settings.shift_rate, tractor, fmin(tractor, trailer));
 }
 
-/* The command that acts during most of the sample that now begins. */
-static void send(struct autopilot *a, const struct drawbar_command *command)
+/* Note a sent command; `acting` becomes the one that acts during most of the sample that now begins. */
+static void note_sent(struct autopilot *a, const struct drawbar_command *command)
 {
-    struct drawbar_command led = *command;
+    struct drawbar_command sent = *command;
 
 #ifdef DRAWBAR_IDENTIFIED
-    drawbar_actuation_sent(COMPONENT(a->actuation), &led);
+    drawbar_actuation_sent(COMPONENT(a->actuation), &sent);
 #endif
 #ifdef DRAWBAR_DEAD_TIME
-    drawbar_predictor_sent(COMPONENT(a->predictor), &led, &a->acting);
+    drawbar_predictor_sent(COMPONENT(a->predictor), &sent, &a->acting);
 #else
-    a->acting = led;
+    a->acting = sent;
 #endif
 }
 
@@ -159,7 +159,7 @@ static void plan(struct autopilot *a, const struct drawbar_estimate *ahead, stru
 #endif
 }
 
-/* Write down how one body is and how its command came about. */
+/* Fill in one body's diagnostics. */
 static void diagnose(struct drawbar_body_diagnostics *body, const struct decisions *made, int i, int32_t fix)
 {
     body->progress = made->references[i].progress;
@@ -181,8 +181,8 @@ static int solved(const struct autopilot *a)
         && made->plans[TRAILER_BODY].status == SOLVED;
 }
 
-/* Both ancillary laws. */
-static void hold_to_plans(struct autopilot *a, const struct drawbar_estimate *ahead)
+/* Apply both ancillary laws. */
+static void apply_laws(struct autopilot *a, const struct drawbar_estimate *ahead)
 {
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct decisions *made = &a->made;
@@ -200,7 +200,7 @@ static void hold_to_plans(struct autopilot *a, const struct drawbar_estimate *ah
     diagnose(&d->trailer, made, TRAILER_BODY, made->estimate.trailer_fix);
 }
 
-/* The command of plans and laws; at a sample that is computed again, the one that acted. */
+/* The command of plans and laws; at a sample that is recomputed, the one that acted. */
 static struct drawbar_command wanted_command(const struct autopilot *a)
 {
     const struct drawbar_body_steering *steerings = a->made.steerings;
@@ -213,14 +213,14 @@ static struct drawbar_command wanted_command(const struct autopilot *a)
         a->time, steerings[TRACTOR_BODY].command, steerings[TRAILER_BODY].command, a->speed};
 }
 
-/* Steer by plans and laws; the gate has the last word. */
+/* Steer by plans and laws; the gate checks the command. */
 static int steer(struct autopilot *a, struct drawbar_command *command)
 {
     struct drawbar_diagnostics *d = &a->diagnostics;
     const struct drawbar_command wanted = wanted_command(a);
 
     d->gate = drawbar_gate_check(COMPONENT(a->gate), &wanted, command);
-    send(a, command);
+    note_sent(a, command);
     a->due = 1;
     if (d->gate == DRAWBAR_GATE_STOPPED)
         return end_run(a, DRAWBAR_STOPPED, command);
@@ -228,9 +228,9 @@ static int steer(struct autopilot *a, struct drawbar_command *command)
     return d->gate == DRAWBAR_GATE_REPEATED ? DRAWBAR_REFUSED : d->flags;
 }
 
-/* Somebody else drives. The command is the steering as it is, with speed zero; what is estimated and planned goes on from
- * what the vehicle does, so that an engagement begins there. */
-static int look_on(struct autopilot *a, struct drawbar_command *command)
+/* Follow a vehicle that somebody else drives. The command is its present steering, with speed zero; estimates and plans
+ * continue from what the vehicle does, so that an engagement begins there. */
+static int follow_driver(struct autopilot *a, struct drawbar_command *command)
 {
     const struct drawbar_estimate *now = &a->made.estimate;
     struct drawbar_measurement wheels = {0};
@@ -243,7 +243,7 @@ static int look_on(struct autopilot *a, struct drawbar_command *command)
     a->diagnostics.gate = drawbar_gate_stand(COMPONENT(a->gate), a->time, command);
     driven = *command;
     driven.speed = pace_follow(a, now->speed);
-    send(a, &driven);
+    note_sent(a, &driven);
     initialise_controllers(a);
     a->due = 1;
     a->diagnostics.speed = command->speed;
@@ -251,7 +251,7 @@ static int look_on(struct autopilot *a, struct drawbar_command *command)
     return a->diagnostics.flags;
 }
 
-/* Estimate, plan, command; so many samples were left out before. */
+/* Estimate, plan and command, after so many samples that were left out. */
 static int drive(struct autopilot *a, int left_out, const struct drawbar_measurement *measurement,
                  struct drawbar_command *command)
 {
@@ -261,13 +261,13 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     struct drawbar_measurement aligned;
     struct drawbar_estimate expected, ahead;
 
-    const int odd = identify(a, measurement);
-    if (odd)
-        return end_run(a, odd, command);
+    int ended = identify(a, measurement);
+    if (ended)
+        return end_run(a, ended, command);
     drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
-    const int leans = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
-    if (leans)
-        return end_run(a, leans, command);
+    ended = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
+    if (ended)
+        return end_run(a, ended, command);
     drawbar_alignment_tell(COMPONENT(a->alignment), &a->known);
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_measured(COMPONENT(a->predictor), &made->estimate, &aligned, &a->known);
@@ -276,7 +276,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
           drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, &lent));
     d->estimator = made->estimate.status;
     a->reached = WITH_ESTIMATE;
-    look_ahead(a, &ahead);
+    predict_ahead(a, &ahead);
     d->guidance = drawbar_guidance_reference(COMPONENT(a->guidance), &a->path, &ahead, &made->references[TRACTOR_BODY],
                                              &made->references[TRAILER_BODY], a->work);
     if (d->guidance != DRAWBAR_GUIDANCE_FINE)
@@ -290,21 +290,21 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     default:
         break;
     }
-    const int insane = drawbar_sanity_look(COMPONENT(a->sanity), measurement, &aligned, &made->estimate,
-                                           &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], &a->sane);
-    if (insane)
-        return end_run(a, insane, command);
+    ended = drawbar_sanity_look(COMPONENT(a->sanity), measurement, &aligned, &made->estimate,
+                                &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], &a->sane);
+    if (ended)
+        return end_run(a, ended, command);
     plan(a, &ahead, &lent);
     a->reached = WITH_PLANS;
-    const int too_long = pace_step(a, solved(a));
-    if (too_long)
-        return end_run(a, too_long, command);
-    hold_to_plans(a, &ahead);
+    ended = pace_step(a, solved(a));
+    if (ended)
+        return end_run(a, ended, command);
+    apply_laws(a, &ahead);
     shift_line(a);
-    return a->released ? look_on(a, command) : steer(a, command);
+    return a->released ? follow_driver(a, command) : steer(a, command);
 }
 
-/* Let samples that were left out pass: nothing was measured, and the last command went on to act. */
+/* Catch up on samples that were left out: nothing was measured, and the last command continued to act. */
 static void catch_up(struct autopilot *a, int samples)
 {
     struct drawbar_command last;
@@ -313,7 +313,7 @@ static void catch_up(struct autopilot *a, int samples)
         return;
     for (int i = 0; i < samples; ++i) {
         drawbar_gate_skip(COMPONENT(a->gate), &last);
-        send(a, &last);
+        note_sent(a, &last);
         drawbar_estimator_skip(COMPONENT(a->estimator), &a->acting);
     }
 #ifdef DRAWBAR_CENTRALISED
@@ -334,12 +334,12 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
     struct drawbar_measurement seen;
 
     d->flags = 0;
-    a->path.offset = &a->offset;           /* also where the caller has moved the state */
+    a->path.offset = &a->offset;           /* set anew, as the caller may have moved the state */
     a->reached = WITH_NOTHING;
     if (a->ended)
         return end_run(a, a->ended, command);
     if (!isfinite(measurement->time) || (a->begun && !(elapsed > 0.0)))
-        return do_without(a, DRAWBAR_TIME, command);
+        return repeat_command(a, DRAWBAR_TIME, command);
     a->time = measurement->time;
     if (a->begun && elapsed > a->settings.patience + 0.5 * a->settings.sample_time)
         return end_run(a, DRAWBAR_GAP, command);
@@ -360,7 +360,7 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
     return drive(a, left_out, &seen, command);
 }
 
-/* The preparation phase, after the command is out. */
+/* The preparation phase, after the command has been sent. */
 static void prepare(struct autopilot *a)
 {
 #ifdef DRAWBAR_IDENTIFIED

@@ -2,7 +2,7 @@
 
 The bytes of that structure are what a log holds of a step. They are also what ROS 2 calls CDR, which Foxglove and ROS
 tools read by the schema here, a ROS 2 message definition: numbers one after the other, each aligned to its size. A
-log's own schema tells how its steps lie, so that those of another drawbar, whose signals have other fields, are read.
+log's own schema describes the layout of its steps, so that logs of versions with other signals can be read.
 """
 
 import math

@@ -1,7 +1,7 @@
 /* Pace: the speed that is commanded. It is the set speed, approached by a ramp, and less of it the longer the vehicle
  * is driven on predictions alone.
  *
- * Two clocks tell for how long that has been: `unsolved`, since estimator and both controllers have last had a solution
+ * Two clocks measure for how long that has been: `unsolved`, since estimator and both controllers have last had a solution
  * (a sample counts for as long as it lasted, and for one sample time at least), and `overdue`, by which samples came
  * late, less half of the time that has passed in order since. For a sixth of the endurance the speed stays; then it falls
  * in proportion, to zero at the endurance, and with it the run ends.
@@ -21,7 +21,7 @@ static inline void pace_begin(struct autopilot *a)
     a->unsolved = a->overdue = 0.0;
 }
 
-/* The least speed that plans reckon with, m/s: a plan takes the speed for constant, and one made for a machine that has
+/* The least speed that plans assume, m/s: a plan takes the speed for constant, and one made for a machine that has
  * just started, and creeps, would steer too much too late. */
 static inline double pace_planned(const struct autopilot *a)
 {
@@ -29,8 +29,8 @@ static inline double pace_planned(const struct autopilot *a)
     return wanted > 0.0 ? fmin(a->settings.planned_speed, wanted) : a->settings.planned_speed;
 }
 
-/* Let somebody else drive at a speed (m/s): what is commanded later begins with it. Returns the speed that plans may reckon
- * with, m/s. */
+/* Follow a vehicle that is driven by others at a speed (m/s): later commands start from it. Returns the speed for plans,
+ * m/s. */
 static inline double pace_follow(struct autopilot *a, double speed)
 {
     a->speed = clamped(speed, 0.0, a->settings.speed);

@@ -62,9 +62,11 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
 
 def _without_fixes(autopilot: Autopilot) -> str:
     """Say how far the vehicle has gone without a fix, and how far and for how long it may."""
-    way, longest, most = (_live(autopilot, "supervisor", name) for name in ("way", "blind", "blind_deviation"))
+    distance, longest, most = (
+        _live(autopilot, "supervisor", name) for name in ("distance", "blind", "blind_deviation")
+    )
     return (
-        f"neither antenna had had a valid fix for {way:.1f} m; "
+        f"neither antenna had had a valid fix for {distance:.1f} m; "
         f"the limits are {longest:g} s, and a standard deviation across the line of {most:g} m."
     )
 

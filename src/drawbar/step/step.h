@@ -126,7 +126,7 @@ int drawbar_set_offset(struct drawbar_state *state, double offset)
         return DRAWBAR_NO_PATH;
     if (!(fabs(offset) <= OFFSET_LARGEST && path_has_beside(&a->path, offset, a->settings.curvature)))
         return DRAWBAR_RANGE;
-    a->offset.wished = offset;
+    a->offset.wanted = offset;
     return DRAWBAR_OK;
 }
 

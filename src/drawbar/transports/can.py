@@ -102,7 +102,7 @@ class PythonCanBus(CanBus):
 
         try:
             self._bus = can.Bus(interface=self.address.interface, channel=self.address.channel, **self._options())
-        except (can.CanError, OSError, ValueError) as error:
+        except Exception as error:  # also termios.error, of a serial line that goes meanwhile
             self.trouble = f"{self._name} cannot be opened: {error}"
             return
         self.connected, self.trouble = True, ""

@@ -60,7 +60,7 @@ class FileTransport(Transport):
         return due
 
     def write(self, data: bytes) -> bool:
-        """Return False: a recording listens to nobody."""
+        """Return False: a recording takes nothing."""
         self.unsent += len(data)
         return False
 

@@ -74,7 +74,7 @@ class SerialTransport(Transport):
             self._port = serial.Serial(
                 self.address.device, self.address.baud, timeout=0, write_timeout=0, exclusive=True
             )
-        except (OSError, ValueError) as error:  # SerialException is an OSError
+        except Exception as error:  # pyserial lets termios.error through, of a device that goes meanwhile
             self.trouble = f"{self.address.device} cannot be opened: {_reason(error)}"
             return
         self.connected, self.trouble = True, ""
@@ -108,7 +108,7 @@ class SerialTransport(Transport):
 
 def _reason(error: Exception) -> str:
     """Return what the system said, without pyserial's words around it."""
-    code = getattr(error, "errno", None)
+    code = getattr(error, "errno", None) or next((each for each in error.args if isinstance(each, int)), None)
     if "exclusively lock" in str(error):
         return "another program has it open; stop that program"
     if "Could not configure port" in str(error):

@@ -19,7 +19,7 @@ def steady_off_tracking(vehicle: VehicleParameters, curvatures: Floats) -> Float
     """
     radius, limit = 1.0 / np.abs(curvatures), vehicle.trailer_steering_limit
     ahead = vehicle.trailer_length + vehicle.drawbar_length * math.cos(limit)  # of the trailer's axle, to RJ1
-    aside = vehicle.drawbar_length * math.sin(limit)
+    lateral = vehicle.drawbar_length * math.sin(limit)
     forward, left = vehicle.tracked.tractor.arm
     turn = np.sign(curvatures)  # points to the left are nearer to the centre of a curve to the left
     tractor = np.sqrt(np.fmax(radius**2 - forward**2, 0.0)) + turn * left
@@ -27,5 +27,5 @@ def steady_off_tracking(vehicle: VehicleParameters, curvatures: Floats) -> Float
         np.sqrt(np.fmax(tractor**2 + vehicle.free_joint_offset**2 - ahead**2, 0.0))
         - turn * vehicle.tracked.trailer.left
     )
-    inner, outer = (np.hypot(axle + side, vehicle.trailer_point) for side in (-aside, aside))
+    inner, outer = (np.hypot(axle + side, vehicle.trailer_point) for side in (-lateral, lateral))
     return np.fmax(0.0, np.fmax(inner - radius, radius - outer))

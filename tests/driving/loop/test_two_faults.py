@@ -59,7 +59,7 @@ class Drive:
         """Let epochs pass; `aside`: a function of the time, `hitch`: the estimate's angle, rad."""
         for i in range(round(begin / PERIOD), round(end / PERIOD)):
             time = i * PERIOD
-            self.controller.hear_fixes(epoch(time, aside(time)))
+            self.controller.receive_fixes(epoch(time, aside(time)))
             self.given.append(self.controller._believed(sample(time, aside(time))))
             self.controller._judge(step(self.given[-1], hitch))
             self.given = self.given[-10:]

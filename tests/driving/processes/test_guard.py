@@ -26,17 +26,17 @@ def test_a_gate_that_is_heard_or_does_not_steer_is_left_alone():
     assert guard.due == math.inf
     assert off_frames(guard, 0.0, 5.0) == []
     for tick in range(100):
-        guard.hear(0.05 * tick, state(steers=True))
+        guard.receive_state(0.05 * tick, state(steers=True))
         assert not guard.says_off(0.05 * tick + 0.14)
         assert not guard.rests(0.05 * tick)
-    guard.hear(5.0, state(steers=False))
+    guard.receive_state(5.0, state(steers=False))
     assert guard.rests(5.0)
     assert off_frames(guard, 5.0, 9.0) == []
 
 
 def test_a_gate_that_steers_and_falls_silent_is_spoken_for_for_a_second():
     guard = Guard(TIMING)
-    guard.hear(10.0, state(steers=True))
+    guard.receive_state(10.0, state(steers=True))
     assert guard.due == pytest.approx(10.15)
     frames = off_frames(guard, 10.0, 14.0)
     assert frames[0] == pytest.approx(10.15, abs=0.011)
@@ -49,9 +49,9 @@ def test_a_gate_that_steers_and_falls_silent_is_spoken_for_for_a_second():
 
 def test_a_gate_that_comes_back_speaks_for_itself():
     guard = Guard(TIMING)
-    guard.hear(10.0, state(steers=True))
+    guard.receive_state(10.0, state(steers=True))
     assert guard.says_off(10.2)
-    guard.hear(10.21, state(steers=True))
+    guard.receive_state(10.21, state(steers=True))
     assert off_frames(guard, 10.21, 10.35) == []
     assert guard.says_off(10.37)
     assert not guard.says_off(math.nan)

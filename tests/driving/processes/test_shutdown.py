@@ -26,6 +26,17 @@ while not shutdown.asked:
     time.sleep(0.01)
 pathlib.Path(sys.argv[1]).touch()
 """
+LATE_CHILD = f"""
+import os, time
+while os.getppid() == int(os.environ["DRAWBAR_STARTER"]):
+    time.sleep(0.01)
+{CHILD}
+"""
+HASTY_STARTER = """
+import subprocess, sys
+from drawbar.driving.processes.shutdown import environment
+subprocess.Popen([sys.executable, "-c", *sys.argv[1:]], env=environment())
+"""
 STARTER = "import subprocess, sys; subprocess.run([sys.executable, '-c', *sys.argv[1:]])"
 
 
@@ -56,6 +67,11 @@ def test_it_ends_where_its_starter_was_killed(ended: Path) -> None:
         starter.stdout.readline()
         starter.kill()
         wait_for(ended)
+
+
+def test_it_ends_where_its_starter_ended_while_it_still_started(ended: Path) -> None:
+    subprocess.run([sys.executable, "-c", HASTY_STARTER, LATE_CHILD, str(ended)], check=True, timeout=30.0)
+    wait_for(ended)
 
 
 def test_a_processs_expected_error_is_its_message_alone(capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,7 +15,7 @@ import pytest
 from drawbar.errors import DrawbarError, StorageError
 from drawbar.experiment.cluster import Failure
 from drawbar.experiment.tuning.parameters import Parameter, Values
-from drawbar.experiment.tuning.study import BATCH, Score, Trial, front, importances, open_study, search, told
+from drawbar.experiment.tuning.study import BATCH, Score, Trial, finished_trials, front, importances, open_study, search
 
 PARAMETERS = (
     Parameter(key="x", low=-4.0, high=4.0, log=False, own=3.0),
@@ -57,7 +57,7 @@ def run(file: Path, trials: int, seed: int = 5, evaluate=analytic) -> optuna.Stu
 
 @pytest.fixture(scope="module")
 def thirty(tmp_path_factory: pytest.TempPathFactory) -> list[Trial]:
-    return told(run(tmp_path_factory.mktemp("study") / "journal", 30))
+    return finished_trials(run(tmp_path_factory.mktemp("study") / "journal", 30))
 
 
 def test_the_first_trial_is_the_configurations_own(thirty: list[Trial]) -> None:
@@ -71,7 +71,7 @@ def test_the_first_trial_is_the_configurations_own(thirty: list[Trial]) -> None:
 
 def test_a_known_front_is_approached(tmp_path: Path) -> None:
     study = run(tmp_path / "journal", 80)
-    best = front(told(study))
+    best = front(finished_trials(study))
     assert best[0].number > 0
     for trial in best:
         assert trial.values["n"] in (1, 2, 3)
@@ -89,7 +89,7 @@ def test_a_killed_search_goes_on_as_if_it_had_not_been_killed(thirty: list[Trial
     program = driver_that_dies(2, file)
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
     assert subprocess.run([sys.executable, "-c", program], env=environment, check=False).returncode == 9
-    before = told(open_study(file, "s"))
+    before = finished_trials(open_study(file, "s"))
     assert before == thirty[: 2 * BATCH]
     drawn = []
 
@@ -97,7 +97,7 @@ def test_a_killed_search_goes_on_as_if_it_had_not_been_killed(thirty: list[Trial
         drawn.extend(number for number, _ in batch)
         return analytic(batch)
 
-    assert told(run(file, 30, evaluate=evaluate)) == thirty
+    assert finished_trials(run(file, 30, evaluate=evaluate)) == thirty
     assert drawn == list(range(2 * BATCH, 30))
 
 
@@ -109,17 +109,17 @@ def test_a_search_on_a_full_disk_names_the_journal_and_goes_on_once_there_is_roo
     with room(file.stat().st_size + 700), pytest.raises(StorageError, match=r"journal: cannot be written \(.+\); free"):
         run(file, 30)
     assert file.read_bytes().endswith(b"}\n")
-    assert told(run(file, 30)) == thirty
+    assert finished_trials(run(file, 30)) == thirty
 
 
 def test_more_trials_go_on_where_fewer_stopped(thirty: list[Trial], tmp_path: Path) -> None:
     run(tmp_path / "journal", 3 * BATCH)
-    assert told(run(tmp_path / "journal", 30)) == thirty
-    assert told(run(tmp_path / "journal", 5)) == thirty
+    assert finished_trials(run(tmp_path / "journal", 30)) == thirty
+    assert finished_trials(run(tmp_path / "journal", 5)) == thirty
 
 
 def test_another_seed_draws_others(thirty: list[Trial], tmp_path: Path) -> None:
-    others = told(run(tmp_path / "journal", 4, seed=6))
+    others = finished_trials(run(tmp_path / "journal", 4, seed=6))
     assert others[0] == thirty[0]
     assert all(other.values != one.values for other, one in zip(others[1:], thirty[1:], strict=False))
 
@@ -128,20 +128,20 @@ def test_refused_values_are_told_once_and_learnt_from_by_nobody(tmp_path: Path) 
     def evaluate(batch: Sequence[tuple[int, Values]]) -> list[Score | Failure]:
         return [Failure(reason="n is odd") if values["n"] % 2 else closed_form(**values) for _, values in batch]
 
-    trials = told(run(tmp_path / "journal", 20, evaluate=evaluate))
+    trials = finished_trials(run(tmp_path / "journal", 20, evaluate=evaluate))
     assert len(trials) == 20
     odd = [trial for trial in trials if trial.values["n"] % 2]
     assert odd
     assert all(trial.outcome == Failure(reason="n is odd") for trial in odd)
     assert not {trial.number for trial in front(trials)} & {trial.number for trial in odd}
-    assert told(run(tmp_path / "journal", 20, evaluate=None)) == trials
+    assert finished_trials(run(tmp_path / "journal", 20, evaluate=None)) == trials
 
 
 def test_figures_that_are_missing_are_no_score(tmp_path: Path) -> None:
     def evaluate(batch: Sequence[tuple[int, Values]]) -> list[Score | Failure]:
         return [Score(error=1.0, effort=math.nan) for _ in batch]
 
-    trials = told(run(tmp_path / "journal", 3, evaluate=evaluate))
+    trials = finished_trials(run(tmp_path / "journal", 3, evaluate=evaluate))
     assert all(isinstance(trial.outcome, Failure) for trial in trials)
     assert front(trials) == []
 
@@ -158,7 +158,7 @@ def test_the_front_is_that_of_optuna_and_of_the_definition(tmp_path: Path) -> No
         ]
 
     study = run(tmp_path / "journal", 40, evaluate=evaluate)
-    trials = told(study)
+    trials = finished_trials(study)
     driven = [trial for trial in trials if not trial.outcome.unfinished]
     assert len(driven) < len(trials)
     pairs = {trial.number: np.array((trial.outcome.error, trial.outcome.effort)) for trial in driven}

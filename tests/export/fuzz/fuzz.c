@@ -1,39 +1,9 @@
 /* libFuzzer's target: a vehicle that the library drives along fuzzed paths, with fuzzed faults of its sensors, solvers,
  * clock and caller, and the promises held against every command. Prints at the end how many steps were made, by status. */
-#include <stddef.h>
-#include "bytes.h"
-#include "course.h"
-#include "promises.h"
-#include "solvers.h"
-#include "vehicle.h"
+#include "mishaps.h"
 
-#define FIRST offsetof(struct drawbar_measurement, tractor_x)
-#define VALUE(name) (1 + (offsetof(struct drawbar_measurement, name) - FIRST) / sizeof(double))  /* time is the first */
-#define VALUES VALUE(tractor_fix_quality)
-#define USUAL 9                            /* values that every machine has */
 #define MOST_STEPS 4096                    /* of one input */
 #define MOST_STATUSES 512
-#define SWAY_RATE 1.0                      /* rad/s */
-
-struct fuzz {
-    struct bytes bytes;
-    struct vehicle vehicle;
-    struct course course;
-    struct drawbar_path_node *nodes;       /* of the run, on the heap, where the sanitizer sees their end; or NULL */
-    int32_t count;                         /* of them */
-    double length;                         /* of their path, m */
-    struct drawbar_state *state;           /* likewise */
-    struct run run;
-    double added[VALUES], replaced[VALUES];  /* faults of the sensors; replaced: NaN where it is not */
-    int is_replaced[VALUES];
-    int32_t qualities[2];
-    uint32_t noise;
-    double noise_level;
-    double sway;                           /* by which fixes go from side to side, m */
-    int is_askew;                          /* the tractor's roll sensor is mounted the wrong way round */
-    double sample_time;                    /* the caller's, s */
-    int steps;
-};
 
 static struct fuzz fuzz;
 static struct drawbar_state before;
@@ -60,37 +30,6 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     (void)argc;
     (void)argv;
     return atexit(print_counts);
-}
-
-/* Uniform in [-1, 1), reproducible. */
-static double noise(struct fuzz *f)
-{
-    f->noise = f->noise * 1664525u + 1013904223u;
-    return f->noise / 2147483648.0 - 1.0;
-}
-
-/* What the sensors report; returns whether a value is infinite. */
-static int measure(struct fuzz *f, struct drawbar_measurement *measurement)
-{
-    static const double scale[VALUES] = {0.0, 0.03, 0.03, 0.03, 0.03, 0.02, 0.05, 0.02, 0.02};
-    double values[VALUES] = {0.0};         /* the first: of the fault alone */
-    char *numbers = (char *)measurement + FIRST;
-    int infinite = 0;
-
-    *measurement = vehicle_measure(&f->vehicle);
-    memcpy(values + 1, numbers, sizeof values - sizeof *values);
-    for (size_t i = 0; i < VALUES; ++i) {
-        values[i] = f->is_replaced[i] ? f->replaced[i] : values[i] + f->added[i] + f->noise_level * scale[i] * noise(f);
-        infinite |= i > 0 && isinf(values[i]);
-    }
-    for (int i = 1; i <= 4; ++i)
-        values[i] += f->sway * sin(SWAY_RATE * f->vehicle.time);
-    measurement->time = f->is_replaced[0] ? values[0] : measurement->time + values[0];
-    memcpy(numbers, values + 1, sizeof values - sizeof *values);
-    measurement->tractor_roll *= f->is_askew ? -1.0 : 1.0;
-    measurement->tractor_fix_quality = f->qualities[0];
-    measurement->trailer_fix_quality = f->qualities[1];
-    return infinite;
 }
 
 static void check_answers(const struct fuzz *f, struct drawbar_diagnostics *diagnostics)
@@ -248,105 +187,11 @@ static void drive(struct fuzz *f)
             ask(f, drawbar_step);
 }
 
-static void repair(struct fuzz *f)
-{
-    memset(f->added, 0, sizeof f->added);
-    memset(f->is_replaced, 0, sizeof f->is_replaced);
-    memset(f->qualities, 0, sizeof f->qualities);
-    memset(&solver_faults, 0, sizeof solver_faults);
-    f->sway = 0.0;
-    f->is_askew = 0;
-    f->sample_time = DRAWBAR_SAMPLE_TIME;
-}
-
-/* One of the measured values, mostly of those that every machine has. */
-static int next_value(struct bytes *b)
-{
-    const int choice = next_byte(b);
-
-    return choice % (choice < 192 ? USUAL : (int)VALUES);
-}
-
-static void add_fault(struct fuzz *f)
-{
-    const int value = next_value(&f->bytes);
-
-    f->added[value] = pow(10.0, 3.0 * next_fraction(&f->bytes)) * next_fraction(&f->bytes);
-}
-
-/* A sensor stands still: on any number, or on none. */
-static void replace(struct fuzz *f)
-{
-    const int value = next_value(&f->bytes);
-
-    f->is_replaced[value] = 1;
-    f->replaced[value] = next_byte(&f->bytes) % 2 ? (double)NAN : next_double(&f->bytes);
-    f->qualities[value % 2] = (int32_t)(next_byte(&f->bytes) - 128) * (value < USUAL ? 1 : 1 << 24);
-}
-
-/* Both receivers are shaded. */
-static void lose_fixes(struct fuzz *f)
-{
-    for (int i = 1; i <= 4; ++i) {
-        f->is_replaced[i] = 1;
-        f->replaced[i] = (double)NAN;
-    }
-}
-
-/* Both receivers fall back to float, and say so. */
-static void float_fixes(struct fuzz *f)
-{
-    static const size_t deviations[] = {VALUE(tractor_fix_deviation), VALUE(trailer_fix_deviation)};
-
-    for (int i = 0; i < 2; ++i) {
-        f->is_replaced[deviations[i]] = 1;
-        f->replaced[deviations[i]] = 0.3;
-    }
-}
-
 /* What shows only after a while: drive on, if there is a run and until it ends. */
 static void go_on(struct fuzz *f)
 {
     for (int i = 0; i < 6 && f->run.begun && !f->run.ended; ++i)
         drive(f);
-}
-
-/* Solvers fail from now on. */
-static void fail(struct fuzz *f)
-{
-    const int choice = next_byte(&f->bytes);
-
-    solver_faults.which = 1 + choice % 7;
-    solver_faults.status = 1 + choice % 5;
-    solver_faults.spoilt = choice >= 192;
-    solver_faults.steering = choice % 2 ? (double)NAN : next_double(&f->bytes);
-}
-
-/* A caller who is always late, or early. */
-static void be_late(struct fuzz *f)
-{
-    f->sample_time = DRAWBAR_SAMPLE_TIME * (1.0 + next_choice(&f->bytes, 64)) / 10.0;
-}
-
-/* A blow, or the driver turns the vehicle by hand. */
-static void push(struct fuzz *f)
-{
-    f->vehicle.x += 2.0 * next_fraction(&f->bytes);
-    f->vehicle.y += 2.0 * next_fraction(&f->bytes);
-    f->vehicle.yaw += next_fraction(&f->bytes);
-    f->vehicle.trailer_yaw += next_fraction(&f->bytes);
-}
-
-/* Somebody carries the vehicle, as it stands, to another place. */
-static void carry_away(struct fuzz *f)
-{
-    f->vehicle.x += 20.0 * next_fraction(&f->bytes);
-    f->vehicle.y += 20.0 * next_fraction(&f->bytes);
-}
-
-static void let_time_pass(struct fuzz *f)
-{
-    f->vehicle.time += 2.0 * next_fraction(&f->bytes);
 }
 
 /* A wrong call says so and stops the vehicle. */

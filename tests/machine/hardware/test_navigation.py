@@ -1,5 +1,6 @@
 """Navigation and sampler behind receivers' stand-ins: what a machine measures of its attitude arrives."""
 
+import datetime
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,7 +17,7 @@ from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.machine.stand_in import nmea, sbf
+from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES, StandInMachine
 from drawbar.machine.stand_in.nmea2000 import nmea2000
@@ -25,7 +26,7 @@ from drawbar.machine.stand_in.world import TICK, World
 from drawbar.message_records import decode, encode
 from drawbar.messages import Fixes
 from drawbar.protocols.sensor_board import SensorReport
-from drawbar.signals import Command, Measurement, Pose, Truth
+from drawbar.signals import Command, FixQuality, Measurement, Pose, Truth
 from drawbar.simulation import build_path
 
 FRAME = LocalFrame(latitude=50.87, longitude=4.7)
@@ -228,3 +229,23 @@ def test_satellites_are_told_as_far_as_a_receiver_tells_them() -> None:
                 lines[line].arrive(now + 10.0, data)
         told += over_the_channel(navigation.poll(now + 10.0))
     assert {(each.tractor_satellites, each.trailer_satellites) for each in told} == {(20, 0)}
+
+
+def test_epochs_with_corrections_of_any_age_reach_the_controller() -> None:
+    transport, epochs = MemoryTransport(), {}
+    navigation = Navigation([Receiver(transport, ReceiverSettings(transport="serial:/dev/none@115200"))], FRAME)
+    for second, age in enumerate((1.0, 100.0, 300.0)):
+        report = Report(
+            time=datetime.datetime(2026, 11, 22, 12, 0, second, tzinfo=datetime.UTC),
+            latitude=50.87,
+            longitude=4.7,
+            height=100.0,
+            quality=FixQuality.FIXED,
+            correction_age=age,
+        )
+        transport.arrive(float(second), ubx.pvt(report))
+        (fixes,) = navigation.poll(second + 0.1)
+        received = decode(encode(fixes), Fixes)
+        assert isinstance(received, Fixes)
+        epochs[age] = received.tractor_correction_age
+    assert epochs == {1.0: 1.0, 100.0: 120.0, 300.0: 600.0}

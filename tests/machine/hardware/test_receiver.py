@@ -47,7 +47,7 @@ def test_bytes_become_epochs_when_their_time_has_come() -> None:
     wire = Wire()
     receiver = Receiver(wire, ReceiverSettings(transport="serial:/dev/ttyACM0@460800", latency=0.03))
     assert receiver.poll(9.0) == []
-    assert (receiver.heard, receiver.last, receiver.due) == (-math.inf, None, math.inf)
+    assert (receiver.last_received, receiver.last, receiver.due) == (-math.inf, None, math.inf)
     sentence = gga(0.0)
     wire.waiting = [Received(10.0, sentence[:30])]
     assert receiver.poll(10.001) == []
@@ -57,7 +57,7 @@ def test_bytes_become_epochs_when_their_time_has_come() -> None:
     (epoch,) = receiver.poll(receiver.due)
     assert (epoch.received, epoch.time) == (10.0, pytest.approx(9.97))
     assert receiver.last is epoch
-    assert receiver.heard == 10.004
+    assert receiver.last_received == 10.004
     assert receiver.due == math.inf
     assert receiver.kinds == {"GGA": 1}
     receiver.close()

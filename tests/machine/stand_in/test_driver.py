@@ -44,7 +44,7 @@ def test_after_a_drive_it_is_ready_for_the_next_one() -> None:
 
 def test_what_a_drive_told_it_holds_no_longer_than_that_drive() -> None:
     driver = Driver(SPEED)
-    driver.told_to_stop = True  # until the emergency stop has been tried, which that drive never did
+    driver.stop_requested = True  # until the emergency stop has been tried, which that drive never did
     assert not any(driven(driver, 0.0, 10.0, attended=True))
     driven(driver, 10.0, 1.0, attended=False)
     assert driven(driver, 11.0, 10.0, attended=True)[-1] == Driver.CREEP

@@ -295,7 +295,7 @@ def test_a_driver_who_stays_drives_on(stays: bool) -> None:
     if stays:
         FAULTS["driver-stays"].begin(machine)
     before = machine.driver.speed
-    machine.driver.told_to_stop = True
+    machine.driver.stop_requested = True
     driven(machine, 3.0)
     assert (machine.driver.speed >= before > 0.5) is stays
     assert (machine.driver.speed == 0.0) is not stays

@@ -45,7 +45,7 @@ def play(
                 assert message is not None
                 for other in claims:
                     if other is not claim:
-                        other.hear(time, message)
+                        other.receive_message(time, message)
     return bus
 
 
@@ -84,9 +84,9 @@ def test_loser_that_may_not_move_says_so_and_is_silent(starts: tuple[float, ...]
 
 def test_loser_moves_past_addresses_in_use() -> None:
     claim = claimed()
-    claim.hear(1.0, claim_of(name(5), 128))
-    claim.hear(1.0, Message(pgn=0xFE48, source=129, data=bytes(8)))
-    claim.hear(1.0, claim_of(name(1), 0x90))
+    claim.receive_message(1.0, claim_of(name(5), 128))
+    claim.receive_message(1.0, Message(pgn=0xFE48, source=129, data=bytes(8)))
+    claim.receive_message(1.0, claim_of(name(1), 0x90))
     assert claim.address == 130
     assert not claim.held
     claim.send(1.0)
@@ -99,30 +99,30 @@ def test_loser_moves_past_addresses_in_use() -> None:
 def test_nothing_is_claimed_where_all_addresses_are_taken() -> None:
     claim = claimed()
     for address in range(128, 248):
-        claim.hear(1.0, Message(pgn=0xFE48, source=address, data=bytes(8)))
-    claim.hear(1.0, claim_of(name(1), 0x90))
+        claim.receive_message(1.0, Message(pgn=0xFE48, source=address, data=bytes(8)))
+    claim.receive_message(1.0, claim_of(name(1), 0x90))
     assert claim.state is ClaimState.CANNOT_CLAIM
 
 
 @pytest.mark.parametrize("destination", [GLOBAL, 0x90])
 def test_request_is_answered_within_a_quarter_of_a_second(destination: int) -> None:
     claim = claimed()
-    claim.hear(2.0, Message(pgn=REQUEST, source=0x20, destination=destination, data=ASKED))
+    claim.receive_message(2.0, Message(pgn=REQUEST, source=0x20, destination=destination, data=ASKED))
     assert claim.send(2.0) == [CanFrame(0x18EEFF90, claim.name.data)]
     assert claim.send(2.1) == []
 
 
 def test_request_to_another_is_left_to_it() -> None:
     claim = claimed()
-    claim.hear(2.0, Message(pgn=REQUEST, source=0x20, destination=0x91, data=ASKED))
+    claim.receive_message(2.0, Message(pgn=REQUEST, source=0x20, destination=0x91, data=ASKED))
     assert claim.send(2.3) == []
 
 
 def test_request_is_answered_without_an_address_too() -> None:
     claim = claimed(movable=False)
-    claim.hear(2.0, claim_of(name(1, movable=False), 0x90))
+    claim.receive_message(2.0, claim_of(name(1, movable=False), 0x90))
     claim.send(2.3)
-    claim.hear(3.0, Message(pgn=REQUEST, source=0x20, data=ASKED))
+    claim.receive_message(3.0, Message(pgn=REQUEST, source=0x20, data=ASKED))
     assert claim.send(3.16) == [CanFrame(0x18EEFFFE, claim.name.data)]
 
 
@@ -132,7 +132,7 @@ def test_another_that_uses_our_address_is_seen_and_told_to_go(claims_too: bool) 
     other = claim_of(claim.name, 0x90) if claims_too else Message(pgn=0xFE48, source=0x90, data=bytes(8))
     assert claim.unique(2.0)
     for tick in range(10):
-        claim.hear(2.0 + 0.1 * tick, other)
+        claim.receive_message(2.0 + 0.1 * tick, other)
         sent = claim.send(2.0 + 0.1 * tick)
         # Two of one NAME that answered one another would do so for ever.
         assert bool(sent) == (tick == 0 and not claims_too)
@@ -145,7 +145,7 @@ def test_another_that_uses_our_address_is_seen_and_told_to_go(claims_too: bool) 
 def test_a_flood_of_claims_is_answered_once_each_tick() -> None:
     claim = claimed()
     for identity in range(1000, 3000):
-        claim.hear(2.0, claim_of(name(identity), 0x90))
+        claim.receive_message(2.0, claim_of(name(identity), 0x90))
     assert len(claim.send(2.0)) == 1
 
 

@@ -128,8 +128,8 @@ def test_tractor_keeps_each_reading_with_its_time() -> None:
     tractor = Tractor()
     wheel = encode_speed(WheelOrGroundSpeed(speed=-1.5, distance=3.0))
     selected = encode_selected_speed(SelectedSpeed(speed=1.4, source=0, limit=0, exit_reason=0))
-    tractor.hear(1.0, Message(pgn=WHEEL_SPEED, source=0x80, data=wheel))
-    tractor.hear(1.1, Message(pgn=SELECTED_SPEED, source=0x80, data=selected))
+    tractor.receive_message(1.0, Message(pgn=WHEEL_SPEED, source=0x80, data=wheel))
+    tractor.receive_message(1.1, Message(pgn=SELECTED_SPEED, source=0x80, data=selected))
     assert (tractor.speed("wheel speed").speed, tractor.speed("wheel speed").time) == (-1.5, 1.0)
     assert tractor.speed("selected speed").speed == pytest.approx(1.4)
     assert tractor.speed("selected speed").time == 1.1
@@ -141,7 +141,7 @@ def test_tractor_reports_what_is_lost_and_comes_back() -> None:
     tractor = Tractor()
     data = encode_speed(WheelOrGroundSpeed(speed=1.0, distance=0.0))
     for time in (0.0, 0.1, 0.2, 1.0):
-        tractor.hear(time, Message(pgn=GROUND_SPEED, source=0x80, data=data))
+        tractor.receive_message(time, Message(pgn=GROUND_SPEED, source=0x80, data=data))
     assert tractor.changes(1.0) == [
         FacilityChange(name="ground speed", present=True, time=0.0),
         FacilityChange(name="ground speed", present=False, time=0.2),
@@ -157,15 +157,15 @@ def test_a_second_sender_is_believed_only_after_the_first_is_silent() -> None:
     tractor = Tractor()
     for time, source, speed in ((0.0, 0x80, 1.0), (0.1, 0x81, 9.0), (0.5, 0x81, 2.0)):
         data = encode_speed(WheelOrGroundSpeed(speed=speed, distance=0.0))
-        tractor.hear(time, Message(pgn=WHEEL_SPEED, source=source, data=data))
+        tractor.receive_message(time, Message(pgn=WHEEL_SPEED, source=source, data=data))
         assert tractor.speed("wheel speed").speed == (1.0 if time < 0.3 else 2.0)
     assert tractor.dropped == {"second sender": 1}
 
 
 def test_hitch_and_power_take_off() -> None:
     tractor = Tractor()
-    tractor.hear(0.0, Message(pgn=REAR_HITCH, source=0, data=bytes([125, 0b01000000, *[255] * 6])))
-    tractor.hear(0.0, Message(pgn=REAR_PTO, source=0, data=bytes([0xE0, 0x10, 0xFF, 0xFF, *[255] * 4])))
+    tractor.receive_message(0.0, Message(pgn=REAR_HITCH, source=0, data=bytes([125, 0b01000000, *[255] * 6])))
+    tractor.receive_message(0.0, Message(pgn=REAR_PTO, source=0, data=bytes([0xE0, 0x10, 0xFF, 0xFF, *[255] * 4])))
     assert tractor.reading("rear hitch", 0.0) == Hitch(position=0.5, in_work=True, limit=0)
     shaft = tractor.reading("rear PTO", 0.0)
     assert isinstance(shaft, PowerTakeOff)
@@ -176,7 +176,7 @@ def test_hitch_and_power_take_off() -> None:
 def test_facility_changes_do_not_grow_for_ever() -> None:
     facilities = Facilities("one")
     for number in range(200):
-        facilities.heard("one", float(number))
+        facilities.received("one", float(number))
     assert len(facilities.changes(200.0)) == 64
     assert facilities.dropped["facility change"] == 400 - 64
     assert facilities.losses == {"one": 200}
@@ -244,7 +244,7 @@ def test_speed_limit_that_cannot_be_is_refused(limit: float) -> None:
 @settings(derandomize=True, deadline=None, max_examples=200)
 def test_no_tractor_message_raises(pgn: int, data: bytes) -> None:
     tractor = Tractor()
-    tractor.hear(0.0, Message(pgn=pgn, source=0, data=data))
+    tractor.receive_message(0.0, Message(pgn=pgn, source=0, data=data))
     assert bool(tractor.dropped["length"]) == (len(data) != 8)
 
 

@@ -102,10 +102,10 @@ def test_weaker_name_is_answered_and_stronger_name_makes_it_move() -> None:
     claim = AddressClaim(NAME, 0x1C)
     for time in (0.0, 0.5, 1.0):
         claim.send(time)
-    claim.hear(1.1, message("18EEFF1C 9F86E1AF001D02A0"))
+    claim.receive_message(1.1, message("18EEFF1C 9F86E1AF001D02A0"))
     assert claim.send(1.1) == [frame("18EEFF1C 3930E0AF001D02A0")]
     assert claim.held
-    claim.hear(1.2, message("18EEFF1C 0100E0AF001D02A0"))
+    claim.receive_message(1.2, message("18EEFF1C 0100E0AF001D02A0"))
     assert not claim.held
     assert claim.send(1.2) == [frame("18EEFF80 3930E0AF001D02A0")]
 

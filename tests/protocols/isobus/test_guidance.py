@@ -251,7 +251,7 @@ def test_between_two_engagements_stands_one_message_not_intended() -> None:
 
 def test_loss_of_the_address_ends_steering_and_latches() -> None:
     bench = Bench().engage()
-    bench.hear(CLAIM, STRONGER.data, OWN)
+    bench.receive(CLAIM, STRONGER.data, OWN)
     assert [message.pgn for message in bench.tick(steer=True)] == [CLAIM]
     assert bench.valve.report(bench.time).readiness is Readiness.ADDRESS_LOST
     commands = bench.run(2.0, steer=True)
@@ -265,7 +265,7 @@ def test_loss_of_the_address_ends_steering_and_latches() -> None:
 def test_the_first_command_from_a_new_address_is_not_intended(ticks: int) -> None:
     bench = Bench()
     bench.run(2.0)
-    bench.hear(CLAIM, STRONGER.data, OWN)
+    bench.receive(CLAIM, STRONGER.data, OWN)
     bench.run(ticks * 0.02)
     bench.run(0.5, steer=True)
     from_new = [_what(message) for _, message in bench.sent if message.source == 0x80 and message.pgn == SYSTEM_COMMAND]
@@ -274,7 +274,7 @@ def test_the_first_command_from_a_new_address_is_not_intended(ticks: int) -> Non
 
 def test_a_device_that_may_not_move_is_silent_after_the_loss() -> None:
     bench = Bench(name=replace(NAME, self_configurable=False)).engage()
-    bench.hear(CLAIM, replace(STRONGER, self_configurable=False).data, OWN)
+    bench.receive(CLAIM, replace(STRONGER, self_configurable=False).data, OWN)
     bench.run(1.0, steer=True)
     assert [message.pgn for time, message in bench.sent if time > bench.time - 1.0] == [CLAIM]
     assert bench.valve.report(bench.time).readiness is Readiness.ADDRESS_LOST
@@ -282,14 +282,14 @@ def test_a_device_that_may_not_move_is_silent_after_the_loss() -> None:
 
 def test_a_weaker_claim_does_not_end_steering() -> None:
     bench = Bench().engage()
-    bench.hear(CLAIM, replace(NAME, identity=5000).data, OWN)
+    bench.receive(CLAIM, replace(NAME, identity=5000).data, OWN)
     assert CLAIM in [message.pgn for message in bench.tick(steer=True)]
     assert {what for _, what in bench.run(1.0, steer=True)} == {ON}
 
 
 def test_another_with_our_address_ends_steering_and_latches() -> None:
     bench = Bench().engage()
-    bench.hear(0xFE48, bytes(8), OWN)
+    bench.receive(0xFE48, bytes(8), OWN)
     sent = bench.tick(steer=True)
     assert [message.pgn for message in sent] == [CLAIM, SYSTEM_COMMAND]
     assert _what(sent[1]) is OFF
@@ -302,7 +302,7 @@ def test_another_with_our_address_ends_steering_and_latches() -> None:
 def test_another_that_steers_ends_steering_and_refuses(destination: int) -> None:
     bench = Bench().engage()
     command = encode_command(SystemCommand(curvature=0.0, intention=ON))
-    bench.hear(SYSTEM_COMMAND, command, 0x55, destination=destination)
+    bench.receive(SYSTEM_COMMAND, command, 0x55, destination=destination)
     assert OFF in map(_what, bench.tick(steer=True))
     assert bench.valve.report(bench.time).readiness is Readiness.OTHER_MASTER
     latched_off(bench)
@@ -311,7 +311,7 @@ def test_another_that_steers_ends_steering_and_refuses(destination: int) -> None
 @pytest.mark.parametrize(("intended", "destination"), [(OFF, GLOBAL), (ON, 0x27)])
 def test_another_that_does_not_steer_this_valve_does_not_matter(intended: Intention, destination: int) -> None:
     bench = Bench().engage()
-    bench.hear(
+    bench.receive(
         SYSTEM_COMMAND, encode_command(SystemCommand(curvature=0.0, intention=intended)), 0x55, destination=destination
     )
     assert {what for _, what in bench.run(1.0, steer=True)} == {ON}
@@ -362,7 +362,7 @@ def test_two_valves_share_one_node() -> None:
 @pytest.mark.parametrize("pgn", [0xAC00, 0xAD00])
 def test_short_messages_are_counted(data: bytes, pgn: int) -> None:
     bench = Bench().engage()
-    bench.hear(pgn, data)
+    bench.receive(pgn, data)
     assert bench.valve.dropped["length"] == 1
     assert {what for _, what in bench.run(0.5, steer=True)} == {ON}
 

@@ -99,18 +99,18 @@ class Steering(RuleBasedStateMachine):
     def another_claims_our_address(self, stronger: bool) -> None:
         if stronger and self.bench.node.claim.held:
             self.note_fault()
-        self.bench.hear(CLAIM, replace(NAME, identity=1 if stronger else 999).data, self.bench.node.claim.address)
+        self.bench.receive(CLAIM, replace(NAME, identity=1 if stronger else 999).data, self.bench.node.claim.address)
 
     @rule()
     def another_uses_our_address(self) -> None:
         if self.bench.node.claim.held:
             self.note_fault()
-        self.bench.hear(0xFE48, bytes(8), self.bench.node.claim.address)
+        self.bench.receive(0xFE48, bytes(8), self.bench.node.claim.address)
 
     @rule()
     def another_steers(self) -> None:
         command = encode_command(SystemCommand(curvature=0.0, intention=Intention.INTENDED))
-        self.bench.hear(SYSTEM_COMMAND, command, 0x55)
+        self.bench.receive(SYSTEM_COMMAND, command, 0x55)
         self.note_fault()
 
     @rule(identifier=st.integers(0, (1 << 29) - 1), data=st.binary(max_size=10))

@@ -1,7 +1,7 @@
 // Field map: boundary, lines, the chosen pass, what will be driven and where that leaves it, and the tractor.
 // Points are [east, north] in m; north is up. A line is chosen by touching it.
 
-const NOTHING = Object.freeze({ chosen: [], driven: [], aside: [] }); // what is frozen is not watched, point by point
+const NOTHING = Object.freeze({ chosen: [], driven: [], deviating: [] }); // what is frozen is not watched, point by point
 
 export default {
   template: `
@@ -16,7 +16,7 @@ export default {
         </g>
         <polyline class="chosen" :points="text(pass.chosen)" />
         <polyline class="driven" :points="text(pass.driven)" />
-        <polyline v-for="(piece, i) in pass.aside" :key="i" class="aside" :points="text(piece)" />
+        <polyline v-for="(piece, i) in pass.deviating" :key="i" class="deviating" :points="text(piece)" />
         <polyline class="track" :points="text(track)" />
         <g v-if="at" :transform="'translate(' + at[0] + ' ' + -at[1] + ') rotate(' + turn + ') scale(' + pixel + ')'">
           <path class="tractor" d="M 16 0 L -10 10 L -5 0 L -10 -10 Z" />

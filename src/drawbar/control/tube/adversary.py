@@ -37,8 +37,8 @@ def worst_signs(tubes: Tubes) -> tuple[Floats, Floats]:
 
 def _directions(tube: SubsystemTube) -> Floats:
     """Return both ways (2n + 2, n) along every error and along the command that they ask for together."""
-    ways = np.vstack([np.eye(len(tube.gain)), tube.gain])
-    return np.concatenate([ways, -ways])
+    directions = np.vstack([np.eye(len(tube.gain)), tube.gain])
+    return np.concatenate([directions, -directions])
 
 
 def _push(tube: SubsystemTube, direction: Floats) -> tuple[dict[str, Floats], dict[str, Floats]]:

@@ -222,9 +222,9 @@ def followed_rate(rate: float, falling_short: float, lag: float, sample_time: fl
     allowed = falling_short * lag * (1.0 - decay)
 
     def excess(mean: float) -> float:
-        way = mean * sample_time / (1.0 - decay)
-        limited = min(max(way / rate - lag, 0.0), sample_time)
-        reached = way - (way - rate * limited) * math.exp((limited - sample_time) / lag)
+        change = mean * sample_time / (1.0 - decay)
+        limited = min(max(change / rate - lag, 0.0), sample_time)
+        reached = change - (change - rate * limited) * math.exp((limited - sample_time) / lag)
         return mean * sample_time - reached - allowed
 
     exact = rate * lag * (1.0 - decay) / sample_time

@@ -29,8 +29,8 @@ def board_wires(
     Args:
         boards: their settings.
         clock: of what they say, s.
-        listens: open sockets that hear the boards, and have nobody to send to.
-        sentences: path to hand the boards' sentences to, for receivers on them; empty: nobody hears those.
+        listens: open sockets that receive from the boards, and send nothing.
+        sentences: path to hand the boards' sentences to, for receivers on them; empty: there are none.
 
     Raises:
         HardwareError: a port is taken.
@@ -41,10 +41,10 @@ def board_wires(
         first = next(iter(here.values()))
         line = open_transport(first.ear if listens else first.transport, clock)
         assert isinstance(line, UdpTransport)
-        heard = SentenceRelay(line, sentences) if sentences else line
+        relayed = SentenceRelay(line, sentences) if sentences else line
         peers = [board.destination for board in here.values()]
         own = own_sources(peers, COMPUTER_PORT)
-        for (body, board), transport in zip(here.items(), share(heard, peers), strict=True):
+        for (body, board), transport in zip(here.items(), share(relayed, peers), strict=True):
             actuator = board.actuator(own)
             tractor, trailer = (actuator, None) if body == "tractor" else (None, actuator)
             opened.append(Wire(transport=transport, tractor=tractor, trailer=trailer))

@@ -10,7 +10,7 @@ from drawbar.driving.messaging.process_options import SENTENCES, GateOptions
 def gate_options(
     configuration: Configuration, folder: str, controller: int, pace: int = 1, *, shadow: bool = False
 ) -> GateOptions:
-    """Return what the gate of a configuration is told; folder of its socket, descriptor of its end of the pair."""
+    """Return what the gate of a configuration is given; folder of its socket, descriptor of its end of the pair."""
     vehicle, devices = configuration.vehicle, configuration.devices
     assert devices is not None
     shown = shown_pace(devices)

@@ -1,4 +1,4 @@
-"""Receiver transports: those at one UDP port share it, those on boards hear the gate."""
+"""Receiver transports: those at one UDP port share it, those on boards get their sentences from the gate."""
 
 import time
 from collections.abc import Sequence

@@ -159,17 +159,17 @@ class _Controller:
         for each in self._recorded.order:
             self._now = each.time
             if each.kind is Kind.GATE:
-                self._loop.hear_gate(self._recorded.state(each.sequence))
+                self._loop.receive_gate(self._recorded.state(each.sequence))
             elif each.kind is Kind.FIXES:
-                self._hear_fixes(self._recorded.known(again, each.sequence, "raw bytes of the fixes"))
+                self._receive_fixes(self._recorded.known(again, each.sequence, "raw bytes of the fixes"))
             elif each.kind is Kind.MISS:
                 self._loop.miss()
             else:
                 self._loop.repeat(each.time)
 
-    def _hear_fixes(self, fixes: Fixes) -> None:
+    def _receive_fixes(self, fixes: Fixes) -> None:
         self._compare(self._recorded.fixes.get(fixes.sequence), fixes, "fixes.")
-        self._loop.hear_fixes(fixes)
+        self._loop.receive_fixes(fixes)
 
     def _compare(self, recorded: Message | None, again: Message, prefix: str, names: Sequence[str] = ()) -> None:
         if recorded is not None:

@@ -1,4 +1,4 @@
-"""Control loop: from what the receivers and the gate say to commands, in the controller's process or a rehearsal.
+"""Control loop: from messages of the receivers and the gate to commands, in the controller's process or a rehearsal.
 
 Everything comes with its time (monotonic, ns) and leaves by the functions given; the loop itself never waits.
 """
@@ -55,16 +55,16 @@ class ControlLoop:
         deadline = self._sampler.deadline
         return self._repeat if deadline is None else min(self._repeat, deadline)
 
-    def hear_gate(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
         self._tell(Kind.GATE, state.sequence)
-        self._controller.hear(state)
-        self._sampler.hear(state)
+        self._controller.receive_gate(state)
+        self._sampler.receive_gate(state)
 
-    def hear_fixes(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers; where it is a sample's, the step is made."""
         self._tell(Kind.FIXES, fixes.sequence)
-        self._controller.hear_fixes(fixes)
+        self._controller.receive_fixes(fixes)
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return

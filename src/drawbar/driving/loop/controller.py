@@ -48,8 +48,8 @@ class Controller:
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._fingerprint = configuration, fingerprint
-        self._line, self._anew = DrivenLine.first(configuration, path), False
-        self._wished: tuple[float, float] | None = None
+        self._line, self._restart_path = DrivenLine.first(configuration, path), False
+        self._requested_line: tuple[float, float] | None = None
         """the line that was chosen and its nudge, m"""
         self.wiggled = False
         """the actuators have passed their wiggle test"""
@@ -85,19 +85,19 @@ class Controller:
         """Whether the gate lets commands act."""
         return self._gate is not None and bool(self._gate.steers) and self._gate.state in _STEERED
 
-    def hear(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
         before, self._gate = self.engaged, state
         self._notices.hear(state)
         if self.engaged != before:
             self._autopilot.set_engaged(self.engaged)
             self._rollback.clear()
-            self._wished = None  # what was not possible may be now
+            self._requested_line = None  # what was not possible may be now
         self._choose_line(state.line * self._configuration.path.working_width, state.nudge)
         wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
         self._autopilot.set_speed(max(0.0, min(wish, state.speed_limit, self._configuration.speed)))
 
-    def hear_fixes(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers, also one of no sample."""
         self._drift.hear(fixes)
         self._notices.hear_fixes(fixes)
@@ -251,9 +251,9 @@ class Controller:
 
         Where that is not possible, the old one stays; `line_offset` of the controller's state says which is driven.
         """
-        if (offset, nudge) == self._wished:
+        if (offset, nudge) == self._requested_line:
             return
-        self._wished = offset, nudge
+        self._requested_line = offset, nudge
         with suppress(DrawbarError):
             if offset != self._line.offset:
                 self._go_over(self._line.beside(offset))
@@ -271,7 +271,7 @@ class Controller:
         except PathError:
             if self.engaged:
                 raise
-            self._anew = True
+            self._restart_path = True
         self._line = chosen
         self._rollback.clear()
 
@@ -297,7 +297,7 @@ class Controller:
         return _within(progress, path)
 
     def _is_to_begin(self, measurement: Measurement) -> bool:
-        if self._anew or self._status.has_ended or self._status is Status.START:
+        if self._restart_path or self._status.has_ended or self._status is Status.START:
             return True
         return self._record is not None and self._line.faces_away(
             measurement, self._record.reference.tractor.closest[2]
@@ -310,7 +310,7 @@ class Controller:
         self._line, progress = self._line.nearest(measurement)
         self._begin(progress)
         self._autopilot.set_engaged(False)
-        self._anew = False
+        self._restart_path = False
 
     def _begin(self, progress: float) -> None:
         """Let the next sample begin a run at an arc length of the path, m."""

@@ -1,4 +1,4 @@
-"""Options of the console: what its process is told at its start, as JSON on its standard input."""
+"""Options of the console: what its process is given at its start, as JSON on its standard input."""
 
 from pathlib import Path
 from typing import Annotated, Literal

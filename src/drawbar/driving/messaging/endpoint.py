@@ -19,7 +19,7 @@ _BUFFER = 1 << 20
 
 
 class Endpoint:
-    """One process's own socket: takes datagrams, and sends them to others; what nobody takes is counted."""
+    """One process's own socket: receives datagrams, and sends them to others; what was not taken is counted."""
 
     def __init__(self, path: str) -> None:
         """Open the socket at a path, where none may be.
@@ -35,7 +35,7 @@ class Endpoint:
         self._socket.bind(path)
         self._queue: deque[tuple[str, bytes]] = deque()
         self._queued_bytes = 0
-        self._told = False
+        self._loss_reported = False
         self.lost = 0
         """datagrams that were not taken"""
 
@@ -52,7 +52,7 @@ class Endpoint:
                 return
 
     def send(self, path: str, data: bytes) -> None:
-        """Send to another's path; whoever does not read, or is gone, is not waited for."""
+        """Send to another's path, without waiting for one that does not read or is gone."""
         try:
             self._socket.sendto(data, path)
         except OSError:
@@ -69,12 +69,12 @@ class Endpoint:
         while self._queued_bytes > LARGEST_QUEUE:
             self._queued_bytes -= len(self._queue.popleft()[1])
             self.lost += 1
-            self._tell_loss(path)
+            self._report_loss(path)
 
-    def _tell_loss(self, path: str) -> None:
-        """Say, once, that somebody does not keep up."""
-        if not self._told:
-            self._told = True
+    def _report_loss(self, path: str) -> None:
+        """Say, once, that a reader does not keep up."""
+        if not self._loss_reported:
+            self._loss_reported = True
             names = os.path.basename(self._path), os.path.basename(path)
             say("{}: the {} does not keep up, and what it has not taken is lost; end other programs".format(*names))
 

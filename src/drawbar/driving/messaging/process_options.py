@@ -1,4 +1,4 @@
-"""Options of the processes of a drive: what each is told at its start, as JSON on its standard input."""
+"""Options of the processes of a drive: what each is given at its start, as JSON on its standard input."""
 
 from pathlib import Path
 from typing import Annotated, Self
@@ -13,7 +13,7 @@ from drawbar.transports.clock import FASTEST, MachineClock
 
 
 class PacedOptions(BaseModel):
-    """What every process of a drive is told."""
+    """What every process of a drive is given."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -54,7 +54,7 @@ OPTIONS_NAME = "options.json"
 
 
 class GateOptions(PacedOptions):
-    """What the gate is told: numbers only, so that it loads neither numpy nor the configuration's other sections."""
+    """What the gate is given: numbers only, so that it loads neither numpy nor the configuration's other sections."""
 
     folder: str
     safety: SafetySettings

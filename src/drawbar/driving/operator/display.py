@@ -71,7 +71,7 @@ def refusals(state: GateState) -> list[Cause]:
 
 
 def notices(controller: ControllerState | None) -> list[Cause]:
-    """Return what the controller tells of sensors."""
+    """Return what the controller reports of sensors."""
     return [BY_CODE[code] for code in controller.notices if code in BY_CODE] if controller else []
 
 

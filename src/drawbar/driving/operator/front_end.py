@@ -60,7 +60,7 @@ class Keyboard:
 
 
 class FrontEnd:
-    """The operator's side: hears the gate and the controller, sends what the keys ask for."""
+    """The operator's side: receives the states of gate and controller, sends what the keys ask for."""
 
     def __init__(self, processes: DriveProcesses, *, demonstrates: bool) -> None:
         """Open its socket; demonstrates: engage by itself, as stand-ins want it."""

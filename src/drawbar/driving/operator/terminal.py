@@ -28,7 +28,7 @@ class Terminal:
         """Take where to show it, the processes and what is heard of them."""
         self._console, self._processes, self._front = console, processes, front
         self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
-        self._told: SupervisorState | None = None
+        self._announced: SupervisorState | None = None
         self._reasons = set[Cause]()
         """that were told since the newest state"""
         self._lost: list[str] = []
@@ -44,15 +44,15 @@ class Terminal:
 
     def _tell(self, state: GateState) -> None:
         """Print a state that is new; without a picture also, once, each reason against engaging or to worry."""
-        if state.state is not self._told:
-            self._told, self._reasons = state.state, set()
+        if state.state is not self._announced:
+            self._announced, self._reasons = state.state, set()
             self._console.print(headline(state, self._front.controller))
-        for cause in self._told_as_lines(state):
+        for cause in self._causes_as_lines(state):
             if cause not in self._reasons:
                 self._reasons.add(cause)
                 self._console.print(reason(cause), soft_wrap=True)
 
-    def _told_as_lines(self, state: GateState) -> list[Cause]:
+    def _causes_as_lines(self, state: GateState) -> list[Cause]:
         """Return what is told without a picture.
 
         What stands against engaging; while it steers, what worries; and what there is to tell of sensors.

@@ -48,7 +48,7 @@ def calibrated_text(configuration: Path, found: Sequence[CalibrationResult], on:
     for each in found:
         if each.sets:
             value = each.value
-            lines.append(f"#   {each.name}: {value.told} {value.unit}\n")
+            lines.append(f"#   {each.name}: {value.text} {value.unit}\n")
         for key, number in each.sets.items():
             _set(content, key.split("."), number)
     return _HEAD + "".join(lines) + "\n" + tomli_w.dumps(content)

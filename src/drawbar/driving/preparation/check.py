@@ -1,6 +1,6 @@
 """Check: listens to every device of a configuration for a few seconds, and says what was received and what is missing.
 
-Nothing is moved: boards are asked where they are, boards and valves told that nobody steers, which makes boards answer.
+Nothing is moved: boards are scanned for, and boards and valves are sent "not steering", which makes boards answer.
 """
 
 import math
@@ -141,7 +141,7 @@ def _perhaps(reply: ScanReply) -> str:
 
 
 def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
-    """Return what a board says that is told for so many seconds that nobody steers."""
+    """Return what a board reports that is sent "not steering" for so many seconds."""
     finding, board = Finding(device=name), settings.actuator()
     transport, tick = open_transport(settings.transport), 0.0
     for now in poll_times(seconds):

@@ -31,14 +31,14 @@ class _Versions:
     """Hears a receiver's make and version among its bytes, and asks a u-blox receiver for them once."""
 
     def __init__(self, transport: Transport) -> None:
-        self.transport = TappedTransport(transport, self._hear)
-        self.told = ""
+        self.transport = TappedTransport(transport, self._receive)
+        self.text = ""
         self._framer, self._asked = Framer(), False
 
-    def _hear(self, direction: Direction, received: Received) -> None:
+    def _receive(self, direction: Direction, received: Received) -> None:
         if direction is Direction.IN:
             for frame in self._framer.push(received.data, received.time):
-                self.told = firmware(frame) or self.told
+                self.text = firmware(frame) or self.text
 
     def ask(self, kinds: Iterable[str]) -> None:
         if not self._asked and not _UBX_KINDS.isdisjoint(kinds):
@@ -80,7 +80,7 @@ def check_receiver(
     if not epochs:
         tell_silence(finding, receiver.transport, receiver.dropped)
     else:
-        finding.facts += [versions.told] if versions.told else []
+        finding.facts += [versions.text] if versions.text else []
         _describe(finding, epochs, frame, receiver, sample_time)
         if alone and not math.isfinite(epochs[-1].yaw):
             finding.problems.append(

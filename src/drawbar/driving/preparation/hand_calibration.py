@@ -186,12 +186,12 @@ def _roll(drive: HandDrive, *, up: float, left: float) -> CalibrationResult:
 def _antenna(vehicle: VehicleParameters, drive: HandDrive) -> Iterator[CalibrationResult]:
     """Yield where the tractor's antenna stands; how roll moves it is taken out as far as it is known."""
     mast = vehicle.masts.tractor
-    aside = mast.up * np.sin(np.nan_to_num(drive.roll - mast.roll_offset))  # to the right
+    lateral = mast.up * np.sin(np.nan_to_num(drive.roll - mast.roll_offset))  # to the right
     place = antenna_place(
         CurveDrive(
             times=drive.times,
-            x=drive.antenna_x - aside * np.sin(drive.yaw),
-            y=drive.antenna_y + aside * np.cos(drive.yaw),
+            x=drive.antenna_x - lateral * np.sin(drive.yaw),
+            y=drive.antenna_y + lateral * np.cos(drive.yaw),
             wheel_speeds=drive.wheel_speed,
             front_wheels=drive.front_wheels,
         ),

@@ -1,4 +1,4 @@
-"""Hand drive: what a log of driving by hand tells for calibration, and the stretches of it that can be used."""
+"""Hand drive: a log of driving by hand, prepared for calibration, and its usable stretches."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields

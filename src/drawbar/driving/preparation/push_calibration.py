@@ -57,7 +57,7 @@ class PushCalibration:
         self._ending = self._ending or reason
 
     def attend(self) -> None:
-        """Say that somebody looks on."""
+        """Note that the operator still watches."""
         self._attended = time.monotonic()
 
     def run(self) -> list[CalibrationResult]:

@@ -1,6 +1,6 @@
-"""Wiggle: moves a steering a little to both sides, and judges whether it goes where it is told (docs/calibration.md).
+"""Wiggle: moves a steering a little to both sides, and judges whether it follows (docs/calibration.md).
 
-`WiggleRun` is pure: told what is known, it answers what to ask for. Whatever looks like a runaway ends it with "off".
+`WiggleRun` is pure: what is known in, what to command out. Whatever looks like a runaway ends it with "off".
 """
 
 import math

@@ -71,7 +71,7 @@ def _file() -> Path:
 
 
 def _actuators(configuration: Configuration) -> str:
-    """Return what tells the actuators of a configuration from others."""
+    """Return what identifies the actuators of a configuration."""
     devices, vehicle = configuration.devices, configuration.vehicle
     if devices is None:
         return ""
@@ -82,7 +82,7 @@ def _actuators(configuration: Configuration) -> str:
 
 
 def _boot() -> str:
-    """Return what tells this run of the computer from all others; empty: it does not say."""
+    """Return what identifies this boot of the computer; empty: it is not known."""
     try:
         return _BOOT.read_text("ascii").strip()
     except OSError:

@@ -59,8 +59,8 @@ def main() -> int:
         now = clock.nanoseconds()
         if now >= look and not controller.engaged:
             look, controller.wiggled = now + _LOOK, has_passed(configuration)
-        _hear_gate(gate, outputs, heartbeat, loop)
-        _hear_receivers(endpoint, loop)
+        _receive_gate(gate, outputs, heartbeat, loop)
+        _receive_receivers(endpoint, loop)
         if now >= loop.due:
             loop.pass_time(now)
         heartbeat.pass_time(now)
@@ -71,21 +71,21 @@ def main() -> int:
     return 0
 
 
-def _hear_gate(gate: socket.socket, outputs: "Outputs", heartbeat: HeartbeatSender, loop: ControlLoop) -> None:
+def _receive_gate(gate: socket.socket, outputs: "Outputs", heartbeat: HeartbeatSender, loop: ControlLoop) -> None:
     for data in arrived(gate):
         state = decode(data, GateState)
         if isinstance(state, GateState):
             outputs.record_gate(data)
             heartbeat.state = state.state
-            loop.hear_gate(state)
+            loop.receive_gate(state)
         outputs.gate_is_gone |= not data
 
 
-def _hear_receivers(endpoint: Endpoint, loop: ControlLoop) -> None:
+def _receive_receivers(endpoint: Endpoint, loop: ControlLoop) -> None:
     for data in endpoint.receive():
         fixes = decode(data, Fixes)
         if isinstance(fixes, Fixes):
-            loop.hear_fixes(fixes)
+            loop.receive_fixes(fixes)
 
 
 class Outputs:

@@ -22,7 +22,7 @@ from drawbar.driving.messaging.process_options import (
     ProcessOptions,
 )
 from drawbar.driving.messaging.socket_folder import SocketFolder
-from drawbar.driving.processes.shutdown import signals_ignored
+from drawbar.driving.processes.shutdown import environment, signals_ignored
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
@@ -146,7 +146,7 @@ class DriveProcesses:
             stderr=self._messages,
             pass_fds=[end.fileno() for end in ends],
             start_new_session=True,  # Ctrl-C is for the front end, which then ends them in order
-            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            env={**environment(), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
         )
         assert process.stdin is not None
         process.stdin.write(options.encode())

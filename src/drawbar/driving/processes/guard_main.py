@@ -1,7 +1,7 @@
 """The guard's process as a program: lets the boards go when the gate, which steers them, is killed or frozen.
 
-`python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate tells its state at
-each tick; when it steers and is not heard for as long as it may be late, off frames go to the boards until it is heard
+`python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate sends its state at
+each tick; when it steers and sends nothing for as long as it may be late, off frames go to the boards until it sends
 again, for `timing.off` seconds at most. An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate,
 not within, and tells it that it is there: without a guard the gate does not engage.
 """
@@ -32,23 +32,23 @@ class Guard:
     """Says when the boards are to be let go of; times are monotonic, s."""
 
     def __init__(self, timing: TimingSettings) -> None:
-        """Begin with a gate that has not been heard, and does not steer."""
+        """Begin with a gate that has sent nothing, and does not steer."""
         self._patience, self._off = timing.tick + timing.late, timing.off
-        self._heard, self._said, self._steers = -math.inf, -math.inf, False
+        self._received, self._said, self._steers = -math.inf, -math.inf, False
 
-    def hear(self, time: float, state: GateState) -> None:
+    def receive_state(self, time: float, state: GateState) -> None:
         """Take in what the gate has just said."""
-        self._heard, self._said, self._steers = time, -math.inf, bool(state.steers)
+        self._received, self._said, self._steers = time, -math.inf, bool(state.steers)
 
     @property
     def due(self) -> float:
-        """When an off frame is to be sent unless the gate is heard; infinity: not at all."""
-        due = max(self._heard + self._patience, self._said + _AGAIN)
-        return due if self._steers and due <= self._heard + self._patience + self._off else math.inf
+        """When an off frame is to be sent unless the gate sends its state; infinity: not at all."""
+        due = max(self._received + self._patience, self._said + _AGAIN)
+        return due if self._steers and due <= self._received + self._patience + self._off else math.inf
 
     def rests(self, time: float) -> bool:
         """Return whether there is nothing to wait for: the gate does not steer, or the boards have been let go of."""
-        return not self._steers or time > self._heard + self._patience + self._off
+        return not self._steers or time > self._received + self._patience + self._off
 
     def says_off(self, time: float) -> bool:
         """Return whether an off frame is to be sent now."""
@@ -59,7 +59,7 @@ class Guard:
 
 
 def main() -> int:
-    """Guard until told to end, and until nothing is steered that nobody speaks for."""
+    """Guard until told to end, but not while the gate steers or its silence is being answered."""
     options = GateOptions.model_validate_json(sys.stdin.read())
     boards = [each.destination for each in (options.tractor_board, options.trailer_board) if each is not None]
     guard, shutdown, clock = Guard(options.safety.timing), ShutdownRequest(), options.clock
@@ -75,7 +75,7 @@ def main() -> int:
         for record in endpoint.receive():
             state = decode(record, GateState)
             if isinstance(state, GateState):
-                guard.hear(now, state)
+                guard.receive_state(now, state)
                 heartbeat.state = state.state
         if guard.says_off(now):
             for board in boards:

@@ -1,4 +1,4 @@
-"""The receivers' process as a program: reads the receivers, and sends what they say of each instant to the controller.
+"""The receivers' process as a program: reads the receivers, and sends their epochs to the controller.
 
 `python -m drawbar.driving.processes.receivers_main`, with its options on standard input.
 """

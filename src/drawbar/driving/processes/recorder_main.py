@@ -44,7 +44,7 @@ def main() -> int:
     if word := prefer(_NICENESS):
         say(f"recorder: {word}")
     with _log(configuration, options, live) as log:
-        endpoint = Endpoint(options.socket(RECORDER))  # only now: whoever sees it may send, and nothing is lost
+        endpoint = Endpoint(options.socket(RECORDER))  # only now: once it is there others send, and nothing is lost
         heartbeat = HeartbeatSender(Role.RECORDER, endpoint, options.socket(GATE))
         while not shutdown.asked or clock.wait([endpoint], 0.2):
             healthy = _write_all(endpoint, log, heartbeat, clock) if healthy else _discard(endpoint)

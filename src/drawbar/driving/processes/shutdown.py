@@ -1,4 +1,4 @@
-"""Shutdown of a process: SIGTERM or SIGINT asks for it, or the end of whoever started it; it ends at its next look."""
+"""Shutdown of a process: requested by SIGTERM, SIGINT or the end of its starter; polled by the process's loop."""
 
 import os
 import signal
@@ -9,23 +9,36 @@ from types import FrameType
 
 from drawbar.errors import DrawbarError
 
+STARTER = "DRAWBAR_STARTER"
+"""environment variable with the number of the process that has started this one"""
+
+
+def starter() -> int:
+    """Return the number of the process that has started this one: by STARTER, else the present parent."""
+    return int(os.environ.get(STARTER, os.getppid()))
+
 
 class ShutdownRequest:
     """Whether this process is to end."""
 
     def __init__(self) -> None:
         """Take over both signals."""
-        self._told, self._starter = False, os.getppid()
+        self._signalled, self._starter = False, starter()
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._tell)
 
     @property
     def asked(self) -> bool:
         """Whether one of the signals has come, or the process that started this one has ended."""
-        return self._told or os.getppid() != self._starter
+        return self._signalled or os.getppid() != self._starter
 
     def _tell(self, number: int, frame: FrameType | None) -> None:
-        self._told = True
+        self._signalled = True
+
+
+def environment() -> dict[str, str]:
+    """Return the environment for a process that is to end with this one, even where this one ends first."""
+    return {**os.environ, STARTER: str(os.getpid())}
 
 
 @contextmanager

@@ -42,11 +42,11 @@ class DataLine:
             self._socket = _bound(socket.SOCK_DGRAM, (sender, 0), sender)
 
     def send(self, data: bytes) -> None:
-        """Send to whoever is there."""
+        """Send to all that are connected."""
         if not self._listens:
             self._socket.sendto(data, self._place)
             return
-        with suppress(BlockingIOError):  # nobody new has connected
+        with suppress(BlockingIOError):  # no new connection
             self._peers.append(self._socket.accept()[0])
             self._peers[-1].setblocking(False)
         for peer in list(self._peers):
@@ -76,7 +76,7 @@ class DataLine:
 
 
 class SerialLine:
-    """A pseudo-terminal under the name of a serial line: whoever opens that name talks to the stand-in."""
+    """A pseudo-terminal under the name of a serial line: a program that opens it talks to the stand-in."""
 
     is_writable = True
 
@@ -156,7 +156,7 @@ class BoardLine:
 
     def send(self, output: Output) -> None:
         """Send to the computer that was heard last; before, to this one, as a board's broadcast reaches it."""
-        with suppress(OSError):  # nobody listens there
+        with suppress(OSError):  # there is no listener
             self._socket.sendto(output.data, self._computer)
 
     def close(self) -> None:

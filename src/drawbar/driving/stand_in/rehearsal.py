@@ -173,9 +173,9 @@ class Rehearsal:
     def advance(self) -> None:
         """Let a step of the clock pass."""
         self.now += STEP
-        heard, sent = self.machine.advance(self.time)
-        for line, data in heard:
-            self.links.send(self.time, line if line == SENSORS else f"{line} receiver", data, self._hear(line))
+        streamed, sent = self.machine.advance(self.time)
+        for line, data in streamed:
+            self.links.send(self.time, line if line == SENSORS else f"{line} receiver", data, self._receive(line))
         for body, output in sent:
             self._arrive(body, output.data)
         self.links.deliver(self.time)
@@ -194,23 +194,23 @@ class Rehearsal:
                 self._obey(body)(OFF)
 
     def _run_gate(self) -> None:
-        urgent = self.gate.hear(self.time)
+        urgent = self.gate.receive(self.time)
         if urgent or self.time >= self._due:
             self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
             self._due = next_tick(self.time, self._tick, self.time - self._ticked, urgent=urgent)
             self._ticked = self.time
 
-    def _hear(self, line: str) -> Callable[[bytes], None]:
+    def _receive(self, line: str) -> Callable[[bytes], None]:
         return lambda data: self._lines[line].arrive(self.time, data)
 
     def _control(self) -> None:
         """Give the controller what it has been sent."""
         states, self._states = self._states, []
         for state in states:
-            self.loop.hear_gate(state)
+            self.loop.receive_gate(state)
         fixes, self._fixes = self._fixes, []
         for each in fixes:
-            self.loop.hear_fixes(each)
+            self.loop.receive_fixes(each)
         if self.now >= self.loop.due:
             self.loop.pass_time(self.now)
 
@@ -224,10 +224,10 @@ class Rehearsal:
             state = decode(record, GateState)
             if isinstance(state, GateState):
                 self.gate_state = state
-                self._guard.hear(self.time, state)
+                self._guard.receive_state(self.time, state)
                 self._states.append(state)
                 self.operator.see(state)
-                self.machine.driver.told_to_stop = bool(state.stop) and state.state is not SupervisorState.STANDBY
+                self.machine.driver.stop_requested = bool(state.stop) and state.state is not SupervisorState.STANDBY
         self._controller_channel.outbox.clear()
         self._desk.outbox.clear()
 

@@ -79,7 +79,7 @@ class StandIns:
     def commanded(self) -> float:
         """When all steerings have been commanded last, even if only not to steer, s."""
         valves = self._machine.can.valves.values() if self._machine.can else ()
-        return min([*self._commanded.values(), *(valve.heard for valve in valves)])
+        return min([*self._commanded.values(), *(valve.last_received for valve in valves)])
 
     def _correct(self, settings: CorrectionsSettings, pace: int) -> None:
         """Let the receivers that can be sent corrections need them, and be the caster where it is to be here."""
@@ -103,8 +103,8 @@ class StandIns:
         for body, (receiver, framer) in self._corrected.items():
             if framer.feed(receiver.receive()):
                 self._machine.corrected[body] = now
-        heard, sent = self._machine.advance(now)
-        for name, data in heard:
+        streamed, sent = self._machine.advance(now)
+        for name, data in streamed:
             if name in self._lines:
                 self._lines[name].send(data)
         self._send(sent)
@@ -124,8 +124,8 @@ def _tell(driver: Driver, state: GateState) -> None:
     """Tell the driver what the gate does: stand until the emergency stop was tried, and begin again after a stop."""
     rests = state.state is SupervisorState.STANDBY
     untried = Cause.EMERGENCY_UNTRIED.value in state.refusals and Cause.SHADOW.value not in state.refusals
-    driver.told_to_stop = (bool(state.stop) and not rests) or untried
-    if rests and driver.speed == 0.0 and not driver.told_to_stop:
+    driver.stop_requested = (bool(state.stop) and not rests) or untried
+    if rests and driver.speed == 0.0 and not driver.stop_requested:
         driver.begin_again()
 
 

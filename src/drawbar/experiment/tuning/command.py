@@ -13,7 +13,7 @@ from drawbar.experiment.task import digest, source_digest
 from drawbar.experiment.tuning.comparison import Candidate, Comparison
 from drawbar.experiment.tuning.parameters import SearchSpace
 from drawbar.experiment.tuning.report import Findings, terminal_table, verdict, write_findings
-from drawbar.experiment.tuning.study import Trial, front, importances, open_study, search, told
+from drawbar.experiment.tuning.study import Trial, finished_trials, front, importances, open_study, search
 from drawbar.experiment.tuning.trials import Driver
 
 JOURNAL_NAME = "study.journal"
@@ -47,7 +47,7 @@ def tune(console: Console, space: SearchSpace, folder: Path, budget: Budget) -> 
     with open_cluster(budget.address, budget.jobs) as client:
         driver = Driver(client=client, folder=folder, console=console, space=space)
         search(study, space.parameters, driver.scores, trials=budget.trials, seed=budget.seed)
-        trials = told(study)[: budget.trials]
+        trials = finished_trials(study)[: budget.trials]
         comparison = _compare(driver, trials)
     findings = Findings(
         space=space, seed=budget.seed, trials=trials, comparison=comparison, importances=importances(study)

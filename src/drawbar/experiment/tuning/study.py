@@ -110,7 +110,7 @@ def search(study: optuna.Study, parameters: Sequence[Parameter], evaluate: Evalu
     """
     for left in study.get_trials(deepcopy=False, states=(TrialState.RUNNING,)):
         study.tell(left.number, state=TrialState.FAIL)  # of an interrupted command; they are drawn again, the same
-    while (count := len(told(study))) < trials:
+    while (count := len(finished_trials(study))) < trials:
         until = min(trials, (count // BATCH + 1) * BATCH)
         batch = [_ask(study, parameters, index, seed) for index in range(count, until)]
         outcomes = evaluate([(index, trial.params) for index, trial in enumerate(batch, count)])
@@ -118,7 +118,7 @@ def search(study: optuna.Study, parameters: Sequence[Parameter], evaluate: Evalu
             _tell(study, trial, outcome)
 
 
-def told(study: optuna.Study) -> list[Trial]:
+def finished_trials(study: optuna.Study) -> list[Trial]:
     """Return all trials with an outcome, in the order in which they were drawn."""
     outcomes = [(trial, _outcome(trial)) for trial in study.get_trials(deepcopy=False)]
     known = [(trial, outcome) for trial, outcome in outcomes if outcome]
@@ -146,7 +146,7 @@ def importances(study: optuna.Study) -> dict[str, tuple[float, float]]:
     Empty while there are too few trials to tell. PED-ANOVA (Watanabe, Bansal, Hutter 2023, *PED-ANOVA: efficiently
     quantifying hyperparameter importance in arbitrary subspaces*).
     """
-    if sum(isinstance(trial.outcome, Score) for trial in told(study)) < _ENOUGH:
+    if sum(isinstance(trial.outcome, Score) for trial in finished_trials(study)) < _ENOUGH:
         return {}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="PedAnova.* low `target` values")  # these are the best ones here

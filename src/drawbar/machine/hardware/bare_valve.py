@@ -43,10 +43,10 @@ class BareValve(CalibratedMachine):
         motion: Callable[[], Motion],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Take the open transport, the wheelbase (m), what tells the tractor's motion, and the monotonic clock (s)."""
+        """Take the open transport, the wheelbase (m), the tractor's motion, and the monotonic clock (s)."""
         self._transport, self._sensor, self._board = transport, settings.sensor(), ValveBoard()
         self._wheelbase, self._motion, self._clock = wheelbase, motion, clock
-        self._told, self._rolled = -math.inf, Motion(-math.inf, math.nan, math.nan)
+        self._last_motion, self._rolled = -math.inf, Motion(-math.inf, math.nan, math.nan)
 
     def sense(self) -> Sensed:
         """Wait for the next report."""
@@ -93,7 +93,7 @@ class BareValve(CalibratedMachine):
 
     def _by_yaw(self, motion: Motion) -> float:
         """Return the steering angle by yaw rate and speed, once for each word of the receiver, rad."""
-        if motion.time <= self._told or not motion.speed > 0.0:
+        if motion.time <= self._last_motion or not motion.speed > 0.0:
             return math.nan
-        self._told = motion.time
+        self._last_motion = motion.time
         return math.atan(self._wheelbase * motion.yaw_rate / motion.speed)

@@ -46,7 +46,7 @@ class Calibrated:
         return not self.refusals
 
     @property
-    def told(self) -> str:
+    def text(self) -> str:
         """Value and deviation, to the deviation's second digit."""
         if not 0.0 < self.deviation < math.inf:
             return f"{self.value:.4g} ± {self.deviation:.2g}"

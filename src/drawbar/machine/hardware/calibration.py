@@ -1,6 +1,6 @@
 """Calibration by moving a little: a state machine that pushes an actuator, watches it, and always ends with off.
 
-It is told what a sensor reports and answers what to drive; it reads no clock and owns no device. Whatever looks like a
+It takes what a sensor reports and returns what to drive; it reads no clock and owns no device. Whatever looks like a
 runaway ends it: motion to the wrong side, faster or further than expected, none at all, or without a drive, or seen in
 the vehicle's yaw rate but not by the sensor; and so does a vehicle that stands or drives too fast, a sensor that fails
 or falls silent, and the operator.

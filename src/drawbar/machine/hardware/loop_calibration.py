@@ -67,7 +67,7 @@ def _at_begin_of_motion(time: Floats, asked: Floats, measured: Floats) -> list[f
     found: list[float] = []
     begin = 0  # of the present rest
     for k in range(1, len(time)):
-        if time[k] - time[k - 1] > _REST:  # nothing was heard
+        if time[k] - time[k - 1] > _REST:  # nothing was received
             begin = k
         elif abs(measured[k] - measured[begin]) > _SAME:
             rest = float(np.mean(measured[begin:k]))

@@ -1,6 +1,6 @@
-"""Navigation: the receivers of both bodies together; what they say of one instant comes out as one record.
+"""Navigation: joins the receivers of both bodies; what they report of one instant becomes one record.
 
-Each record tells what the sensor board said last. Where the receivers fall silent, its reports come out by themselves.
+Each record holds the sensor board's last report. While the receivers are silent, the reports become records alone.
 """
 
 import math
@@ -18,7 +18,7 @@ from drawbar.signals import FixQuality
 _FRESH = 0.5
 """oldest report of the sensor board, s"""
 _SILENT, _APART = 0.35, 0.04
-"""after which receivers that have spoken are silent, and the least from a report that comes by itself to the next, s"""
+"""after which receivers count as silent, and the shortest time between two records of the sensor board alone, s"""
 _VALID = 1.0
 """for how long fixes mean something, s"""
 _MOST_SATELLITES = 255
@@ -33,8 +33,8 @@ class Navigation:
         self._sensors = sensors
         self._receivers = dict(zip(Body, receivers, strict=False))
         self._pairing, self._frame, self._sequence = Pairing(), frame, 0
-        self._spoke, self._told = math.inf, -math.inf
-        """when the receivers were last heard, and the time of the last report that came out, s"""
+        self._last_epochs, self._published = math.inf, -math.inf
+        """when the receivers last reported, and the time of the sensor board's last report that became a record, s"""
 
     @property
     def due(self) -> float:
@@ -43,8 +43,8 @@ class Navigation:
 
     @property
     def _alone_due(self) -> float:
-        """When the sensor board's newest report comes out by itself, infinite: it has, s."""
-        return self._spoke + _SILENT if self._reported - self._told >= _APART else math.inf
+        """When the sensor board's newest report becomes a record of its own, infinite: it is in one already, s."""
+        return self._last_epochs + _SILENT if self._reported - self._published >= _APART else math.inf
 
     def poll(self, time: float) -> list[Fixes]:
         """Read what has come until this monotonic time (s), and return what is complete."""
@@ -56,7 +56,7 @@ class Navigation:
                 pairs += [self._alone(epoch)] if len(self._receivers) == 1 else self._pairing.add(body, epoch, time)
         pairs += self._pairing.poll(time)
         if pairs:
-            self._spoke = time
+            self._last_epochs = time
         elif time >= self._alone_due:
             pairs = [Pair(tractor=None, trailer=None)]
         return [self._fixes(pair, time) for pair in pairs]
@@ -71,7 +71,7 @@ class Navigation:
         return Pair(tractor=epoch, trailer=None)
 
     def _fixes(self, pair: Pair, time: float) -> Fixes:
-        self._sequence, self._told = (self._sequence + 1) % 2**32, self._reported
+        self._sequence, self._published = (self._sequence + 1) % 2**32, self._reported
         epochs = [epoch for epoch in (pair.tractor, pair.trailer) if epoch is not None]
         values: dict[str, Any] = self._body("tractor", pair.tractor) | self._body("trailer", pair.trailer)
         return Fixes(
@@ -86,7 +86,7 @@ class Navigation:
         )
 
     def _sensed(self, time: float) -> dict[str, Any]:
-        """Return what the sensor board said last, unless that is old."""
+        """Return the sensor board's last report, unless that is old."""
         report = self._sensors.last if self._sensors is not None else None
         fresh = report is not None and time - report.time <= _FRESH
         stamp = nanoseconds(report.time) if report is not None and fresh else 0

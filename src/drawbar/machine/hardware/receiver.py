@@ -44,7 +44,7 @@ class ReceiverSettings(EpochSettings):
 
     @property
     def has_senders(self) -> bool:
-        """Whether its transport tells who has sent something."""
+        """Whether its transport reports the sender."""
         return self.is_on_can or isinstance(parse_transport(self.transport), UdpAddress)
 
     def is_at(self, place: tuple[str, int]) -> bool:
@@ -82,14 +82,14 @@ class _Stream(Protocol):
 class Receiver:
     """Reads one receiver. Call `poll` when the transport can be read, and not later than at `due`."""
 
-    heard: float
+    last_received: float
     """monotonic time of the last byte, -inf: never, s"""
     last: Epoch | None
     """the last epoch"""
 
     def __init__(self, transport: Transport, settings: ReceiverSettings) -> None:
         self.transport = transport
-        self.heard = -math.inf
+        self.last_received = -math.inf
         self.last = None
         self._stream = _stream(settings)
         self._sender = "" if settings.is_on_can else settings.sender
@@ -120,7 +120,7 @@ class Receiver:
         ended: list[Epoch] = []
         for received in self.transport.read():
             if self._is_ours(received.source):
-                self.heard = received.time
+                self.last_received = received.time
                 ended += self._stream.push(received.data, received.time)
         ended += self._stream.poll(time)
         self.last = ended[-1] if ended else self.last

@@ -1,9 +1,9 @@
-"""Sampler: joins what receivers and actuators say at their own times into measurements at the samples.
+"""Sampler: joins the reports of receivers and actuators, each with its own time, into measurements at the samples.
 
-A sample is taken when an epoch usually is here, and tells how old the epoch then is; the next one is due a sample time
-later. Epochs in between (a receiver that is faster than the controller) are not used. Where none comes, the sample is
-taken without a fix, as late as the step can bear it, so that the autopilot goes on by prediction. Where epochs go on at
-other times than the samples, as after a burst that a receiver's first epoch waited in, the samples move to them. All
+A sample is taken when its epoch usually arrives, and holds the age of the epoch; the next one is due a sample time
+later. Epochs in between (of a receiver that is faster than the controller) are not used. If no epoch comes, the sample
+is taken without a fix, as late as the step can bear, so that the autopilot continues by prediction. If epochs continue
+at other times than the samples, as after a burst that delayed a receiver's first epoch, the samples move to them. All
 instants are monotonic, ns.
 """
 
@@ -54,7 +54,7 @@ class Sampler:
         """When to take the next sample without its epoch, ns; None before the first epoch."""
         return None if self._start is None else self._last + self._period + self._wait
 
-    def hear(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Take in what the gate knows of the actuators."""
         self._gate = state
 

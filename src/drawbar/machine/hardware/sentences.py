@@ -30,7 +30,7 @@ class SentenceRelay:
 
     @property
     def connected(self) -> bool:
-        """Whether boards can be heard."""
+        """Whether the relay of the boards' sentences is open."""
         return self._line.connected
 
     @property
@@ -48,7 +48,7 @@ class SentenceRelay:
         for each in self._line.read():
             if each.data.startswith(_BEGINS):
                 sender = each.source.encode("ascii")
-                with suppress(OSError):  # whoever does not read is not waited for
+                with suppress(OSError):  # a reader that does not read is not waited for
                     self._out.sendto(_STAMP.pack(each.time, len(sender)) + sender + each.data, self._path)
             else:
                 kept.append(each)

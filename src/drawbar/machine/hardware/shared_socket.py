@@ -1,8 +1,8 @@
 """Shared socket: several boards behind one UDP port of this computer, each with a transport of its own.
 
 All AIO boards send to port 9999 and AiO_26 obeys nothing that comes from another one, so two boards must share that
-socket. What one transport writes goes to its own board only; what arrives is heard on all of them, and the boards are
-told apart by their senders.
+socket. What one transport writes goes to its own board only; what arrives is received on all of them, and the sender
+identifies the board.
 """
 
 import socket
@@ -44,8 +44,8 @@ class DatagramSocket(Protocol):
 def share(line: DatagramSocket, peers: Sequence[tuple[str, int]], ears: Sequence[Transport] = ()) -> list[Transport]:
     """Return a transport to each of `peers`, host and port, over the socket `line`.
 
-    What arrives at `ears` is heard as well; nothing is sent there. One that listens on port 8888 hears another computer
-    that broadcasts set points to the boards. Socket and ears close with the last of the transports.
+    What arrives at `ears` is received as well; nothing is sent there. One that listens on port 8888 receives the set
+    points that another computer broadcasts to the boards. Socket and ears close with the last of the transports.
     """
     shared: list[_PeerTransport] = []
     shared += [_PeerTransport(line, peer, shared, ears) for peer in peers]

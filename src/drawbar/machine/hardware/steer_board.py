@@ -125,7 +125,7 @@ class SteerBoardSettings(Settings):
 
     @property
     def ear(self) -> str:
-        """Address of a socket for `drawbar.transports` that hears the board, and sends to nobody."""
+        """Address of a socket for `drawbar.transports` that receives from the board, and sends nothing."""
         host, port = self.listening
         return f"udp://{host}:{port}"
 

@@ -1,4 +1,4 @@
-"""Wiggle judgement: whether a steering goes where it is told, from what was commanded and measured. Pure."""
+"""Wiggle judgement: whether a steering follows its commands, from what was commanded and measured. Pure."""
 
 import math
 from collections.abc import Sequence

@@ -16,7 +16,7 @@ from drawbar.signals import Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
 _SMOOTHED = 2.0
-"""time constant of the slips and side-slips that the truth tells, s: the controllers' models hold them for constant,
+"""time constant of the slips and side-slips in the truth, s: the controllers' models hold them for constant,
 while on tyres they follow every motion of the wheels; who believes their momentary values steers against himself"""
 
 

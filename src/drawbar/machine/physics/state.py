@@ -45,17 +45,17 @@ class Slides(NamedTuple):
 
 def slides(state: State, before: State, duration: float, vehicle: VehicleParameters) -> Slides:
     """Return how the wheels slid between two states (s apart); nothing is said of a vehicle that stands."""
-    ahead, aside, turn = _motion(state, before, "tractor", duration)
+    ahead, sideways, turn = _motion(state, before, "tractor", duration)
     if not abs(ahead) > _ROLLING:
         return Slides(1.0, 0.0, 0.0, 0.0)
-    front = math.atan((aside + vehicle.wheelbase * turn) / ahead)
-    trailer_ahead, trailer_aside, trailer_turn = _motion(state, before, "trailer", duration)
+    front = math.atan((sideways + vehicle.wheelbase * turn) / ahead)
+    trailer_ahead, trailer_sideways, trailer_turn = _motion(state, before, "trailer", duration)
     rolls = abs(state.speed) > _ROLLING
     return Slides(
         longitudinal_slip=ahead / state.speed if rolls else 1.0,
         steering_offset=front - state.steering,
-        tractor_crab=math.atan(aside / ahead),
-        trailer_crab=math.atan2(trailer_aside - vehicle.trailer_antenna * trailer_turn, abs(trailer_ahead)),
+        tractor_crab=math.atan(sideways / ahead),
+        trailer_crab=math.atan2(trailer_sideways - vehicle.trailer_antenna * trailer_turn, abs(trailer_ahead)),
     )
 
 

@@ -30,7 +30,7 @@ class Aio26(StandInBoard):
     def _boot(self) -> None:
         self._status: int | None = None
         self._armed = False
-        self._heard = self._zero_since = self._kicked = -math.inf
+        self._received = self._zero_since = self._kicked = -math.inf
         self._armed_at = self._drives_since = math.inf
         self._speed = self._target = 0.0
         self._now = self._start
@@ -76,7 +76,7 @@ class Aio26(StandInBoard):
         rising = self._status is not None and bool(status & 0x41 & ~self._status)
         if not status & 1 and (self._status is None or self._status & 1):
             self._zero_since = time
-        self._status, self._heard = status, time
+        self._status, self._received = status, time
         self._speed, self._target = speed / 10.0, target / 100.0
         if rising and speed >= self.config.minimum_speed:
             self._arm(time)
@@ -93,7 +93,7 @@ class Aio26(StandInBoard):
         if not self.motor_ready and time - self._armed_at >= _NOT_READY:
             self._armed = False
         angle = self._measured()
-        self.driving = self._armed and asked and self.link and self.motor_ready and time - self._heard < _WATCHDOG
+        self.driving = self._armed and asked and self.link and self.motor_ready and time - self._received < _WATCHDOG
         self._drives_since = min(self._drives_since, time) if self.driving else math.inf
         self.pwm = self._drive(angle - self._target, time) if self.driving else 0
         if self.link:

@@ -1,4 +1,4 @@
-"""Stand-in of a bare valve's board: a motor with a dead band turns the front wheels as it is told, at ticks."""
+"""Stand-in of a bare valve's board: a motor with a dead band turns the front wheels as commanded, at ticks."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.stand_in.wheel import MotorWheel
-from drawbar.protocols.bare_valve import HOLDS, drives_told
+from drawbar.protocols.bare_valve import HOLDS, commanded_drives
 from drawbar.protocols.own_sentence import SentenceReader, own_sentence
 
 _PWM = 255.0
@@ -26,14 +26,14 @@ class StandInBareValve:
         self._table = (settings.angles, settings.counts) if rising else (settings.angles[::-1], settings.counts[::-1])
         self._wheel = MotorWheel(rate=FULL_RATE, lag=LAG, stiction=round(DEAD_BAND * _PWM))
         self._sentences = SentenceReader("PDBD")
-        self._drive, self._told = 0.0, -math.inf
+        self._drive, self._commanded = 0.0, -math.inf
         self.permitted = True
         """the operator holds the switch"""
 
     def receive(self, time: float, data: bytes) -> None:
-        """Take in what it is told at a time, s."""
-        for drive in drives_told(self._sentences, data):
-            self._drive, self._told = drive, time
+        """Take in commands at a time, s."""
+        for drive in commanded_drives(self._sentences, data):
+            self._drive, self._commanded = drive, time
 
     def turn(self, time: float, angle: float, duration: float) -> float | None:
         """Turn the wheels from a time (s) on for a duration (s); return where they are, rad; None: it is told nothing.
@@ -43,7 +43,7 @@ class StandInBareValve:
             angle: of the wheels, which others have turned as long as it was told nothing, rad.
             duration: s.
         """
-        if time - self._told > HOLDS:
+        if time - self._commanded > HOLDS:
             self._wheel.place(angle)
             return None
         self._wheel.turn(_PWM * self._drive if self.permitted else 0.0, duration)

@@ -9,7 +9,7 @@ from drawbar.transports.base import CanBus
 
 
 class CanDevices:
-    """Nodes that share one end of a bus: they hear what comes over it, and one another."""
+    """Nodes that share one end of a bus: they receive what comes over it, and from one another."""
 
     def __init__(self, bus: CanBus, nodes: Sequence[IsobusNode]) -> None:
         self.dropped: Counter[str] = Counter()

@@ -16,7 +16,7 @@ _TRACTOR = 0xA2
 
 
 class _CutBus(CanBus):
-    """A bus on which nobody is."""
+    """A bus without any other node."""
 
     connected = False
 
@@ -60,14 +60,14 @@ class CanMachine:
         return self.tractor.commanded(time) if self._takes_speed else None
 
     def step(self, time: float, angles: dict[str, float], speed: float) -> None:
-        """Let the devices measure steering angles (rad, by body) and the wheels' speed (m/s), hear and talk."""
+        """Let the devices measure steering angles (rad, by body) and the wheels' speed (m/s), receive and send."""
         for body, valve in self.valves.items():
             valve.curvature, valve.speed = self._maps[body].curvature(angles[body]), speed
         self.tractor.wheel_speed = self.tractor.ground_speed = speed
         self._devices.step(time)
 
     def cut(self) -> None:
-        """Take all devices off the bus: they go on by themselves, and hear and say nothing more."""
+        """Take all devices off the bus: they continue by themselves, and neither receive nor send any more."""
         self._devices = CanDevices(_CutBus(), self._nodes)
 
     def _node(self, address: int) -> IsobusNode:

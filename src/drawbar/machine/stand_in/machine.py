@@ -86,7 +86,7 @@ class Driver:
         self.steered = False
         """the boards have steered since it began"""
         self.speed = 0.0
-        self.told_to_stop = False
+        self.stop_requested = False
         """by the display"""
 
     def attend(self, time: float, *, attended: bool) -> None:
@@ -100,7 +100,7 @@ class Driver:
             self._came = min(self._came, time)
         elif not self.steered or self.speed == 0.0:
             self._came = math.inf
-            self.told_to_stop = False  # by a drive that is over
+            self.stop_requested = False  # by a drive that is over
             self.begin_again()
 
     def begin_again(self) -> None:
@@ -117,16 +117,16 @@ class Driver:
             pushed: a bare valve is being calibrated.
         """
         self.steered |= steered
-        if (steered and not self.told_to_stop) or (not self.steered and not self.told_to_stop):
+        if (steered and not self.stop_requested) or (not self.steered and not self.stop_requested):
             self._let_go = math.inf
         else:
             self._let_go = min(self._let_go, time)
         wish = self._speed if steered or self.steered else self.CREEP if time >= self._came + self.wait else 0.0
-        if self.told_to_stop:
+        if self.stop_requested:
             self._let_go = min(self._let_go, time)
         if time - self._let_go >= self.reaction:
             wish = 0.0
-        wish = self.PUSHED if pushed and not self.told_to_stop else wish
+        wish = self.PUSHED if pushed and not self.stop_requested else wish
         wish = wish if commanded is None else commanded
         slows = self.DECELERATION if commanded is None else self.BRAKES
         step = TICK * (self.ACCELERATION if wish > self.speed else slows)
@@ -176,7 +176,7 @@ class StandInMachine:
         self.corrected: dict[str, float] = {}
         """when corrections came last, s, by body; only of receivers that have no RTK fix without"""
         self.silent: set[str] = set()
-        """devices that are not heard: `sensors`, `tractor board`, `trailer board`"""
+        """devices that are not streamed: `sensors`, `tractor board`, `trailer board`"""
         self.delay = 0.0
         """by which what receivers send leaves later than it should, s"""
         self.hitch_counts: Callable[[int], int | None] = lambda right: right
@@ -203,11 +203,11 @@ class StandInMachine:
             self._ticks += 1
         for body, (board, _) in self.boards.items():
             sent += self._said(body, board.advance(time))
-        heard: list[tuple[str, bytes]] = []
+        streamed: list[tuple[str, bytes]] = []
         due = [each for each in self._leaving if each[0] <= time + _SAME]
         self._leaving = deque(each for each in self._leaving if each[0] > time + _SAME)
-        heard += [(line, data) for _, line, data in due if line not in self.silent]
-        return heard, sent
+        streamed += [(line, data) for _, line, data in due if line not in self.silent]
+        return streamed, sent
 
     def receive(self, time: float, body: str, datagram: bytes, port: int) -> list[tuple[str, Output]]:
         """Give a board a datagram from a computer's port; return what it answers at once."""

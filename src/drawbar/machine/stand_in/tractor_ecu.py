@@ -1,4 +1,4 @@
-"""Stand-in tractor: the control unit that tells a machine's speeds on its bus, and takes a speed command."""
+"""Stand-in tractor: the control unit that reports a machine's speeds on its bus, and takes a speed command."""
 
 import math
 from collections import Counter
@@ -52,7 +52,7 @@ class StandInTractor(Component):
         obeys = fresh and math.isfinite(self._set_point) and not self.operator_drives
         return self._set_point if obeys else None
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in a speed command."""
         if message.pgn != SELECTED_SPEED_COMMAND:
             return

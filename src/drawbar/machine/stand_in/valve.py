@@ -1,4 +1,4 @@
-"""Stand-in valve: an ISOBUS steering valve's control unit, which judges whoever commands it."""
+"""Stand-in valve: an ISOBUS steering valve's control unit, which checks the sender of its commands."""
 
 import math
 from collections import Counter, deque
@@ -56,9 +56,9 @@ class StandInValve(Component):
         self._node, self._rate, self._reach, self._timeout = node, rate, reach, timeout
         self._cadence = Cadence(_PERIOD)
         self._master: int | None = None
-        """whoever may engage it, or steers"""
+        """the sender that may engage it, or steers"""
         self._target: float | None = None
-        self.heard = -math.inf
+        self.last_received = -math.inf
         """when it was commanded last, even if only not to steer, s"""
         self._exit_reason = ExitReason.NONE
         self._command_time = self._moved = -math.inf
@@ -74,7 +74,7 @@ class StandInValve(Component):
         """Where it steers to, 1/m, left positive, within its reach; None: it does not."""
         return None if self._target is None else max(-self._reach, min(self._reach, self._target))
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in a command."""
         if message.pgn != SYSTEM_COMMAND or message.destination not in (GLOBAL, self._node.claim.address):
             return
@@ -82,7 +82,7 @@ class StandInValve(Component):
         if command is None:
             self.dropped["length"] += 1
             return
-        self.heard = time
+        self.last_received = time
         if self.engaged:
             self._follow(time, message.source, command)
         elif command.intention is Intention.NOT_INTENDED:

@@ -1,4 +1,4 @@
-"""World: the simulated machine of a stand-in, moved on in small ticks by whoever steers and drives it."""
+"""World: the simulated machine of a stand-in, advanced in small ticks under its set points."""
 
 import math
 
@@ -46,8 +46,8 @@ class World:
         """Let a tick pass.
 
         Args:
-            tractor: set point of the front wheels, rad; None: nobody turns them.
-            trailer: set point of the joint, rad, in the sign in which it is measured; None: nobody turns it.
+            tractor: set point of the front wheels, rad; None: not actuated.
+            trailer: set point of the joint, rad, in the sign in which it is measured; None: not actuated.
             speed: of the wheels, m/s.
         """
         truth, vehicle = self.truth, self._vehicle

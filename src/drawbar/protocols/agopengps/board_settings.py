@@ -109,7 +109,7 @@ def _bits(flags: tuple[bool, ...]) -> int:
 
 
 def decode_steer_config(frame: Frame) -> SteerConfig | None:
-    """Return how a board is told to be wired; None: not such a message."""
+    """Return the wiring that a message sets; None: not such a message."""
     if (frame.source, frame.pgn, len(frame.data)) != (COMPUTER, Pgn.STEER_CONFIG, 8):
         return None
     wiring, threshold, speed, options, angular_velocity = frame.data[:5]

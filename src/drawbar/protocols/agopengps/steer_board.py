@@ -83,7 +83,7 @@ class SteerBoard(SteeringActuator[bytes]):
         self._speed = 0.0
         self._sent = -math.inf
         self._interval = 0.0
-        self._told = math.nan
+        self._last_sent = math.nan
         self._status = False
         self._edge = math.inf
         self._released = -math.inf
@@ -191,7 +191,7 @@ class SteerBoard(SteeringActuator[bytes]):
         command = self._set_point(request)
         if self._due(time, command.angle) and not self._yields(time):
             frames.append(command.encode())
-            self._told = command.angle
+            self._last_sent = command.angle
             self._note_sent(time)
         if time - self._hello >= HELLO_PERIOD:
             frames.append(HELLO)
@@ -203,7 +203,7 @@ class SteerBoard(SteeringActuator[bytes]):
             return True
         if self._status and self._sent == self._edge:
             return time - self._sent >= EDGE_PERIOD
-        news = self._status and not self._replies.steer_off and abs(angle - self._told) >= NEWS
+        news = self._status and not self._replies.steer_off and abs(angle - self._last_sent) >= NEWS
         if news and time - self._sent + self._interval >= NEWS_PERIOD:
             return time - self._sent >= NEWS_GAP
         return time - self._sent >= PERIOD

@@ -1,4 +1,4 @@
-"""Firmware: make and version of a receiver, where it tells them: u-blox's MON-VER, Septentrio's ReceiverSetup. Pure."""
+"""Firmware: make and version that a receiver reports: u-blox's MON-VER, Septentrio's ReceiverSetup. Pure."""
 
 from pysbf2 import SBFReader
 
@@ -16,7 +16,7 @@ _RECEIVER_SETUP = 5902
 
 
 def firmware(frame: Frame) -> str:
-    """Return the make and version that a frame tells, empty where it tells none."""
+    """Return the make and version in a frame; empty: there is none."""
     if frame.protocol is Protocol.UBX and frame.data[2:4] == _MON_VER:
         return _ubx(frame.data[_HEADER:-_CHECKSUM])
     if frame.protocol is Protocol.SBF and int.from_bytes(frame.data[4:6], "little") & 0x1FFF == _RECEIVER_SETUP:
@@ -27,8 +27,8 @@ def firmware(frame: Frame) -> str:
 def _ubx(payload: bytes) -> str:
     texts = [_text(payload[at : at + _EXTENSION]) for at in range(_FIXED, len(payload), _EXTENSION)]
     named = dict(text.split("=", 1) for text in texts if "=" in text)
-    told = [named[key] for key in _TOLD if key in named]
-    return ", ".join(told) or _text(payload[:_SOFTWARE])
+    stated = [named[key] for key in _TOLD if key in named]
+    return ", ".join(stated) or _text(payload[:_SOFTWARE])
 
 
 def _sbf(block: bytes) -> str:

@@ -124,7 +124,7 @@ def att_cov_euler(values: Values) -> tuple[Content, ...]:
 
 
 def base_vector_geod(values: Values) -> tuple[Content, ...]:
-    """Return the line to this antenna from a moving base, if there is one; a base that stands tells no attitude."""
+    """Return the line to this antenna from a moving base, if there is one; a fixed base gives no attitude."""
     code = values.integer("Type_01")
     if values.integer("N") != 1 or code not in (_MOVING_BASE_FIXED, _MOVING_BASE_FLOAT):
         return ()

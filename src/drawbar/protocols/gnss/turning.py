@@ -20,16 +20,16 @@ class Turning:
     def __init__(self) -> None:
         self._yaw, self._utc = math.nan, math.nan
 
-    def rate(self, told: float, inertial_yaw: float, utc: float) -> tuple[float, float]:
+    def rate(self, reported: float, inertial_yaw: float, utc: float) -> tuple[float, float]:
         """Return an epoch's yaw rate (rad/s, NaN: not known) and how old it is (s), half the time between two yaws.
 
         Args:
-            told: by the receiver, rad/s, NaN: not told.
+            reported: by the receiver, rad/s, NaN: not reported.
             inertial_yaw: from any zero, rad, NaN: not known.
             utc: of the epoch, later than of those before, seconds of the UTC day.
         """
         turned, passed = wrap(inertial_yaw - self._yaw), difference(utc, self._utc)
         self._yaw, self._utc = inertial_yaw, utc
-        if math.isfinite(told):
-            return told, 0.0
+        if math.isfinite(reported):
+            return reported, 0.0
         return (turned / passed, passed / 2.0) if math.isfinite(turned) and passed <= _LONGEST else (math.nan, 0.0)

@@ -16,8 +16,8 @@ _MM = 1e-3
 _THREE_DIMENSIONAL = 3
 _CARRIER = {1: FixQuality.FLOAT, 2: FixQuality.FIXED}
 _FIXED = 2
-_AGES = (math.nan, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, math.inf)
-"""the oldest that each class of the age of corrections can mean, s"""
+_AGES = (math.nan, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 600.0)
+"""the oldest that each class of the age of corrections can mean, s; the last one, above 120 s, has no end"""
 
 
 def pvt(values: Values) -> tuple[Content, ...]:

@@ -36,7 +36,7 @@ class ClaimState(Enum):
 
 
 class AddressClaim:
-    """The claim of one device. `hear` takes what is on the bus, `send` returns what it says; times are monotonic, s.
+    """The claim of one device: `receive_message` takes what comes, `send` returns what goes; times are monotonic, s.
 
     Raises:
         ConfigurationError: the preferred address is none
@@ -72,10 +72,10 @@ class AddressClaim:
         return self.state is ClaimState.CLAIMED
 
     def unique(self, time: float) -> bool:
-        """Return whether nobody else has lately talked from our address."""
+        """Return whether no other device has recently sent from our address."""
         return not (time - self._duplicate_time <= _DUPLICATE_HOLD)
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in one message of another device."""
         if message.pgn == CLAIM and len(message.data) == 8:
             self._receive_claim(time, message.source, int.from_bytes(message.data, "little"))

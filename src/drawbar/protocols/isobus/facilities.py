@@ -30,7 +30,7 @@ class Facilities:
         self._present = dict.fromkeys(names, False)
         self._changes: deque[FacilityChange] = deque(maxlen=_CHANGES)
 
-    def heard(self, name: str, time: float) -> None:
+    def received(self, name: str, time: float) -> None:
         """Note a message of a facility."""
         self._expire(name, time)
         if not self._present[name]:

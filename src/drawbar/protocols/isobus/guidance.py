@@ -66,7 +66,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self._node, self._map, self._address = node, curvature, address
         self._cadence = Cadence(period)
         self._phase = _Phase.LATCHED
-        self._told = math.nan
+        self._last_sent = math.nan
         """the angle that was commanded last, rad"""
         self._cause: Readiness | None = None
         """what the latch was set by, until it is let go of"""
@@ -83,7 +83,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         """Take in one frame of the bus, for the node and for every component of it."""
         self._node.receive(time, frame, carrier=self)
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in what the valve says of itself, and who else commands it."""
         if message.pgn == MACHINE_INFO:
             self._receive_info(time, message)
@@ -103,7 +103,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             return frames
         if self._stop_now:
             self._cadence.restart(time)
-        elif not self._cadence.due(time, news=self._phase is _Phase.STEERING and request.angle != self._told):
+        elif not self._cadence.due(time, news=self._phase is _Phase.STEERING and request.angle != self._last_sent):
             return frames
         return [*frames, self._command(time, request)]
 
@@ -175,7 +175,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             self._phase, self._cause, self._overridden = _Phase.RELEASED, None, False
         elif self._phase is _Phase.RELEASED:
             self._phase, self._steering_since = _Phase.STEERING, time
-        self._told = request.angle
+        self._last_sent = request.angle
         if self._phase is _Phase.STEERING:
             command = SystemCommand(curvature=self._map.curvature(request.angle), intention=Intention.INTENDED)
         else:

@@ -1,4 +1,4 @@
-"""Heartbeat: the counter by which others see that a device is alive, sent once somebody has asked for it (0xF0E4)."""
+"""Heartbeat: the counter by which others see that a device is alive, sent once it has been requested (0xF0E4)."""
 
 from drawbar.protocols.isobus.cadence import Cadence
 from drawbar.protocols.isobus.identifier import GLOBAL, Message
@@ -22,7 +22,7 @@ class Heartbeat(Component):
         self._count = _FIRST
         node.attach(self)
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Begin when asked to."""
         mine = message.destination in (GLOBAL, self._node.claim.address)
         if message.pgn == REPETITION_RATE and mine and message.data[:3] == HEARTBEAT.to_bytes(3, "little"):

@@ -12,7 +12,7 @@ class Component(ABC):
     """What listens to the messages of a bus, and may answer them."""
 
     @abstractmethod
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in one message of any sender and any content; never raises."""
 
     def frames(self, time: float) -> list[CanFrame]:
@@ -35,7 +35,7 @@ class IsobusNode:
         self._carrier: object = None
 
     def attach(self, component: Component) -> None:
-        """Let a component hear what comes."""
+        """Let a component receive what comes."""
         self._components.append(component)
 
     def receive(self, time: float, frame: CanFrame, carrier: object = None) -> None:
@@ -47,9 +47,9 @@ class IsobusNode:
         if message is None:
             self.dropped["not ISO 11783"] += 1
             return
-        self.claim.hear(time, message)
+        self.claim.receive_message(time, message)
         for component in self._components:
-            component.hear(time, message)
+            component.receive_message(time, message)
 
     def send(self, time: float) -> list[CanFrame]:
         """Return the node's own frames that are due: claims, answers, heartbeats."""
@@ -57,7 +57,7 @@ class IsobusNode:
         return own + [frame for component in self._components for frame in component.frames(time)]
 
     def usable(self, time: float) -> bool:
-        """Return whether a machine may be moved from this address: it is held, and by nobody else."""
+        """Return whether a machine may be moved from this address: it is ours, and only ours."""
         return self.claim.held and self.claim.unique(time)
 
     def frame(self, pgn: int, data: bytes, destination: int = GLOBAL, priority: int = 3) -> CanFrame:

@@ -1,4 +1,4 @@
-"""Machine speed: a tractor that takes its speed over ISOBUS (0xFD43) and tells what it goes by (0xF022)."""
+"""Machine speed: a tractor that takes its speed over ISOBUS (0xFD43) and reports the one in use (0xF022)."""
 
 import math
 from collections import Counter
@@ -44,10 +44,10 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         """Take in one frame of the bus, for the node and for every component of it."""
         self._node.receive(time, frame, carrier=self)
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in what the tractor says of its speed."""
         lost = self._tractor.reading(_FACILITY, time) is None
-        self._tractor.hear(time, message)
+        self._tractor.receive_message(time, message)
         reading = self._tractor.reading(_FACILITY, time)
         if lost and reading is not None:
             self._received_since = time

@@ -1,4 +1,4 @@
-"""Tractor: speeds, hitches and power take-offs that a machine tells on its bus, each with its age."""
+"""Tractor: speeds, hitches and power take-offs that a machine reports on its bus, each with its age."""
 
 import math
 from collections import Counter
@@ -63,7 +63,7 @@ class Tractor(Component):
         self._readings: dict[str, tuple[float, Reading]] = {}
         self._sources: dict[str, int] = {}
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in one message."""
         if message.pgn not in _GROUPS:
             return
@@ -77,7 +77,7 @@ class Tractor(Component):
             return
         self._sources[name] = message.source
         self._readings[name] = time, reading
-        self._facilities.heard(name, time)
+        self._facilities.received(name, time)
 
     def speed(self, name: str) -> SpeedReading:
         """Return the latest "wheel speed", "ground speed" or "selected speed"; its age is for the caller to judge."""

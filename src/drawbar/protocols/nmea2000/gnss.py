@@ -50,7 +50,7 @@ _JOINED: dict[int, Callable[[bytes], Joined | None]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nmea2000Epoch:
-    """All that a receiver told of one instant; what it did not is None."""
+    """All that a receiver has reported of one instant; the rest is None."""
 
     time: float
     """monotonic time at which the first frame of it was received, s"""
@@ -83,7 +83,7 @@ class Nmea2000Receiver(Component):
         """the latest position of 129025 and when it was received; it belongs to no epoch"""
         self._wanted = source
         self._source = source
-        self._heard = -math.inf
+        self._received = -math.inf
         self._packets = FastPackets()
         self._open: dict[int, _Open] = {}
         self._finished: list[Nmea2000Epoch] = []
@@ -97,9 +97,9 @@ class Nmea2000Receiver(Component):
         if message is None:
             self.dropped["not NMEA 2000"] += 1
         else:
-            self.hear(time, message)
+            self.receive_message(time, message)
 
-    def hear(self, time: float, message: Message) -> None:
+    def receive_message(self, time: float, message: Message) -> None:
         """Take in one message."""
         if message.pgn in (POSITION_RAPID, GNSS_POSITION) or message.pgn in _JOINED:
             if self._listens_to(time, message):
@@ -124,12 +124,12 @@ class Nmea2000Receiver(Component):
 
     def _listens_to(self, time: float, message: Message) -> bool:
         position = message.pgn in (POSITION_RAPID, GNSS_POSITION)
-        if self._wanted is None and position and time - self._heard > _SILENCE and message.source != self._source:
+        if self._wanted is None and position and time - self._received > _SILENCE and message.source != self._source:
             self._source = message.source
             self._open.clear()
         if message.source != self._source:
             return False
-        self._heard = time if position else self._heard
+        self._received = time if position else self._received
         return True
 
     def _receive(self, time: float, message: Message) -> None:

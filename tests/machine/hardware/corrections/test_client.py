@@ -14,6 +14,7 @@ from drawbar.errors import ConfigurationError
 from drawbar.machine.hardware.corrections.client import CorrectionsClient
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.corrections.credentials import Login
+from drawbar.machine.hardware.corrections.session import HELD
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.corrections.status import CorrectionsState, CorrectionsStatus
 from drawbar.machine.stand_in.caster import Caster, CasterFault, Dialect, empty_corrections
@@ -279,6 +280,16 @@ def test_text_before_the_first_frame_reaches_no_receiver(connect: Callable[..., 
         bench = connect(caster.port)
         bench.until(lambda: len(bench.frames) >= 5)
     assert bench.stream[:1] == b"\xd3"
+
+
+def test_all_of_a_burst_that_begins_the_stream_reaches_the_receivers(connect: Callable[..., Bench]) -> None:
+    burst = b"".join(map(empty_corrections, range(400)))
+    assert len(burst) > 2 * HELD
+    with Caster(login=LOGIN, interval=FAST, corrections=lambda epoch: b"" if epoch else burst) as caster:
+        bench = connect(caster.port)
+        bench.until(lambda: len(bench.frames) >= 1)
+        bench.until(lambda: bench.status.received >= len(burst))
+    assert bench.stream == burst
 
 
 def test_end_of_the_chunks_is_the_end_of_the_stream(connect: Callable[..., Bench]) -> None:

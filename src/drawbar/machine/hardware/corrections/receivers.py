@@ -1,4 +1,4 @@
-"""Corrections between a caster and receivers: the position that it is told, and what it sends to them."""
+"""Corrections between a caster and receivers: a position for the caster, its stream for the receivers."""
 
 import math
 from collections.abc import Iterable
@@ -10,6 +10,8 @@ from drawbar.signals import FixQuality
 
 _GGA = {FixQuality.DIFFERENTIAL: 2, FixQuality.FIXED: 4, FixQuality.FLOAT: 5}
 """quality in a GGA sentence"""
+_LARGEST_DILUTION, _HIGHEST = 100.0, 1e4
+"""what a receiver may report beyond, 9999.9 for instance, casters do not need to know; m"""
 
 
 def correct(corrections: Corrections, now: float, place: Receiver, receivers: Iterable[Receiver]) -> None:
@@ -22,8 +24,8 @@ def correct(corrections: Corrections, now: float, place: Receiver, receivers: It
             longitude=math.radians(epoch.longitude),
             quality=_GGA.get(epoch.reported, 1),
             satellites=epoch.satellites or 12,
-            dilution=epoch.hdop if math.isfinite(epoch.hdop) else 1.0,
-            height=epoch.height if math.isfinite(epoch.height) else 0.0,
+            dilution=epoch.hdop if 0.0 <= epoch.hdop < _LARGEST_DILUTION else 1.0,
+            height=epoch.height if abs(epoch.height) < _HIGHEST else 0.0,
             separation=0.0,
         )
         corrections.position(sentence)

@@ -127,11 +127,12 @@ class Session:
             self._frame_deadline = now + self._settings.silence
         if self._flows:
             return stream
-        self._held = (self._held + stream)[-HELD:]
+        held = bytes(self._held + stream)
         if not frames:
+            self._held[:] = held[-HELD:]
             return b""
         self.state, self.began_to_flow = CorrectionsState.FLOWING, now
-        held, self._held = bytes(self._held), bytearray()
+        self._held.clear()
         return held[held.find(frames[0]) :]
 
     def _upload(self, now: float, position: bytes) -> None:
