@@ -15,14 +15,16 @@ from mcap.reader import make_reader
 from mcap.records import Chunk, MessageIndex
 
 from drawbar.recording import chunks, stream
-from drawbar.recording.chunks import CHUNK_HEAD, FRAME, ChunkedWriter
+from drawbar.recording.chunks import CHUNK_HEAD, FRAME, LEVEL, ChunkedWriter
 from drawbar.recording.stream import LoggedMessage, read_records
 
+BOTH = pytest.mark.parametrize("level", [None, LEVEL])
 
-def written(messages: int, size: int = 100) -> BytesIO:
+
+def written(messages: int, size: int = 100, level: int | None = None) -> BytesIO:
     """Return a file of messages (bytes each) in chunks of one message."""
     file = BytesIO()
-    writer = ChunkedWriter(file, profile="drawbar")
+    writer = ChunkedWriter(file, "drawbar", level)
     channel = writer.add_channel("/step", "json", 0)
     for number in range(messages):
         writer.add_message(channel, bytes([number]) * size, sequence=number, log_time=number, publish_time=number)
@@ -36,15 +38,16 @@ def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunks, "CHUNK_BYTES", 1)
 
 
-def test_messages_come_in_their_order_with_topic_and_time() -> None:
-    found = list(read_records(written(3)))
+@BOTH
+def test_messages_come_in_their_order_with_topic_and_time(level: int | None) -> None:
+    found = list(read_records(written(3, level=level)))
     assert found == [LoggedMessage("/step", number, number, bytes([number]) * 100, "") for number in range(3)]
 
 
 def test_messages_of_a_channel_stand_together_and_the_index_finds_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunks, "CHUNK_BYTES", 400)
     file = BytesIO()
-    writer = ChunkedWriter(file, profile="drawbar")
+    writer = ChunkedWriter(file, "drawbar", LEVEL)
     channels = [writer.add_channel(topic, "json", 0) for topic in ("/a", "/b")]
     sent = [(channels[i % 3 == 1], i, bytes([i]) * (i + 1)) for i in range(40)]
     for channel, number, data in sent:
@@ -79,12 +82,14 @@ def record(file: BytesIO, place: int, kind: Any) -> Any:
     return kind.read(ReadDataStream(file))
 
 
-def test_a_file_cut_at_any_byte_has_the_chunks_before_it() -> None:
-    whole, data = list(read_records(written(3))), written(3).getvalue()
+@BOTH
+def test_a_file_cut_at_any_byte_has_the_chunks_before_it(level: int | None) -> None:
+    data = written(3, level=level).getvalue()
+    whole = list(read_records(BytesIO(data)))
     counts = [len(list(read_records(BytesIO(data[:end])))) for end in range(len(chunks.MAGIC), len(data) + 1)]
     assert counts == sorted(counts)
     assert set(counts) == {0, 1, 2, 3}
-    assert whole == list(read_records(BytesIO(data)))
+    assert len(whole) == 3
 
 
 def test_a_chunk_without_an_end_needs_no_more_memory_than_it_has_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,10 +125,14 @@ def test_the_next_chunk_is_unpacked_while_the_caller_works_on_one(monkeypatch: p
     assert len(list(records)) == 2
 
 
+@BOTH
 @pytest.mark.parametrize("size", [10, 200, 1 << 40])
-def test_a_chunk_of_another_size_than_it_says_is_damaged(size: int) -> None:
-    data = bytearray(written(2).getvalue())
-    opcode, length, first, last, _, *rest = CHUNK_HEAD.unpack_from(data, at := data.index(b"zstd") - 41)
+def test_a_chunk_of_another_size_than_it_says_is_damaged(size: int, level: int | None) -> None:
+    data = bytearray(written(2, level=level).getvalue())
+    summary = make_reader(BytesIO(data)).get_summary()
+    assert summary is not None
+    at = summary.chunk_indexes[0].chunk_start_offset
+    opcode, length, first, last, _, *rest = CHUNK_HEAD.unpack_from(data, at)
     CHUNK_HEAD.pack_into(data, at, opcode, length, first, last, size, *rest)
     damage, message = read_records(BytesIO(data))
     assert damage == (at, at + 9 + length)
@@ -150,11 +159,14 @@ class Watched(BytesIO):
         return kept
 
 
+@BOTH
 @pytest.mark.parametrize("bytes_each", [10, 3000])
-def test_a_kill_at_any_moment_costs_one_message_at_most(monkeypatch: pytest.MonkeyPatch, bytes_each: int) -> None:
+def test_a_kill_at_any_moment_costs_one_message_at_most(
+    monkeypatch: pytest.MonkeyPatch, bytes_each: int, level: int | None
+) -> None:
     monkeypatch.setattr(chunks, "CHUNK_BYTES", 2 * bytes_each)  # those of 10 are longer when they are compressed
     file, told = Watched(), [bytes([65 + number]) * bytes_each for number in range(6)]
-    writer = ChunkedWriter(file, "drawbar")
+    writer = ChunkedWriter(file, "drawbar", level)
     channel = writer.add_channel("/test", "", 0)
     for number, data in enumerate(told):
         before = len(file.states)

@@ -1,8 +1,9 @@
-"""Chunks of an MCAP file (https://mcap.dev/spec) that is written: compressed, and yet readable while they grow.
+"""Chunks of an MCAP file (https://mcap.dev/spec) that is written: readable while they grow, compressed where asked.
 
 A chunk grows as it is, behind a header with an impossible length; what has come is flushed to the operating system when
-the caller asks. When the chunk is full one zstd frame takes its place, in steps after each of which the file is whole;
-in the frame the messages of each channel stand together, as they came, which is 8 % shorter in a drive's log.
+the caller asks. When the chunk is full its header tells length and checksum; or one zstd frame takes its place, in
+steps after each of which the file is whole; in the frame the messages of each channel stand together, as they came,
+which is 8 % shorter in a drive's log.
 A killed process leaves a last chunk that says it is endless: readers (stream.py) take from it what is there.
 """
 
@@ -35,9 +36,9 @@ MAGIC = b"\x89MCAP0\r\n"
 ENDLESS = 2**63 - 1
 """length of a chunk that is not complete"""
 CHUNK_BYTES = 1 << 18
-"""of messages, before they are compressed, after which a chunk ends: what one damaged byte may cost"""
+"""of messages, uncompressed, after which a chunk ends: what one damaged byte may cost"""
 _WORTH = 16
-"""part of a chunk that is enough to end it rather than to write it twice, as it is and compressed"""
+"""part of a chunk that is enough to compress it at once rather than to write it twice, as it is and compressed"""
 _WINDOW_LOG = 18
 """of zstd's window, which a whole chunk fits into: one that wraps within a chunk takes twice as long to search"""
 BESIDE, VOID = 0x80, 0x81
@@ -65,17 +66,16 @@ _MESSAGE_CODE = int(Opcode.MESSAGE)  # looking up a member of the enumeration is
 class ChunkedWriter:
     """Puts records into a seekable stream that is at its beginning; the caller opens and closes it."""
 
-    def __init__(self, stream: BinaryIO, profile: str, level: int = LEVEL) -> None:
+    def __init__(self, stream: BinaryIO, profile: str, level: int | None = None) -> None:
         """Write the magic and the header.
 
         Args:
             stream: to be written.
             profile: of MCAP.
-            level: zstd's, of the chunks.
+            level: zstd's, of the chunks; None: they stay as they are.
         """
         self._stream = stream
-        parameters = zstandard.ZstdCompressionParameters.from_level(level, window_log=_WINDOW_LOG, write_checksum=True)
-        self._compressor = zstandard.ZstdCompressor(compression_params=parameters)
+        self._compressor = None if level is None else _compressor(level)
         self._chunk: _Chunk | None = None
         self._records = BytesIO()
         """of the chunk; its memory serves the next one too"""
@@ -132,10 +132,10 @@ class ChunkedWriter:
         """Let all that was added reach the operating system."""
         if self._chunk is None:
             return
-        if self._chunk.is_begun or self._chunk.size < CHUNK_BYTES // _WORTH:
-            self._chunk.flush()
-        else:
+        if self._compressor and not self._chunk.is_begun and self._chunk.size >= CHUNK_BYTES // _WORTH:
             self._end_chunk()
+        else:
+            self._chunk.flush()
 
     def finish(self) -> None:
         """Write what remains of the last chunk, and the summary."""
@@ -208,6 +208,11 @@ def _bytes(builder: RecordBuilder) -> bytes:
     return bytes(builder.end())  # type: ignore[no-untyped-call]  # mcap left its annotation out
 
 
+def _compressor(level: int) -> zstandard.ZstdCompressor:
+    parameters = zstandard.ZstdCompressionParameters.from_level(level, window_log=_WINDOW_LOG, write_checksum=True)
+    return zstandard.ZstdCompressor(compression_params=parameters)
+
+
 def _message_index(channel: int, entries: list[int]) -> bytes:
     """Return the record that says where messages lie: the time of each and its place, in turn."""
     size = 8 * len(entries)
@@ -217,14 +222,14 @@ def _message_index(channel: int, entries: list[int]) -> bytes:
 class _Chunk:
     """The chunk that grows."""
 
-    def __init__(self, stream: BinaryIO, compressor: zstandard.ZstdCompressor, records: BytesIO) -> None:
+    def __init__(self, stream: BinaryIO, compressor: zstandard.ZstdCompressor | None, records: BytesIO) -> None:
         """Take the stream, which is at its end, and memory to gather records in."""
         self._stream, self._compressor = stream, compressor
         self._messages: dict[int, list[int]] = {}
         self._records = records
         self._records.seek(0)
-        self._start, self._written = 0, 0
-        """where the chunk begins in the file, and how many bytes of its records are there, uncompressed"""
+        self._start, self._written, self._crc = 0, 0, 0
+        """where the chunk begins in the file, how many bytes of its records are there, uncompressed, and their CRC"""
         self.size = 0
         """bytes, uncompressed"""
 
@@ -251,9 +256,10 @@ class _Chunk:
         """Write what waits as it is."""
         if not self.is_begun:
             self._start = self._stream.tell()
-            self._stream.write(_chunk_head(ENDLESS, (0, 0), 0, "", 0))
-        with self._records.getbuffer() as records:
-            self._stream.write(records[self._written : self.size])
+            self._stream.write(_chunk_head((0, 0), 0, 0, "", ENDLESS - _HEADED))
+        with self._records.getbuffer() as records, records[self._written : self.size] as waiting:
+            self._crc = zlib.crc32(waiting, self._crc)
+            self._stream.write(waiting)
         self._written = self.size
         self._stream.flush()
 
@@ -262,14 +268,11 @@ class _Chunk:
         return {channel: len(entries) // 2 for channel, entries in self._messages.items()}
 
     def end(self) -> ChunkIndex:
-        """Write it compressed, the messages' index behind it; return what the summary says of the chunk."""
+        """Make it complete, the messages' index behind it; return what the summary says of the chunk."""
         times = [entries[::2] for entries in self._messages.values()]
         span = min(map(min, times)), max(map(max, times))
-        with self._records.getbuffer() as records:
-            content = self._compressor.compress(self._by_channel(records[: self.size]))
-        head = _chunk_head(_HEADED + len(COMPRESSION) + len(content), span, self.size, COMPRESSION, len(content))
-        start = self._put(head, content)
-        behind = start + len(head) + len(content)
+        start, compressed = self._compress(self._compressor, span) if self._compressor else self._close(span)
+        behind = self._stream.seek(0, SEEK_END)
         indices, offsets = list[bytes](), {}
         for channel, entries in self._messages.items():
             offsets[channel] = behind + sum(map(len, indices))
@@ -279,14 +282,34 @@ class _Chunk:
         return ChunkIndex(
             chunk_length=behind - start,
             chunk_start_offset=start,
-            compression=COMPRESSION,
-            compressed_size=len(content),
+            compression=COMPRESSION if self._compressor else "",
+            compressed_size=compressed,
             message_start_time=span[0],
             message_end_time=span[1],
             message_index_length=sum(map(len, indices)),
             message_index_offsets=offsets,
             uncompressed_size=self.size,
         )
+
+    def _close(self, span: tuple[int, int]) -> tuple[int, int]:
+        """Say how long the chunk is; return where it begins, and the size of its records."""
+        self.flush()
+        head = _chunk_head(span, self.size, self._crc, "", self.size)
+        _write(self._stream, self._start + FRAME.size, head[FRAME.size :])
+        _write(self._stream, self._start, head[: FRAME.size])
+        return self._start, self.size
+
+    def _compress(self, compressor: zstandard.ZstdCompressor, span: tuple[int, int]) -> tuple[int, int]:
+        """Write the chunk compressed; return where it begins, and the size of its records then."""
+        with self._records.getbuffer() as records:
+            content = compressor.compress(self._by_channel(records[: self.size]))
+        head = _chunk_head(span, self.size, 0, COMPRESSION, len(content))  # the frame has a checksum
+        if self.is_begun:
+            self.flush()  # what takes its place is shorter then, and nothing stays void
+            return _replace(self._stream, self._start, head + content), len(content)
+        start = self._stream.tell()
+        self._stream.writelines((head, content))
+        return start, len(content)
 
     def _by_channel(self, records: memoryview) -> bytes | memoryview:
         """Return the records with those of a channel together, and note where each lies now."""
@@ -300,20 +323,11 @@ class _Chunk:
                 entries[i], place = place, place + FRAME.size + length
         return b"".join(together)
 
-    def _put(self, head: bytes, content: bytes) -> int:
-        """Write the complete chunk; return where it begins."""
-        if self.is_begun:
-            self.flush()  # what takes its place is shorter then, and nothing stays void
-            return _replace(self._stream, self._start, head + content)
-        start = self._stream.tell()
-        self._stream.writelines((head, content))
-        return start
 
-
-def _chunk_head(length: int, span: tuple[int, int], size: int, compression: str, compressed: int) -> bytes:
-    """Return the beginning of a chunk, up to its records. No CRC: zstd's of the frame stands for it."""
-    name = compression.encode()
-    return CHUNK_HEAD.pack(Opcode.CHUNK, length, *span, size, 0, len(name)) + name + _COMPRESSED.pack(compressed)
+def _chunk_head(span: tuple[int, int], size: int, crc: int, compression: str, compressed: int) -> bytes:
+    """Return the beginning of a chunk, up to its records."""
+    name, length = compression.encode(), _HEADED + len(compression) + compressed
+    return CHUNK_HEAD.pack(Opcode.CHUNK, length, *span, size, crc, len(name)) + name + _COMPRESSED.pack(compressed)
 
 
 def _replace(stream: BinaryIO, start: int, record: bytes) -> int:

@@ -5,6 +5,7 @@ not believed the next sound chunk is looked for, or the outcome; what lies betwe
 last frame off and leaves no magic at the end; in a file that ends with it, a frame without an end is damage too.
 """
 
+import re
 import struct
 import zlib
 from collections.abc import Iterator
@@ -16,7 +17,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Header, Metadata, Schema
 
-from drawbar.recording.chunks import BESIDE, COMPRESSION, ENDLESS, FRAME, MAGIC, VOID
+from drawbar.recording.chunks import BESIDE, ENDLESS, FRAME, MAGIC, VOID
 
 CHUNK = struct.Struct("<QQQII")
 """first and last time, size uncompressed, its CRC, length of the compression's name; that and the size follow"""
@@ -32,15 +33,14 @@ _LENGTHS: dict[int, int] = {Opcode.DATA_END: 4, Opcode.FOOTER: 20}
 _CODES = {*_PARSED, *_LENGTHS, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, BESIDE, VOID}
 _ASIDE = (Opcode.HEADER, Opcode.MESSAGE_INDEX, BESIDE, VOID)
 """records that no message is in"""
-_NAME = struct.pack("<I", len(COMPRESSION)) + COMPRESSION.encode()
-_NEEDLES = (
-    (_NAME, FRAME.size + CHUNK.size - 4),
-    (FRAME.pack(Opcode.CHUNK, ENDLESS), 0),
-    (b"\x07\0\0\0outcome", FRAME.size),
+_KNOWN = re.compile(
+    rb"(?s)(?="
+    rb"\x06.{24}(.{4}\0{4}).{4}(?:\x04\0\0\0zstd|\0{4}\1)"  # a chunk, compressed or of the same size twice
+    rb"|" + re.escape(FRAME.pack(Opcode.CHUNK, ENDLESS)) + rb"|\x0c.{8}\x07\0\0\0outcome)"
 )
-"""what frames are known by, and where in them"""
+"""what frames are known by"""
 _ZEROS = 64
-"""at the end of a file, that nobody wrote: no compressed chunk ends so"""
+"""at the end of a file, that nobody wrote: no record ends so"""
 _PIECE = 1 << 24
 """bytes that are looked at together"""
 
@@ -191,19 +191,11 @@ def _next_sound(stream: BinaryIO, begin: int, end: int) -> int | None:
     while begin < end:
         stream.seek(begin)
         piece = stream.read(_PIECE)
-        for place in sorted(place for needle, at in _NEEDLES for place in _places(piece, needle, at)):
-            if _is_sound(stream, begin + place, end):
-                return begin + place
+        for found in _KNOWN.finditer(piece):
+            if _is_sound(stream, begin + found.start(), end):
+                return begin + found.start()
         begin += max(len(piece) - 64, 1)  # what lies across the border of two pieces is in the next
     return None
-
-
-def _places(piece: bytes, needle: bytes, at: int) -> Iterator[int]:
-    """Yield where frames may begin that hold a needle at a place."""
-    found = piece.find(needle, at)
-    while found >= 0:
-        yield found - at
-        found = piece.find(needle, found + 1)
 
 
 def _written(stream: BinaryIO) -> int:

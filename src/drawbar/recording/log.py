@@ -1,7 +1,7 @@
 """Log of a run: what it holds and how it is read back, as a whole or after a crash.
 
 A log is an MCAP file (https://mcap.dev/spec): an attachment `run.json` with the RunHeader, one message per StepRecord
-on the topic `/step`, in compressed chunks, and at the end, in most cases, the metadata `outcome`. The steps are CDR, as
+on the topic `/step`, in chunks, and at the end, in most cases, the metadata `outcome`. The steps are CDR, as
 step/layout.py describes it. Those of older logs are JSON, with null for NaN and infinity; they are read as before.
 """
 

@@ -1,4 +1,4 @@
-"""Recorder of every control step, in a log that survives a crash: MCAP, compressed chunks, readable while they grow.
+"""Recorder of every control step, in a log that survives a crash: MCAP, chunks that are readable while they grow.
 
 A step is written as the bytes that C made of it, behind the four that say that they are CDR.
 """
@@ -13,7 +13,7 @@ from typing import Self
 import msgspec
 
 from drawbar.errors import StorageError, demand, demand_path
-from drawbar.recording.chunks import LEVEL, ChunkedWriter
+from drawbar.recording.chunks import ChunkedWriter
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
 from drawbar.signals import StepRecord
 from drawbar.step.layout import HEAD, packed, step_schema
@@ -36,13 +36,13 @@ class Recorder:
     means that the run drove its path to the end.
     """
 
-    def __init__(self, file: str | os.PathLike[str], header: RunHeader, *, level: int = LEVEL) -> None:
+    def __init__(self, file: str | os.PathLike[str], header: RunHeader, *, level: int | None = None) -> None:
         """Create the file and write what is known before the first step.
 
         Args:
             file: to be written.
             header: of the run.
-            level: zstd's, of the compression.
+            level: zstd's, of the compression; None: there is none.
 
         Raises:
             StorageError: the file cannot be created.
@@ -66,7 +66,7 @@ class Recorder:
         except OSError as error:
             raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
 
-    def _begin(self, header: RunHeader, level: int) -> None:
+    def _begin(self, header: RunHeader, level: int | None) -> None:
         self._writer = ChunkedWriter(self._stream, profile="drawbar", level=level)
         data = msgspec.json.encode(header, enc_hook=encode_special)
         self._writer.add_attachment(HEADER_NAME, "application/json", data, created=time.time_ns())
