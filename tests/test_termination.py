@@ -1,16 +1,16 @@
-"""SIGTERM raises within what heeds it, however deep, and nowhere else."""
+"""SIGTERM raises within `termination_as_exit`, however deep, and nowhere else."""
 
 import signal
 
-from drawbar.termination import heeded_termination
+from drawbar.termination import termination_as_exit
 
 
-def test_what_is_nested_leaves_the_outer_one_heeding():
+def test_what_is_nested_leaves_the_outer_one_in_force():
     before = signal.getsignal(signal.SIGTERM)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     try:
-        with heeded_termination():
-            with heeded_termination():
+        with termination_as_exit():
+            with termination_as_exit():
                 pass
             assert signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
         assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL

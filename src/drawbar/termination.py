@@ -13,13 +13,13 @@ def termination_as_exit() -> Iterator[None]:
 
     Signals are the main thread's: in another one nothing changes.
     """
-    heeds = _is_main() and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-    if heeds:
+    handles = _is_main() and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    if handles:
         signal.signal(signal.SIGTERM, _exit)
     try:
         yield
     finally:
-        if heeds and signal.getsignal(signal.SIGTERM) is _exit:
+        if handles and signal.getsignal(signal.SIGTERM) is _exit:
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 

@@ -24,7 +24,7 @@ from drawbar.export.toolchain import build_target
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
 from drawbar.step.library import StepSettings
-from drawbar.termination import heeded_termination
+from drawbar.termination import termination_as_exit
 
 _FOLDERS = ("include", "src", "example", "lib")
 _UNFINISHED = ".unfinished"
@@ -63,7 +63,7 @@ def export_library(
     }
     new = [each for each in (folder, *folder.parents) if not each.exists()]
     unfinished = folder / _UNFINISHED
-    with heeded_termination():
+    with termination_as_exit():
         try:
             shutil.rmtree(unfinished, ignore_errors=True)
             _write(unfinished, files)
