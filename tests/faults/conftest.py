@@ -7,7 +7,7 @@ product has no hook for it.
 import ctypes
 import math
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -101,6 +101,11 @@ class Rig:
         """Let a component's solver fail, or not."""
         ctypes.c_int32.in_dll(self.functions, f"drawbar_{name}_fails").value = fails
 
+    def repair(self) -> None:
+        """Let no solver fail."""
+        for component in ("estimator", "tractor", "trailer"):
+            self.fail(component, False)
+
     def set_path(self, nodes: Floats) -> int:
         """Begin a run along a path."""
         status = int(self.functions.drawbar_set_path(self.state, ctypes.c_void_p(nodes.ctypes.data), len(nodes)))
@@ -161,9 +166,9 @@ class Rig:
 
 
 @pytest.fixture(scope="session", params=["python", "exported"])
-def rig(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Rig]:
-    """Return a function that makes a rig of a shipped configuration with changes."""
-    texts = spoilt_sources()
+def rig(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Rig]]:
+    """Yield a function that makes a rig of a shipped configuration with changes."""
+    texts, made = spoilt_sources(), list[Rig]()
 
     @cache
     def exported(name: str, changes: tuple[str, ...]) -> Path:
@@ -184,8 +189,8 @@ def rig(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
             file = exported(name, changes)
             size = load(file).drawbar_state_size() // 8
             rig = Rig(file, (ctypes.c_double * size)(), simulation)
-        for component in ("estimator", "tractor", "trailer"):
-            rig.fail(component, False)
+        rig.repair()
+        made.append(rig)
         return rig
 
     def make_of_spoilt_sources(name: str, *changes: str, seed: int = 0) -> Rig:
@@ -195,4 +200,6 @@ def rig(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
                 patch.setattr(module, "runtime_sources", lambda: texts)
             return make(name, *changes, seed=seed)
 
-    return make_of_spoilt_sources
+    yield make_of_spoilt_sources
+    for each in made:  # the process keeps their libraries, and an export drives one of them
+        each.repair()
