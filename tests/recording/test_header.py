@@ -29,6 +29,8 @@ def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_told() -> None:
     assert note.endswith("raise controller.horizon to 32")
     assert path_notes(load_configuration("articulated", [*slow, "controller.horizon=32"]), path, None) == []
     assert path_notes(load_configuration("articulated", [*slow, "speed=0.4"]), path, None) == []
+    (calm,) = path_notes(load_configuration("articulated", ["speed=0.65", *slow, "vehicle.wheelbase=3.5"]), path, None)
+    assert "plans reach 2 s ahead" in calm
     (slower,) = path_notes(load_configuration("articulated", [*slow, "vehicle.tractor_steering_rate=0.1"]), path, None)
     assert slower.endswith("begin on the line"), "a horizon of 63 samples is more than a solver has time for"
 

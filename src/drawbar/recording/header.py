@@ -66,8 +66,8 @@ _OFTEN = 0.3
 """wheelbases from one sample to the next, up to which no simulated vehicle strayed (docs/theory/control.md)"""
 _SLOWER = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 """of the set speed, which are tried"""
-_FAST = 1.0
-"""m/s; at less than half of it none of these vehicles swung"""
+_FAST = 0.5
+"""m/s; at 0.4 m/s none of these vehicles swung, at 0.65 and 0.8 m/s others did"""
 
 
 def path_notes(configuration: Configuration, path: Path, drivable: "DrivablePath | None") -> list[str]:
