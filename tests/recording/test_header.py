@@ -1,5 +1,7 @@
 """What is told of a path before it is driven."""
 
+import pytest
+
 from drawbar.config import load_configuration
 from drawbar.recording.header import path_notes, run_header
 from drawbar.simulation import build_path
@@ -51,5 +53,13 @@ def test_samples_far_apart_are_told_with_what_is_near_enough() -> None:
     (note,) = path_notes(seldom, path, None)
     assert "a sample comes every 0.50 m, which is more than 0.3 wheelbases (0.42 m)" in note
     assert note.endswith("lower sample_time to 0.42 s, or speed to 0.84 m/s")
-    for enough in ("sample_time=0.42", "speed=0.84"):
+    for enough in ("sample_time=0.42", "speed=0.84", "sample_time=0.2"):
         assert path_notes(load_configuration("articulated", ["sample_time=0.5", enough]), path, None) == []
+
+
+@pytest.mark.parametrize("seldom", ["sample_time=0.2", "sample_time=0.3"])
+def test_three_metres_a_second_need_no_more_samples_than_have_been_driven_with(seldom: str) -> None:
+    """The mean error at 3 m/s is 2 to 3 cm with both."""
+    fast = load_configuration("articulated", ["speed=3.0", "path.radii=[16.0]", seldom])
+    path, _ = build_path(fast)
+    assert path_notes(fast, path, None) == []

@@ -64,6 +64,8 @@ _LONGEST = 60
 """samples; of much longer plans a solver may not find the best in the time of a step"""
 _OFTEN = 0.3
 """wheelbases from one sample to the next, up to which no simulated vehicle strayed (docs/theory/control.md)"""
+_SELDOM = 0.4
+"""s from one sample to the next, up to which vehicles at 3 m/s keep their line however many wheelbases that are"""
 _SLOWER = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 """of the set speed, which are tried"""
 _FAST = 0.5
@@ -117,7 +119,7 @@ def _taken_by_the_tractor(configuration: Configuration, off_tracking: float) -> 
 def _sampling_notes(configuration: Configuration) -> list[str]:
     """Return what is to be said of samples that are far apart."""
     speed, enough = configuration.speed, _OFTEN * configuration.vehicle.wheelbase
-    if not speed * configuration.sample_time > enough:
+    if configuration.sample_time <= _SELDOM or speed * configuration.sample_time <= enough:
         return []
     return [
         f"a sample comes every {speed * configuration.sample_time:.2f} m, which is more than {_OFTEN:g} wheelbases "
