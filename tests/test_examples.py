@@ -264,7 +264,7 @@ def _row(begins: str) -> str:
 
 NAN = math.nan
 FAILS: dict[str, Callable[[Measurement, int], Any]] = {
-    "returns something else": lambda measurement, count: None,
+    "returns anything but a": lambda measurement, count: None,
     "returns a text": lambda measurement, count: replace(measurement, speed="1.0"),
     "has no position": lambda measurement, count: replace(measurement, tractor_x=NAN),
     "repeats a time stamp": lambda measurement, count: replace(measurement, time=7000.0 + 0.2 * min(count, 20)),

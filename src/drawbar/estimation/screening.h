@@ -270,12 +270,11 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 static inline void screening_lengths(const struct screening *s, const double *expected, struct screened *screened)
 {
     struct drawbar_measurement *believed = &screened->measurement;
-    const double length = distance(expected, expected + 2);
+    const double share = 0.5 * s->length_error / distance(expected, expected + 2);
+    const double east = share * (expected[0] - expected[2]), north = share * (expected[1] - expected[3]);
 
     if (s->single_growth > 0.0)
         return;
-    const double east = 0.5 * s->length_error * (expected[0] - expected[2]) / length;
-    const double north = 0.5 * s->length_error * (expected[1] - expected[3]) / length;
     believed->tractor_x -= east;
     believed->tractor_y -= north;
     believed->trailer_x += east;

@@ -198,7 +198,7 @@ class SlideSettings(Settings):
     """by which they may change per sample, rad"""
     creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
     """of the side-slip per side acceleration of a curve at first, rad per g; 0: none is looked for"""
-    constant_prior: PositiveAngle = 0.02
+    constant_prior: PositiveAngle = 0.015
     """of what is the same in all headings, such as an antenna that stands 10 cm further aside than stated, 5 m from
     the other, rad"""
     noise: PositiveAngle = 0.12
