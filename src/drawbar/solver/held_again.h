@@ -1,15 +1,14 @@
 /* Held again: with which bounds the held set begins. A controller has a sequence of problems, each much like the one before.
  * The bounds that held inputs in the last one are kept, move on with the trajectory, and are taken into the factorisation that
  * is made before the problem is complete. Where they are those of the new problem too, two sweeps solve it, as without any
- * bound. Else it goes on from there, and then from none.
+ * bound. Else it begins a second time with none.
  */
 #ifndef DRAWBAR_HELD_AGAIN_H
 #define DRAWBAR_HELD_AGAIN_H
 
 #include "held_set.h"
 
-#define KEPT_PASSES 3                      /* with bounds that are kept; the first is those two sweeps. One less where some of them
-                                            * hold the wrong way: what a pass does not settle, none does sooner */
+#define KEPT_PASSES 3                      /* with bounds that are kept; the first is those two sweeps */
 
 /* The place in z of what the bound that is kept for an input speaks of; -1 where none is kept, or where the input does not
  * move it by this linearisation. */
@@ -122,30 +121,19 @@ static int held_first(struct qp *restrict s, struct held_set *restrict h)
     return held_forward(s, h);
 }
 
-/* Solve with bounds by a factorisation with the laws of those that are kept, maybe none; where these do not settle, from none.
- * Where nothing settles, or where bounds are of another kind (foreign), the factorisation and the point are others
- * afterwards. */
+/* Solve with bounds by a factorisation with the laws of those that are kept, maybe none. Where it does not settle, or where
+ * bounds are of another kind (foreign), the factorisation and the point are others afterwards. */
 static enum held_outcome qp_held(struct qp *s, struct held_set *h)
 {
-    int kept = s->factored == FACTORED_KEPT, changes = held_first(s, h), passes = HELD_PASSES;
+    const int kept = s->factored == FACTORED_KEPT, changes = held_first(s, h);
 
     s->factored = NOT_FACTORED;
     s->iterations = kept;
     if (changes < 0)
         return HELD_FOREIGN;
-    if (kept && changes == 0 && held_settled(s, h))
-        return HELD_SETTLED;
-    if (kept)
-        passes = KEPT_PASSES - (changes == 0);
-    while (held_settle(s, h, changes, passes) != HELD_SETTLED) {
-        if (!kept)
-            return HELD_UNSETTLED;
-        memset(h->side, 0, sizeof h->side);
-        memset(h->by, -1, sizeof h->by);
-        s->iterations = kept = changes = 0;
-        passes = HELD_PASSES;
-    }
-    return HELD_SETTLED;
+    if (kept && changes == 0)              /* bounds that hold the wrong way are let go of sooner by beginning with none */
+        return held_settled(s, h) ? HELD_SETTLED : HELD_UNSETTLED;
+    return held_settle(s, h, changes, kept ? KEPT_PASSES : HELD_PASSES);
 }
 
 #endif

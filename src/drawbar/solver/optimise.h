@@ -49,13 +49,13 @@ static enum held_outcome qp_judged(struct qp *s, struct held_set *held)
     return HELD_UNSETTLED;
 }
 
-/* Both active sets, of which the held set may be UNSETTLED already; returns whether one of them has the solution. Else s holds
- * the one without bounds. */
-static int qp_active(struct qp *s, union bounds_work *work, enum held_outcome held)
+/* Both active sets; returns whether one of them has the solution. Else s holds the one without bounds. */
+static int qp_active(struct qp *s, union bounds_work *work)
 {
     double gradient[NZ], defect[N][NX];
+    enum held_outcome held = HELD_FOREIGN;
 
-    if (!FREE_INITIAL && held != HELD_UNSETTLED) {
+    if (!FREE_INITIAL) {
         held = qp_judged(s, &work->held);
         if (held == HELD_SETTLED)
             return 1;
@@ -91,7 +91,6 @@ static int qp_optimise(struct qp *s, struct lent *lent)
 {
     union bounds_work *work = lent->memory;
     double gradient[NZ], defect[N][NX];
-    enum held_outcome held = HELD_FOREIGN;
     int invalid = !bounds_exist(s);
 
     s->iterations = 0;
@@ -103,9 +102,7 @@ static int qp_optimise(struct qp *s, struct lent *lent)
             | !(s->soft_quadratic[i] < (double)INFINITY);
     if (invalid)
         return BAD_INPUT;
-    if (!FREE_INITIAL && s->factored == FACTORED_KEPT)
-        held = qp_judged(s, &work->held);
-    if (held == HELD_SETTLED)
+    if (!FREE_INITIAL && s->factored == FACTORED_KEPT && qp_judged(s, &work->held) == HELD_SETTLED)
         return SOLVED;
     memset(s->kept, 0, sizeof s->kept);
     s->iterations = 0;
@@ -117,7 +114,7 @@ static int qp_optimise(struct qp *s, struct lent *lent)
         if (status == SOLVED || s->iterations == 0)
             return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, &lent->iterations, status);
         qp_afresh(s);
-    } else if (!bounds_at_first(s) && qp_active(s, work, held))
+    } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
     work->ip.damping.on = 0;
