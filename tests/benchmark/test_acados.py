@@ -1,5 +1,6 @@
 """acados beside drawbar: how a problem is declared for it, and, where it is installed, that both find the same plan."""
 
+import io
 import os
 import sys
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from rich.console import Console
 
 from drawbar.benchmark.acados import comparison
 from drawbar.benchmark.acados.__main__ import compare, main
@@ -68,4 +70,6 @@ def test_both_find_the_same_plan(name: str, monkeypatch: pytest.MonkeyPatch) -> 
     for row in others:
         assert row["largest_difference"] < 1e-5, row
         assert 0.0 < row["total_us"]["median"] < np.inf
-    assert acados_table(rows, 15) is not None
+    console = Console(file=io.StringIO(), width=120)
+    console.print(acados_table(rows, 15))
+    assert console.file.getvalue().count(f"acados, {QP_SOLVERS[2].name}") == len(others)

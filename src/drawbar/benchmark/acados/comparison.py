@@ -37,7 +37,7 @@ class AcadosProbe(Probe):
         self.acados: dict[str, list[float]] = {}
         """preparation and feedback, s, by how the quadratic program is solved"""
         self.differences: dict[str, float] = {}
-        """largest one between a number of its plan and of drawbar's"""
+        """largest one between a number of its plan and of drawbar's; NaN where it found no plan"""
         self.unsolved: dict[str, int] = {}
         """samples in which acados gave up"""
         self.compared: list[int] = []
@@ -52,8 +52,8 @@ class AcadosProbe(Probe):
         self.compared.append(len(self.feedback) - 1)
         for name, (time, plan) in found.items():
             self.acados.setdefault(name, []).append(time)
-            difference = 0.0 if plan is None else float(np.abs(plan - own).max())
-            self.differences[name] = max(self.differences.get(name, 0.0), difference)
+            difference = np.nan if plan is None else np.abs(plan - own).max()
+            self.differences[name] = float(np.fmax(self.differences.get(name, np.nan), difference))
             self.unsolved[name] = self.unsolved.get(name, 0) + (plan is None)
 
     def _built(self) -> dict[str, AcadosIteration]:
