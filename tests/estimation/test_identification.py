@@ -310,12 +310,22 @@ def test_what_nobody_told_is_driven_with_from_the_first_metre(case: str, simulat
         assert error.max() < 0.15
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_rate_that_nobody_told_is_driven_with(seed: int, simulate: Callable) -> None:
-    """Planned with the stated rate, front wheels of half of it swing at 3 m/s until the run is stopped."""
-    slow = "machine.actuators.tractor_rate=0.218"
-    run = simulate("articulated", "speed=3.0", "actuation.identify=true", slow, seed=seed)
-    assert run.records[-1].status == Status.OK
-    assert run.records[-1].actuation.tractor_rate == pytest.approx(0.218, rel=0.05)
-    for body in ("tractor", "trailer"):
-        assert np.abs(run.true_errors(body).error).mean() < 0.04
+def test_a_rate_that_nobody_told_is_driven_with(simulate: Callable) -> None:
+    """Planned with the stated rate, front wheels of half of it swing at 3 m/s until the run is stopped.
+
+    Rates of the bank are 1.2 apart: one run is off by up to half of that, and tells so; the mean of five is not.
+    """
+    slow = 0.218
+    rates = []
+    for seed in range(5):
+        run = simulate(
+            "articulated", "speed=3.0", "actuation.identify=true", f"machine.actuators.tractor_rate={slow}", seed=seed
+        )
+        last = run.records[-1]
+        assert last.status == Status.OK
+        rates.append(last.actuation.tractor_rate)
+        assert rates[-1] == pytest.approx(slow, rel=0.1)
+        assert abs(last.actuation.tractor.rate - slow) < 2.0 * last.actuation.tractor.rate_deviation < 0.6 * slow
+        for body in ("tractor", "trailer"):
+            assert np.abs(run.true_errors(body).error).mean() < 0.04
+    assert np.mean(rates) == pytest.approx(slow, rel=0.05)
