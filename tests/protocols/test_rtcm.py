@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from time import process_time
 
 import pytest
 from hypothesis import given, settings
@@ -9,7 +10,8 @@ from hypothesis import strategies as st
 from pyrtcm import RTCMReader
 from pyrtcm.rtcmhelpers import calc_crc24q
 
-from drawbar.protocols.rtcm import RtcmFramer, RtcmStatus, crc24q, message_type, rtcm_frame, station_of
+from drawbar.protocols.crc24q import SpanChecksums, crc24q
+from drawbar.protocols.rtcm import RtcmFramer, RtcmStatus, message_type, rtcm_frame, station_of
 
 GOLDEN = bytes.fromhex("d300133ed07b038960cdfeae00b6fc33600b743ff975f46bda")
 """message 1005 of station 123, as in shared/vectors/ntrip.json"""
@@ -34,6 +36,24 @@ def test_frames_are_those_of_another_implementation(payload: bytes) -> None:
     frame = rtcm_frame(payload)
     assert calc_crc24q(frame) == 0
     assert RtcmFramer().feed(frame) == [frame]
+
+
+@settings(derandomize=True, deadline=None)
+@given(st.binary(min_size=1, max_size=3000), st.lists(st.tuples(st.integers(0, 3000), st.integers(0, 1029))))
+def test_checksum_of_a_span_is_that_of_its_bytes(data: bytes, spans: list[tuple[int, int]]) -> None:
+    checksums = SpanChecksums(data)
+    first = min((begin for begin, _ in spans), default=0)
+    assert checksums.of(min(first, len(data)), min(first, len(data))) == 0
+    for begin, length in spans:
+        begin = min(begin, len(data))
+        span = data[begin : begin + length]
+        assert checksums.of(begin, begin + len(span)) == crc24q(span)
+
+
+def test_bytes_that_begin_a_frame_again_and_again_cost_little() -> None:
+    begun = process_time()
+    assert RtcmFramer().feed(b"\xd3\x03\xff" * 20_000) == []
+    assert process_time() - begun < 0.6, "each checksum by itself takes 1.7 s"
 
 
 def test_too_long_payload_is_refused() -> None:

@@ -7,36 +7,17 @@ twelve bits of a payload are its message type.
 import math
 from collections import Counter
 
+from drawbar.protocols.crc24q import SpanChecksums, crc24q
+
 PREAMBLE = 0xD3
 LONGEST_PAYLOAD = 1023
 HEAD, CHECKSUM = 3, 3
 """bytes before and after the payload"""
-_POLYNOMIAL = 0x1864CFB
 _WITH_STATION = frozenset((*range(1001, 1014), 1033, 1230, *range(1071, 1138)))
 """types whose second field, twelve bits, is the reference station"""
 _MSM = frozenset(first + kind for first in range(1070, 1140, 10) for kind in range(1, 8))
 _OBSERVATIONS = frozenset((*range(1001, 1005), *range(1009, 1013))) | _MSM
 """types that hold measurements: the older ones of GPS and GLONASS, and MSM1 to MSM7 of all systems"""
-
-
-def _remainder(byte: int) -> int:
-    value = byte << 16
-    for _ in range(8):
-        value <<= 1
-        if value & 0x1000000:
-            value ^= _POLYNOMIAL
-    return value
-
-
-_REMAINDERS = tuple(_remainder(byte) for byte in range(256))
-
-
-def crc24q(data: bytes) -> int:
-    """Return the CRC-24Q of some bytes, starting from zero."""
-    value = 0
-    for byte in data:
-        value = (value << 8) & 0xFFFFFF ^ _REMAINDERS[value >> 16 ^ byte]
-    return value
 
 
 def rtcm_frame(payload: bytes) -> bytes:
@@ -72,7 +53,7 @@ class RtcmFramer:
         """Return the frames that these bytes complete."""
         self._held += data
         frames: list[bytes] = []
-        start = 0
+        start, checksums = 0, SpanChecksums(self._held)
         while True:
             found = self._held.find(PREAMBLE, start)
             self.dropped["bytes"] += (found if found >= 0 else len(self._held)) - start
@@ -80,9 +61,8 @@ class RtcmFramer:
             end = self._end(start)
             if end is None:
                 break
-            frame = bytes(self._held[start:end])
-            if frame and crc24q(frame) == 0:
-                frames.append(frame)
+            if end > start and checksums.of(start, end) == 0:
+                frames.append(bytes(self._held[start:end]))
                 start = end
             else:
                 self.dropped["checksum"] += end > start

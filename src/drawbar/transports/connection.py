@@ -12,7 +12,7 @@ from enum import Enum
 from drawbar.transports.tls import TlsLayer
 
 PIECE = 65536
-"""bytes taken from the socket at a time"""
+"""bytes taken from the socket at a time, where nothing else is said"""
 
 
 class Phase(Enum):
@@ -53,10 +53,12 @@ class NameLookUp:
 class Connection:
     """A TCP connection in the making, open, or closed for good; the owner decides when it took too long."""
 
-    def __init__(self, host: str, port: int, tls: ssl.SSLContext | None = None) -> None:
+    def __init__(self, host: str, port: int, tls: ssl.SSLContext | None = None, *, most: int = PIECE) -> None:
+        """Begin; `most` bytes are taken from the socket at a time."""
         self.phase = Phase.RESOLVING
         self.trouble = ""
         """why it is closed, in words"""
+        self._most = most
         self._tls = TlsLayer(tls, host) if tls else None
         self._look_up = NameLookUp(host, port)
         self._addresses: deque[tuple[socket.AddressFamily, tuple[str, int]]] = deque()
@@ -161,7 +163,7 @@ class Connection:
         if not self._socket:
             return b""
         try:
-            data = self._socket.recv(PIECE)
+            data = self._socket.recv(self._most)
         except (BlockingIOError, InterruptedError):
             return b""
         except OSError as error:

@@ -11,6 +11,7 @@ import pytest
 
 from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.receiver import Report
+from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.gnss.stream import EpochStream
@@ -204,9 +205,45 @@ def test_a_position_that_never_changes_is_counted_in_its_epochs(report: Maker) -
 
 def test_an_epoch_out_of_order_is_dropped(report: Maker) -> None:
     stream = EpochStream(EpochSettings())
-    epochs = run(stream, [(10.0 + step, nmea.sentences(report(each))) for step, each in enumerate([0, 1, 3, 2, 4, 5])])
+    arrivals = [(10, 0), (11, 1), (13, 3), (13, 2), (14, 4), (15, 5)]
+    epochs = run(stream, [(float(time), nmea.sentences(report(seconds))) for time, seconds in arrivals])
     assert [epoch.utc - 43200.0 for epoch in epochs] == pytest.approx([0, 1, 3, 4, 5])
     assert stream.dropped == {"epoch out of order": 1}
+
+
+def test_one_time_from_the_future_is_dropped_and_changes_no_other_epoch(report: Maker) -> None:
+    stream = EpochStream(EpochSettings(latency=0.0))
+    seconds = [0.0, 0.2, 0.4, 0.9, 0.8, 7000.0, 1.2, 1.4]
+    epochs = run(stream, [(10.0 + 0.2 * step, [nmea.gga(report(each))]) for step, each in enumerate(seconds)])
+    assert [epoch.time for epoch in epochs] == pytest.approx([10.0, 10.2, 10.4, 10.8, 11.2, 11.4])
+    assert stream.dropped == {"epoch ahead of its time": 2}
+
+
+def test_an_epoch_is_never_measured_before_the_last_one_whatever_latency_is_told(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    told = bytearray(sbf.pvt_geodetic(report(0.02)))
+    told[88:90] = (1).to_bytes(2, "little")  # 0.1 ms: a receiver that reports its latency
+    told[2:4] = crc_ccitt(told[4:]).to_bytes(2, "little")
+    bursts = [(10.0, [sbf.pvt_geodetic(report())]), (10.03, [bytes(told)]), (10.055, [sbf.pvt_geodetic(report(0.04))])]
+    epochs = run(stream, [*bursts, (10.2, [sbf.pvt_geodetic(report(0.2))])])
+    assert [epoch.utc - 43200.0 for epoch in epochs] == pytest.approx([0.0, 0.02, 0.2])
+    assert stream.dropped == {"epoch measured before the last one": 1}
+
+
+@pytest.mark.parametrize("hop", [0.3, 1.0, 7000.0])
+def test_a_receiver_that_sets_its_clock_forward_is_followed_from_the_second_epoch(report: Maker, hop: float) -> None:
+    stream = EpochStream(EpochSettings(latency=0.0))
+    seconds = [0.2 * step + (hop if step >= 4 else 0.0) for step in range(8)]
+    epochs = run(stream, [(10.0 + 0.2 * step, [nmea.gga(report(each))]) for step, each in enumerate(seconds)])
+    assert [epoch.time for epoch in epochs] == pytest.approx([10.0, 10.2, 10.4, 10.6, 11.0, 11.2, 11.4])
+    assert stream.dropped == {"epoch ahead of its time": 1}
+
+
+def test_two_wrong_times_in_turn_with_right_ones_do_not_confirm_each_other(report: Maker) -> None:
+    stream = EpochStream(EpochSettings(latency=0.0))
+    seconds = [0.2 * step + (0.5 if step in (4, 6) else 0.0) for step in range(9)]
+    epochs = run(stream, [(10.0 + 0.2 * step, [nmea.gga(report(each))]) for step, each in enumerate(seconds)])
+    assert [epoch.time for epoch in epochs] == pytest.approx([10.0, 10.2, 10.4, 10.6, 11.0, 11.4, 11.6])
 
 
 def test_a_receiver_that_sets_its_clock_back_is_followed_after_five_epochs(report: Maker) -> None:

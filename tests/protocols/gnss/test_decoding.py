@@ -1,6 +1,7 @@
 """Decoding: golden sentences and frames become what they must; nothing that comes in raises."""
 
 import math
+import struct
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
@@ -212,11 +213,21 @@ def test_golden_frames(golden: Callable[[str], Any], name: str) -> None:
 @pytest.mark.parametrize(
     ("body", "kind"),
     [
-        ("GNGGA,101530.20,9952.6123456,N,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible lat"),
+        ("GNGGA,101530.20,9952.6123456,N,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible field 2"),
         ("GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,nan,42.3,M,45.7,M,1.2,0123", "GGA: impossible HDOP"),
         ("GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,0.7,inf,M,45.7,M,1.2,0123", "GGA: impossible alt"),
         ("GNGGA,256199.20,5052.6123456,N,00442.1234567,E,4,17,0.7,4.1,M,45.7,M,1.2,0123", "GGA: impossible field 1"),
         ("GNGGA,101560.00,5052.6123456,N,00442.1234567,E,4,17,0.7,4.1,M,45.7,M,1.2,0123", "GGA: impossible field 1"),
+        ("GNGGA,101530.20,5060.0000000,N,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible field 2"),
+        ("GNGGA,101530.20,5052.6123456,X,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible field 2"),
+        ("GNGGA,101530.20,5052.6123456,N,00442.1234567,,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible field 4"),
+        ("GNGGA,101530.20,-5052.6123456,N,00442.123456,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible field 2"),
+        ("GNGGA,101530.20,nan,N,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1.2,0123", "GGA: impossible field 2"),
+        (
+            "GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,0.70,42.3,M,45.7,M,1e300,0123",
+            "GGA: impossible diffAge",
+        ),
+        ("GNRMC,101530.20,A,5052.6123,N,18000.0001,E,1.944,87.3,221126,,,R,V", "RMC: impossible field 5"),
         ("GNVTG,87.345,T,85.100,M,1e9,N,3.600,K,R", "VTG: impossible sogn"),
         ("GNZDA,101530.20,31,02,2026,00,00", "ZDA: impossible date"),
         ("PSSN,HRP,101530.20,221126,723.4,,2.345,0.120,,0.300,14,2,1.5,E", "HRP: impossible hdg"),
@@ -231,7 +242,7 @@ def test_golden_frames(golden: Callable[[str], Any], name: str) -> None:
         ("PANDA,101530.20,5052.6,N,00442.1,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12", "PANDA with 14 fields"),
         ("PAOGI,101530.20,5052.6,N,00442.1,E,4,17,0.7,42.3,M,1.2,s,1.9,K,12.2,T,1,2,3", "PAOGI with 19 fields"),
         ("KSXT,20261122101530.20,4.7", "KSXT with 2 fields"),
-        ("PANDA,101530.20,abc,N,00442.1,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12,5", "NMEA unreadable: ValueError"),
+        ("PANDA,101530.20,abc,N,00442.1,E,4,17,0.70,42.318,1.2,1.944,1235,-23,12,5", "PANDA: impossible field 2"),
         ("GNGGA,101530.20", "GGA cut short"),
         ("GPGSV,1,1,00", "NMEA of no use"),
         ("PUBX,00,1", "NMEA of no use"),
@@ -266,12 +277,36 @@ def test_other_qualities_than_satellite_fixes_are_none(code: int) -> None:
         ("8.5,0.011,0.009,12.5,0.010,-0.2,0.018", True, -0.2),
         ("8.5,0.011,0.009,12.5,0.010,inf,0.018", True, -1.0),
         ("8.5,0.011,0.009,12.5,nan,0.010,0.018", True, 0.01),
+        ("8.5,0.011,0.009,12.5,0.010,1e308,0.018", True, -1.0),
     ],
 )
 def test_deviations_that_are_none_are_told_from_missing_ones(gst: str, impossible: bool, east: float | None) -> None:
     message = decoded(sentence(f"GNGST,101530.20,{gst}"))
     assert found(message, Accuracy, "impossible") is impossible
     assert found(message, Accuracy, "east") == (None if east is None else pytest.approx(east))
+
+
+def block(number: int, body: bytes) -> bytes:
+    tail = struct.pack("<HHIH", number, 14 + len(body), 36930200, 2446) + body
+    return b"$@" + crc_ccitt(tail).to_bytes(2, "little") + tail
+
+
+@pytest.mark.parametrize("up", [1e308, math.nan, 0.0])
+def test_a_line_to_a_moving_base_that_no_vehicle_has_is_none(up: float) -> None:
+    body = struct.pack("<BBBBBBddd", 1, 52, 17, 0, 7, 0, up, 0.0, 0.0) + bytes(24)
+    assert dropped(block(4028, body)) == {
+        "BaseVectorGeod: impossible base vector": 1,
+        **({"BaseVectorGeod: impossible DeltaEast_01": 1} if math.isnan(up) else {}),
+    }
+
+
+def test_a_latency_of_seconds_and_a_speed_of_two_high_components_are_impossible() -> None:
+    body = bytearray(struct.pack("<BBddd3f", 4, 0, 0.8, 0.08, 60.0, 45.7, 40.0, 40.0) + bytes(44))
+    body[74:76] = (20_000).to_bytes(2, "little")
+    assert dropped(block(4007, bytes(body[:82]))) == {
+        "PVTGeodetic: impossible Latency": 1,
+        "PVTGeodetic: impossible speed": 1,
+    }
 
 
 def test_unknown_messages_and_weeks_that_are_too_long_are_counted() -> None:

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.machine.stand_in import nmea, ubx
-from drawbar.protocols.gnss.checksums import crc24q, crc_ccitt
+from drawbar.protocols.crc24q import crc24q
+from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.framing import LONGEST_NMEA, LONGEST_SBF, LONGEST_UBX, Frame, Framer, Protocol
 
 GGA = nmea.sentence("GNGGA,101530.20,5052.6123456,N,00442.1234567,E,4,17,0.70,42.318,M,45.700,M,1.2,0123")

@@ -1,6 +1,7 @@
 """Pairing: epochs of two receivers by their own times, whatever the order and the delay in which they come."""
 
 import math
+import random
 from dataclasses import replace
 
 import pytest
@@ -91,6 +92,16 @@ def test_who_was_later_once_is_not_waited_for_longer() -> None:
         pairing.add(body, epoch(utc), arrival)
     pairing.add(TRACTOR, epoch(2.0), 2.0)
     assert pairing.due == pytest.approx(2.08)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_due_ends_a_wait_however_the_usual_delay_changes(seed: int) -> None:
+    chance, pairing = random.Random(seed), Pairing()
+    arrivals = [(0.1 * step + chance.uniform(0.0, 0.45), body, 0.1 * step) for step in range(300) for body in Body]
+    for arrival, body, utc in sorted(arrivals, key=lambda each: each[0]):
+        while (due := pairing.due) <= arrival:
+            assert pairing.poll(due)
+        pairing.add(body, epoch(utc), arrival)
 
 
 def test_one_that_is_half_a_second_behind_stays_alone() -> None:

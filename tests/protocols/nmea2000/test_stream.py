@@ -10,6 +10,7 @@ from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import AntennaSettings, EpochSettings
+from drawbar.protocols.nmea2000.messages import decode_gnss_position
 from drawbar.protocols.nmea2000.stream import Nmea2000Stream
 from drawbar.signals import FixQuality
 from drawbar.transports.base import CanFrame
@@ -50,6 +51,21 @@ def test_what_was_reported_comes_out_across_midnight() -> None:
     assert epochs[-1].day == datetime.date(2026, 6, 2)
     assert math.isnan(epochs[0].yaw)
     assert not stream.dropped
+
+
+def test_a_speed_that_no_vehicle_has_is_missing_and_counted() -> None:
+    stream = Nmea2000Stream(EpochSettings())
+    epochs = epochs_of([report(0, speed=49.0), report(1, speed=655.0)], stream)
+    assert [epoch.speed for epoch in epochs] == pytest.approx([49.0, math.nan], nan_ok=True)
+    assert stream.dropped == {"impossible speed": 1}
+
+
+def test_a_second_that_no_day_has_is_no_time() -> None:
+    body = bytearray(range(43))
+    body[3:7], body[42] = (864_010_001).to_bytes(4, "little"), 0
+    said = decode_gnss_position(bytes(body))
+    assert said is not None
+    assert math.isnan(said.utc)
 
 
 def test_without_a_fix_there_is_no_position() -> None:

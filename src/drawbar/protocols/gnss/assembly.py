@@ -20,12 +20,18 @@ _REMEMBERED = 10
 """epochs whose kinds of messages are remembered"""
 _AWAITED = 0.3
 """a kind that came in this share of them is waited for, the only position in any case"""
+_MOST = 100
+"""contents of an epoch; of more, one epoch would be all that comes without a pause and without a new time"""
 _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _LATENCY, _LINE_LATENCY = 0.04, 0.01
 """of receiver and line where nobody tells: most have 0.01 to 0.08; and of the line alone, s"""
 _NEW_TIME = 5
 """epochs in a row that go on from each other in the past are a receiver that has set its clock"""
+
+_LEAD = 0.05
+"""by which the first epochs may be later than the least delay shows afterwards, s; more is another time of the
+receiver's, and believed as soon as two epochs in a row say so"""
 
 
 class _Draft:
@@ -63,6 +69,7 @@ class Assembler:
         self._draft: _Draft | None = None
         self._kinds: deque[set[str]] = deque(maxlen=_REMEMBERED)
         self._positional: set[str] = set()  # kinds that hold a position
+        self._delivered = -math.inf  # time of the last epoch
         self._start_over()
 
     def _start_over(self) -> None:
@@ -70,6 +77,7 @@ class Assembler:
         self._clock, self._located = ReceiverClock(), False
         self._hold = QualityHold(self._settings.quality_hold)
         self._behind, self._behind_utc = 0, 0.0
+        self._ahead: tuple[float, float] | None = None  # UTC and offset of an epoch that came too early
         self._place, self._repeats = (0.0, 0.0), 0
         self._turning = Turning()
         self._last_kinds: set[str] = set()  # of the epoch before
@@ -89,7 +97,8 @@ class Assembler:
         self._draft.add(message)
         if any(isinstance(content, Position) for content in message.contents):
             self._positional.add(message.kind)
-        if len(self._kinds) >= _FIRST and self._draft.utc is not None and self._is_complete(self._draft):
+        complete = len(self._kinds) >= _FIRST and self._draft.utc is not None and self._is_complete(self._draft)
+        if complete or len(self._draft.contents) >= _MOST:
             ended += self.close()
         return ended
 
@@ -135,15 +144,23 @@ class Assembler:
         if step < 0.0 and not self._is_new_time(utc):
             self.dropped["epoch out of order"] += 1
             return None
+        solution = solve(draft.contents, self._settings)
+        if self._is_ahead(utc, draft.received - solution.latency):
+            self.dropped["epoch ahead of its time"] += 1
+            return None
         self.frozen = self._behind = 0
         self._last_kinds = draft.kinds
-        solution = solve(draft.contents, self._settings)
         if solution.refused:
             self.dropped[solution.refused] += 1
         if solution.impossible:
             self.dropped["epoch with an impossible deviation"] += 1
             return None
-        return self._epoch(draft, utc, solution)
+        epoch = self._epoch(draft, utc, solution)
+        if epoch.time <= self._delivered:  # one of both has told another latency
+            self.dropped["epoch measured before the last one"] += 1
+            return None
+        self._delivered = epoch.time
+        return epoch
 
     def _is_new_time(self, utc: float) -> bool:
         """Whether epochs from the past have gone on for so long that the receiver's clock has been set back."""
@@ -153,6 +170,20 @@ class Assembler:
             return False
         self.dropped["receiver's clock set back"] += 1
         self._start_over()
+        return True
+
+    def _is_ahead(self, utc: float, received: float) -> bool:
+        """Whether a time is in the future by those before it, and none that the epoch before this one began.
+
+        One wrong time, believed, would make all epochs of the next 60 s seem old.
+        """
+        before, self._ahead = self._ahead, None
+        if not self._clock.lead(utc, received) > _LEAD:
+            return False
+        offset = self._clock.offset(utc, received)
+        if before is not None and difference(utc, before[0]) > SAME_EPOCH and abs(offset - before[1]) <= _LEAD:
+            return False
+        self._ahead = (utc, offset)
         return True
 
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from drawbar.geometry import wrap
 from drawbar.protocols.gnss.messages import Attitude, Content, Date, InertialAttitude, Position, Velocity
-from drawbar.protocols.gnss.sentences import LARGEST_SPEED, QUALITIES, minutes_resolution
-from drawbar.protocols.gnss.values import KMH, KNOT, Values, place
+from drawbar.protocols.gnss.sentences import QUALITIES, minutes_resolution
+from drawbar.protocols.gnss.values import KMH, KNOT, LARGEST_SPEED, Values, place
 from drawbar.signals import FixQuality
 
 _NO_SENSOR = 65535
@@ -41,9 +41,7 @@ def paogi(values: Values) -> tuple[Content, ...]:
 
 def _board(values: Values) -> tuple[Content, ...]:
     """Return what both sentences share: position and speed. The altitude stands over the geoid, which is not said."""
-    latitude = _degrees(values, "2", "3", "NS", 90.0)
-    longitude = _degrees(values, "4", "5", "EW", 180.0)
-    latitude, longitude = place(latitude, longitude)
+    latitude, longitude = place(values.coordinate("2", "3", "NS"), values.coordinate("4", "5", "EW"))
     code = values.integer("6")
     position = Position(
         latitude=latitude,
@@ -53,24 +51,11 @@ def _board(values: Values) -> tuple[Content, ...]:
         code=code,
         satellites=values.integer("7"),
         hdop=values.number("8", low=0.0),
-        correction_age=values.number("10", low=0.0),
+        correction_age=values.correction_age("10"),
         resolution=minutes_resolution(values.text("2"), values.text("4")),
         rank=2,
     )
     return position, Velocity(speed=values.number("11", KNOT, low=0.0, high=LARGEST_SPEED / KNOT))
-
-
-def _degrees(values: Values, name: str, hemisphere: str, letters: str, limit: float) -> float:
-    """Return ddmm.mmmm with its letter as degrees, NaN where one is missing or impossible."""
-    number, letter = values.number(name, low=0.0, high=limit * 100.0), values.text(hemisphere)
-    if math.isnan(number):
-        return math.nan
-    whole, minutes = divmod(number, 100.0)
-    degrees = whole + minutes / 60.0
-    if not (minutes < 60.0 and degrees <= limit and letter in tuple(letters)):
-        values.refuse(name)
-        return math.nan
-    return degrees if letter == letters[0] else -degrees
 
 
 def ksxt(values: Values) -> tuple[Content, ...]:

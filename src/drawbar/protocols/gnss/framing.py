@@ -9,7 +9,8 @@ from collections import Counter, deque
 from dataclasses import dataclass
 from enum import Enum
 
-from drawbar.protocols.gnss.checksums import crc24q, crc_ccitt, fletcher, xor
+from drawbar.protocols.crc24q import SpanChecksums
+from drawbar.protocols.gnss.checksums import crc_ccitt, fletcher, xor
 
 _SYNC = re.compile(rb"[$\xb5\xd3]")
 _SENTENCE_END = re.compile(rb"[^ -#%-)+-~]")
@@ -79,12 +80,12 @@ class Framer:
 
     def _frames(self, *, last: bool) -> list[Frame]:
         found: list[Frame] = []
-        buffer, position = self._buffer, 0
+        buffer, position, checksums = self._buffer, 0, SpanChecksums(self._buffer)
         while match := _SYNC.search(buffer, position):
             self._drop_noise(buffer[position : match.start()])
             position = match.start()
             try:
-                protocol, end = _candidate(buffer, position)
+                protocol, end = _candidate(buffer, position, checksums)
             except _Incomplete:
                 if not last:
                     break
@@ -119,7 +120,7 @@ class Framer:
             self._arrivals.popleft()
 
 
-def _candidate(buffer: bytearray, start: int) -> tuple[Protocol, int]:
+def _candidate(buffer: bytearray, start: int, checksums: SpanChecksums) -> tuple[Protocol, int]:
     """Return the protocol of the intact frame at a byte of synchronisation, and where it ends."""
     first = buffer[start]
     _need(buffer, start + 2)
@@ -129,7 +130,7 @@ def _candidate(buffer: bytearray, start: int) -> tuple[Protocol, int]:
     if first == 0xB5 and second == 0x62:
         return Protocol.UBX, _ubx(buffer, start)
     if first == 0xD3 and second < 4:
-        return Protocol.RTCM, _rtcm(buffer, start)
+        return Protocol.RTCM, _rtcm(buffer, start, checksums)
     raise _Broken("noise bytes")
 
 
@@ -178,12 +179,12 @@ def _sbf(buffer: bytearray, start: int) -> int:
     return end
 
 
-def _rtcm(buffer: bytearray, start: int) -> int:
+def _rtcm(buffer: bytearray, start: int, checksums: SpanChecksums) -> int:
     """Return the end of D3, 6 zero bits, 10 bits of length, payload, CRC of 24 bits."""
     _need(buffer, start + 3)
     end = start + 6 + int.from_bytes(buffer[start + 1 : start + 3], "big")
     _need(buffer, end)
-    if crc24q(buffer[start : end - 3]) != int.from_bytes(buffer[end - 3 : end], "big"):
+    if checksums.of(start, end):
         raise _Broken("RTCM checksum")
     return end
 

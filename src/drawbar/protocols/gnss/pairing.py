@@ -65,7 +65,7 @@ class Pairing:
     @property
     def due(self) -> float:
         """Monotonic time at which `poll` has something to do, infinite while there is nothing, s."""
-        return min((each.until for each in self._held), default=float("inf"))
+        return self._held[0].until if self._held else float("inf")
 
     def add(self, body: Body, epoch: Epoch, time: float) -> list[Pair]:
         """Take an epoch that one body's receiver ended at a monotonic time (s); return the pairs that it ends."""

@@ -18,7 +18,6 @@ from drawbar.protocols.gnss.messages import (
     Turn,
     Velocity,
 )
-from drawbar.protocols.gnss.sentences import LARGEST_SPEED
 from drawbar.protocols.gnss.values import Values, place
 from drawbar.signals import FixQuality
 
@@ -35,6 +34,10 @@ _QUALITIES = {
 _MOVING_BASE_FIXED, _MOVING_BASE_FLOAT = 7, 8
 _ATTITUDE_FIXED = (2, 4)
 _ATTITUDE_AXES = ("HeadHead", "RollRoll", "PitchPitch")
+_LONGEST_LATENCY = 1.0
+"""s, as in a configuration"""
+_LONGEST_BASELINE = 100.0
+"""from a moving base, on the same vehicle, m"""
 _NO_FLOAT = -2e10
 _NO_INTEGER = {"NrSV": 255, "ReferenceID": 65535, "MeanCorrAge": 655.35, "HAccuracy": 655.35, "Latency": 6.5535}
 
@@ -74,17 +77,17 @@ def pvt_geodetic(values: Values) -> tuple[Content, ...]:
         quality=FixQuality.NONE if error or flat else _QUALITIES.get(code or 0, FixQuality.NONE),
         code=code,
         satellites=values.integer("NrSV"),
-        correction_age=values.number("MeanCorrAge", low=0.0),
+        correction_age=values.correction_age("MeanCorrAge"),
         station=values.integer("ReferenceID"),
         resolution=1e-12,
         rank=3,
     )
-    north, east = (values.number(name, low=-LARGEST_SPEED, high=LARGEST_SPEED) for name in ("Vn", "Ve"))
+    speed, course = values.velocity("Vn", "Ve")
     axis = values.deviation("HAccuracy") / (2.0 * math.sqrt(2.0))
-    latency = values.number("Latency", low=0.0)
+    latency = values.number("Latency", low=0.0, high=_LONGEST_LATENCY)
     return (
         position,
-        Velocity(speed=math.hypot(north, east), course=math.atan2(north, east)),
+        Velocity(speed=speed, course=course),
         Accuracy(east=axis, north=axis, impossible=axis <= 0.0, rank=0),
         *(() if math.isnan(latency) else (Latency(seconds=latency),)),
     )
@@ -130,9 +133,12 @@ def base_vector_geod(values: Values) -> tuple[Content, ...]:
         return ()
     east, north, up = (values.number(f"Delta{axis}_01") for axis in ("East", "North", "Up"))
     length = math.hypot(east, north, up)
+    if not 0.0 < length <= _LONGEST_BASELINE:
+        values.refuse("base vector")
+        return ()
     attitude = Attitude(
         yaw=math.atan2(north, east),
-        pitch=-math.asin(up / length) if length > 0.0 else math.nan,
+        pitch=-math.asin(up / length),
         baseline=length,
         fixed=code == _MOVING_BASE_FIXED,
         valid=values.integer("Error_01") == 0,

@@ -18,11 +18,9 @@ from drawbar.protocols.gnss.messages import (
     Turn,
     Velocity,
 )
-from drawbar.protocols.gnss.values import KMH, KNOT, Values, place
+from drawbar.protocols.gnss.values import KMH, KNOT, LARGEST_SPEED, Values, place
 from drawbar.signals import FixQuality
 
-LARGEST_SPEED = 50.0
-"""m/s"""
 QUALITIES = {
     1: FixQuality.SINGLE,
     2: FixQuality.DIFFERENTIAL,
@@ -38,9 +36,7 @@ _DEGREE_PER_MINUTE = math.radians(1.0) / 60.0
 
 def gga(values: Values) -> tuple[Content, ...]:
     """Return the position with its quality."""
-    latitude, longitude = place(
-        values.number("lat", low=-90.0, high=90.0), values.number("lon", low=-180.0, high=180.0)
-    )
+    latitude, longitude = place(values.coordinate("2", "3", "NS"), values.coordinate("4", "5", "EW"))
     altitude, separation = values.number("alt", low=-1e4, high=1e5), values.number("sep", low=-500.0, high=500.0)
     code = values.integer("quality")
     return (
@@ -54,7 +50,7 @@ def gga(values: Values) -> tuple[Content, ...]:
             code=code,
             satellites=values.integer("numSV"),
             hdop=values.number("HDOP", low=0.0),
-            correction_age=values.number("diffAge", low=0.0),
+            correction_age=values.correction_age("diffAge"),
             station=values.integer("diffStation"),
             resolution=minutes_resolution(values.text("2"), values.text("4")),
             rank=2,
@@ -77,9 +73,7 @@ def vtg(values: Values) -> tuple[Content, ...]:
 
 def rmc(values: Values) -> tuple[Content, ...]:
     """Return date, speed, and a position for receivers that send no better one."""
-    latitude, longitude = place(
-        values.number("lat", low=-90.0, high=90.0), values.number("lon", low=-180.0, high=180.0)
-    )
+    latitude, longitude = place(values.coordinate("3", "4", "NS"), values.coordinate("5", "6", "EW"))
     mode = values.text("posMode")
     quality = _MODES.get(mode, FixQuality.NONE) if mode else FixQuality.UNKNOWN
     position = Position(
@@ -156,7 +150,7 @@ def hpr(values: Values) -> tuple[Content, ...]:
         valid=bool(code),
         code=code,
         satellites=values.integer("svid"),
-        correction_age=values.number("diffAge", low=0.0),
+        correction_age=values.correction_age("diffAge"),
         rank=2,
     )
     return (attitude,)

@@ -36,6 +36,15 @@ class ReceiverClock:
         """Return the seconds from the last epoch to this time; infinite before the first."""
         return math.inf if math.isnan(self._utc) else difference(utc, self._utc)
 
+    def offset(self, utc: float, received: float) -> float:
+        """Return a time's offset from the monotonic one, s, if an epoch of it was received at that time (s)."""
+        return received - self._elapsed - self.step(utc)
+
+    def lead(self, utc: float, received: float) -> float:
+        """Return by how much an epoch comes earlier than the least delay of 60 s allows, s; -inf: none is known."""
+        self._forget_before(math.floor(received) - _WINDOW)
+        return self._offset - self.offset(utc, received) if self._least else -math.inf
+
     def measured(self, utc: float, received: float) -> float:
         """Take an epoch later than all before, received at a monotonic time (s); return when it was measured (s)."""
         step = self.step(utc)

@@ -8,7 +8,6 @@ import math
 from collections.abc import Callable
 
 from drawbar.protocols.gnss.messages import Accuracy, Attitude, AttitudeAccuracy, Content, Date, Position, Velocity
-from drawbar.protocols.gnss.sentences import LARGEST_SPEED
 from drawbar.protocols.gnss.values import Values, place
 from drawbar.signals import FixQuality
 
@@ -43,10 +42,9 @@ def pvt(values: Values) -> tuple[Content, ...]:
         resolution=1e-7,
         rank=1,
     )
-    full = 1e3 * LARGEST_SPEED
-    north, east = (values.number(name, _MM, low=-full, high=full) for name in ("velN", "velE"))
+    speed, course = values.velocity("velN", "velE", _MM)
     date = values.day(values.integer("day"), values.integer("month"), values.integer("year"))
-    velocity = Velocity(speed=math.hypot(north, east), course=math.atan2(north, east))
+    velocity = Velocity(speed=speed, course=course)
     known = date is not None and values.integer("validDate") == 1
     return (position, velocity, _accuracy(values, rank=0), *((Date(day=date),) if known and date else ()))
 

@@ -2,6 +2,7 @@
 
 import datetime
 import math
+import re
 from collections import Counter
 from typing import Any
 
@@ -11,6 +12,13 @@ KNOT = 1852.0 / 3600.0
 """m/s"""
 KMH = 1.0 / 3.6
 """m/s"""
+LARGEST_SPEED = 50.0
+"""m/s"""
+OLDEST_CORRECTION = 3600.0
+"""no receiver computes with corrections that are older, s"""
+_LARGEST_DEVIATION = 1e6
+"""m, or m² of a variance: who knows so little does not know the place"""
+_DIGITS = re.compile(r"[0-9]+(?:\.[0-9]*)?")
 
 
 class Values:
@@ -30,15 +38,15 @@ class Values:
         if not (low <= number <= high and math.isfinite(number)):
             self.refuse(name)
             return math.nan
-        return number * scale
+        return number * scale + 0.0  # which makes 0 of -0
 
     def deviation(self, name: str, scale: float = 1.0) -> float:
-        """Return a standard deviation as it stands, missing: NaN, given but not finite: -1."""
+        """Return a standard deviation or variance as it stands, missing: NaN, given but not finite or too large: -1."""
         value = self._fields.get(name, "")
         if value is None or value == "":
             return math.nan
         number = float(value) * scale
-        return number if math.isfinite(number) else -1.0
+        return number if number <= _LARGEST_DEVIATION else -1.0
 
     def integer(self, name: str, *, low: int = 0, high: int = 65535) -> int | None:
         """Return a whole number, None where it is missing, or outside [low, high]."""
@@ -52,6 +60,31 @@ class Values:
     def yaw(self, name: str) -> float:
         """Return a heading in degrees clockwise from north as yaw, rad."""
         return wrap(math.pi / 2.0 - self.number(name, math.pi / 180.0, low=-180.0, high=360.0))
+
+    def coordinate(self, name: str, hemisphere: str, letters: str) -> float:
+        """Return ddmm.mmmm and the letter of its hemisphere, NS or EW, as degrees; NaN where there is no such place."""
+        text, letter, limit = self.text(name), self.text(hemisphere), 90.0 if letters == "NS" else 180.0
+        if not text:
+            return math.nan
+        whole, minutes = divmod(float(text), 100.0) if _DIGITS.fullmatch(text) else (math.inf, 0.0)
+        degrees = whole + minutes / 60.0
+        if not (minutes < 60.0 and degrees <= limit and letter in tuple(letters)):
+            self.refuse(name)
+            return math.nan
+        return degrees if letter == letters[0] else -degrees
+
+    def correction_age(self, name: str) -> float:
+        """Return the age of corrections, s."""
+        return self.number(name, low=0.0, high=OLDEST_CORRECTION)
+
+    def velocity(self, north: str, east: str, scale: float = 1.0) -> tuple[float, float]:
+        """Return speed over ground (m/s) and its yaw (rad) of two components, NaN where they are missing or absurd."""
+        components = [self.number(name, scale) for name in (north, east)]
+        speed = math.hypot(*components)
+        if speed > LARGEST_SPEED:
+            self.refuse("speed")
+            return math.nan, math.nan
+        return speed, math.atan2(*components)
 
     def angle(self, name: str, scale: float = 1.0) -> float:
         """Return an inclination in degrees (after the scale), as rad; within a right angle."""

@@ -127,7 +127,7 @@ def decode_gnss_position(data: bytes) -> GnssPosition | None:
     stations = data[42] if data[42] < _NO_SID else 0
     return GnssPosition(
         sid=_sid(data),
-        utc=_unsigned(data, "<H", 1, _DAY) + _unsigned(data, "<I", 3, 1e-4),
+        utc=_unsigned(data, "<H", 1, _DAY) + _within(_unsigned(data, "<I", 3, 1e-4), _DAY + 1.0),
         latitude=_within(_signed(data, "<q", 7, 1e-16), 90.0),
         longitude=_within(_signed(data, "<q", 15, 1e-16), 180.0),
         altitude=_signed(data, "<q", 23, 1e-6),

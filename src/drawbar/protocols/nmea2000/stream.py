@@ -18,8 +18,9 @@ from drawbar.protocols.gnss.messages import (
     Velocity,
 )
 from drawbar.protocols.gnss.settings import EpochSettings
+from drawbar.protocols.gnss.values import LARGEST_SPEED
 from drawbar.protocols.nmea2000.gnss import Nmea2000Epoch, Nmea2000Receiver
-from drawbar.protocols.nmea2000.messages import FixMethod, GnssPosition
+from drawbar.protocols.nmea2000.messages import FixMethod, GnssPosition, Motion
 from drawbar.signals import FixQuality
 from drawbar.transports.can_listener import unpacked
 
@@ -78,11 +79,17 @@ class Nmea2000Stream:
             ended += self._assembler.close()
         return ended
 
+    def _velocity(self, said: Motion) -> Velocity:
+        if said.speed > LARGEST_SPEED:
+            self._receiver.dropped["impossible speed"] += 1
+            return Velocity()
+        return Velocity(speed=said.speed, course=said.course)
+
     def _message(self, epoch: Nmea2000Epoch) -> Message:
         """Return all of an epoch as one message, in the conventions of `gnss/messages.py`."""
         utc, contents = epoch.position.utc, list[Content]([_position(epoch.position)])
         if epoch.motion is not None:
-            contents.append(Velocity(speed=epoch.motion.speed, course=epoch.motion.course))
+            contents.append(self._velocity(epoch.motion))
         if epoch.heading is not None and self._takes_heading:  # else it may be a compass's
             contents.append(Attitude(yaw=epoch.heading.yaw))
         if epoch.attitude is not None:

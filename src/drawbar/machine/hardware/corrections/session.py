@@ -16,6 +16,8 @@ ATTEMPT = 10.0
 """from looking up the name to the caster's answer, s"""
 PATIENCE = 60.0
 """a stream may say nothing for so long while the caster may be waiting for a position that the receiver lacks, s"""
+AT_ONCE = 4096
+"""bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
 HELD = 4096
 """bytes kept until the first intact frame shows that they are corrections"""
 _ADVICE = {
@@ -49,7 +51,7 @@ class Session:
         self.began_to_flow = math.inf
         """when the first intact frame came"""
         self._settings, self._login, self._status = settings, login, status
-        self._connection = Connection(settings.host, settings.port, tls)
+        self._connection = Connection(settings.host, settings.port, tls, most=AT_ONCE)
         self._reader = ReplyReader()
         self._framer = RtcmFramer(dropped)
         self._held = bytearray()
