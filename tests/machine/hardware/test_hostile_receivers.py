@@ -121,9 +121,9 @@ def test_two_hostile_receivers_end_no_drive_and_are_paired_again_afterwards(seed
 @pytest.mark.parametrize("seed", range(LINES))
 def test_epochs_that_are_late_or_lost_or_in_disorder_are_paired_by_their_own_times(seed: int) -> None:
     chance = random.Random(seed)
-    begin = chance.choice(BEGINS)
+    begin, timed = chance.choice(BEGINS), [name for name in DIALECTS if not {"HDT", "THS"} & set(name.split())]
     lines = [
-        line(DIALECTS[chance.choice(list(DIALECTS))], chance, begin=begin, mishaps=(delay, lose, shuffle), share=0.7)
+        line(DIALECTS[chance.choice(timed)], chance, begin=begin, mishaps=(delay, lose, shuffle), share=0.7)
         for _ in range(2)
     ]
     found = told(*lines)

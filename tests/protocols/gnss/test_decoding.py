@@ -13,7 +13,7 @@ from drawbar.machine.stand_in.ubx import frame
 from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.decoding import Decoder
 from drawbar.protocols.gnss.framing import Framer
-from drawbar.protocols.gnss.messages import Accuracy, Attitude, InertialAttitude, Message, Position
+from drawbar.protocols.gnss.messages import Accuracy, Attitude, InertialAttitude, Message, Position, Velocity
 from drawbar.signals import FixQuality
 
 
@@ -252,6 +252,11 @@ def test_golden_frames(golden: Callable[[str], Any], name: str) -> None:
 def test_what_is_impossible_is_missing_and_counted(body: str, kind: str) -> None:
     (counted,) = [name for name in dropped(sentence(body)) if name.startswith(kind)] or [None]
     assert counted is not None, dropped(sentence(body))
+
+
+def test_a_speed_of_less_than_nothing_is_none_and_one_of_minus_nothing_is_nothing() -> None:
+    assert found(decoded(sentence("GNVTG,87.345,T,,M,-0.1,N,-0.0,K,R")), Velocity, "speed") == 0.0
+    assert math.copysign(1.0, found(decoded(sentence("GNVTG,87.345,T,,M,-0.0,N,,K,R")), Velocity, "speed")) == 1.0
 
 
 def test_half_a_position_is_none() -> None:

@@ -129,6 +129,25 @@ def test_half_an_interval_is_that_of_the_faster_receiver() -> None:
     assert [first - second for first, second in both[-8:]] == pytest.approx([0.04] * 8)
 
 
+def test_epochs_that_are_lost_make_no_pair_of_two_instants() -> None:
+    arrivals = [(0.2 * step + 0.18 * (step == 11), TRACTOR, 0.2 * step) for step in range(20) if step not in (9, 10)]
+    arrivals += [
+        (0.2 * step - 0.03 * (step == 12), TRAILER, 0.2 * step) for step in range(20) if step not in (9, 10, 11)
+    ]
+    pairs, _ = run(sorted(arrivals, key=lambda each: each[0]))
+    assert [pair for pair in pairs if None in pair] == [(pytest.approx(2.2), None)]
+    assert all(first == second for first, second in pairs if first is not None and second is not None)
+
+
+@pytest.mark.parametrize("body", Body)
+def test_one_wrong_time_leaves_the_interval_as_it_is(body: Body) -> None:
+    arrivals = [(0.2 * step, TRACTOR, 0.2 * step) for step in range(20)]
+    arrivals += [(0.2 * step + 0.001, TRAILER, 0.2 * step + 0.004) for step in range(20)]
+    arrivals += [(2.002, body, 2.006 if body is TRACTOR else 2.01)]
+    pairs, _ = run(sorted(arrivals, key=lambda each: each[0]))
+    assert sum(None not in pair for pair in pairs) == 20
+
+
 def test_pairs_go_on_through_midnight() -> None:
     arrivals = [
         (0.2 * step + late, body, 86399.0 + 0.2 * step) for step in range(10) for late, body in enumerate_bodies()

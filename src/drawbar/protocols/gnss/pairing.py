@@ -19,6 +19,8 @@ _USUAL_INTERVAL = 0.2
 """of epochs, until it is known, s"""
 _LONGEST_INTERVAL = 1.0
 """s; a longer step is a gap"""
+_STEPS = 10
+"""of a receiver, of which the second shortest is its interval: several may be gaps, and one a wrong time"""
 
 
 class Body(Enum):
@@ -60,7 +62,7 @@ class Pairing:
         self._held: deque[_Held] = deque()  # all of one body
         self._came = {body: deque[tuple[float, float]](maxlen=_REMEMBERED) for body in Body}  # (UTC, when)
         self._behind = {body: deque[float](maxlen=_USUAL) for body in Body}  # after the other's of the instant, s
-        self._steps: dict[Body, float] = {}
+        self._steps = {body: deque[float](maxlen=_STEPS) for body in Body}
 
     @property
     def due(self) -> float:
@@ -101,14 +103,15 @@ class Pairing:
 
     def _half_interval(self) -> float:
         """Return half the interval of the faster receiver's epochs, s."""
-        return min(self._steps.values(), default=_USUAL_INTERVAL) / 2.0
+        intervals = [sorted(steps)[:2][-1] for steps in self._steps.values() if steps]
+        return min(intervals, default=_USUAL_INTERVAL) / 2.0
 
     def _learn(self, body: Body, epoch: Epoch, time: float) -> None:
         """Learn the interval of a receiver's epochs, and how long after the other's it comes."""
         before = self._came[body][-1][0] if self._came[body] else epoch.utc
         step = difference(epoch.utc, before)
         if SAME_EPOCH < step < _LONGEST_INTERVAL:
-            self._steps[body] = step
+            self._steps[body].append(step)
         self._came[body].append((epoch.utc, time))
         for utc, came in self._came[body.other]:
             if abs(difference(epoch.utc, utc)) < self._half_interval() and time - came <= MOST_BEHIND:
