@@ -6,9 +6,14 @@ import tty
 from itertools import pairwise
 from random import Random
 
+import pytest
+from caster_bench import FAST, LOGIN
 from waiting import until
 
+from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.corrections.forwarding import PacedOutlet, StreamOutlet
+from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
+from drawbar.machine.stand_in.caster import Caster
 from drawbar.transports.address import SerialAddress, UdpAddress
 from drawbar.transports.serial import SerialTransport
 from drawbar.transports.udp import UdpTransport
@@ -64,3 +69,30 @@ def test_serial_line_gets_the_bytes_at_once_and_unchanged() -> None:
     outlet.transport.close()
     os.close(far)
     os.close(near)
+
+
+def test_section_of_a_configuration_feeds_a_board(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CASTER", LOGIN)
+    board = UdpTransport(UdpAddress(host="127.0.0.1", port=0))
+    with Caster(login=LOGIN, interval=FAST) as caster:
+        settings = CorrectionsSettings(
+            host="127.0.0.1",
+            port=caster.port,
+            mount="MP1",
+            credentials="environment:CASTER",
+            forward=(f"udp://127.0.0.1:0?peer=127.0.0.1:{board.port}",),
+        )
+        corrections = open_corrections(settings)
+        now, returned, received = 0.0, bytearray(), bytearray()
+
+        def fed() -> bool:
+            nonlocal now
+            now += 0.02
+            returned.extend(corrections.advance(now))
+            received.extend(b"".join(piece.data for piece in board.read()))
+            return len(received) > 300
+
+        until(fed)
+        corrections.close()
+    assert returned.startswith(received)
+    board.close()
