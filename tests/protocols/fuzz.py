@@ -1,12 +1,13 @@
 """Fuzzing of all parsers but the receivers' (gnss/fuzz.py) at length: python tests/protocols/fuzz.py [COUNT [SEED]].
 
-RTCM frames, casters' replies, AgOpenGPS frames, CAN frames of NMEA 2000, sentences of sensor board and bare
-valve, records between the processes, device sections of a configuration: COUNT inputs of each, made from right ones by
-altering bytes, cutting and lengthening, some with the checksum that belongs to them, some of noise alone. Nothing may
-raise but what a section's reader declares, and where a right input stands behind it is understood: RTCM, sentences,
-records. Prints how long one takes, CPU time.
+RTCM frames, casters' replies, AgOpenGPS frames, CAN frames of NMEA 2000 and ISO 11783, sentences of sensor board and
+bare valve, records between the processes, device sections of a configuration: COUNT inputs of each, made from right
+ones by altering bytes, cutting and lengthening, some with the checksum that belongs to them, some of noise alone.
+Nothing may raise but what a section's reader declares, and where a right input stands behind it is understood: RTCM,
+sentences, records. Prints how long one takes, CPU time.
 """
 
+import math
 import random
 import struct
 import sys
@@ -21,6 +22,7 @@ from drawbar.driving.stand_in.demonstration import with_isobus, with_stand_ins
 from drawbar.errors import ConfigurationError
 from drawbar.message_records import LAYOUTS, MARK, VERSION, Flaw, decode
 from drawbar.messages import KINDS
+from drawbar.protocols.actuator import Readiness, SteeringRequest
 from drawbar.protocols.agopengps.board_settings import decode_steer_config, decode_steer_settings
 from drawbar.protocols.agopengps.frame import COMPUTER, PREFIX, STEER_BOARD, Frame, Pgn, checksum, parse
 from drawbar.protocols.agopengps.network import decode_scan_reply
@@ -29,12 +31,22 @@ from drawbar.protocols.agopengps.steering import decode_steer, decode_steer_repl
 from drawbar.protocols.bare_valve import ValveBoard
 from drawbar.protocols.gnss.checksums import xor
 from drawbar.protocols.gnss.settings import EpochSettings
+from drawbar.protocols.isobus.address import CLAIM, REQUEST, AddressClaim
+from drawbar.protocols.isobus.curvature import WheelbaseCurvature
+from drawbar.protocols.isobus.guidance import GuidanceValve
+from drawbar.protocols.isobus.guidance_messages import MACHINE_INFO, SYSTEM_COMMAND
+from drawbar.protocols.isobus.name import Name
+from drawbar.protocols.isobus.node import IsobusNode
+from drawbar.protocols.isobus.speed_actuator import MachineSpeed
+from drawbar.protocols.isobus.tractor_messages import SELECTED_SPEED, WHEEL_SPEED
 from drawbar.protocols.nmea2000.stream import Nmea2000Stream
 from drawbar.protocols.ntrip import ReplyReader
 from drawbar.protocols.own_sentence import own_sentence
 from drawbar.protocols.rtcm import RtcmFramer, RtcmStatus, rtcm_frame
 from drawbar.protocols.sensor_board import SensorBoard
 from drawbar.protocols.sensors import Encoder, Potentiometer
+from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.transports.base import CanFrame
 
 _BATCH = 100
 """inputs between two looks at the clock"""
@@ -136,6 +148,35 @@ class Nmea2000:
         self.stream.push(packed if chance.random() < 0.7 else changed(packed, chance), self.now)
 
 
+class Isobus:
+    """CAN frames of ISO 11783, as a node with a steering valve and a tractor's speed takes and answers them."""
+
+    PGNS = (CLAIM, REQUEST, MACHINE_INFO, SYSTEM_COMMAND, SELECTED_SPEED, WHEEL_SPEED, 0xFE45, 0xFE43, 0xFD43, 0xEC00)
+
+    def __init__(self) -> None:
+        name = Name(identity=1, manufacturer=1407, function=29, device_class=1, self_configurable=True)
+        self.node, self.now = IsobusNode(AddressClaim(name, 128)), 0.0
+        self.valve = GuidanceValve(self.node, WheelbaseCurvature(2.5))
+        self.speed = MachineSpeed(self.node, 3.0)
+
+    def __call__(self, chance: random.Random) -> None:
+        """Take one, and ask for something."""
+        self.now += chance.choice((0.001, 0.01, 0.1, 0.1))
+        pgn, source = chance.choice((*self.PGNS, chance.randrange(1 << 18))), chance.choice((0, 19, 38, 128, 129, 254))
+        data = chance.choice((chance.randbytes(8), b"\xff" * 8, bytes(8), b"\0\xee\0", chance.randbytes(5), b""))
+        self.valve.receive(self.now, CanFrame(chance.randrange(8) << 26 | pgn << 8 | source, data))
+        angle = chance.choice((0.1, -0.5, 0.0, math.nan, math.inf))
+        frames = self.valve.send(self.now, SteeringRequest(steer=chance.random() < 0.9, angle=angle, speed=1.0))
+        wanted = SpeedRequest(drive=chance.random() < 0.9, speed=chance.choice((1.0, angle)), deceleration=1.0)
+        frames += self.speed.send(self.now, wanted)
+        assert len(frames) <= 6
+        assert all(len(frame.data) <= 8 and frame.identifier & 0xFF in (*range(128, 248), 254) for frame in frames)
+        report = self.valve.report(self.now)
+        assert math.isnan(report.angle) or abs(report.angle) < math.pi / 2.0
+        assert not (report.engaged and report.readiness is Readiness.SILENT)
+        self.speed.report(self.now)
+
+
 class Sentences:
     """Sentences of the sensor board and of a bare valve's board."""
 
@@ -215,7 +256,7 @@ def main(arguments: list[str]) -> None:
     count, seed = int(arguments[0]) if arguments else 100_000, int(arguments[1]) if arguments[1:] else 0
     with tempfile.TemporaryDirectory(prefix="drawbar-fuzz-") as folder:
         print(fuzz(Sections(f"{folder}/machine.toml"), max(count // 1000, 1), seed), flush=True)
-    for target in (Rtcm(), caster, Boards(), Nmea2000(), Sentences(), records):
+    for target in (Rtcm(), caster, Boards(), Nmea2000(), Isobus(), Sentences(), records):
         print(fuzz(target, count, seed), flush=True)
 
 
