@@ -2,6 +2,7 @@
 
 import socket
 import ssl
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -50,6 +51,26 @@ def test_bytes_that_come_with_the_end_of_the_handshake_are_read(serve: Serve) ->
         time.sleep(0.1)  # so that all of the server's next flight is there at once
     assert until(connection.read) == b"greeting"
     connection.close()
+
+
+def test_another_end_that_wants_to_agree_anew_is_left(tmp_path: Path) -> None:
+    _, file = certificate(tmp_path)
+    command = ["openssl", "s_server", "-tls1_2", "-accept", "127.0.0.1:0", "-cert", str(file)]
+    command += ["-key", str(tmp_path / "key.pem")]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, bufsize=0) as server:
+        assert server.stdin is not None
+        assert server.stdout is not None
+        try:
+            port = int(next(line for line in server.stdout if line.startswith(b"ACCEPT")).rpartition(b":")[2])
+            connection = Connection("127.0.0.1", port, ssl.create_default_context(cafile=file))
+            until(lambda: connection.advance() is Phase.OPEN)
+            server.stdin.write(b"r\n")  # renegotiate
+            until(lambda: (connection.read(), connection.write(b"position"))[1] == 0)
+        finally:
+            server.kill()
+    assert connection.phase is Phase.CLOSED
+    assert connection.trouble == "TLS: the other end wants to agree anew on it"
 
 
 def test_many_bytes_cross_both_ways(serve: Serve) -> None:

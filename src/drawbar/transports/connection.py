@@ -97,7 +97,14 @@ class Connection:
             return 0
         if self._tls is None:
             return self._send(data)
-        self._tls.seal(data)
+        try:
+            self._tls.seal(data)
+        except ssl.SSLWantReadError:
+            self.close("TLS: the other end wants to agree anew on it")
+            return 0
+        except ssl.SSLError as error:
+            self.close(f"TLS: {error.reason or error}")
+            return 0
         self._send_sealed()
         return len(data) if self.phase is Phase.OPEN else 0
 
