@@ -132,20 +132,36 @@ class Boards:
 
 
 class Nmea2000:
-    """CAN frames of the NMEA 2000 receiver's reader, packed as a recording holds them."""
+    """CAN frames of the NMEA 2000 receiver's reader, packed as a recording holds them, whole positions among them."""
 
     PGNS = (129029, 129025, 129026, 127250, 127257, 127251, 126992, 60928, 59904)
 
     def __init__(self) -> None:
-        self.stream, self.now = Nmea2000Stream(EpochSettings()), 0.0
+        self.stream, self.now, self.last = Nmea2000Stream(EpochSettings(), 32), 0.0, -math.inf
 
     def __call__(self, chance: random.Random) -> None:
-        """Take one."""
+        """Take one, or all of a position."""
         self.now += 0.01
         identifier = 3 << 26 | chance.choice(self.PGNS) << 8 | chance.choice((32, 33, 254))
-        data = bytes((chance.randrange(256), chance.choice((43, 8, 0, 223)))) + chance.randbytes(6)
-        packed = struct.pack("<I", identifier) + data
-        self.stream.push(packed if chance.random() < 0.7 else changed(packed, chance), self.now)
+        frames = [bytes((chance.randrange(256), chance.choice((43, 8, 0, 223)))) + chance.randbytes(6)]
+        if chance.random() < 0.3:
+            identifier, sequence = 3 << 26 | 129029 << 8 | 32, chance.randrange(8) << 5
+            said = bytearray(chance.randbytes(43)[:-1] + b"\0")
+            if chance.random() < 0.8:  # a place and a time that may be
+                said[3:7], said[31:33] = chance.randrange(864_000_000).to_bytes(4, "little"), b"\x40\0"
+                said[7:23] = struct.pack("<qq", round(50e16), round(4e16))
+            body = bytes((43,)) + said
+            cuts = [body[:7], *(body[place : place + 7] for place in range(7, 44, 7))]
+            frames = [bytes((sequence | index,)) + cut.ljust(7, b"\xff") for index, cut in enumerate(cuts)]
+        for frame in frames:
+            packed = struct.pack("<I", identifier) + frame
+            packed = packed if chance.random() < 0.9 else changed(packed, chance)
+            for epoch in self.stream.push(packed, self.now) + self.stream.poll(self.now):
+                assert not abs(epoch.latitude) > 90.0
+                assert not abs(epoch.longitude) > 180.0
+                assert math.isnan(epoch.speed) or 0.0 <= epoch.speed <= 50.0
+                assert self.last < epoch.time <= self.now
+                self.last = epoch.time
 
 
 class Isobus:
