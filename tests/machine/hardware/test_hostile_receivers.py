@@ -39,7 +39,7 @@ from drawbar.message_records import decode, encode
 from drawbar.messages import Fixes
 from drawbar.signals import FixQuality
 
-LINES = int(os.environ.get("DRAWBAR_FUZZ_LINES", "12"))
+LINES = int(os.environ.get("DRAWBAR_FUZZ_LINES", "10"))
 FRAME = LocalFrame(latitude=LATITUDE, longitude=LONGITUDE)
 METRES = float(FRAME.east_north(LATITUDE, LONGITUDE + STEP)[0])
 """from an epoch to the next"""

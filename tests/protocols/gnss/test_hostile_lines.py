@@ -34,7 +34,7 @@ from drawbar.protocols.gnss.stream import EpochStream
 from drawbar.protocols.gnss.turning import LARGEST_YAW_RATE
 from drawbar.signals import FixQuality
 
-LINES = int(os.environ.get("DRAWBAR_FUZZ_LINES", "5"))
+LINES = int(os.environ.get("DRAWBAR_FUZZ_LINES", "4"))
 LATENCY = 0.04
 """that is taken where it is not set, s"""
 
