@@ -14,7 +14,7 @@ from drawbar.bounded import BoundedSequence, Draw
 from drawbar.config import Configuration, demand_configuration
 from drawbar.control.tube.adversary import worst_signs
 from drawbar.errors import ConfigurationError, DrawbarError, HardwareError, PathError, demand
-from drawbar.estimation.ideal import ideal_estimate
+from drawbar.estimation.ideal import TrueState
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.geometry import Floats
 from drawbar.guidance.beginning import beginning
@@ -24,6 +24,7 @@ from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.path import Path
 from drawbar.machine.base import Machine, MachineWithTruth
 from drawbar.machine.physics.settings import PhysicsMachineSettings
+from drawbar.machine.sampled import SampledMachine
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.recording.header import run_header
 from drawbar.recording.log import Outcome, RunHeader, RunLog
@@ -46,7 +47,7 @@ def drive(
     autopilot: Autopilot,
     *,
     time_limit: float,
-    estimate: Callable[[], Estimate] | None = None,
+    estimate: Callable[[float], Estimate] | None = None,
     between: Callable[[], None] | None = None,
 ) -> Iterator[StepRecord]:
     """Yield the record of every step until the tractor reaches the end of the path.
@@ -58,7 +59,7 @@ def drive(
         machine: to drive.
         autopilot: that has been given its path.
         time_limit: s after the first measurement, when the run is given up; the machine's clock may begin anywhere.
-        estimate: in place of the estimator, where that is ideal.
+        estimate: gives what an ideal estimator hands on, where the tractor turns so much later than its wheels, s.
         between: called between a step's two phases, after the command is out.
 
     Raises:
@@ -72,14 +73,14 @@ def drive(
     demand("autopilot", autopilot, Autopilot, "give what build_autopilot() returned")
     if not (isinstance(time_limit, Real) and time_limit > 0.0):
         raise DrawbarError(f"time_limit = {time_limit!r} is not allowed; give a positive number of seconds.")
-    begin, before = math.nan, Status.OK
+    begin, before, body_lag = math.nan, Status.OK, 0.0
     with termination_as_exit(), machine:
         while True:
             measurement = _measured(machine)
             if math.isnan(begin):
                 begin = _first_time(measurement)
             if estimate is not None:
-                autopilot.give(estimate())
+                autopilot.give(estimate(body_lag))
             status, command = autopilot.feedback(measurement)
             machine.write(command)
             if status is Status.FINISHED:
@@ -97,7 +98,7 @@ def drive(
                 raise RunAborted(
                     f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log."
                 )
-            before = status
+            before, body_lag = status, record.actuation.body_lag
 
 
 def _measured(machine: Machine) -> Measurement:
@@ -153,7 +154,7 @@ class Simulation:
         self.path, at = beginning(path, self.machine.truth().tractor, reach=reach, both_ways=both_ways)
         self.autopilot = build_autopilot(configuration)
         self.autopilot.begin(self.path, at=at)
-        self._wrong = _bounded_errors(configuration, "estimate", seed)
+        self._truth = TrueState(configuration.sample_time, _bounded_errors(configuration, "estimate", seed))
 
     def steps(self, between: Callable[[], None] | None = None) -> Iterator[StepRecord]:
         """Drive; see drive()."""
@@ -162,9 +163,13 @@ class Simulation:
             self.machine,
             self.autopilot,
             time_limit=longest_time(self.path.length, self.configuration.speed),
-            estimate=(lambda: ideal_estimate(self.machine.truth(), self._wrong)) if ideal else None,
+            estimate=self._true_state if ideal else None,
             between=between,
         )
+
+    def _true_state(self, body_lag: float) -> Estimate:
+        truth = self.machine.truth()
+        return self._truth.estimate(truth, self.machine.slide(truth.speed), body_lag)
 
     def log(self, between: Callable[[], None] | None = None) -> RunLog:
         """Drive to the end and return the log; see drive()."""
@@ -243,7 +248,7 @@ def _shaped_path(configuration: Configuration) -> "tuple[Path, DrivablePath | No
     return drivable.path, drivable
 
 
-def build_machine(configuration: Configuration, path: Path, seed: int) -> MachineWithTruth:
+def build_machine(configuration: Configuration, path: Path, seed: int) -> SampledMachine:
     """Return the machine that the configuration asks for, standing where its start says.
 
     Raises ConfigurationError when it cannot be built, or needs what is not installed.

@@ -56,7 +56,7 @@ def test_lever_arms_are_those_of_the_golden_file() -> None:
 
 def test_without_masts_and_ages_nothing_changes() -> None:
     first, last = straight(0.0, 0.3), straight(0.2, 0.3)
-    given = measurement(0.2, (0.1, 0.2, -2.0, 0.3), tractor_roll=0.1, speed=1.02)
+    given = measurement(0.2, (0.1, 0.2, -2.0, 0.3), tractor_roll=0.1, tractor_pitch=0.02, speed=1.02)
     assert repr(Alignment(VehicleParameters()).apply(given, first, last)) == repr(given)
 
 

@@ -7,9 +7,11 @@ from c_signals import given
 from estimators import Estimator
 
 from drawbar.config import load_configuration
-from drawbar.estimation.ideal import IDEAL_UNIT, ideal_estimate
+from drawbar.estimation.ideal import IDEAL_UNIT, TrueState
 from drawbar.signals import Command, SolverStatus
 from drawbar.simulation import build_machine, build_path
+
+SLIDE = (0.01, -0.03, 0.36)
 
 
 @pytest.fixture(scope="module")
@@ -25,20 +27,31 @@ def drive():
 
 def test_everything_is_true(drive):
     truth, measurement = drive
-    estimate = ideal_estimate(truth)
+    estimate = TrueState(0.2).estimate(truth, SLIDE, 0.0)
     same = set(type(truth).__dataclass_fields__) & set(type(estimate).__dataclass_fields__)
     assert all(getattr(estimate, name) == getattr(truth, name) for name in same)
     assert set(type(estimate).__dataclass_fields__) - same >= {"hitch_angle", "trailer_slip", "status"}
     assert estimate.trailer_slip == 1.0
+    assert (estimate.slide_east, estimate.slide_north, estimate.creep) == SLIDE
     # the sensor, whose noise is 1°, sees the very angle
     assert estimate.hitch_angle == pytest.approx(measurement.hitch_angle, abs=0.07)
     assert abs(estimate.hitch_angle) > 0.1
 
 
+def test_the_front_wheels_stand_as_they_did_before_the_body_lag(drive):
+    truth, _ = drive
+    state = TrueState(0.2)
+    told = [
+        state.estimate(replace(truth, tractor_steering=angle), SLIDE, lag).tractor_steering
+        for angle, lag in ((0.1, 0.0), (0.3, 0.0), (0.2, 0.1), (0.2, 0.5))
+    ]
+    assert told == pytest.approx([0.1, 0.3, 0.25, 0.2])
+
+
 def test_errors_that_are_asked_for_are_added_across_and_around(drive):
     truth, _ = drive
     errors = np.array([0.1, 0.02, 0.03, -0.2, -0.01, 0.04])
-    estimate = ideal_estimate(truth, lambda: errors)
+    estimate = TrueState(0.2, lambda: errors).estimate(truth, SLIDE, 0.0)
     for body, (left, turn, steering) in zip(("tractor", "trailer"), errors.reshape(2, 3), strict=True):
         believed, true = getattr(estimate, body), getattr(truth, body)
         shift = np.array([believed.x - true.x, believed.y - true.y])
@@ -54,7 +67,7 @@ def test_errors_that_are_asked_for_are_added_across_and_around(drive):
 
 def test_the_estimator_hands_on_what_it_was_given_at_the_measurements_time(drive):
     truth, measurement = drive
-    estimator, estimate = Estimator(IDEAL_UNIT, measurement), ideal_estimate(truth)
+    estimator, estimate = Estimator(IDEAL_UNIT, measurement), TrueState(0.2).estimate(truth, SLIDE, 0.0)
     estimator.live.array("given")[:] = given(estimate)
     assert estimator.begun is SolverStatus.SOLVED
     assert estimator.update(replace(measurement, time=99.0)) == replace(estimate, time=99.0)

@@ -28,6 +28,11 @@ UNIT = """
 struct component { struct slide slide; };
 #define COMPONENT_FIELDS SLIDE_FIELDS(component, slide)
 int UNIT(begin)(struct component *component) { slide_begin(&component->slide); return 0; }
+int UNIT(stand)(struct component *component, double yaw, double roll, double pitch)
+{
+    slide_stand(&component->slide, yaw, roll, pitch, 0.2);
+    return 0;
+}
 int UNIT(take)(struct component *component, double yaw, double push, double crab)
 {
     slide_walk(&component->slide);
@@ -37,19 +42,27 @@ int UNIT(take)(struct component *component, double yaw, double push, double crab
 """
 
 
-def found(yaws: Floats, pushes: Floats, crabs: Floats, **settings: float) -> Floats:
-    """Return east, north, creep and constant after these side-slips.
+LEVEL = (math.nan, math.nan)
+"""a body whose attitude nobody knows"""
+
+
+def found(yaws: Floats, pushes: Floats, crabs: Floats, slope: tuple[float, float] = LEVEL, **settings: float) -> Floats:
+    """Return east, north, creep, constant and the curve's creep beyond after these side-slips.
 
     Args:
         yaws: (n,) rad.
         pushes: (n,) side accelerations, g.
         crabs: (n,) side-slips, rad.
+        slope: rise per metre to the east and to the north, on which a body stands without its own lean.
         settings: other than the defaults.
     """
     values = {f"slide.{name}": value for name, value in SlideSettings(**settings)}
     alone = Alone(Unit(name="slide", source=UNIT, configure=lambda workspace: workspace.write(values)))
     alone.call("begin")
+    east, north = slope
     for yaw, push, crab in zip(yaws.tolist(), pushes.tolist(), crabs.tolist(), strict=True):
+        pitch = math.atan(east * math.cos(yaw) + north * math.sin(yaw))
+        alone.call("stand", Real(yaw), Real(math.atan(north * math.cos(yaw) - east * math.sin(yaw))), Real(pitch))
         alone.call("take", Real(yaw), Real(push), Real(crab))
     return alone.live.array("slide.value").copy()
 
@@ -62,14 +75,33 @@ def test_it_is_regularised_least_squares() -> None:
     settings = {"prior": 0.04, "walk": 0.0, "creep_prior": 0.3, "constant_prior": 0.01, "noise": 0.05}
     information = np.diag([0.04**-2, 0.04**-2, 0.3**-2, 0.01**-2]) + rows.T @ rows / 0.05**2
     expected = np.linalg.solve(information, rows.T @ crabs / 0.05**2)
-    np.testing.assert_allclose(found(yaws, pushes, crabs, **settings), expected, rtol=1e-9)
+    np.testing.assert_allclose(found(yaws, pushes, crabs, **settings), [*expected, 0.0], rtol=1e-9)
+
+
+def test_on_a_slope_that_is_seen_it_is_regularised_least_squares_with_creep_in_both() -> None:
+    rng = np.random.default_rng(0)
+    yaws, crabs = rng.uniform(-9.0, 9.0, 80), rng.normal(0.0, 0.03, 80)
+    pushes, slope = rng.normal(0.0, 0.1, 80), (0.05, -0.08)
+    falls = slope[0] * np.sin(yaws) - slope[1] * np.cos(yaws)  # to the left
+    rows = np.column_stack([-np.sin(yaws), np.cos(yaws), falls - pushes, np.ones(80), -pushes])
+    settings = {"walk": 0.0, "beyond_slope": 0.02, "creep_prior": 0.3, "constant_prior": 0.01, "noise": 0.05}
+    information = np.diag(np.array([0.02, 0.02, 0.3, 0.01, 0.3]) ** -2) + rows.T @ rows / 0.05**2
+    expected = np.linalg.solve(information, rows.T @ crabs / 0.05**2)
+    np.testing.assert_allclose(found(yaws, pushes, crabs, slope, **settings), expected, rtol=1e-9)
+
+
+def test_a_straight_line_on_a_slope_that_is_seen_shows_the_next_curve() -> None:
+    """Five seconds to the east on a slope of 5 degrees to the south, on ground that creeps by 0.36 of it."""
+    straight = np.zeros(25), np.zeros(25), np.full(25, -0.36 * 0.0873)
+    assert found(*straight, (0.0, 0.0873))[2] > 0.2
+    assert found(*straight)[2] == 0.0
 
 
 def test_what_is_the_same_in_the_world_is_told_from_what_is_the_same_for_the_vehicle() -> None:
     yaws = np.linspace(0.0, 4.0 * math.pi, 2000)
     pushes = 0.05 * np.sign(np.sin(0.5 * yaws))
     crabs = 0.005 + 0.02 * np.sin(yaws) - 0.03 * np.cos(yaws) - 0.3 * pushes
-    east, north, creep, constant = found(yaws, pushes, crabs)
+    east, north, creep, constant, _ = found(yaws, pushes, crabs)
     assert (east, north, constant) == pytest.approx((-0.02, -0.03, 0.005), abs=0.003)
     assert creep == pytest.approx(0.3, abs=0.03)
 
@@ -77,7 +109,7 @@ def test_what_is_the_same_in_the_world_is_told_from_what_is_the_same_for_the_veh
 def test_an_antenna_aside_is_not_taken_for_soft_ground_before_a_curve_to_the_other_side() -> None:
     """Ten times around in one curve at 3 m/s, both axles 0.02 rad beside their way: 10 cm in 5 m."""
     yaws = np.linspace(0.0, 20.0 * math.pi, 5000)
-    creep, constant = found(yaws, np.full(5000, 3.0**2 / 25.0 / 9.81), np.full(5000, -0.02))[2:]
+    creep, constant = found(yaws, np.full(5000, 3.0**2 / 25.0 / 9.81), np.full(5000, -0.02))[2:4]
     assert creep < 0.25
     assert constant < -0.01
 

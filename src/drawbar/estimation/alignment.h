@@ -92,18 +92,23 @@ static inline struct roll_zero roll_zero(const struct component *alignment, int 
     return lean_bank_zero(&alignment->leans.bank, body, alignment->masts[body].roll_deviation);
 }
 
-/* Roll and pitch of a body's sensor, without its offsets and what is found of the roll's beyond. */
+/* Take in roll and pitch of a body's sensor, and put in their place what they are without its offsets and what is found of
+ * the roll's beyond, NaN where they are too old to show how the body stands now. */
 static inline void take_attitude(struct component *alignment, int body, const struct since *since, double age,
-                                 double told_roll, double told_pitch)
+                                 double *told_roll, double *told_pitch)
 {
     const struct mast *mast = &alignment->masts[body];
-    const double roll = told_roll - mast->roll_offset, pitch = told_pitch - mast->pitch_offset;
+    const double roll = *told_roll - mast->roll_offset, pitch = *told_pitch - mast->pitch_offset;
     const double last = body == ALIGNED_TRACTOR ? since->last->tractor.yaw : since->last->trailer.yaw;
     const double now = body == ALIGNED_TRACTOR ? since->expected->tractor.yaw : since->expected->trailer.yaw;
 
     const double zero = roll_zero_shown(roll_zero(alignment, body));
     if (attitude_take(&alignment->tracks[body], since->now, age, roll - zero, pitch))
         lean_watch_attitude(&alignment->leans, body, at_age(since, age, last, now), roll, pitch, since->elapsed);
+    const struct attitude_track *track = &alignment->tracks[body];
+    const int stands = attitude_is_new(track, since->now);
+    *told_roll = stands ? track->roll[track->count - 1] : (double)NAN;
+    *told_pitch = stands ? track->pitch[track->count - 1] : (double)NAN;
 }
 
 /* Record the ground below the tractor, or else below the trailer, as its newest attitude shows it. */
@@ -382,10 +387,10 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     lean_watch_move(&alignment->leans, moved_since(&since));
     move_swing(&alignment->leans.swings[ALIGNED_TRACTOR], &since, &last->tractor, &expected->tractor);
     move_swing(&alignment->leans.swings[ALIGNED_TRAILER], &since, &last->trailer, &expected->trailer);
-    take_attitude(alignment, ALIGNED_TRACTOR, &since, aligned->tractor_attitude_age, aligned->tractor_roll,
-                  aligned->tractor_pitch);
-    take_attitude(alignment, ALIGNED_TRAILER, &since, aligned->trailer_attitude_age, aligned->trailer_roll,
-                  aligned->trailer_pitch);
+    take_attitude(alignment, ALIGNED_TRACTOR, &since, aligned->tractor_attitude_age, &aligned->tractor_roll,
+                  &aligned->tractor_pitch);
+    take_attitude(alignment, ALIGNED_TRAILER, &since, aligned->trailer_attitude_age, &aligned->trailer_roll,
+                  &aligned->trailer_pitch);
     record_ground(alignment, &since);
     double tractor[] = {aligned->tractor_x, aligned->tractor_y}, trailer[] = {aligned->trailer_x, aligned->trailer_y};
     align_fix(alignment, ALIGNED_TRACTOR, &since, age_of_fix(alignment, aligned->tractor_fix_age),

@@ -173,10 +173,11 @@ static inline void model_estimate(struct estimation_model *model, const double *
                                   struct drawbar_estimate *estimate)
 {
     struct axle axles[2];
-    double antennas[4];
+    double antennas[4], slide[3];
 
     model_antennas(model, state, antennas);
     model_axles(model, state, axles);
+    slide_told(&model->slide, slide);
     *estimate = (struct drawbar_estimate){
         .time = measurement->time,
         .tractor = {antennas[0], antennas[1], state[X_TRACTOR_YAW]},
@@ -191,9 +192,9 @@ static inline void model_estimate(struct estimation_model *model, const double *
         .steering_offset = state[X_STEERING_OFFSET] + slide_across(&model->slide, axles[0]),
         .tractor_crab = state[X_TRACTOR_CRAB] + slide_across(&model->slide, axles[0]),
         .trailer_crab = state[X_TRAILER_CRAB] + slide_across(&model->slide, axles[1]),
-        .slide_east = model->slide.value[0],
-        .slide_north = model->slide.value[1],
-        .creep = model->slide.value[2],
+        .slide_east = slide[0],
+        .slide_north = slide[1],
+        .creep = slide[2],
         .status = status,
     };
 }
@@ -205,9 +206,11 @@ static inline void model_begin(struct estimation_model *model, double *constants
     memset(constants + FIRST_SLIDE, 0, 3 * sizeof *constants);
 }
 
-/* Learn the slide from an estimated state, and let the model's constants have it. `shift` becomes what steering offset and
- * both crab angles are to change by, so that with the slide they stay what they are, rad; returns whether there is any. */
-static inline int model_learn(struct estimation_model *model, const double *state, double *constants, double *shift)
+/* Learn the slide from an estimated state and how the bodies stand, and let the model's constants have it. `shift` becomes
+ * what steering offset and both crab angles are to change by, so that with the slide they stay what they are, rad; returns
+ * whether there is any. */
+static inline int model_learn(struct estimation_model *model, const double *state, const struct drawbar_measurement *stands,
+                              double *constants, double *shift)
 {
     struct slide *slide = &model->slide;
     struct axle axles[2];
@@ -216,10 +219,14 @@ static inline int model_learn(struct estimation_model *model, const double *stat
         return 0;
     model_axles(model, state, axles);
     const double before[] = {slide_across(slide, axles[0]), slide_across(slide, axles[1])};
+    if (isfinite(stands->tractor_roll))
+        slide_stand(slide, axles[0].yaw, stands->tractor_roll, stands->tractor_pitch, model->sample_time);
+    else
+        slide_stand(slide, axles[1].yaw, stands->trailer_roll, stands->trailer_pitch, model->sample_time);
     slide_walk(slide);
     slide_take(slide, axles[0], state[X_TRACTOR_CRAB] + before[0]);
     slide_take(slide, axles[1], state[X_TRAILER_CRAB] + before[1]);
-    memcpy(constants + FIRST_SLIDE, slide->value, 3 * sizeof *constants);
+    slide_told(slide, constants + FIRST_SLIDE);
     memset(shift, 0, NX * sizeof *shift);
     shift[X_STEERING_OFFSET] = shift[X_TRACTOR_CRAB] = before[0] - slide_across(slide, axles[0]);
     shift[X_TRAILER_CRAB] = before[1] - slide_across(slide, axles[1]);

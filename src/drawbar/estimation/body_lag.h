@@ -16,7 +16,7 @@
 
 #define MOST_BODY_LAG 0.3                  /* s */
 #define ANGLES 18                          /* samples of steering that are kept, more than the longest lag's */
-#define LAG_DEVIATION 0.05                 /* of the lag beyond what is stated, before anything is known, s */
+#define LAG_DEVIATION 0.1                 /* of the lag beyond what is stated, before anything is known, s */
 #define LAG_MEMORY 240.0                   /* time in which what was found is forgotten, s */
 #define LAG_BLUR 0.052                     /* deviation of one error, of which several in a row say the same, rad/s */
 #define LAG_PASS 3.0                       /* time over which errors are none of the lag's, s */
@@ -43,11 +43,12 @@ static inline double ground_speed(const struct drawbar_estimate *estimate)
     return estimate->longitudinal_slip * estimate->speed;
 }
 
-/* The lag of a body at an estimate, s, with so much beyond what is stated: on ground that creeps the yaw follows the wheels,
- * and the side-slip follows the yaw, each with the time constant speed creep / g. */
+/* The lag of a body at an estimate, s, with so much beyond what is stated: on ground that creeps the yaw rate follows the
+ * wheels with the time constant speed creep / g. As much again the path turns later than the yaw, by the side-slip of
+ * a curve, which is in the models (side_slip.h). */
 static inline double body_lag_with(const struct body_lag *body, const struct drawbar_estimate *at, double beyond)
 {
-    const double stated = ground_speed(at) * (body->per_speed + 2.0 * at->creep / GRAVITY);
+    const double stated = ground_speed(at) * (body->per_speed + at->creep / GRAVITY);
 
     return clamped(stated + beyond, 0.0, MOST_BODY_LAG);
 }

@@ -87,7 +87,7 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     const int corrected = filter_update(&component->filter, y), status = corrected == SOLVED ? component->predicted : corrected;
     model_estimate(&component->model, component->filter.x[0], &seen.measurement, status, estimate);
     screened_mark(&seen, estimate);
-    if (status == SOLVED && model_learn(&component->model, component->filter.x[0], component->filter.constants, shift))
+    if (status == SOLVED && model_learn(&component->model, component->filter.x[0], &seen.measurement, component->filter.constants, shift))
         for (int i = 0; i < NX; ++i)
             component->filter.x[0][i] += shift[i];
     return status;

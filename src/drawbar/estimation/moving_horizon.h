@@ -91,7 +91,7 @@ static void learn(struct component *component)
     struct rti *rti = &component->rti;
     double shift[NX];
 
-    if (rti->status != SOLVED || !model_learn(&component->model, newest_state(component), rti->constants, shift))
+    if (rti->status != SOLVED || !model_learn(&component->model, newest_state(component), &component->seen.measurement, rti->constants, shift))
         return;
     for (int i = 0; i < NX; ++i) {
         rti->prior[i] += shift[i];

@@ -194,14 +194,17 @@ class SlideSettings(Settings):
 
     prior: Annotated[NonNegativeAngle, Field(lt=0.2)] = 0.03
     """of the slide to the east and to the north at first; 0: none is looked for, rad"""
+    beyond_slope: PositiveAngle = 0.01
+    """of what creep on the slope that an attitude sensor shows does not explain of it, rad"""
     walk: NonNegativeAngle = 2e-4
     """by which they may change per sample, rad"""
     creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
-    """of the side-slip per side acceleration of a curve at first, rad per g; 0: none is looked for"""
+    """of the side-slip per side acceleration, of a slope or a curve, at first, and of the curve's beyond that of the
+    slope, rad per g; 0: none is looked for"""
     constant_prior: PositiveAngle = 0.015
     """of what is the same in all headings, such as an antenna that stands 10 cm further aside than stated, 5 m from
     the other, rad"""
-    noise: PositiveAngle = 0.12
+    noise: PositiveAngle = 0.06
     """of one estimated side-slip, which is much like the one before, rad"""
 
 

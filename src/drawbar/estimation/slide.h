@@ -7,15 +7,21 @@
  *
  *     alpha = constant - east sin(yaw) + north cos(yaw) - creep push
  *
- * over the estimated side-slips of both axles (Plackett 1950), with a random walk of all four.
+ * over the estimated side-slips of both axles (Plackett 1950), with a random walk of all unknowns. Where a body's attitude
+ * shows by how much the ground falls, east and north are creep times this fall and what is left beside it, and a curve's
+ * creep is the slope's and what is left beside it: the first metres on a slope then show much of the next curve.
  */
 #ifndef DRAWBAR_SLIDE_H
 #define DRAWBAR_SLIDE_H
 
 #include <math.h>
 #include "geometry.h"
+#include "ground_record.h"
+#include "signals.h"
 
-#define SLIDE_TERMS 4                      /* east, north, creep, constant */
+enum { SLIDE_EAST, SLIDE_NORTH, SLIDE_CREEP, SLIDE_CONSTANT, SLIDE_CURVE, SLIDE_TERMS };   /* curve: beyond creep */
+
+#define FALL_MEMORY 10.0                   /* time over which the ground's fall is averaged, s */
 #define MOST_SLIDE 0.12                    /* rad */
 #define MOST_CREEP 1.0
 
@@ -28,14 +34,18 @@ struct axle {
 struct slide {
     double prior, walk;                    /* of east and north: standard deviation at first, and per sample, rad; prior 0:
                                             * nothing is found */
-    double creep_prior;                    /* the same of creep; 0: it stays 0 */
+    double beyond_slope;                   /* the first where the ground's fall is known, rad */
+    double creep_prior;                    /* the same of creep, and of a curve's beyond a slope's; 0: it stays 0 */
     double constant_prior, noise;          /* of the constant; of one estimated side-slip, rad */
     double value[SLIDE_TERMS];             /* rad; creep: rad/g */
     double covariance[SLIDE_TERMS][SLIDE_TERMS];
+    double falls[2];                       /* by which the ground falls to the east and to the north, averaged, rad */
+    double seen;                           /* for how long that was seen, at most FALL_MEMORY, s */
 };
 
 #define SLIDE_FIELDS(type, place)                                                                            \
     SETTING(type, place.prior, 0, 1, 0, 0) SETTING(type, place.walk, 0, 1, 0, 0)                             \
+    SETTING(type, place.beyond_slope, 0, 1, 0, 0)                                                            \
     SETTING(type, place.creep_prior, 0, 1, 0, 0)                                                             \
     SETTING(type, place.constant_prior, 0, 1, 0, 0) SETTING(type, place.noise, 0, 1, 0, 0)                   \
     FIELD(type, place.value, 0, SLIDE_TERMS, 0, 0)
@@ -43,35 +53,71 @@ struct slide {
 /* Standard deviation of a term at first. */
 static inline double slide_prior(const struct slide *slide, int term)
 {
-    return term < 2 ? slide->prior : term == 2 ? slide->creep_prior : slide->constant_prior;
+    if (term == SLIDE_CONSTANT)
+        return slide->constant_prior;
+    if (term >= SLIDE_CREEP)
+        return slide->creep_prior;
+    return slide->seen > 0.0 ? slide->beyond_slope : slide->prior;
 }
 
 /* What a side-slip is made of, by terms. */
-static inline void slide_row(struct axle axle, double *row)
+static inline void slide_row(const struct slide *slide, struct axle axle, double *row)
 {
-    row[0] = -sin(axle.yaw);
-    row[1] = cos(axle.yaw);
-    row[2] = -axle.push;
-    row[3] = 1.0;
+    row[SLIDE_EAST] = -sin(axle.yaw);
+    row[SLIDE_NORTH] = cos(axle.yaw);
+    row[SLIDE_CREEP] = row[SLIDE_EAST] * slide->falls[0] + row[SLIDE_NORTH] * slide->falls[1] - axle.push;
+    row[SLIDE_CONSTANT] = 1.0;
+    row[SLIDE_CURVE] = slide->seen > 0.0 ? -axle.push : 0.0;
 }
 
-static inline void slide_begin(struct slide *slide)
+/* Know no more than at first of anything. */
+static inline void slide_doubt(struct slide *slide)
 {
     for (int i = 0; i < SLIDE_TERMS; ++i) {
         const double deviation = slide_prior(slide, i);
-        slide->value[i] = 0.0;
         for (int j = 0; j < SLIDE_TERMS; ++j)
             slide->covariance[i][j] = i == j ? deviation * deviation : 0.0;
     }
 }
 
+static inline void slide_begin(struct slide *slide)
+{
+    memset(slide->value, 0, sizeof slide->value);
+    slide->falls[0] = slide->falls[1] = slide->seen = 0.0;
+    slide_doubt(slide);
+}
+
+/* Side-slip by the slope to the east and to the north, rad, and by a curve, rad/g. */
+static inline void slide_told(const struct slide *slide, double *told)
+{
+    for (int i = 0; i < 2; ++i)
+        told[i] = slide->value[i] + slide->value[SLIDE_CREEP] * slide->falls[i];
+    told[2] = slide->value[SLIDE_CREEP] + slide->value[SLIDE_CURVE];
+}
+
 /* At which angle to its left slope and curve draw an axle, rad. */
 static inline double slide_across(const struct slide *slide, struct axle axle)
 {
-    double row[SLIDE_TERMS];
+    double told[3];
 
-    slide_row(axle, row);
-    return slide->value[0] * row[0] + slide->value[1] * row[1] + slide->value[2] * row[2];
+    slide_told(slide, told);
+    return told[1] * cos(axle.yaw) - told[0] * sin(axle.yaw) - told[2] * axle.push;
+}
+
+/* Take in how a body that faces so stands on the ground for a sample, rad, s; NaN: nobody knows. */
+static inline void slide_stand(struct slide *slide, double yaw, double roll, double pitch, double sample_time)
+{
+    double slope[2];
+
+    slope_below(yaw, roll, pitch, slope);
+    if (!isfinite(slope[0] + slope[1]))
+        return;
+    const int first = slide->seen == 0.0;
+    slide->seen = fmin(slide->seen + sample_time, FALL_MEMORY);
+    for (int i = 0; i < 2; ++i)
+        slide->falls[i] -= sample_time / slide->seen * (slope[i] + slide->falls[i]);
+    if (first)
+        slide_doubt(slide);
 }
 
 /* Take in the side-slip (rad) of an axle. */
@@ -79,7 +125,7 @@ static inline void slide_take(struct slide *slide, struct axle axle, double crab
 {
     double row[SLIDE_TERMS], gain[SLIDE_TERMS], spread = slide->noise * slide->noise, error = crab;
 
-    slide_row(axle, row);
+    slide_row(slide, axle, row);
     for (int i = 0; i < SLIDE_TERMS; ++i) {
         gain[i] = 0.0;
         for (int j = 0; j < SLIDE_TERMS; ++j)
@@ -94,10 +140,13 @@ static inline void slide_take(struct slide *slide, struct axle axle, double crab
         for (int j = 0; j < SLIDE_TERMS; ++j)
             slide->covariance[i][j] -= gain[i] * gain[j] / spread;
     }
-    const double size = hypot(slide->value[0], slide->value[1]), share = size > MOST_SLIDE ? MOST_SLIDE / size : 1.0;
-    slide->value[0] *= share;              /* the same in all directions of the world */
-    slide->value[1] *= share;
-    slide->value[2] = clipped(slide->value[2], MOST_CREEP);
+    const double size = hypot(slide->value[SLIDE_EAST], slide->value[SLIDE_NORTH]);
+    const double share = size > MOST_SLIDE ? MOST_SLIDE / size : 1.0;
+    slide->value[SLIDE_EAST] *= share;     /* the same in all directions of the world */
+    slide->value[SLIDE_NORTH] *= share;
+    const double creep = clipped(slide->value[SLIDE_CREEP], MOST_CREEP);
+    slide->value[SLIDE_CURVE] = clipped(creep + slide->value[SLIDE_CURVE], MOST_CREEP) - creep;
+    slide->value[SLIDE_CREEP] = creep;
 }
 
 /* Let a sample pass: what is known goes back towards the prior, so that east and north walk by `walk`. */

@@ -126,9 +126,10 @@ static inline void model_begin(struct estimation_model *model, double *constants
     (void)model, (void)constants;
 }
 
-static inline int model_learn(struct estimation_model *model, const double *state, double *constants, double *shift)
+static inline int model_learn(struct estimation_model *model, const double *state, const struct drawbar_measurement *stands,
+                              double *constants, double *shift)
 {
-    (void)model, (void)state, (void)constants, (void)shift;
+    (void)model, (void)state, (void)stands, (void)constants, (void)shift;
     return 0;
 }
 

@@ -14,6 +14,7 @@ from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.plant import COMMANDS
 from drawbar.machine.senses import Senses
 from drawbar.machine.settings import SimulatedMachineSettings, steps_per_sample, whole_steps
+from drawbar.machine.slide import Slide
 from drawbar.signals import Command, Measurement, Pose
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -48,6 +49,10 @@ class SampledMachine(MachineWithTruth):
         self._commands = np.zeros((delay + self._steps, COMMANDS))
         self._newest = (0.0, 0.0, 0.0)
         self._sample, self._begun = 0, False
+
+    @abstractmethod
+    def slide(self, speed: float) -> Slide:
+        """Return how the ground draws every axle at a speed (m/s)."""
 
     def read(self) -> Measurement:
         """Let one sample period pass under the newest command, and return what the sensors report then.

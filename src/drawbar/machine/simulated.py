@@ -14,6 +14,7 @@ from drawbar.machine.plant import EFFECTS
 from drawbar.machine.sampled import BLOCK, SampledMachine
 from drawbar.machine.senses import Senses
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.machine.slide import Slide
 from drawbar.machine.terrain import Terrain
 from drawbar.signals import Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
@@ -106,6 +107,11 @@ class SimulatedMachine(SampledMachine):
         if not self._flat:
             rows[:, -ANGLES:] = self._attitude.advance(states)
         self._history.append(rows)
+
+    def slide(self, speed: float) -> Slide:
+        """Return how the ground draws every axle, at any speed: curves do not."""
+        east, north = (self._settings.terrain.creep * fall for fall in self._terrain.falls())
+        return Slide(east, north, creep=0.0)
 
     def truth(self) -> Truth:
         """Return the true state, and the slips that begin to act now; b includes the push of a side slope."""

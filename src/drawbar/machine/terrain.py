@@ -63,6 +63,10 @@ class Terrain:
         height: Floats = self.height(x, y) - self._plane[0] * x - self._plane[1] * y
         return height
 
+    def falls(self) -> tuple[float, float]:
+        """Return the angles at which the plane falls to the east and to the north, rad."""
+        return math.atan(-self._plane[0]), math.atan(-self._plane[1])
+
     def across(self, yaw: float) -> float:
         """Return the angle at which the plane falls to the left of a yaw, rad."""
         return math.atan(self._plane[0] * math.sin(yaw) - self._plane[1] * math.cos(yaw))

@@ -11,13 +11,15 @@ from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.physics.state import Slides, State, slides
 from drawbar.machine.sampled import BLOCK, SampledMachine
 from drawbar.machine.senses import Senses
+from drawbar.machine.slide import Slide
 from drawbar.machine.terrain import Terrain
 from drawbar.signals import Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters
 
 _SMOOTHED = 2.0
-"""time constant of the slips and side-slips in the truth, s: the controllers' models hold them for constant,
-while on tyres they follow every motion of the wheels; who believes their momentary values steers against himself"""
+"""time constant of the slips in the truth, and of what slope and curve do not explain of the side-slips, s: the
+controllers' models hold them for constant, while on tyres they follow every motion of the wheels; who believes their
+momentary values steers against himself"""
 
 
 class PhysicsMachine(SampledMachine):
@@ -47,6 +49,7 @@ class PhysicsMachine(SampledMachine):
             seed: of everything random; the same seed is the same ground as the simulated machine's.
         """
         super().__init__(vehicle, settings, sample_time, start)
+        self._settings = settings
         rng, history_rng, attitude_rng, floating_rng = _streams(seed)
         self.terrain = Terrain.of_seed(settings.terrain, seed)
         self.multibody = Multibody(self._vehicle, settings, self.terrain, start)
@@ -59,12 +62,14 @@ class PhysicsMachine(SampledMachine):
             floating_rng=floating_rng,
         )
         self._now = self._state()
-        self._slides = Slides(longitudinal_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0)
+        self._slides = self._unexplained = Slides(
+            longitudinal_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0
+        )
         self._history = History(settings.step, np.array(self._now), history_rng, _moment)
         self._draw()
 
     def truth(self) -> Truth:
-        """Return the true state. Slips and side-slips are averages over the last seconds, see _SMOOTHED."""
+        """Return the true state. Slips, and side-slips beside the ground's slide, are averages, see _SMOOTHED."""
         state, slid = self._now, self._slides
         return Truth(
             time=self._sample * self._sample_time,
@@ -94,12 +99,28 @@ class PhysicsMachine(SampledMachine):
             self._now = self._state()
             rows[step] = self._now
         self._history.append(rows)
-        self._smooth(slides(self._now, before, self._sample_time, self._vehicle))
+        self._smooth(slides(self._now, before, self._sample_time, self._vehicle), before)
 
-    def _smooth(self, slid: Slides) -> None:
+    def slide(self, speed: float) -> Slide:
+        """Return how the ground draws every axle at a speed (m/s): by the tyres' law (tyres.py)."""
+        tyres, terrain = self._settings.tyres, self._settings.terrain
+        slower = terrain.creep_speed / max(speed, terrain.creep_speed) if terrain.creep_speed else 1.0
+        creep = max(slower * terrain.creep, 1.0 / tyres.cornering)
+        east, north = (creep * fall for fall in self.terrain.falls())
+        return Slide(east, north, creep)
+
+    def _smooth(self, slid: Slides, before: State) -> None:
         """Take what the wheels did during a sample into the averages."""
-        keep = math.exp(-self._sample_time / _SMOOTHED)
-        self._slides = Slides(*(keep * old + (1.0 - keep) * new for old, new in zip(self._slides, slid, strict=True)))
+        keep, speed = math.exp(-self._sample_time / _SMOOTHED), self._now.speed
+        tractor_turned = self._now.tractor_yaw - before.tractor_yaw
+        trailer_turned = self._now.trailer_yaw - before.trailer_yaw
+        ground = self.slide(speed)
+        tractor = ground.across(self._now.tractor_yaw, speed, tractor_turned / self._sample_time)
+        trailer = ground.across(self._now.trailer_yaw, speed, trailer_turned / self._sample_time)
+        explained = Slides(0.0, steering_offset=tractor, tractor_crab=tractor, trailer_crab=trailer)
+        parts = zip(self._unexplained, slid, explained, strict=True)
+        self._unexplained = Slides(*(keep * old + (1.0 - keep) * (new - known) for old, new, known in parts))
+        self._slides = Slides(*map(sum, zip(self._unexplained, explained, strict=True)))
 
     def _state(self) -> State:
         tractor, trailer = self.multibody.stances()
