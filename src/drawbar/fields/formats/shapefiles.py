@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyproj
 import shapefile
 
@@ -47,8 +48,9 @@ def read(path: Path) -> tuple[Field, ...]:
                 if kind == "POLYLINE":
                     lines += [(name, to_degrees(piece)) for piece in pieces]
                 elif kind == "POLYGON" and boundary is None:
-                    boundary = to_degrees(pieces[0])
-                    left_out += ["hole"] * (len(pieces) - 1)
+                    edge, besides = _edge(pieces)
+                    boundary = to_degrees(edge)
+                    left_out += besides
                 else:
                     left_out.append(f"{kind} {name}".strip())
     except Exception as error:  # of whatever kind: a damaged file fails anywhere in pyshp
@@ -74,6 +76,24 @@ def _projection(path: Path) -> Callable[[Any], Degrees]:
         return list(zip(latitude, longitude, strict=True))
 
     return to_degrees
+
+
+def _edge(rings: list[list[Any]]) -> tuple[list[Any], list[str]]:
+    """Return the first outer ring of a polygon, and what else it holds.
+
+    Rings may be in any order: outer ones go clockwise. Where none does, as some programs write it, the largest is one.
+    """
+    areas = [_area(ring) for ring in rings]
+    outer = [index for index, area in enumerate(areas) if area < 0.0]
+    edge = outer[0] if outer else max(range(len(rings)), key=areas.__getitem__)
+    besides = ["Polygon"] * (len(outer) - 1)
+    return rings[edge], besides + ["hole"] * (len(rings) - 1 - len(besides))
+
+
+def _area(ring: list[Any]) -> float:
+    """Return the area of a ring, positive where it goes counter-clockwise."""
+    x, y = (np.array(ring) - ring[0]).T
+    return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2.0
 
 
 def _name(record: dict[str, Any]) -> str:
@@ -104,7 +124,8 @@ def _add(archive: zipfile.ZipFile, name: str, kind: int, lines: tuple[FieldLine,
         for line in lines:
             points = _longitude_first(line.points)
             if kind == shapefile.POLYGON:
-                writer.poly([[*points, points[0]]])
+                ring = points if _area(points) < 0.0 else points[::-1]  # an edge goes clockwise, a hole the other way
+                writer.poly([[*ring, ring[0]]])
             else:
                 writer.line([points])
             writer.record(line.name)
