@@ -18,6 +18,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}: enthält weder eine Linie noch eine Grenze, sondern: {1}; andere Datei wählen",
     "nothing": "nichts",
     "hole": "Loch",
+    "places to better than {} m, by the conversion from {}":
+        "Lage genauer als {0} m, durch die Umrechnung aus {1}",
     "waypoint {}": "Wegpunkt {0}",
     "polygon": "Fläche",
     "line '{}' of {} point(s)": "Linie „{0}“ mit {1} Punkt(en)",
